@@ -1,0 +1,42 @@
+"""Identify, track and explain dielectric elastomer actuators from their records.
+
+The names below are loaded on first use, so that a small job imports only its own room.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from dea.discrepancy import diagnose
+    from dea.gfrf import frequency_response
+    from dea.narx import NarxModel, select_terms
+    from dea.store import read_record
+    from dea.tracking import track_parameters
+
+__all__ = [
+    "NarxModel",
+    "diagnose",
+    "frequency_response",
+    "read_record",
+    "select_terms",
+    "track_parameters",
+]
+
+_ROOM_OF = {
+    "NarxModel": "dea.narx",
+    "diagnose": "dea.discrepancy",
+    "frequency_response": "dea.gfrf",
+    "read_record": "dea.store",
+    "select_terms": "dea.narx",
+    "track_parameters": "dea.tracking",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ROOM_OF:
+        raise AttributeError(f"module 'dea' has no attribute {name!r}")
+    return getattr(import_module(_ROOM_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,1 @@
+"""The Modbus client that drives an actuator and records it."""

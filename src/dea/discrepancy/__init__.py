@@ -1,0 +1,1 @@
+"""Find, name and prove the effect a simulation is missing."""

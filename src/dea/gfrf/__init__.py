@@ -1,0 +1,1 @@
+"""Generalised frequency response functions of polynomial NARX models."""

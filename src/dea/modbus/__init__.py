@@ -1,0 +1,1 @@
+"""What bench and acquisition share of Modbus: device descriptions and register codecs."""

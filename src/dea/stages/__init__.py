@@ -1,0 +1,1 @@
+"""What each rule of the workflow runs: read inputs, call the library, write outputs."""

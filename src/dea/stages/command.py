@@ -1,0 +1,37 @@
+"""The command line every stage shares: named input and output files, settings as JSON."""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from dea.errors import InputError
+
+
+def run(
+    stage: Callable[..., None],
+    *,
+    inputs: Sequence[str] = (),
+    outputs: Sequence[str] = (),
+    arguments: Sequence[str] | None = None,
+) -> None:
+    """Parse the command line and call ``stage(settings, **paths)``.
+
+    Each name in ``inputs`` and ``outputs`` becomes an option ``--name PATH``; a name ending in
+    ``*`` takes several paths. ``--settings`` is the JSON of the config leaves the stage needs.
+    An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2.
+    """
+    parser = argparse.ArgumentParser(description=stage.__doc__)
+    parser.add_argument("--settings", type=json.loads, default={}, metavar="JSON")
+    for name in (*inputs, *outputs):
+        several = {"nargs": "+"} if name.endswith("*") else {}
+        option = "--" + name.rstrip("*").replace("_", "-")
+        parser.add_argument(option, type=Path, required=True, metavar="PATH", **several)  # type: ignore[arg-type]
+    values: dict[str, Any] = vars(parser.parse_args(arguments))
+    try:
+        stage(values.pop("settings"), **values)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None

@@ -1,0 +1,1 @@
+"""Parameters that change with time: recursive least squares and Kalman smoothing."""
