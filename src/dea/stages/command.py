@@ -26,9 +26,9 @@ def run(
     parser = argparse.ArgumentParser(description=stage.__doc__)
     parser.add_argument("--settings", type=json.loads, default={}, metavar="JSON")
     for name in (*inputs, *outputs):
-        several = {"nargs": "+"} if name.endswith("*") else {}
         option = "--" + name.rstrip("*").replace("_", "-")
-        parser.add_argument(option, type=Path, required=True, metavar="PATH", **several)  # type: ignore[arg-type]
+        count = "+" if name.endswith("*") else None
+        parser.add_argument(option, type=Path, required=True, metavar="PATH", nargs=count)
     values: dict[str, Any] = vars(parser.parse_args(arguments))
     try:
         stage(values.pop("settings"), **values)

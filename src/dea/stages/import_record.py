@@ -1,0 +1,25 @@
+"""Read a record made elsewhere, as its case file names it, into ``record.nc``."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def import_record(settings: Mapping[str, Any], case: Path, record: Path) -> None:
+    """Import the record that a case file describes."""
+    from dea import store
+
+    dataset = store.import_record(settings, case)
+    store.write(
+        dataset,
+        record,
+        title=f"Record of the case {case.stem}",
+        inputs={"record": settings["file"]},
+        settings=settings,
+    )
+
+
+if __name__ == "__main__":
+    run(import_record, inputs=("case",), outputs=("record",))

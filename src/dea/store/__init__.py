@@ -1,0 +1,20 @@
+"""Every dataset the study keeps: written whole with its provenance, read with its checks."""
+
+from dea.store.contracts import CONTRACTS, Contract, Variable
+from dea.store.files import atomic, read, write
+from dea.store.foreign import import_record
+from dea.store.records import Signals, check_record, read_record, signals
+
+__all__ = [
+    "CONTRACTS",
+    "Contract",
+    "Signals",
+    "Variable",
+    "atomic",
+    "check_record",
+    "import_record",
+    "read",
+    "read_record",
+    "signals",
+    "write",
+]

@@ -1,0 +1,154 @@
+"""What each dataset of the study must hold: variables, dimensions and units."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import xarray as xr
+
+from dea.errors import InputError
+
+
+@dataclass(frozen=True)
+class Variable:
+    """Dimensions of a variable and, where they are fixed, its units."""
+
+    dims: tuple[str, ...]
+    units: str | None = None
+
+
+@dataclass(frozen=True)
+class Contract:
+    """The variables a dataset must have, and those it may have."""
+
+    required: Mapping[str, Variable]
+    optional: Mapping[str, Variable] = field(default_factory=dict)
+
+    def check(self, dataset: xr.Dataset, file: Path) -> None:
+        """Raise :class:`InputError` where ``dataset`` breaks the contract."""
+        for name, variable in {**self.required, **self.optional}.items():
+            if name not in dataset.variables:
+                if name in self.required:
+                    raise InputError(
+                        "the variable is missing",
+                        file=file,
+                        field=name,
+                        remedy=f"It holds {', '.join(sorted(map(str, dataset.variables)))}",
+                    )
+                continue
+            found = dataset[name]
+            if found.dims != variable.dims:
+                raise InputError(
+                    f"its dimensions are {found.dims}",
+                    file=file,
+                    field=name,
+                    remedy=f"They must be {variable.dims}",
+                )
+            units = found.attrs.get("units")
+            if units is None or (variable.units is not None and units != variable.units):
+                raise InputError(
+                    f"its units are {units!r}",
+                    file=file,
+                    field=name,
+                    remedy=f"They must be {variable.units!r}"
+                    if variable.units
+                    else "Every variable names its units; '1' where it has none",
+                )
+
+
+def _plain(*dims: str, units: str | None = None) -> Variable:
+    return Variable(dims, units)
+
+
+_METRIC = ("model", "approach", "window")
+
+CONTRACTS: Mapping[str, Contract] = {
+    "record": Contract(
+        required={
+            "time": _plain("time", units="s"),
+            "voltage": _plain("time", units="V"),
+            "displacement": _plain("time", units="mm"),
+            "device_index": _plain("time", units="1"),
+            "quality": _plain("time", units="1"),
+        },
+        optional={
+            "voltage_requested": _plain("time", units="V"),
+            "voltage_counts": _plain("time", units="count"),
+            "displacement_counts": _plain("time", units="count"),
+        },
+    ),
+    "imported_record": Contract(
+        required={
+            "time": _plain("time", units="s"),
+            "input": _plain("time"),
+            "output": _plain("time"),
+        }
+    ),
+    "link": Contract(
+        required={
+            "send_time": _plain("exchange", units="s"),
+            "receive_time": _plain("exchange", units="s"),
+            "samples": _plain("exchange", units="1"),
+            "retries": _plain("exchange", units="1"),
+        }
+    ),
+    "orders": Contract(
+        required={
+            f"{order}_{criterion}": _plain(f"{order}_order")
+            for order in ("dynamic", "polynomial")
+            for criterion in ("nmse", "fpe", "terms")
+        }
+    ),
+    "model": Contract(
+        required={
+            "parameter": _plain("term", units="1"),
+            "u_offset": _plain(),
+            "u_scale": _plain(),
+            "y_offset": _plain(),
+            "y_scale": _plain(),
+        },
+        optional={
+            "standard_error": _plain("term", units="1"),
+            "covariance": _plain("term", "term_2", units="1"),
+            "inclusion_frequency": _plain("term", units="1"),
+            "trial_phase": _plain("trial"),
+            "trial_step": _plain("trial"),
+            "trial_term": _plain("trial"),
+            "trial_msse": _plain("trial"),
+            "trial_serr": _plain("trial"),
+            "trial_status": _plain("trial"),
+        },
+    ),
+    "validation": Contract(
+        required={
+            "time": _plain("window", "sample", units="s"),
+            "input": _plain("window", "sample"),
+            "measured": _plain("window", "sample"),
+            "simulated": _plain("model", "approach", "window", "sample"),
+            "nmse": _plain(*_METRIC, units="1"),
+            "fit": _plain(*_METRIC, units="1"),
+            "fpe": _plain(*_METRIC),
+            "rmse": _plain(*_METRIC),
+            "correlation": _plain(*_METRIC, "test", "lag", units="1"),
+        }
+    ),
+    "track": Contract(
+        required={
+            "parameter": _plain("tracker", "time", "term", units="1"),
+            "parameter_std": _plain("tracker", "time", "term", units="1"),
+            "innovation": _plain("tracker", "time"),
+            "simulated": _plain("simulation", "time"),
+            "nmse": _plain("simulation", units="1"),
+            "rmse": _plain("simulation"),
+        }
+    ),
+    "gfrf": Contract(
+        required={
+            "H1": _plain("time", "frequency", "part"),
+            "H2": _plain("time_h2", "frequency_1", "frequency_2", "part"),
+            "y0": _plain("time"),
+            "input_spectrum": _plain("frequency"),
+            "excited": _plain("frequency", units="1"),
+        }
+    ),
+}

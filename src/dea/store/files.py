@@ -1,0 +1,122 @@
+"""Write datasets whole, with their provenance; read them back with their contract checked."""
+
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from dea.errors import InputError
+from dea.store.contracts import CONTRACTS
+
+_PACKAGES = ("dea-study", "numpy", "scipy", "numba", "xarray", "netCDF4", "pymodbus", "snakemake")
+
+
+@contextmanager
+def atomic(path: str | Path) -> Iterator[Path]:
+    """Yield a temporary path beside ``path`` that takes its name only if the block succeeds."""
+    final = Path(path)
+    final.parent.mkdir(parents=True, exist_ok=True)
+    partial = final.with_name(f".{final.name}.{os.getpid()}.partial")
+    try:
+        yield partial
+        os.replace(partial, final)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def write(
+    dataset: xr.Dataset,
+    path: str | Path,
+    *,
+    title: str,
+    inputs: Mapping[str, str | Path] | None = None,
+    settings: Mapping[str, Any] | None = None,
+    seed: int | None = None,
+) -> None:
+    """Write ``dataset`` to ``path`` with the provenance that lets it be audited.
+
+    Parameters
+    ----------
+    inputs
+        Files the dataset was made from; their SHA-256 is stored.
+    settings, seed
+        The resolved config leaves and the seed that shaped it.
+
+    Raises
+    ------
+    InputError
+        If the dataset breaks the contract of its file name; nothing is written then.
+    """
+    path = Path(path)
+    contract = _contract_name(dataset, path)
+    if contract in CONTRACTS:
+        CONTRACTS[contract].check(dataset, path)
+    provenance = {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "source": f"dea-study {version('dea-study')}",
+        "history": f"written by dea-study from {', '.join(inputs) if inputs else 'no file'}",
+        "contract": contract,
+        "settings": json.dumps(settings or {}, sort_keys=True),
+        "packages": json.dumps(_versions(), sort_keys=True),
+    }
+    if seed is not None:
+        provenance["seed"] = str(seed)
+    for name, file in (inputs or {}).items():
+        provenance[f"sha256_{name}"] = sha256(file)
+    whole = dataset.assign_attrs({**dataset.attrs, **provenance})
+    encoding = {
+        name: {"zlib": True, "complevel": 1, "shuffle": True}
+        for name, variable in whole.variables.items()
+        if variable.ndim and variable.dtype.kind in "iufb"
+    }
+    with atomic(path) as partial:
+        whole.to_netcdf(partial, engine="netcdf4", format="NETCDF4", encoding=encoding)
+
+
+def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
+    """Read a dataset into memory and check its contract (by default that of the file's name).
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not NetCDF or breaks the contract.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise InputError("the file does not exist", file=path)
+    try:
+        # Times are plain seconds since the start, which the decoder would turn into dates.
+        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
+            dataset = opened.load()
+    except OSError as error:
+        raise InputError(
+            f"cannot be read as NetCDF ({error})", file=path, remedy="Make it again"
+        ) from error
+    name = contract or _contract_name(dataset, path)
+    if name in CONTRACTS:
+        CONTRACTS[name].check(dataset, path)
+    return dataset
+
+
+def sha256(path: str | Path) -> str:
+    """Return the SHA-256 of a file as hexadecimal text."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _contract_name(dataset: xr.Dataset, path: Path) -> str:
+    return str(dataset.attrs.get("contract", path.stem))
+
+
+@cache
+def _versions() -> dict[str, str]:
+    return {"python": platform.python_version(), **{name: version(name) for name in _PACKAGES}}

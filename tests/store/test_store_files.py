@@ -1,0 +1,113 @@
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea import store
+from dea.errors import InputError
+
+
+def record(samples=100):
+    time = np.arange(samples) / 50
+    return xr.Dataset(
+        {
+            "voltage": ("time", 2 + np.sin(time), {"units": "V", "long_name": "voltage"}),
+            "displacement": ("time", np.cos(time), {"units": "mm", "long_name": "displacement"}),
+            "device_index": ("time", np.arange(samples), {"units": "1", "long_name": "index"}),
+            "quality": ("time", np.zeros(samples, np.uint8), {"units": "1", "long_name": "flag"}),
+        },
+        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
+    )
+
+
+def test_what_is_written_is_read_back_with_its_provenance(tmp_path):
+    source = tmp_path / "source.csv"
+    source.write_text("abc")
+    path = tmp_path / "record.nc"
+    store.write(record(), path, title="A record", inputs={"csv": source}, settings={"b": 1}, seed=7)
+    back = store.read(path)
+    xr.testing.assert_equal(back, record())
+    assert back.attrs["title"] == "A record"
+    assert back.attrs["seed"] == "7"
+    assert json.loads(back.attrs["settings"]) == {"b": 1}
+    # SHA-256 of "abc", FIPS 180-2 appendix B.1
+    assert back.attrs["sha256_csv"].startswith("ba7816bf8f01cfea414140de5dae2223")
+    assert back["time"].dtype == np.float64
+
+
+def test_two_writes_give_the_same_bytes(tmp_path):
+    first, second = tmp_path / "a" / "record.nc", tmp_path / "b" / "record.nc"
+    for path in (first, second):
+        store.write(record(), path, title="A record")
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_a_broken_contract_writes_nothing(tmp_path):
+    with pytest.raises(InputError, match=r"record\.nc: displacement: the variable is missing"):
+        store.write(record().drop_vars("displacement"), tmp_path / "record.nc", title="")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failed_write_leaves_the_old_file_alone(tmp_path):
+    path = tmp_path / "result.txt"
+    path.write_text("old")
+
+    def interrupted():
+        with store.atomic(path) as partial:
+            partial.write_text("half")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        interrupted()
+    assert path.read_text() == "old"
+    assert [file.name for file in tmp_path.iterdir()] == ["result.txt"]
+
+
+def test_wrong_units_and_dimensions_name_file_field_and_remedy(tmp_path):
+    wrong = record()
+    wrong["voltage"].attrs["units"] = "mV"
+    with pytest.raises(InputError, match=r"record\.nc: voltage: its units are 'mV'.*'V'"):
+        store.write(wrong, tmp_path / "record.nc", title="")
+    with pytest.raises(InputError, match="its dimensions are"):
+        store.write(record().rename_dims(time="sample"), tmp_path / "record.nc", title="")
+
+
+def test_a_file_that_is_no_netcdf_is_named(tmp_path):
+    path = tmp_path / "record.nc"
+    path.write_text("not NetCDF")
+    with pytest.raises(InputError, match="cannot be read as NetCDF"):
+        store.read(path)
+    with pytest.raises(InputError, match="does not exist"):
+        store.read(tmp_path / "absent.nc")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda r: r.isel(time=np.delete(np.arange(100), 40)), r"time: there is a gap of 0\.04 s"),
+        (lambda r: r.assign(voltage=r.voltage.where(r.time != r.time[3])), "voltage: 1 of 100"),
+        (lambda r: r.assign(voltage=r.voltage.copy(data=np.full(100, 2.0))), "input is constant"),
+        (lambda r: r.assign(quality=r.quality.copy(data=np.eye(100)[5])), "1 samples are flagged"),
+        (
+            lambda r: r.assign(device_index=r.device_index.copy(data=np.arange(100) // 2)),
+            "sample 0 is followed by 0",
+        ),
+        (lambda r: r.isel(time=[0]), "holds 1 samples"),
+    ],
+)
+def test_an_unusable_record_is_refused(spoil, message, tmp_path):
+    spoilt = spoil(record())
+    for name, variable in record().variables.items():
+        spoilt[name].attrs.update(variable.attrs)
+    with pytest.raises(InputError, match=message):
+        store.check_record(spoilt, tmp_path / "record.nc")
+
+
+def test_signals_are_found_whatever_they_are_called():
+    mine = store.signals(record())
+    theirs = store.signals(record().rename(voltage="input", displacement="output"))
+    np.testing.assert_array_equal(mine.u, theirs.u)
+    np.testing.assert_array_equal(mine.y, theirs.y)
+    assert mine.sampling_rate == pytest.approx(50)
+    assert (mine.u_units, mine.y_units) == ("V", "mm")

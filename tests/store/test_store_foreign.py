@@ -1,0 +1,76 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.io import savemat
+
+from dea import store
+from dea.errors import InputError
+
+CASE = Path("config/cases/mine.yaml")
+TIME = np.arange(20) * 0.5
+U = np.sin(TIME)
+Y = np.cos(TIME)
+
+
+def case(file, **changes):
+    settings = {
+        "file": file,
+        "sampling_interval": 0.5,
+        "input": {"column": "u", "units": "V", "name": "pump voltage"},
+        "output": {"column": "y", "units": "mm"},
+    }
+    return {**settings, **changes}
+
+
+def write_csv(folder):
+    rows = "\n".join(f"{a!r},{b!r}," for a, b in zip(U.tolist(), Y.tolist(), strict=True))
+    (folder / "mine.csv").write_text(f'"u","y",\n{rows}\n')
+
+
+def write_netcdf(folder):
+    xr.Dataset({"u": ("t", U, {"units": "V"}), "y": ("t", Y, {"units": "mm"})}).to_netcdf(
+        folder / "mine.nc"
+    )
+
+
+def write_matlab(folder):
+    savemat(folder / "mine.mat", {"u": U[:, None], "y": Y[:, None]})
+
+
+@pytest.mark.parametrize(
+    ("write", "file"),
+    [(write_csv, "mine.csv"), (write_netcdf, "mine.nc"), (write_matlab, "mine.mat")],
+)
+def test_the_same_record_comes_from_any_format(write, file, tmp_path):
+    write(tmp_path)
+    record = store.import_record(case(file), CASE, tmp_path)
+    np.testing.assert_array_equal(record["input"], U)
+    np.testing.assert_array_equal(record["output"], Y)
+    np.testing.assert_array_equal(record["time"], TIME)
+    assert record["input"].attrs == {"units": "V", "long_name": "pump voltage"}
+
+
+def test_rows_cut_the_record(tmp_path):
+    write_csv(tmp_path)
+    record = store.import_record(case("mine.csv", rows=[5, 15]), CASE, tmp_path)
+    np.testing.assert_array_equal(record["output"], Y[5:15])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"file": "absent.csv"}, r"record\.file: the record .* does not exist"),
+        ({"file": "mine.txt"}, r"record\.file: cannot read \.txt"),
+        ({"input": {"column": "v", "units": "V"}}, r"record\.input\.column: .* no column 'v'"),
+        ({"output": {"column": "y", "units": "m"}, "file": "mine.nc"}, "the case says 'm'"),
+    ],
+)
+def test_a_wrong_case_names_file_field_and_remedy(changes, message, tmp_path):
+    write_csv(tmp_path)
+    write_netcdf(tmp_path)
+    (tmp_path / "mine.txt").write_text("")
+    with pytest.raises(InputError, match=message) as caught:
+        store.import_record(case(**{"file": "mine.csv"} | changes), CASE, tmp_path)
+    assert str(CASE) in str(caught.value)

@@ -1,0 +1,53 @@
+# What every rule uses: who is studied, which settings shape a job, which code it depends on.
+import json
+import sys
+
+sys.path.insert(0, str(Path(workflow.basedir) / "workflow"))
+
+import yaml
+from imports import modules
+
+# A system is whatever has a record: an actuator of the config or a case of config/cases.
+ACTUATORS = {actuator["name"]: actuator for actuator in config["actuators"]}
+CASES = {path.stem: path for path in sorted(Path("config/cases").glob("*.yaml"))}
+
+
+def load_case(path):
+    """A case file, checked before anything runs."""
+    case = yaml.safe_load(path.read_text())
+    validate(case, Path(workflow.basedir) / "workflow/schemas/case.schema.yaml")
+    return case
+
+
+CASE = {name: load_case(path) for name, path in CASES.items()}
+
+
+wildcard_constraints:
+    system="[A-Za-z0-9_-]+",
+    actuator="|".join(ACTUATORS),
+    case="|".join(CASES) or "no-case",
+
+
+def of_every_actuator(pattern):
+    """The file ``pattern`` of each actuator."""
+    return expand(pattern, actuator=ACTUATORS)
+
+
+def settings(*sections):
+    """The seed, the system's name and these sections of the config, as JSON for a stage.
+
+    A case's own sections override the config's, key by key.
+    """
+
+    def resolve(wildcards):
+        name = next((wildcards.get(key) for key in ("system", "actuator", "case") if wildcards.get(key)), None)
+        own = CASE.get(name, {})
+        leaves = {
+            section: config[section] | own.get(section, {})
+            if isinstance(config[section], dict)
+            else config[section]
+            for section in sections
+        }
+        return json.dumps({"seed": config["seed"], "system": name} | leaves, sort_keys=True)
+
+    return resolve
