@@ -1,0 +1,65 @@
+"""The walls between the rooms, read from the import statements."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).parents[1] / "src" / "dea"
+
+FORBIDDEN = {
+    "discrepancy": {"bench", "acquisition", "stages", "figures"},
+    "bench": {"discrepancy", "acquisition", "narx", "tracking", "gfrf", "stages", "figures"},
+    "narx": {"bench", "discrepancy", "acquisition", "stages", "figures"},
+    "tracking": {"bench", "discrepancy", "acquisition", "stages", "figures"},
+    "gfrf": {"bench", "discrepancy", "acquisition", "stages", "figures"},
+    "acquisition": {"bench", "discrepancy", "narx", "tracking", "gfrf", "stages", "figures"},
+    "modbus": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "figures"},
+    "store": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "figures"},
+    "figures": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "stages"},
+}
+
+
+def imported(file: Path) -> set[str]:
+    names = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    return names
+
+
+def files(room: str) -> list[Path]:
+    return sorted((SOURCE / room).rglob("*.py"))
+
+
+@pytest.mark.parametrize("room", FORBIDDEN)
+def test_a_room_keeps_out_of_the_rooms_it_may_not_know(room):
+    assert files(room)
+    reached = {
+        (file.name, name)
+        for file in files(room)
+        for name in imported(file)
+        for other in FORBIDDEN[room]
+        if name == f"dea.{other}" or name.startswith(f"dea.{other}.")
+    }
+    assert not reached
+
+
+def test_nothing_in_the_library_imports_snakemake():
+    for file in SOURCE.rglob("*.py"):
+        assert not {name for name in imported(file) if name.split(".")[0] == "snakemake"}, file
+
+
+def test_rooms_are_entered_by_their_public_surface():
+    inner = {}
+    for file in SOURCE.rglob("*.py"):
+        room = file.relative_to(SOURCE).parts[0]
+        for name in imported(file):
+            parts = name.split(".")
+            if parts[0] == "dea" and len(parts) > 2 and parts[1] not in {room, "stages"}:
+                package = SOURCE.joinpath(*parts[1:])
+                if package.with_suffix(".py").exists() or package.is_dir():
+                    inner.setdefault(str(file.relative_to(SOURCE)), set()).add(name)
+    assert not inner
