@@ -10,7 +10,7 @@ export OMP_NUM_THREADS := 1
 SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 
 .DEFAULT_GOAL := help
-.PHONY: help study report discrepancy trials faults figures check test benchmark clean
+.PHONY: help study report discrepancy trials records faults check test benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -34,6 +34,9 @@ discrepancy: $(VENV)/installed ## name what the simulation of each actuator is m
 
 trials: $(VENV)/installed ## blind trials: hide an effect, name it, open the seal, score
 	$(SNAKEMAKE) trials
+
+records: $(VENV)/installed ## fetch the public measured records into data/ (FROM=folder copies them)
+	python -m dea.public_records $(if $(FROM),--from $(FROM))
 
 faults: $(VENV)/installed ## a thousand random faults against the acquisition
 	pytest tests/acquisition -m faults --fault-schedules 1000

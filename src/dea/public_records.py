@@ -1,0 +1,105 @@
+"""Fetch the public measured records into ``data/``: ``python -m dea.public_records``."""
+
+import argparse
+import hashlib
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from urllib.error import URLError
+from urllib.request import urlopen
+
+import yaml
+
+from dea.errors import InputError
+from dea.store import atomic
+
+CATALOGUE = Path("config/public_records.yaml")
+
+
+def fetch(
+    names: Iterable[str] = (),
+    *,
+    catalogue: Path = CATALOGUE,
+    destination: Path = Path("data"),
+    folder: Path | None = None,
+) -> list[Path]:
+    """Bring the records ``names`` (all, if none is named) to ``destination``.
+
+    Parameters
+    ----------
+    folder
+        Copy from this folder, laid out like ``destination``, instead of the public address.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, an address does not answer, or the content is not the one whose
+        SHA-256 the catalogue holds; nothing is left behind for that record.
+    """
+    records = yaml.safe_load(catalogue.read_text())
+    return [
+        _fetch_one(name, _entry(records, name, catalogue), catalogue, destination, folder)
+        for name in (list(names) or records)
+    ]
+
+
+def _entry(records: dict[str, dict[str, str]], name: str, catalogue: Path) -> dict[str, str]:
+    if name not in records:
+        raise InputError(
+            f"there is no public record {name!r}",
+            file=catalogue,
+            remedy=f"There are {', '.join(records)}",
+        )
+    return records[name]
+
+
+def _fetch_one(
+    name: str, entry: dict[str, str], catalogue: Path, destination: Path, folder: Path | None
+) -> Path:
+    target = destination / name
+    if target.exists() and _sha256(target.read_bytes()) == entry["sha256"]:
+        return target
+    address = (folder / name).resolve().as_uri() if folder else entry["url"]
+    try:
+        with urlopen(address, timeout=60) as answer:
+            content = answer.read()
+    except URLError as error:
+        raise InputError(
+            f"{address} does not answer ({error.reason})",
+            file=catalogue,
+            field=name,
+            remedy="Check the connection, or give a folder that holds the records with --from",
+        ) from error
+    found = _sha256(content)
+    if found != entry["sha256"]:
+        raise InputError(
+            f"{address} holds something else (SHA-256 {found[:12]}…)",
+            file=catalogue,
+            field=name,
+            remedy=f"The record's SHA-256 is {entry['sha256'][:12]}…; give a folder with --from",
+        )
+    with atomic(target) as partial:
+        partial.write_bytes(content)
+    return target
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", help="records of the catalogue; all, if none is named")
+    parser.add_argument("--from", dest="folder", type=Path, help="a folder that holds them already")
+    arguments = parser.parse_args()
+    try:
+        for path in fetch(arguments.names, folder=arguments.folder):
+            print(path)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+
+
+if __name__ == "__main__":
+    main()
