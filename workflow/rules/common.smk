@@ -40,14 +40,25 @@ def settings(*sections):
     """
 
     def resolve(wildcards):
-        name = next((wildcards.get(key) for key in ("system", "actuator", "case") if wildcards.get(key)), None)
+        name = next(
+            (
+                wildcards.get(key)
+                for key in ("system", "actuator", "case")
+                if wildcards.get(key)
+            ),
+            None,
+        )
         own = CASE.get(name, {})
         leaves = {
-            section: config[section] | own.get(section, {})
-            if isinstance(config[section], dict)
-            else config[section]
+            section: (
+                config[section] | own.get(section, {})
+                if isinstance(config[section], dict)
+                else config[section]
+            )
             for section in sections
         }
-        return json.dumps({"seed": config["seed"], "system": name} | leaves, sort_keys=True)
+        return json.dumps(
+            {"seed": config["seed"], "system": name} | leaves, sort_keys=True
+        )
 
     return resolve

@@ -1,21 +1,34 @@
 # Records made elsewhere enter at the same door as those of the bench.
-def record_of_case(wildcards):
-    return CASE[wildcards.case]["record"]["file"]
+def record_settings(wildcards):
+    case = CASE[wildcards.case]
+    part = wildcards.get("part")
+    return case["test_records"][part] if part else case["record"]
 
 
 rule import_record:
     input:
-        file=record_of_case,
+        file=lambda wildcards: record_settings(wildcards)["file"],
         code=modules("dea.stages.import_record"),
     output:
         record="results/{case}/record.nc",
-    params:
-        settings=lambda wildcards: json.dumps(CASE[wildcards.case]["record"], sort_keys=True),
-        case=lambda wildcards: CASES[wildcards.case],
     log:
         "results/{case}/log/import_record.log",
     benchmark:
         "results/{case}/benchmark/import_record.tsv"
+    params:
+        settings=lambda wildcards: json.dumps(
+            record_settings(wildcards), sort_keys=True
+        ),
+        case=lambda wildcards: CASES[wildcards.case],
     shell:
         "python -m dea.stages.import_record --case {params.case:q} --settings {params.settings:q}"
         " --record {output.record:q} 2> {log:q}"
+
+
+use rule import_record as import_test_record with:
+    output:
+        record="results/{case}/test/{part}.nc",
+    log:
+        "results/{case}/log/import_{part}.log",
+    benchmark:
+        "results/{case}/benchmark/import_{part}.tsv"
