@@ -1,0 +1,123 @@
+"""One actuator on the bench, from output counts to displacement counts."""
+
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.bench import membrane
+from dea.bench.amplifier import amplify
+from dea.bench.configuration import Parameters, read_parameters
+from dea.bench.history import History
+from dea.bench.sensor import butterworth, low_pass, settled
+from dea.errors import InputError
+from dea.seeds import generator
+
+SAMPLE_PERIOD = 0.02  # s
+SUBSTEPS = round(SAMPLE_PERIOD / membrane.SUBSTEP)
+
+
+class Rig:
+    """Converter, amplifier, film, laser and converter in a row.
+
+    The rig has no clock of its own: time passes by one sample period (20 ms) for every output
+    count it is given, and what it measures depends on those counts alone, however they are cut
+    into calls.
+
+    Parameters
+    ----------
+    parameters
+        What the actuator and its instruments are made of.
+    seed
+        Of the measurement noise.
+    """
+
+    def __init__(self, parameters: Parameters, seed: int) -> None:
+        film = parameters.film
+        self._parameters = parameters
+        self._noise = generator(seed, "bench", "noise")
+        self._branches = np.ones((film.branch_modulus.size, 2))
+        start = membrane.rest(film, self._branches, parameters.rest)
+        if not np.isfinite(start):
+            raise InputError(
+                "the film does not carry the mass",
+                field="film",
+                remedy="Lower the mass or stiffen the film.",
+            )
+        self._state = np.zeros(5)
+        self._state[membrane.Y] = start
+        self._output = np.zeros(1)
+        self._load = membrane.capacitance(film, start)
+        self._filter = butterworth(parameters.sensor.cutoff)
+        self._memory = settled(self._filter, start)
+        self.applied_count = self.zero_count
+        self.history = History()
+
+    @classmethod
+    def from_config(cls, path: Path, actuator: str, seed: int) -> Self:
+        """Return the rig of ``actuator`` in the bench configuration at ``path``.
+
+        Raises
+        ------
+        InputError
+            As :func:`dea.bench.configuration.read_parameters`.
+        """
+        return cls(read_parameters(path, actuator), seed)
+
+    @property
+    def zero_count(self) -> int:
+        """The output count nearest to 0 V."""
+        return int(self._parameters.output_converter.to_counts(np.zeros(1))[0])
+
+    @property
+    def fault(self) -> int:
+        """0 while the film is whole, 1 after pull-in, 2 after electrical breakdown; latched."""
+        return int(self._state[membrane.FAULT])
+
+    def zero(self) -> None:
+        """Take the output to 0 V at once; the film follows as time passes."""
+        self.applied_count = self.zero_count
+
+    def advance(
+        self, output_counts: NDArray[np.uint16]
+    ) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
+        """Apply one output count a sample period, and measure once in each.
+
+        Displacement k is sampled at the instant at which output k takes effect: it depends on the
+        outputs before k, and the two belong to the same time.
+
+        Parameters
+        ----------
+        output_counts
+            Counts of the output converter, shape (samples,).
+
+        Returns
+        -------
+        tuple
+            The applied counts as the converter echoes them and the counts of the measured
+            displacement, each of shape (samples,).
+        """
+        parameters = self._parameters
+        applied = np.asarray(output_counts, dtype=np.uint16)
+        command = np.repeat(parameters.output_converter.to_values(applied), SUBSTEPS)
+        supply = np.empty_like(command)
+        amplify(parameters.amplifier, self._output, self._load, command, supply)
+        displacement = np.empty_like(supply)
+        film_voltage = np.empty_like(supply)
+        membrane.advance(
+            parameters.film, self._branches, self._state, supply, displacement, film_voltage
+        )
+        measured = self._measure(displacement)
+        self.history.append(applied, measured, displacement[::SUBSTEPS], film_voltage[::SUBSTEPS])
+        if applied.size:
+            self.applied_count = int(applied[-1])
+        return applied, measured
+
+    def _measure(self, displacement: NDArray[np.float64]) -> NDArray[np.uint16]:
+        """Return the displacement counts, one a sample period."""
+        sensor = self._parameters.sensor
+        inside = np.clip(displacement, sensor.range_low, sensor.range_high)
+        filtered = low_pass(self._filter, self._memory, inside, np.empty_like(inside))[::SUBSTEPS]
+        noisy = filtered + sensor.noise * self._noise.standard_normal(filtered.size)
+        return self._parameters.displacement_converter.to_counts(1e3 * noisy)
