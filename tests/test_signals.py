@@ -1,0 +1,120 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dea import signals
+from dea.errors import InputError
+
+STUDY = {"duration": 600.0, "sampling_rate": 50.0, "low": 1.1, "high": 3.75, "seed": 3}
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    kind=st.sampled_from(sorted(signals.KINDS)),
+    duration=st.floats(40.0, 300.0),
+    low=st.floats(-5.0, 5.0),
+    width=st.floats(0.1, 10.0),
+    seed=st.integers(0, 2**32),
+)
+def test_every_design_keeps_its_length_range_and_seed(kind, duration, low, width, seed):
+    asked = {
+        "duration": duration,
+        "sampling_rate": 50.0,
+        "low": low,
+        "high": low + width,
+        "seed": seed,
+    }
+    signal = signals.design(kind, **asked)
+    assert signal.shape == (round(50.0 * duration),)
+    assert signal.min() >= low
+    assert signal.max() <= low + width
+    assert np.ptp(signal) > 0.3 * width
+    np.testing.assert_array_equal(signal, signals.design(kind, **asked))
+
+
+@pytest.mark.parametrize("kind", sorted(signals.KINDS))
+def test_another_seed_gives_another_sequence(kind):
+    first = signals.design(kind, **STUDY)
+    other = signals.design(kind, **{**STUDY, "seed": 4})
+    assert np.abs(first - other).max() > 0.1
+
+
+def power_above(signal, frequency):
+    spectrum = np.abs(np.fft.rfft(signal - signal.mean())) ** 2
+    frequencies = np.fft.rfftfreq(signal.size, 1.0 / STUDY["sampling_rate"])
+    return spectrum[frequencies > frequency].sum() / spectrum.sum()
+
+
+def test_the_gaussian_is_gaussian_and_band_limited():
+    signal = signals.design("gaussian", **{**STUDY, "duration": 1800.0})
+    assert power_above(signal, 1.0) < 1e-3
+    spread = (signal - signal.mean()) / signal.std()
+    assert abs(signal.mean() - 2.425) < 1e-3
+    assert signal.std() == pytest.approx((3.75 - 1.1) / 6.0, rel=0.01)
+    assert abs(np.mean(spread**3)) < 0.1
+    assert np.mean(spread**4) == pytest.approx(3.0, abs=0.15)
+    assert np.mean((signal == 1.1) | (signal == 3.75)) < 0.006
+
+
+def test_the_multisine_is_flat_and_repeats():
+    signal = signals.design("multisine", **{**STUDY, "duration": 120.0}, period=20.0, band=0.8)
+    np.testing.assert_array_equal(signal[:1000], signal[1000:2000])
+    lines = np.abs(np.fft.rfft(signal[:1000]))[1:]
+    np.testing.assert_allclose(lines[:16], lines[0])
+    assert lines[16:].max() < 1e-9 * lines[0]
+    assert np.isclose(signal.max(), 3.75) or np.isclose(signal.min(), 1.1)
+
+
+def test_the_staircase_rests_between_its_levels():
+    signal = signals.design("staircase", **STUDY, levels=4, hold=5.0, rest=5.0, rise=0.2)
+    middles = signal[125 + 250 :: 500][:4]
+    np.testing.assert_allclose(sorted(middles), np.linspace(1.1, 3.75, 5)[1:])
+    np.testing.assert_allclose(signal[200::500], 1.1)
+
+
+def test_the_binary_sequence_has_its_power_in_the_band():
+    assert power_above(signals.design("binary", **STUDY, band=1.0), 2.0) < 1e-3
+
+
+def test_triangles_climb_at_three_rates():
+    signal = signals.design("triangle", **STUDY, slowest=20.0, fastest=5.0)
+    slopes = np.abs(np.diff(signal)) * 50.0 / (3.75 - 1.1)
+    rates, counts = np.unique(slopes.round(2), return_counts=True)
+    common = rates[counts > 0.05 * slopes.size]
+    np.testing.assert_allclose(common, [2.0 / 20.0, 2.0 / 10.0, 2.0 / 5.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"kind": "gausian"}, "kind"),
+        ({"bnad": 1.0}, "bnad"),
+        ({"low": 4.0}, "low"),
+        ({"low": float("nan")}, "low"),
+        ({"duration": 0.01}, "duration"),
+        ({"duration": float("nan")}, "duration"),
+        ({"band": 30.0}, "band"),
+        ({"band": 0.0}, "band"),
+        ({"kind": "multisine", "period": 1e4}, "period"),
+        ({"kind": "multisine", "band": 0.01}, "band"),
+        ({"kind": "staircase", "hold": 0.0}, "hold"),
+        ({"kind": "staircase", "levels": 0}, "levels"),
+        ({"kind": "triangle", "fastest": 40.0}, "fastest"),
+    ],
+)
+def test_a_wrong_setting_is_named(change, field):
+    asked = {"kind": "gaussian", **STUDY, **change}
+    with pytest.raises(InputError) as error:
+        signals.design(asked.pop("kind"), **asked)
+    assert error.value.field == field
+
+
+def test_samples_outside_the_limits_are_counted():
+    signal = signals.design("gaussian", **STUDY)
+    signals.check_limits(signal, 1.1, 3.75)
+    with pytest.raises(InputError, match="outside 1.1 to 3 V"):
+        signals.check_limits(signal, 1.1, 3.0)
+    signal[7] = np.nan
+    with pytest.raises(InputError, match="1 samples .* sample 7 is nan"):
+        signals.check_limits(signal, 1.1, 3.75)
