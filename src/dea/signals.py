@@ -221,7 +221,9 @@ def design(
     band = settings.get("band", 0.0)
     _require(band < 0.5 * sampling_rate, "band", f"{band} Hz is not below half the sampling rate")
     rng = generator(seed, "signals", kind)
-    return KINDS[kind](rng, samples, sampling_rate, low, high, **settings)
+    signal = KINDS[kind](rng, samples, sampling_rate, low, high, **settings)
+    # Rounding may carry a sample past the end it was meant to reach.
+    return np.clip(signal, low, high)
 
 
 def check_limits(signal: Signal, low: float, high: float) -> None:
@@ -246,8 +248,7 @@ def _smooth(steps: Signal, width: float) -> Signal:
     """Average over a Hann window of ``width`` samples, the first value standing for the past."""
     window = np.hanning(max(round(width), 1) + 2)[1:-1]
     padded = np.concatenate([np.full(window.size - 1, steps[0]), steps])
-    smooth = np.convolve(padded, window / window.sum(), mode="valid")
-    return np.clip(smooth, steps.min(), steps.max())
+    return np.convolve(padded, window / window.sum(), mode="valid")
 
 
 def _require(good: Any, field: str, problem: str) -> None:
