@@ -1,0 +1,216 @@
+"""The whole rig: determinism, instruments, history, and bad configurations."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import signal
+
+from dea import signals
+from dea.bench import Rig
+from dea.bench.amplifier import Amplifier, amplify
+from dea.bench.configuration import read_parameters
+from dea.bench.converter import Converter
+from dea.bench.sensor import butterworth, low_pass, settled
+from dea.errors import InputError
+
+CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
+ACTUATORS = list(yaml.safe_load(CONFIG.read_text())["actuators"])
+VOLT = 65536 / 15.0  # output counts
+
+
+def excitation(seconds, seed=0):
+    volts = signals.design(
+        "gaussian", duration=seconds, sampling_rate=50.0, low=1.1, high=3.75, seed=seed
+    )
+    return np.rint(volts * VOLT).astype(np.uint16)
+
+
+@settings(deadline=None, max_examples=25)
+@given(cuts=st.lists(st.integers(0, 300), max_size=12), actuator=st.sampled_from(ACTUATORS))
+def test_what_is_measured_does_not_depend_on_how_the_samples_are_cut(cuts, actuator):
+    counts = excitation(6.0)
+    whole = Rig.from_config(CONFIG, actuator, seed=5)
+    applied, measured = whole.advance(counts)
+    pieces = Rig.from_config(CONFIG, actuator, seed=5)
+    answers = [pieces.advance(piece) for piece in np.split(counts, sorted(cuts))]
+    np.testing.assert_array_equal(applied, np.concatenate([answer[0] for answer in answers]))
+    np.testing.assert_array_equal(measured, np.concatenate([answer[1] for answer in answers]))
+    np.testing.assert_array_equal(whole.history.samples(), pieces.history.samples())
+
+
+def test_one_sample_at_a_time_is_the_same_and_cheap():
+    counts = excitation(40.0)
+    whole = Rig.from_config(CONFIG, "dea1", seed=5)
+    _, measured = whole.advance(counts)
+    single = Rig.from_config(CONFIG, "dea1", seed=5)
+    start = time.process_time()
+    answers = [single.advance(counts[k : k + 1])[1] for k in range(counts.size)]
+    assert counts.size / (time.process_time() - start) > 5000.0
+    np.testing.assert_array_equal(measured, np.concatenate(answers))
+
+
+def test_a_displacement_answers_to_the_outputs_before_it_and_never_to_its_own():
+    counts = excitation(4.0)
+    changed = counts.copy()
+    changed[100:] += 3000
+    first, second = (Rig.from_config(CONFIG, "dea1", 5).advance(c)[1] for c in (counts, changed))
+    np.testing.assert_array_equal(first[:101], second[:101])
+    assert abs(int(first[104]) - int(second[104])) > 50
+
+
+@pytest.mark.parametrize("actuator", ACTUATORS)
+def test_half_an_hour_stays_whole_and_in_range(actuator):
+    rig = Rig.from_config(CONFIG, actuator, seed=1)
+    _, measured = rig.advance(excitation(1800.0))
+    assert rig.fault == 0
+    assert measured.min() > 0
+    assert measured.max() < 65535
+    displacement = measured * (10 / 65536)
+    assert 0.03 < displacement[:5000].std() < 0.5
+
+
+def test_some_actuators_drift_up_and_some_down():
+    drifts = []
+    for actuator in ACTUATORS:
+        rig = Rig.from_config(CONFIG, actuator, seed=1)
+        counts = np.tile(excitation(200.0), 9)
+        displacement = rig.advance(counts)[1].reshape(9, -1).mean(axis=1)
+        drifts.append(displacement[-1] / displacement[0] - 1.0)
+    assert max(drifts) > 0.05
+    assert min(drifts) < -0.05
+
+
+def test_seeds_change_the_noise_alone():
+    counts = excitation(20.0)
+    first, second = Rig.from_config(CONFIG, "dea1", 1), Rig.from_config(CONFIG, "dea1", 2)
+    difference = first.advance(counts)[1].astype(int) - second.advance(counts)[1].astype(int)
+    np.testing.assert_array_equal(
+        first.history.samples()["displacement"], second.history.samples()["displacement"]
+    )
+    noise = read_parameters(CONFIG, "dea1").sensor.noise
+    assert difference.std() * 10e-3 / 65536 == pytest.approx(np.sqrt(2) * noise, rel=0.06)
+
+
+def test_zero_takes_the_output_away_and_the_film_returns():
+    rig = Rig.from_config(CONFIG, "dea1", seed=1)
+    before = rig.advance(np.zeros(50, np.uint16))[1].mean()
+    rig.advance(np.full(50, 3.0 * VOLT, np.uint16))
+    assert rig.applied_count == int(3.0 * VOLT)
+    rig.zero()
+    assert rig.applied_count == rig.zero_count == 0
+    after = rig.advance(np.zeros(500, np.uint16))[1][-50:].mean()
+    assert after == pytest.approx(before, rel=0.02)
+
+
+def test_a_film_pulled_in_is_a_fault_and_still_measured(tmp_path):
+    rig = Rig.from_config(changed(tmp_path, ["actuators", "dea1", "prestretch"], 3.4), "dea1", 1)
+    _, measured = rig.advance(np.full(500, 8.0 * VOLT, np.uint16))
+    assert rig.fault == 1
+    assert measured.max() > 5 * measured[0]
+
+
+def test_the_converter_rounds_and_clips():
+    converter = Converter(0.0, 10.0)
+    np.testing.assert_array_equal(
+        converter.to_counts(np.array([-1.0, 0.0, 5.0, 9.9999, 12.0])), [0, 0, 32768, 65535, 65535]
+    )
+    counts = np.arange(65536).astype(np.uint16)
+    np.testing.assert_array_equal(converter.to_counts(converter.to_values(counts)), counts)
+
+
+def test_the_amplifier_keeps_its_limits():
+    amplifier = Amplifier(800.0, 12e3, 1e6, 1e-3, 0.5e-9, 1e5)
+    supply = np.empty(60)
+    output = np.zeros(1)
+    amplify(amplifier, output, 1.5e-9, np.repeat([20.0, -3.0], 30), supply)
+    rate = np.diff(np.concatenate([[0.0], supply])) / 1e-3
+    assert rate[:24] == pytest.approx(1e-3 / 2e-9)  # the current limit, 500 V/ms
+    assert supply[24:30] == pytest.approx(12e3)
+    assert supply.min() >= 0.0
+    assert output[0] == supply[-1]
+    amplify(
+        amplifier._replace(current_limit=1.0), np.zeros(1), 1.5e-9, np.full(3, 20.0), supply[:3]
+    )
+    assert supply[0] == pytest.approx(1000.0)  # the slew rate
+
+
+def test_the_anti_alias_filter_is_a_butterworth():
+    coefficients = butterworth(15.0)
+    b, a = signal.butter(2, 15.0, fs=1000.0)
+    np.testing.assert_allclose(coefficients, [*b, *a[1:]], rtol=1e-12)
+    noise = np.random.default_rng(0).standard_normal(400)
+    memory = settled(coefficients, 0.7)
+    np.testing.assert_allclose(
+        low_pass(coefficients, memory, np.full(50, 0.7), np.empty(50)), 0.7, rtol=1e-12
+    )
+    filtered = low_pass(coefficients, np.zeros(2), noise, np.empty(400))
+    np.testing.assert_allclose(filtered, signal.lfilter(b, a, noise), atol=1e-12)
+
+
+def changed(folder, keys, value):
+    content = yaml.safe_load(CONFIG.read_text())
+    place = content
+    for key in keys[:-1]:
+        place = place[key]
+    if value is None:
+        del place[keys[-1]]
+    else:
+        place[keys[-1]] = value
+    path = folder / "bench.yaml"
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "field"),
+    [
+        (["film", "mas"], {"value": 1.0, "unit": "kg", "source": ""}, "film"),
+        (["film", "mass"], None, "film"),
+        (["film", "mass", "unit"], "g", "film.mass.unit"),
+        (["film", "mass", "value"], "heavy", "film.mass"),
+        (["film", "mass", "value"], -3.0, "film.mass"),
+        (["film", "mass", "value"], True, "film.mass"),
+        (["film", "mass", "value"], float("nan"), "film.mass"),
+        (["film", "mass", "value"], [3e-3], "film.mass"),
+        (["film", "branch_time", "value"], [1.0, 2.0], "film.branch_time"),
+        (["film", "branch_time", "value"], 4.0, "film.branch_time"),
+        (["film", "frame_radius", "value"], 2e-3, "film"),
+        (["actuators", "dea1", "contact_radius"], 30e-3, "film"),
+        (["actuators", "dea1", "prestrech"], 2.5, "actuators.dea1.prestrech"),
+        (["actuators", "dea1", "prestretch"], 9.0, "actuators.dea1.prestretch"),
+        (["actuators", "dea1"], None, "actuators"),
+        (["actuators", "dea1"], [1.0], "actuators.dea1"),
+        (["amplifier"], 3.0, "amplifier"),
+        (["lasers"], {}, "the bench configuration"),
+        (["output_converter", "high", "value"], -1.0, "output_converter"),
+    ],
+)
+def test_a_wrong_configuration_is_named(tmp_path, keys, value, field):
+    path = changed(tmp_path, keys, value)
+    with pytest.raises(InputError) as error:
+        Rig.from_config(path, "dea1", 1)
+    assert error.value.field == field
+    assert error.value.file == path
+    assert error.value.remedy
+
+
+def test_an_unreadable_configuration_is_named(tmp_path):
+    path = tmp_path / "bench.yaml"
+    with pytest.raises(InputError, match=r"bench\.yaml: the bench configuration cannot be read"):
+        Rig.from_config(path, "dea1", 1)
+    path.write_text("film: [unclosed")
+    with pytest.raises(InputError, match="cannot be read"):
+        Rig.from_config(path, "dea1", 1)
+    path.write_text("just words")
+    with pytest.raises(InputError, match="expected keys and values"):
+        Rig.from_config(path, "dea1", 1)
+
+
+def test_a_film_that_cannot_carry_the_mass_is_refused(tmp_path):
+    with pytest.raises(InputError, match="does not carry the mass"):
+        Rig.from_config(changed(tmp_path, ["film", "mass", "value"], 0.9), "dea1", 1)
