@@ -1,1 +1,23 @@
 """The Modbus client that drives an actuator and records it."""
+
+from dea.acquisition.acquire import Acquisition, AcquisitionSettings, acquire
+from dea.acquisition.link import DeviceRefusedError, Link, LinkError, LinkSettings
+from dea.acquisition.partial import recover
+from dea.acquisition.safety import Interrupted, ZeroNotVerifiedError
+from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+
+__all__ = [
+    "Acquisition",
+    "AcquisitionSettings",
+    "BrokenRecordError",
+    "DeviceRefusedError",
+    "Interrupted",
+    "Link",
+    "LinkError",
+    "LinkSettings",
+    "Quality",
+    "Samples",
+    "ZeroNotVerifiedError",
+    "acquire",
+    "recover",
+]

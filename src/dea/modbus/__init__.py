@@ -1,1 +1,19 @@
 """What bench and acquisition share of Modbus: device descriptions and register codecs."""
+
+from dea.modbus.codec import checksum, decode, encode, limit_counts, to_counts, to_physical
+from dea.modbus.description import Device, Register, Serial, Tls, parse_device, read_device
+
+__all__ = [
+    "Device",
+    "Register",
+    "Serial",
+    "Tls",
+    "checksum",
+    "decode",
+    "encode",
+    "limit_counts",
+    "parse_device",
+    "read_device",
+    "to_counts",
+    "to_physical",
+]

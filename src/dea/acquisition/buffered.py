@@ -1,0 +1,143 @@
+"""Driving a device that plays blocks from a FIFO and keeps what it measured in a ring.
+
+Each exchange carries the next block and asks for the samples from an index on. Both are
+idempotent: the device plays a sequence number once, and an index always names the same sample.
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from dea.acquisition.link import LinkError
+from dea.acquisition.panel import Panel, Window
+from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+from dea.modbus import checksum, encode
+
+PLAYED, HELD, REST = 1, 2, 3  # reply_origin
+STATE_TRIPPED = 3  # reply_state
+START, CLEAR = 1, 4  # command
+
+
+@dataclass(frozen=True)
+class Reply:
+    """One answer of the block protocol."""
+
+    sequence: int
+    index: int
+    position: int
+    next: int
+    origin: int
+    state: int
+    fifo: int
+    applied: np.ndarray
+    displacement: np.ndarray
+
+
+class BlockExchange:
+    """The block registers of a device: one call sends a block and fetches samples."""
+
+    def __init__(self, panel: Panel) -> None:
+        named = panel.device.registers
+        self.link, self.errors = panel.link, panel.link.log.errors
+        self.ask = Window(r for n, r in named.items() if n.startswith("block_"))
+        self.answer = Window(r for n, r in named.items() if n.startswith("reply_"))
+        self.capacity = panel.device["block_samples"].count
+        self._crc, self._places = panel.device["block_crc"], self.ask.slices()
+
+    def __call__(self, sequence: int, counts: np.ndarray, read_index: int) -> Reply:
+        """Send block ``sequence`` (0 sends none) and read samples from ``read_index`` on."""
+        padded = np.zeros(self.capacity, int)
+        padded[: counts.size] = counts
+        words = self.ask.encode(
+            {
+                "block_sequence": sequence,
+                "block_read_index": read_index,
+                "block_count": int(counts.size),
+                "block_samples": padded.tolist(),
+            }
+        )
+        crc = self._places["block_crc"]
+        words[crc] = encode(self._crc, checksum(words[crc.stop :]))
+        for _ in range(self.link.settings.retries + 1):
+            reply = self.link.read_write(
+                self.answer.address, self.answer.size, self.ask.address, words
+            )
+            value = self.answer.decode(reply)
+            if value["reply_crc"] == checksum(reply[self.answer.slices()["reply_crc"].stop :]):
+                self.link.log.samples[-1] = int(value["reply_count"])  # type: ignore[arg-type]
+                return _reply(value)
+            self.errors["checksum"] += 1
+        raise LinkError("no reply with a valid checksum")
+
+
+def _reply(value: dict) -> Reply:
+    pairs = np.asarray(value["reply_samples"], np.int64)[: 2 * value["reply_count"]]
+    return Reply(
+        value["reply_sequence"], value["reply_index"], value["reply_position"],
+        value["reply_next"], value["reply_origin"], value["reply_state"], value["reply_fifo"],
+        pairs[0::2], pairs[1::2],
+    )  # fmt: skip
+
+
+def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
+    """Start the device, play ``counts`` and yield what it measured, in order and whole.
+
+    Samples the device added by holding its output are yielded with the position of the sample
+    held, flagged. Lost or undriven ones are yielded flagged, then :class:`BrokenRecordError`
+    is raised.
+    """
+    exchange, rate = BlockExchange(panel), panel.device.sampling_rate
+    room = panel.whole("fifo_length") - exchange.capacity
+    patience = min(exchange.capacity / rate, panel.number("watchdog_time") / 4) / 2
+    boot = panel.get("boot")
+    panel.set("command", CLEAR)
+    wanted = exchange(0, counts[:0], 0).next
+    sequence = sent = done = 0
+    started = False
+    while done < counts.size:
+        block = counts[sent : sent + exchange.capacity]
+        offer = sequence + 1 if block.size else 0
+        reply = exchange(offer, block, wanted)
+        if offer and reply.sequence == offer:
+            sequence, sent = offer, sent + block.size
+        elif reply.sequence != sequence or reply.next < wanted:
+            yield Samples.lost(done, wanted, counts[done:sent])
+            again = " and has been restarted" if panel.get("boot") != boot else ""
+            raise BrokenRecordError(f"the device lost its place{again}", done, sent - done)
+        if not started and (reply.fifo + exchange.capacity > room or sent == counts.size):
+            panel.set("command", START)
+            started = True
+            continue
+        if reply.index > wanted:
+            missing = reply.index - wanted
+            yield Samples.lost(done, wanted, counts[done : done + missing])
+            raise BrokenRecordError("overwritten before they were read", done, missing)
+        samples = _samples(reply, counts)
+        wanted += reply.applied.size
+        if samples is not None:
+            yield samples
+            done = int(samples.position[-1]) + 1
+        undriven = samples is not None and reply.origin not in (PLAYED, HELD)
+        if undriven or (reply.state == STATE_TRIPPED and not reply.applied.size):
+            raise BrokenRecordError(
+                "undriven, the device took its output to zero", done, counts.size - done
+            )
+        if reply.fifo >= room - exchange.capacity and reply.next - wanted < exchange.capacity:
+            time.sleep(patience)
+
+
+def _samples(reply: Reply, counts: np.ndarray) -> Samples | None:
+    """The samples of a reply; None where it holds none that were driven."""
+    n = reply.applied.size
+    if not n or reply.origin == REST:
+        return None
+    steps = np.arange(n)
+    played = reply.origin == PLAYED
+    position = reply.position + steps if played else np.full(n, max(reply.position - 1, 0))
+    flag = Quality.GOOD if played else Quality.HELD if reply.origin == HELD else Quality.UNDRIVEN
+    return Samples(
+        position, reply.index + steps, counts[position], reply.applied, reply.displacement,
+        np.full(n, flag),
+    )  # fmt: skip

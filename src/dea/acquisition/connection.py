@@ -1,0 +1,95 @@
+"""Opening a connection in the framing a description names."""
+
+import socket
+import ssl
+
+from pymodbus.client import ModbusSerialClient, ModbusTcpClient, ModbusTlsClient
+from pymodbus.framer import FramerType
+
+from dea.errors import InputError
+from dea.modbus import Device
+
+Client = ModbusTcpClient | ModbusTlsClient | ModbusSerialClient
+
+
+def connect(device: Device, timeout: float) -> Client:
+    """One attempt to connect; the client never retries by itself.
+
+    Raises
+    ------
+    OSError
+        Where nobody answers.
+    InputError
+        Where a TLS certificate does not match, or a certificate file cannot be read.
+    """
+    if device.framing == "tls":
+        client: Client = _TlsClient(device, timeout)
+    elif device.framing == "serial":
+        assert device.serial is not None
+        line = device.serial
+        client = ModbusSerialClient(
+            line.port, baudrate=line.baudrate, parity=line.parity, stopbits=line.stopbits,
+            timeout=timeout, retries=0,
+        )  # fmt: skip
+    else:
+        framer = FramerType.RTU if device.framing == "rtu_over_tcp" else FramerType.SOCKET
+        client = ModbusTcpClient(
+            device.host, port=device.port, framer=framer, timeout=timeout, retries=0
+        )
+    if not client.connect():
+        raise OSError("connection refused or timed out")
+    return client
+
+
+def place(device: Device) -> str:
+    """Where the device is, for messages."""
+    where = device.serial.port if device.serial else f"{device.host}:{device.port}"
+    return f"{device.name} at {where}"
+
+
+class _TlsClient(ModbusTlsClient):
+    """pymodbus's TLS client, which by itself neither names the server nor says what failed."""
+
+    def __init__(self, device: Device, timeout: float) -> None:
+        self.device = device
+        super().__init__(
+            device.host, port=device.port, sslctx=_context(device), timeout=timeout, retries=0
+        )
+
+    def connect(self) -> bool:
+        if self.socket:
+            return True
+        device, timeout = self.device, self.comm_params.timeout_connect
+        plain = socket.create_connection((device.host, device.port), timeout=timeout)
+        try:
+            self.socket = _context(device).wrap_socket(
+                plain, server_hostname=device.tls.server_name or device.host
+            )
+        except ssl.SSLCertVerificationError as error:
+            plain.close()
+            raise InputError(
+                f"the certificate of {place(device)} does not match: {error.verify_message}",
+                file=device.source,
+                field="tls",
+                remedy="Name its signing authority in ca_file and its own name in server_name.",
+            ) from error
+        except OSError:
+            plain.close()
+            raise
+        return True
+
+
+def _context(device: Device) -> ssl.SSLContext:
+    tls = device.tls
+    try:
+        context = ssl.create_default_context(cafile=tls.ca_file)
+        if tls.certificate_file:
+            context.load_cert_chain(tls.certificate_file, tls.key_file)
+    except OSError as error:
+        raise InputError(
+            f"a certificate file cannot be read: {error}",
+            file=device.source,
+            field="tls",
+            remedy="Check ca_file, certificate_file and key_file.",
+        ) from error
+    return context

@@ -1,0 +1,141 @@
+"""The file a running acquisition appends to, readable after a crash at any byte.
+
+Frames follow a fixed heading, each as length, CRC-32 and payload. A frame that is cut short or
+damaged ends what can be recovered; everything before it is whole.
+"""
+
+import json
+import os
+import struct
+import threading
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dea.acquisition.samples import Samples
+from dea.errors import InputError
+
+HEADING = b"dea acquisition 1\n"
+_FRAME = struct.Struct("<II")
+_ROW = np.dtype([(name, "<i8") for name in Samples._fields])
+_NOTE, _SAMPLES = b"N", b"S"
+
+
+class PartialFile:
+    """Append-only log of an acquisition.
+
+    Frames reach the disk (fdatasync) in the order given, in a thread of their own: frames that
+    arrive during one sync share the next, so that a fast device need not wait for the disk.
+    """
+
+    def __init__(self, path: Path, note: Mapping[str, Any]) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.path = path
+        self._file = path.open("xb", buffering=0)
+        self._waiting = bytearray(HEADING)
+        self._changed = threading.Condition()
+        self._closing = False
+        self._failure: OSError | None = None
+        self._thread = threading.Thread(target=self._sync, name=f"sync {path.name}")
+        self._thread.start()
+        self.note(note)
+
+    def note(self, content: Mapping[str, Any]) -> None:
+        """Append a remark, JSON."""
+        self._append(_NOTE + json.dumps(content, sort_keys=True).encode())
+
+    def samples(self, samples: Samples) -> None:
+        """Append samples."""
+        rows = np.empty(samples.device_index.size, _ROW)
+        for name, column in zip(Samples._fields, samples, strict=True):
+            rows[name] = column
+        self._append(_SAMPLES + rows.tobytes())
+
+    def close(self) -> None:
+        """Wait until everything is on the disk; raises OSError where that failed."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify()
+        self._thread.join()
+        self._file.close()
+        self._check()
+
+    def _append(self, payload: bytes) -> None:
+        self._check()
+        with self._changed:
+            self._waiting += _FRAME.pack(len(payload), zlib.crc32(payload)) + payload
+            self._changed.notify()
+
+    def _check(self) -> None:
+        if self._failure is not None:
+            raise OSError(f"{self.path} cannot be written: {self._failure}") from self._failure
+
+    def _sync(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._waiting or self._closing)
+                data, self._waiting = bytes(self._waiting), bytearray()
+                last = self._closing
+            try:
+                while data:
+                    data = data[self._file.write(data) :]
+                os.fdatasync(self._file.fileno())
+            except OSError as error:
+                self._failure = error
+                return
+            if last:
+                return
+
+
+class Recovered(NamedTuple):
+    """What a partial file holds: the remarks, the samples, and whether its last frame is whole."""
+
+    notes: list[dict[str, Any]]
+    samples: Samples
+    whole: bool
+
+
+def recover(path: Path) -> Recovered:
+    """Read a partial file up to its first damaged frame.
+
+    Raises
+    ------
+    InputError
+        Where the file is not a partial file of an acquisition.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error}", file=path) from error
+    if not data.startswith(HEADING):
+        raise InputError(
+            "not a partial file of an acquisition",
+            file=path,
+            remedy="Name the file that ends in .partial beside the record.",
+        )
+    notes, blocks, place = [], [], len(HEADING)
+    while place < len(data):
+        payload = _frame(data, place)
+        if payload is None:
+            break
+        if payload[:1] == _NOTE:
+            notes.append(json.loads(payload[1:]))
+        else:
+            blocks.append(np.frombuffer(payload[1:], _ROW))
+        place += _FRAME.size + len(payload)
+    rows = np.concatenate(blocks) if blocks else np.empty(0, _ROW)
+    samples = Samples(*(rows[name].astype(np.int64) for name in Samples._fields))
+    return Recovered(notes, samples, place == len(data))
+
+
+def _frame(data: bytes, place: int) -> bytes | None:
+    """Payload of the frame at ``place``; None where it is cut short or damaged."""
+    if place + _FRAME.size > len(data):
+        return None
+    length, crc = _FRAME.unpack_from(data, place)
+    start = place + _FRAME.size
+    payload = data[start : start + length]
+    return payload if len(payload) == length and zlib.crc32(payload) == crc else None

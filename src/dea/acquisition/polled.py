@@ -1,0 +1,120 @@
+"""Driving a device sample by sample at absolute deadlines, where it has no buffer."""
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from dea.acquisition.link import LinkError
+from dea.acquisition.panel import Panel, Window
+from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+from dea.modbus import Register, encode
+
+START = 1  # command
+BLOCK = 50  # samples handed on at a time
+NEIGHBOURS = 32  # registers between two values that are still worth one request
+
+
+class Poll:
+    """One sample: write the output, read back what the device applied and measured."""
+
+    def __init__(self, panel: Panel) -> None:
+        self.panel, self.link, device = panel, panel.link, panel.device
+        self.output = device["output"]
+        echo = "applied_output" if "applied_output" in device else "output"
+        names = ["displacement", echo, "device_index"]
+        self.echo = echo if _readable(device.registers[echo]) else None
+        wanted = [device[n] for n in names if n in device and (n != echo or self.echo)]
+        self.windows = _windows(wanted)
+
+    def __call__(self, count: int, number: int) -> tuple[int, int, int]:
+        """Drive one ``count``; return device index, applied and displacement counts.
+
+        Without a device index, the ``number`` of the sample is its index; without an echo, the
+        applied output is what was asked for.
+        """
+        self.panel.last_output = count
+        words, first = encode(self.output, count), self.windows[0]
+        if self.panel.device.read_write_multiple and first.table == "holding":
+            reply = self.link.read_write(
+                first.address, first.size, self.output.address, words, retry=False
+            )
+        else:
+            self.link.write(self.output.address, words, retry=False)
+            reply = self.link.read(first.address, first.size, first.table)
+        values = first.decode(reply)
+        for window in self.windows[1:]:
+            values |= window.decode(self.link.read(window.address, window.size, window.table))
+        applied = values[self.echo] if self.echo else count
+        self.link.log.samples[-1] = 1
+        return values.get("device_index", number), applied, values["displacement"]  # type: ignore[return-value]
+
+
+def drive(
+    panel: Panel, counts: np.ndarray, *, late_after: float, paced: bool = True
+) -> Iterator[Samples]:
+    """Drive ``counts`` one by one and yield what was measured, in blocks.
+
+    Sample k is written at its deadline k/sampling_rate after the first; one written more than
+    ``late_after`` s behind is flagged. Without pace, for a device whose clock waits for the host,
+    each follows the last at once. Jitter is kept in the link's log.
+    """
+    if "command" in panel:
+        panel.set("command", START)
+    poll, period = Poll(panel), 1.0 / panel.device.sampling_rate
+    rows: list[tuple[int, int, int, int, int, int]] = []
+    started = time.monotonic() + (period if paced else 0.0)
+    expected: int | None = None
+    for number, count in enumerate(counts.tolist()):
+        lateness = 0.0
+        if paced:
+            deadline = started + number * period
+            while (pause := deadline - time.monotonic()) > 0:
+                time.sleep(pause)
+            lateness = -pause
+            panel.link.log.jitter.append(lateness)
+        try:
+            index, applied, displacement = poll(count, number)
+        except LinkError as error:
+            yield from _block(rows)
+            yield Samples.lost(number, number, counts[number : number + 1])
+            raise BrokenRecordError(f"never answered ({error})", number, 1) from error
+        if expected is not None and index != expected:
+            yield from _block(rows)
+            missing = index - expected
+            if missing > 0:
+                yield Samples.lost(number, expected, np.repeat(counts[number], missing))
+            what = f"the device measured {missing} more than was read" if missing > 0 else (
+                "the device measured nothing new"
+            )  # fmt: skip
+            raise BrokenRecordError(what, number, max(missing, 1))
+        expected = index + 1
+        flag = Quality.LATE if lateness > late_after else Quality.GOOD
+        rows.append((number, index, count, applied, displacement, flag))
+        if len(rows) == BLOCK:
+            yield from _block(rows)
+            rows = []
+    yield from _block(rows)
+
+
+def _block(rows: list[tuple[int, int, int, int, int, int]]) -> Iterator[Samples]:
+    if rows:
+        yield Samples(*np.array(rows, np.int64).T)
+
+
+def _readable(register: Register) -> bool:
+    return register.access != "write"
+
+
+def _windows(registers: list[Register]) -> list[Window]:
+    """Group registers of a table that lie close together, displacement's group first."""
+    groups: list[list[Register]] = []
+    for register in sorted(registers, key=lambda r: (r.table, r.address)):
+        last = groups[-1] if groups else None
+        near = last and last[-1].table == register.table
+        if last and near and register.end - last[0].address <= NEIGHBOURS:
+            last.append(register)
+        else:
+            groups.append([register])
+    groups.sort(key=lambda group: all(r.name != "displacement" for r in group))
+    return [Window(group) for group in groups]

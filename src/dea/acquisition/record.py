@@ -1,0 +1,88 @@
+"""From samples and the link's log to ``record.nc`` and ``link.nc``."""
+
+import numpy as np
+import xarray as xr
+
+from dea.acquisition.link import LinkLog
+from dea.acquisition.samples import Quality, Samples
+from dea.modbus import Device, to_physical
+
+_EDGES = np.geomspace(1e-5, 10.0, 61)  # s, ten bins a decade
+
+
+def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> xr.Dataset:
+    """The excitation's part of what was measured, in physical units.
+
+    Parameters
+    ----------
+    samples
+        Everything measured, ramps included.
+    lead, length
+        Number of samples of the ramp before the excitation, and of the excitation.
+
+    Returns
+    -------
+    Dataset over ``time`` (s, 0 at the excitation's first sample). Lost samples hold NaN.
+    """
+    inside = (samples.position >= lead) & (samples.position < lead + length)
+    part = Samples(*(column[inside] for column in samples))
+    time = (part.device_index - part.device_index[:1]) / device.sampling_rate
+    have = (part.quality & Quality.LOST) == 0
+    output, displacement = device["output"], device["displacement"]
+    meanings = " ".join(flag.name.lower() for flag in Quality if flag.name)
+
+    def variable(values: np.ndarray, units: str, long_name: str) -> tuple:
+        return "time", values, {"units": units, "long_name": long_name}
+
+    dataset = xr.Dataset(
+        {
+            "voltage": variable(
+                np.where(have, to_physical(output, part.applied), np.nan), output.unit,
+                "applied output before the amplifier, as the device echoed it",
+            ),
+            "displacement": variable(
+                np.where(have, to_physical(displacement, part.displacement), np.nan),
+                displacement.unit, "displacement",
+            ),
+            "voltage_requested": variable(
+                to_physical(output, part.requested), output.unit, "output asked for"
+            ),
+            "voltage_counts": variable(part.applied, "count", "raw applied output"),
+            "displacement_counts": variable(part.displacement, "count", "raw displacement"),
+            "device_index": variable(part.device_index, "1", "sample index of the device"),
+            "quality": variable(part.quality.astype(np.uint8), "1", "quality flags, 0 is good"),
+        },
+        coords={"time": variable(np.asarray(time, float), "s", "time")},
+    )  # fmt: skip
+    dataset["quality"].attrs |= {
+        "flag_masks": np.array([flag.value for flag in Quality if flag], np.uint8),
+        "flag_meanings": meanings,
+    }
+    dataset.attrs["sampling_rate"] = device.sampling_rate
+    return dataset
+
+
+def link_dataset(log: LinkLog) -> xr.Dataset:
+    """How the acquisition went: times of every exchange, retries, errors, histogram, jitter."""
+    send, receive = np.asarray(log.send_time), np.asarray(log.receive_time)
+    counts, _ = np.histogram(receive - send, _EDGES)
+
+    def over(dim: str, values, units: str, long_name: str) -> tuple:
+        return dim, np.asarray(values), {"units": units, "long_name": long_name}
+
+    kinds = sorted(log.errors)
+    return xr.Dataset(
+        {
+            "send_time": over("exchange", send, "s", "request sent, since the start"),
+            "receive_time": over("exchange", receive, "s", "reply received, since the start"),
+            "samples": over("exchange", log.samples, "1", "samples the reply carried"),
+            "retries": over("exchange", log.retries, "1", "repetitions before the reply"),
+            "round_trip_count": over("round_trip_bin", counts, "1", "exchanges in the bin"),
+            "round_trip_low": over("round_trip_bin", _EDGES[:-1], "s", "lower edge of the bin"),
+            "round_trip_high": over("round_trip_bin", _EDGES[1:], "s", "upper edge of the bin"),
+            "jitter": over("polled_sample", log.jitter, "s", "lateness behind the deadline"),
+            "errors": over("kind", [log.errors[k] for k in kinds], "1", "failures of this kind"),
+            "error_kind": over("kind", np.array(kinds, dtype=object), "1", "kind of failure"),
+            "reconnects": ((), log.reconnects, {"units": "1", "long_name": "reconnections"}),
+        }
+    )

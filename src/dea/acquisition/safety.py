@@ -1,0 +1,267 @@
+"""What must hold before, while and after a film is at three kilovolts."""
+
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from secrets import randbits
+from types import FrameType
+
+import numpy as np
+
+from dea.acquisition.link import DeviceRefusedError, Link, LinkError
+from dea.acquisition.panel import Panel
+from dea.errors import InputError
+from dea.modbus import Device, limit_counts, to_counts, to_physical
+
+IDLE, TRIPPED = 0, 3  # state
+STOP, RESET = 2, 3  # command
+RANGE_TOLERANCE = 1e-5  # of the range; float32 registers hold seven digits
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+class ZeroNotVerifiedError(RuntimeError):
+    """The output could not be read back as zero."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal asked the acquisition to end."""
+
+
+def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:
+    """Output counts of an excitation in V, checked against the device's limits.
+
+    Raises
+    ------
+    InputError
+        Naming the first sample outside the limits, before anything is written.
+    """
+    low, high = limit_counts(device, "output")
+    register = device["output"]
+    if not np.all(np.isfinite(volts)):
+        raise InputError("the excitation holds NaN or infinity", remedy="Give finite voltages.")
+    counts = to_counts(register, volts)
+    outside = np.flatnonzero((counts < low) | (counts > high))
+    if outside.size:
+        first, limits = int(outside[0]), register.limits or (0.0, 0.0)
+        raise InputError(
+            f"sample {first} of the excitation asks for {volts[first]:g} V, outside "
+            f"{limits[0]:g} to {limits[1]:g} V",
+            file=device.source,
+            field="registers.output.limits",
+            remedy="Lower the excitation, or raise the limits if film and amplifier bear it.",
+        )
+    return counts
+
+
+def ramp(device: Device, start: float, end: float, rate: float) -> np.ndarray:
+    """Counts from ``start`` V towards ``end`` V at ``rate`` V/s, both ends left out."""
+    steps = int(np.ceil(abs(end - start) / rate * device.sampling_rate))
+    return to_counts(device["output"], np.linspace(start, end, steps + 1)[1:-1])
+
+
+def verify_device(panel: Panel) -> None:
+    """Read back identity, ranges and limits, and compare them with the description.
+
+    Raises
+    ------
+    InputError
+        Naming the register that does not match.
+    """
+    device = panel.device
+    for name, register in device.registers.items():
+        if register.expect is not None:
+            found = panel.get(name) if register.type == "string" else panel.number(name)
+            _compare(device, name, found, register.expect)
+        if register.range is not None:
+            for end, expected in zip(("low", "high"), register.range, strict=True):
+                if f"{name}_range_{end}" in panel:
+                    found = panel.number(f"{name}_range_{end}")
+                    span = register.range[1] - register.range[0]
+                    _compare(device, f"{name}_range_{end}", found, expected, span)
+
+
+def _compare(
+    device: Device, name: str, found: object, expected: object, span: float | None = None
+) -> None:
+    if isinstance(found, float) and isinstance(expected, int | float):
+        same = abs(found - expected) <= RANGE_TOLERANCE * (span or abs(expected))
+    else:
+        same = found == expected
+    if not same:
+        raise InputError(
+            f"the device says {found!r}, the description {expected!r}",
+            file=device.source,
+            field=f"registers.{name}",
+            remedy="Point the endpoint at the device described, or correct the register map.",
+        )
+
+
+class SafeOutput:
+    """The right to drive a device's output, from a verified zero to a verified zero.
+
+    Used as a context manager: on entry it connects, checks the device, and claims the outputs; on
+    every way out it ramps to zero and reads the zero back.
+
+    Parameters
+    ----------
+    link
+        The connection, not yet open.
+    ramp_rate
+        V/s.
+    reset
+        Whether a watchdog that has latched is reset; otherwise the start is refused.
+    """
+
+    def __init__(self, link: Link, *, ramp_rate: float, reset: bool = False) -> None:
+        self.panel, self.link, self.device = Panel(link), link, link.device
+        self.ramp_rate, self.reset = ramp_rate, reset
+        self.zero = int(to_counts(self.device["output"], 0.0))
+        self._token = randbits(31) + 1
+
+    def __enter__(self) -> Panel:
+        self.link.open()
+        try:
+            verify_device(self.panel)
+            self._refuse_while_driven()
+            if "claim" in self.panel:
+                self._claim()
+                self.link.on_connect = self._reclaim
+            if "state" in self.panel and self.reset and self.panel.get("state") == TRIPPED:
+                self.panel.set("command", RESET)
+        except BaseException:
+            self.link.close()
+            raise
+        return self.panel
+
+    def __exit__(self, *_: object) -> None:
+        with _signals_deferred():
+            try:
+                self.to_zero()
+            finally:
+                self.link.on_connect = None
+                self.link.close()
+
+    def to_zero(self) -> None:
+        """Ramp the output to zero and read it back; give up the outputs.
+
+        Raises
+        ------
+        ZeroNotVerifiedError
+            Where the device cannot be reached, or does not read back zero.
+        """
+        try:
+            if "command" in self.device:
+                self._stop()
+            else:
+                self._ramp_down()
+            if (applied := self._applied()) not in (None, self.zero):
+                raise ZeroNotVerifiedError(
+                    f"the output reads {to_physical(self.device['output'], applied):g} V after the "
+                    "ramp to zero. Switch the amplifier off."
+                )
+            if "claim" in self.panel:
+                self.panel.set("claim", 0)
+        except (LinkError, DeviceRefusedError) as error:
+            watch = "watchdog_time" in self.device
+            raise ZeroNotVerifiedError(
+                f"the output could not be read back as zero ({error}). "
+                + (
+                    "The device's watchdog takes it to zero."
+                    if watch
+                    else "The device has no watchdog: switch the amplifier off."
+                )
+            ) from error
+
+    def _claim(self) -> None:
+        try:
+            self.panel.set("claim", self._token)
+        except DeviceRefusedError:
+            raise InputError(
+                "another master owns the outputs",
+                file=self.device.source,
+                field="endpoint",
+                remedy="End it, or wait until the device's watchdog has released them.",
+            ) from None
+
+    def _reclaim(self) -> None:
+        try:
+            self._claim()
+        except InputError as error:
+            raise LinkError(str(error)) from error
+
+    def _refuse_while_driven(self) -> None:
+        if "watchdog_latched" in self.panel and self.panel.get("watchdog_latched"):
+            if not self.reset:
+                raise InputError(
+                    "the device's watchdog has latched: an earlier host fell silent while driving",
+                    file=self.device.source,
+                    remedy="Find out why, then start with --reset.",
+                )
+        elif (applied := self._applied()) not in (None, self.zero):
+            raise InputError(
+                f"the output is not zero: {to_physical(self.device['output'], applied):g} V",
+                file=self.device.source,
+                remedy="Bring it to zero first; no start from a driven output.",
+            )
+
+    def _applied(self) -> int | None:
+        """Read-back of the output, or None where the device has none."""
+        for name in ("applied_output", "output"):
+            if name in self.panel and self.device[name].access != "write":
+                return self.panel.whole(name)
+        return None
+
+    def _stop(self) -> None:
+        if self.panel.get("state") != TRIPPED:
+            self.panel.set("command", STOP)
+        limits = self.device["output"].limits or (0.0, 0.0)
+        deadline = time.monotonic() + 2 * max(map(abs, limits)) / self.ramp_rate + 2
+        while self.panel.get("state") not in (IDLE, TRIPPED):
+            if time.monotonic() > deadline:
+                raise ZeroNotVerifiedError("the device does not end its ramp to zero")
+            time.sleep(0.01)
+
+    def _ramp_down(self) -> None:
+        applied = self._applied()
+        last = self.panel.last_output if applied is None else applied
+        start = float(to_physical(self.device["output"], self.zero if last is None else last))
+        for count in ramp(self.device, start, 0.0, self.ramp_rate).tolist():
+            self.panel.set("output", count)
+            time.sleep(1 / self.device.sampling_rate)
+        self.panel.set("output", self.zero)
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Turn SIGINT, SIGTERM and SIGHUP into :class:`Interrupted` while inside."""
+
+    def end(number: int, _frame: FrameType | None) -> None:
+        raise Interrupted(signal.Signals(number).name)
+
+    with _handled(end):
+        yield
+
+
+@contextmanager
+def _signals_deferred() -> Iterator[None]:
+    """Keep signals waiting while the output goes to zero; deliver them afterwards."""
+    waiting: list[int] = []
+    with _handled(lambda number, _frame: waiting.append(number)):
+        yield
+    if waiting:
+        signal.raise_signal(waiting[0])
+
+
+@contextmanager
+def _handled(handler) -> Iterator[None]:
+    try:
+        before = [signal.signal(number, handler) for number in SIGNALS]
+    except ValueError:  # not in the main thread, which alone receives signals
+        yield
+        return
+    try:
+        yield
+    finally:
+        for number, old in zip(SIGNALS, before, strict=True):
+            signal.signal(number, old)

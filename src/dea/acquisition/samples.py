@@ -1,0 +1,43 @@
+"""Samples as they come from the device, and what may be wrong with them."""
+
+from enum import IntFlag
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Quality(IntFlag):
+    """Flags of a sample; 0 is good."""
+
+    GOOD = 0
+    HELD = 1  # the FIFO was empty and the device held its last output
+    LOST = 2  # measured but overwritten before it was read, or never read
+    LATE = 4  # driven later than its deadline allows
+    UNDRIVEN = 8  # the device had taken its output to zero
+
+
+class Samples(NamedTuple):
+    """Consecutive samples; ``position`` is their place in the sequence that was to be played."""
+
+    position: np.ndarray
+    device_index: np.ndarray
+    requested: np.ndarray
+    applied: np.ndarray
+    displacement: np.ndarray
+    quality: np.ndarray
+
+    @classmethod
+    def lost(cls, position: int, index: int, requested: np.ndarray) -> "Samples":
+        """Place holders for samples that nobody has."""
+        n, nothing = requested.size, np.zeros(requested.size, np.int64)
+        steps = np.arange(n)
+        flags = np.full(n, Quality.LOST)
+        return cls(position + steps, index + steps, requested, nothing, nothing, flags)
+
+
+class BrokenRecordError(RuntimeError):
+    """Samples are missing or were not driven as asked; says which and why."""
+
+    def __init__(self, reason: str, first: int, count: int) -> None:
+        self.reason, self.first, self.count = reason, first, count
+        super().__init__(f"samples {first} to {first + count - 1}: {reason}")

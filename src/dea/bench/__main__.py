@@ -1,0 +1,178 @@
+"""A virtual actuator on the network: ``python -m dea.bench --actuator dea1``.
+
+Prints one JSON line with host, port, unit id and process id on standard output once it listens.
+"""
+
+import argparse
+import asyncio
+import ipaddress
+import json
+import logging
+import os
+import secrets
+import signal
+import ssl
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dea.bench.configuration import Parameters, read_parameters
+from dea.bench.converter import Converter
+from dea.bench.device import BenchDevice
+from dea.bench.player import Player
+from dea.bench.rig import SAMPLE_PERIOD, Rig
+from dea.bench.server import BenchServer, serve
+from dea.errors import InputError
+from dea.modbus import Device, limit_counts, read_device
+
+RAMP_RATE = 5.0  # V/s, of the ramp the device makes by itself when it is stopped
+
+
+def build(
+    rig: Rig, parameters: Parameters, description: Device, *, virtual_clock: bool, watchdog: float,
+    actuator: str,
+) -> BenchDevice:  # fmt: skip
+    """Put a rig behind the register map of ``description``.
+
+    Raises
+    ------
+    InputError
+        Where the description's sampling rate is not the rig's.
+    """
+    if abs(description.sampling_rate * SAMPLE_PERIOD - 1) > 1e-9:
+        raise InputError(
+            f"{description.sampling_rate:g} Hz", file=description.source, field="sampling_rate",
+            remedy=f"The bench samples at {1 / SAMPLE_PERIOD:g} Hz.",
+        )  # fmt: skip
+    output, displacement = parameters.output_converter, parameters.displacement_converter
+    low, high = limit_counts(description, "output")
+    player = Player(
+        rig,
+        low=low,
+        high=high,
+        zero=rig.zero_count,
+        ramp_step=max(1, int(RAMP_RATE * SAMPLE_PERIOD / (output.high - output.low) * 65535)),
+        watchdog_time=watchdog,
+    )
+    limits = _volts(output, low), _volts(output, high)
+    constants: dict[str, float | int | str] = {
+        "identity": "dea-bench",
+        "version": 1,
+        "actuator": actuator[:16],
+        "boot": secrets.randbits(32),
+        "device_rate": 1 / SAMPLE_PERIOD,
+        "output_range_low": output.low,
+        "output_range_high": output.high,
+        "output_low_limit": limits[0],
+        "output_high_limit": limits[1],
+        "displacement_range_low": displacement.low,
+        "displacement_range_high": displacement.high,
+        "fifo_length": player.fifo_length,
+        "ring_length": player.ring_length,
+        "watchdog_time": watchdog,
+    }
+    return BenchDevice(player, description, constants, virtual_clock=virtual_clock)
+
+
+def _volts(converter: Converter, count: int) -> float:
+    return float(converter.to_values(np.array([count], np.uint16))[0])
+
+
+def parse(arguments: list[str] | None = None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(prog="python -m dea.bench", description=__doc__)
+    parser.add_argument("--actuator", required=True, help="a name of the bench configuration")
+    parser.add_argument("--config", type=Path, default=Path("config/bench.yaml"))
+    parser.add_argument(
+        "--device", type=Path, default=Path("config/devices/virtual_bench.yaml"),
+        help="the register map to serve",
+    )  # fmt: skip
+    parser.add_argument("--host", help="address to listen on instead of the description's")
+    parser.add_argument("--port", type=int, help="instead of the description's; 0 takes a free one")
+    parser.add_argument(
+        "--clock", choices=("wall", "virtual"), default="wall",
+        help="play at wall time, or as fast as the master feeds samples",
+    )  # fmt: skip
+    parser.add_argument("--watchdog", type=float, default=1.0, metavar="S")
+    parser.add_argument("--seed", type=int, default=0, help="of the measurement noise")
+    parser.add_argument("--tls-certificate", type=Path)
+    parser.add_argument("--tls-key", type=Path)
+    return parser.parse_args(arguments)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Serve until SIGINT or SIGTERM."""
+    options = parse(arguments)
+    logging.getLogger("pymodbus_logging").setLevel(logging.CRITICAL)
+    try:
+        server = _server(options)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    if not _is_loopback(server.host):
+        print(
+            f"warning: {server.host} can be reached from the network, and Modbus knows no "
+            "passwords: anyone there can drive this bench",
+            file=sys.stderr,
+        )
+    try:
+        asyncio.run(_run(server))
+    except OSError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(1) from None
+
+
+def _server(options: argparse.Namespace) -> BenchServer:
+    description = read_device(options.device)
+    if options.host is not None:
+        description = replace(description, host=options.host)
+    if options.port is not None:
+        description = replace(description, port=options.port)
+    parameters = read_parameters(options.config, options.actuator)
+    device = build(
+        Rig(parameters, options.seed), parameters, description,
+        virtual_clock=options.clock == "virtual", watchdog=options.watchdog,
+        actuator=options.actuator,
+    )  # fmt: skip
+    tls = None
+    if description.framing == "tls":
+        if options.tls_certificate is None:
+            raise InputError(
+                "framing is tls", file=options.device, field="framing",
+                remedy="Give --tls-certificate and --tls-key.",
+            )  # fmt: skip
+        tls = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+        tls.load_cert_chain(options.tls_certificate, options.tls_key)
+    return BenchServer(device, description.host, description.port, tls)
+
+
+async def _run(server: BenchServer) -> None:
+    task = asyncio.create_task(serve(server, _announce))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, task.cancel)
+    await task
+
+
+def _announce(server: BenchServer) -> None:
+    address = {
+        "host": server.host,
+        "port": server.port,
+        "unit_id": server.device.description.unit_id,
+        "pid": os.getpid(),
+    }
+    print(json.dumps(address), flush=True)
+
+
+def _is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,284 @@
+"""The register map of the bench: what a master may read and write, and what that does."""
+
+import itertools
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from dea.bench.player import Player, State
+from dea.modbus import Device, Register, checksum, decode, encode
+
+START, STOP, RESET, CLEAR = 1, 2, 3, 4
+SILENCE = 1
+
+_tokens = itertools.count(1)
+
+
+class RefusedError(Exception):
+    """The device refuses a request; ``code`` is the Modbus exception code."""
+
+    ILLEGAL_ADDRESS = 2
+    ILLEGAL_VALUE = 3
+    NOT_ALLOWED = 7
+    BUSY = 6
+
+    def __init__(self, code: int) -> None:
+        super().__init__(f"Modbus exception {code}")
+        self.code = code
+
+
+@dataclass
+class Session:
+    """One master's connection: the owner's token it has shown and the samples it asks for."""
+
+    token: int = 0
+    read_index: int = 0
+    serial: int = field(default_factory=lambda: next(_tokens))
+
+
+class BenchDevice:
+    """A Modbus device around a :class:`~dea.bench.player.Player`.
+
+    Parameters
+    ----------
+    player
+        The device's clockwork.
+    description
+        The register map; the names are those of ``config/devices/virtual_bench.yaml``.
+    constants
+        Values of the registers that never change, by name: identity, ranges, lengths.
+    virtual_clock
+        Whether time passes as fast as the owner feeds samples, or at wall time.
+    """
+
+    def __init__(
+        self,
+        player: Player,
+        description: Device,
+        constants: Mapping[str, float | int | str],
+        *,
+        virtual_clock: bool,
+    ) -> None:
+        self.player, self.description, self.virtual_clock = player, description, virtual_clock
+        self.owner = 0
+        self.period = 1.0 / description.sampling_rate  # s
+        self._due = 0.0
+        self._constants = {n: encode(description[n], v) for n, v in constants.items()}
+        self._by_address: dict[int, Register] = {}
+        for register in description.registers.values():
+            for address in range(register.address, register.end):
+                self._by_address[address] = register
+        self._block = [r for r in description.registers.values() if r.name.startswith("block_")]
+        self._block.sort(key=lambda r: r.address)
+        reply = [r for r in description.registers.values() if r.name.startswith("reply_")]
+        self._reply = sorted(reply, key=lambda r: r.address)
+        self._reply_start, self._reply_end = self._reply[0].address, self._reply[-1].end
+
+    def read(self, session: Session, address: int, count: int) -> list[int]:
+        """Registers ``address`` to ``address + count - 1``."""
+        if self._reply_start <= address and address + count <= self._reply_end:
+            start = address - self._reply_start
+            return self._answer(session)[start : start + count]
+        words: list[int] = []
+        while len(words) < count:
+            register = self._by_address.get(address + len(words))
+            if register is None:
+                raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+            skip = address + len(words) - register.address
+            words += self._words(session, register)[skip:]
+        return words[:count]
+
+    def write(self, session: Session, address: int, words: Sequence[int]) -> None:
+        """Write whole registers: a block of samples, or one command, claim or output value."""
+        register = self._by_address.get(address)
+        if register is None or register.access == "read":
+            raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+        if address == self._block[0].address and len(words) == self._block_size:
+            self._write_block(session, words)
+            return
+        if register.address != address or register.size != len(words) or register in self._block:
+            raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+        value = decode(register, words)
+        if not isinstance(value, int):
+            raise RefusedError(RefusedError.ILLEGAL_VALUE)
+        if register.name == "claim":
+            self._claim(session, value)
+            return
+        self._only_the_owner(session)
+        if register.name == "output":
+            self._hold(value)
+        else:
+            self._command(value)
+
+    def heard(self, session: Session, now: float) -> None:
+        """Feed the watchdog where it is the owner who speaks."""
+        if self.owner and session.token == self.owner:
+            self.player.heard(now)
+
+    def wind(self, now: float) -> None:
+        """Start the wall clock at ``now``, s."""
+        self._due = now + self.period
+
+    def tick(self, now: float) -> float:
+        """Let the samples due by ``now`` pass at wall time; return when the next one is due."""
+        if not self.virtual_clock and now >= self._due:
+            passed = int((now - self._due) / self.period) + 1
+            self.player.advance(passed)
+            self._due += passed * self.period
+        return self._due
+
+    def pump(self) -> None:
+        """Let the virtual clock run as far as the owner has fed it."""
+        if self.virtual_clock:
+            self.player.drain()
+
+    def watch(self, now: float) -> None:
+        """Let the watchdog look; an owner silent at zero output loses the outputs."""
+        silent = now - self.player.last_heard > self.player.watchdog_time
+        self.player.watch(now)
+        if silent and self.owner and not self.player.driven:
+            self.owner = 0
+
+    @property
+    def _block_size(self) -> int:
+        return self._block[-1].end - self._block[0].address
+
+    def _only_the_owner(self, session: Session) -> None:
+        if not self.owner or session.token != self.owner:
+            raise RefusedError(RefusedError.NOT_ALLOWED)
+
+    def _claim(self, session: Session, token: int) -> None:
+        if token == 0:
+            self._only_the_owner(session)
+            if self.player.driven:
+                raise RefusedError(RefusedError.NOT_ALLOWED)
+            self.owner = session.token = 0
+            return
+        if self.owner not in (0, token):
+            raise RefusedError(RefusedError.NOT_ALLOWED)
+        self.owner = session.token = token
+        self.player.heard(time.monotonic())
+
+    def _command(self, command: int) -> None:
+        player = self.player
+        if command == START:
+            done = player.start()
+        elif command == STOP:
+            player.stop()
+            done = True
+        elif command == RESET:
+            done = player.reset()
+        elif command == CLEAR:
+            done = player.state in (State.IDLE, State.TRIPPED)
+            if done:
+                player.clear()
+        else:
+            raise RefusedError(RefusedError.ILLEGAL_VALUE)
+        if not done:
+            raise RefusedError(RefusedError.NOT_ALLOWED)
+
+    def _hold(self, count: int) -> None:
+        if not self.player.hold(count):
+            raise RefusedError(RefusedError.NOT_ALLOWED)
+        # The master paces a polled device: its write is the trigger. Half a period late is still
+        # in time; after that the device's own clock goes on with the output held.
+        self.player.advance(1)
+        self._due = time.monotonic() + 1.5 * self.period
+
+    def _write_block(self, session: Session, words: Sequence[int]) -> None:
+        start = self._block[0].address
+        value = {
+            r.name: decode(r, words[r.address - start : r.end - start])
+            for r in self._block
+        }  # fmt: skip
+        crc_words = self.description["block_crc"].size
+        if value["block_crc"] != checksum(words[crc_words:]):
+            # Not an exception: the echoed sequence tells the host that the block did not arrive.
+            self.player.refused += 1
+            return
+        session.read_index = int(value["block_read_index"])  # type: ignore[arg-type]
+        sequence, count = value["block_sequence"], value["block_count"]
+        samples = value["block_samples"]
+        assert isinstance(sequence, int)
+        assert isinstance(count, int)
+        assert isinstance(samples, list)
+        if self.owner and session.token == self.owner:
+            self.player.collected = max(self.player.collected, session.read_index)
+        if sequence:
+            self._only_the_owner(session)
+            if not 0 < count <= len(samples):
+                raise RefusedError(RefusedError.ILLEGAL_VALUE)
+            self.player.load(sequence, samples[:count])  # type: ignore[arg-type]
+
+    def _answer(self, session: Session) -> list[int]:
+        player = self.player
+        samples = self.description["reply_samples"]
+        run = player.run(session.read_index, samples.count // 2)
+        pairs = [0] * samples.count
+        pairs[0 : 2 * run.applied.size : 2] = run.applied.tolist()
+        pairs[1 : 2 * run.applied.size : 2] = run.displacement.tolist()
+        value: dict[str, int | list[int]] = {
+            "reply_sequence": player.sequence,
+            "reply_index": run.index,
+            "reply_position": run.position,
+            "reply_next": player.index,
+            "reply_count": run.applied.size,
+            "reply_origin": int(run.origin),
+            "reply_state": int(player.state),
+            "reply_fifo": player.fifo_level,
+            "reply_samples": pairs,
+        }
+        words = [0] * (self._reply_end - self._reply_start)
+        for name, content in value.items():
+            register = self.description[name]
+            place = register.address - self._reply_start
+            words[place : place + register.size] = encode(register, content)
+        crc = self.description["reply_crc"]
+        words[: crc.size] = encode(crc, checksum(words[crc.size :]))
+        return words
+
+    def _words(self, session: Session, register: Register) -> list[int]:
+        name = register.name
+        if name in self._constants:
+            return self._constants[name]
+        if name.startswith("reply_"):
+            place = register.address - self._reply_start
+            return self._answer(session)[place : place + register.size]
+        if name.startswith("block_"):
+            return [0] * register.size
+        if name == "owner":
+            return [0 if not self.owner else 2 if session.token == self.owner else 1]
+        return encode(register, self._live(name))
+
+    def _live(self, name: str) -> int:
+        player = self.player
+        match name:
+            case "state":
+                return player.state
+            case "trip_reason":
+                return SILENCE if player.latched else 0
+            case "tick":
+                return round(player.index * 1000 * self.period) % 2**32
+            case "sample_index":
+                return player.index
+            case "device_index":
+                return max(player.index - 1, 0)
+            case "fifo_level":
+                return player.fifo_level
+            case "watchdog_latched":
+                return int(player.latched)
+            case "watchdog_trips":
+                return min(player.trips, 0xFFFF)
+            case "underruns" | "overruns" | "clamped":
+                return getattr(player, name)
+            case "refused_blocks":
+                return player.refused
+            case "applied_output":
+                return player.applied
+            case "displacement":
+                return player.displacement
+            case "output":
+                return player.requested
+            case "command" | "claim":
+                return 0
+        raise RefusedError(RefusedError.ILLEGAL_ADDRESS)

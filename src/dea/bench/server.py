@@ -1,0 +1,227 @@
+"""The bench on the network: pymodbus's server, its frames kept in order and its clients in check.
+
+pymodbus 3.16 keeps one request per connection: a second one in the same segment overtakes or
+wedges the first. Here each frame is answered before the next is looked at.
+"""
+
+import asyncio
+import contextlib
+import ssl
+import time
+from collections.abc import Callable, Coroutine
+from typing import Any, cast
+
+from pymodbus.constants import ExcCodes
+from pymodbus.datastore import ModbusServerContext
+from pymodbus.framer import FramerRTU, FramerSocket, FramerType
+from pymodbus.pdu import ExceptionResponse, ModbusPDU
+from pymodbus.server import ModbusTcpServer, ModbusTlsServer
+from pymodbus.server.requesthandler import ServerRequestHandler
+from pymodbus.simulator import DataType, SimData, SimDevice
+
+from dea.bench.device import BenchDevice, RefusedError, Session
+
+FUNCTIONS = (3, 4, 6, 16, 23)
+MAX_FRAME = 260  # bytes, of a Modbus frame on TCP
+MAX_CONNECTIONS = 64
+MAX_UNREAD = 64 * 1024  # bytes of replies a client may leave unread
+
+_FRAMERS = {"tcp": FramerType.SOCKET, "rtu_over_tcp": FramerType.RTU, "tls": FramerType.TLS}
+
+
+class BenchServer:
+    """Serve a :class:`BenchDevice` until cancelled.
+
+    Parameters
+    ----------
+    device
+        What is served; its description gives unit id and framing.
+    host, port
+        Where to listen; port 0 takes a free one, which :attr:`port` tells after :meth:`start`.
+    tls
+        Server-side context, needed where the framing is ``tls``.
+    """
+
+    def __init__(
+        self, device: BenchDevice, host: str, port: int, tls: ssl.SSLContext | None = None
+    ) -> None:
+        self.device, self.host, self.port, self._tls = device, host, port, tls
+        self.connections: set[_Connection] = set()
+        self._session = Session()
+        self._server: _Server | _TlsServer | None = None
+
+    async def start(self) -> None:
+        """Listen; raises OSError where the address cannot be had."""
+        description = self.device.description
+        table = SimDevice(
+            id=description.unit_id,
+            simdata=[SimData(0, count=0x10000, datatype=DataType.REGISTERS)],
+            action=self._action,
+        )
+        framer, address = _FRAMERS[description.framing], (self.host, self.port)
+        if description.framing == "tls":
+            self._server = _TlsServer(table, framer=framer, address=address, sslctx=self._tls)
+        else:
+            self._server = _Server(table, framer=framer, address=address)
+        self._server.bench = self
+        if not await self._server.listen():
+            raise OSError(f"cannot listen on {self.host}:{self.port}")
+        self.port = self._server.transport.sockets[0].getsockname()[1]  # type: ignore[attr-defined]
+
+    async def run(self) -> None:
+        """Keep the clock and the watchdog going until cancelled; then close."""
+        device = self.device
+        pause = min(device.period, device.player.watchdog_time / 4)
+        device.wind(time.monotonic())
+        try:
+            while True:
+                now = time.monotonic()
+                device.watch(now)
+                due = device.tick(now) - time.monotonic()
+                await asyncio.sleep(pause if device.virtual_clock else max(0.0, due))
+        finally:
+            await self.close()
+
+    async def close(self) -> None:
+        """Stop listening and drop every connection."""
+        if self._server is not None:
+            await self._server.shutdown()
+
+    def answer(self, session: Session, request: ModbusPDU) -> ModbusPDU:
+        """Reply to one request of one master."""
+        device = self.device
+        if request.dev_id != device.description.unit_id:
+            return ExceptionResponse(request.function_code, ExcCodes.GATEWAY_NO_RESPONSE)
+        if request.function_code not in FUNCTIONS:
+            return ExceptionResponse(request.function_code, ExcCodes.ILLEGAL_FUNCTION)
+        assert self._server is not None
+        self._session = session
+        context = cast(ModbusServerContext, self._server.context)
+        reply = _finish(request.datastore_update(context, request.dev_id))
+        device.heard(session, time.monotonic())
+        return reply
+
+    async def _action(
+        self,
+        function: int,
+        start: int,
+        address: int,
+        count: int,
+        registers: list[int],
+        values: list[int] | list[bool] | None,
+    ) -> ExcCodes | None:
+        """What pymodbus calls before it stores (values given) and before it reads."""
+        try:
+            if values is not None:
+                self.device.write(self._session, address, [int(v) for v in values])
+            elif function not in (6, 16):
+                offset = address - start
+                registers[offset : offset + count] = self.device.read(self._session, address, count)
+        except RefusedError as refusal:
+            return ExcCodes(refusal.code)
+        return None
+
+
+class _Connection(ServerRequestHandler):
+    """One master."""
+
+    def __init__(self, owner: "_Server | _TlsServer") -> None:
+        super().__init__(owner, None, None, None)
+        self.bench, self.session, self.pending = owner.bench, Session(), b""
+
+    def callback_connected(self) -> None:
+        """Refuse one connection too many; bound what a client may leave unread."""
+        super().callback_connected()
+        if len(self.bench.connections) >= MAX_CONNECTIONS:
+            self.transport.abort()  # type: ignore[attr-defined]
+            return
+        self.bench.connections.add(self)
+        self.transport.set_write_buffer_limits(high=MAX_UNREAD)  # type: ignore[attr-defined]
+
+    def callback_disconnected(self, exc: Exception | None) -> None:
+        """Forget the master; what it drives is the watchdog's to end."""
+        super().callback_disconnected(exc)
+        self.bench.connections.discard(self)
+
+    def pause_writing(self) -> None:
+        """Drop a client that asks and does not listen."""
+        self.transport.abort()  # type: ignore[attr-defined]
+
+    def resume_writing(self) -> None:
+        """Nothing waits: a paused client has been dropped."""
+
+    def data_received(self, data: bytes) -> None:
+        """Answer every whole frame in the order of arrival; drop who sends what is none."""
+        self.pending += data
+        while self.pending and not self.transport.is_closing():
+            if isinstance(self.framer, FramerSocket) and _malformed(self.pending):
+                self.transport.abort()  # type: ignore[attr-defined]
+                return
+            used, frame = self._frame()
+            if not used:
+                if len(self.pending) > MAX_FRAME:
+                    self.transport.abort()  # type: ignore[attr-defined]
+                return
+            self.pending = self.pending[used:]
+            if frame:
+                self._serve(*frame)
+
+    def _frame(self) -> tuple[int, tuple[int, int, bytes] | None]:
+        used, unit, transaction, pdu = self.framer.decode(self.pending)
+        if isinstance(self.framer, FramerRTU) and used:
+            # pymodbus's RTU framer claims the whole buffer; a master has one request under way.
+            used = len(self.pending)
+        return used, (unit, transaction, pdu) if pdu else None
+
+    def _serve(self, unit: int, transaction: int, pdu: bytes) -> None:
+        request = self.framer.decoder.decode(pdu)
+        if request is None:
+            code = ExcCodes.ILLEGAL_VALUE if pdu[0] in FUNCTIONS else ExcCodes.ILLEGAL_FUNCTION
+            reply: ModbusPDU = ExceptionResponse(pdu[0] & 0x7F, code)
+        else:
+            request.dev_id, request.transaction_id = unit, transaction
+            reply = self.bench.answer(self.session, request)
+        reply.dev_id, reply.transaction_id = unit, transaction
+        self.pdu_send(reply)
+        # After the reply, so that the plant moves on while the host digests what it got.
+        self.loop.call_soon(self.bench.device.pump)
+
+
+class _Server(ModbusTcpServer):
+    bench: BenchServer
+
+    def callback_new_connection(self) -> _Connection:
+        return _Connection(self)
+
+
+class _TlsServer(ModbusTlsServer):
+    bench: BenchServer
+
+    def callback_new_connection(self) -> _Connection:
+        return _Connection(self)
+
+
+def _malformed(data: bytes) -> bool:
+    """Whether a Modbus TCP header has the wrong protocol or an impossible length."""
+    if len(data) < 6:
+        return False
+    length = int.from_bytes(data[4:6], "big")
+    return data[2:4] != b"\0\0" or not 2 <= length <= MAX_FRAME - 6
+
+
+def _finish(answer: Coroutine[Any, Any, ModbusPDU]) -> ModbusPDU:
+    """Run a coroutine that never waits."""
+    try:
+        answer.send(None)
+    except StopIteration as done:
+        return done.value
+    answer.close()
+    raise RuntimeError("a device's answer must not wait")
+
+
+async def serve(server: BenchServer, announce: Callable[[BenchServer], None]) -> None:
+    """Start ``server``, announce its address and run until cancelled."""
+    await server.start()
+    announce(server)
+    with contextlib.suppress(asyncio.CancelledError):
+        await server.run()

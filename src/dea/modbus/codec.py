@@ -1,0 +1,117 @@
+"""Values to 16-bit registers and back, in every word and byte order."""
+
+import struct
+import zlib
+from collections.abc import Sequence
+
+import numpy as np
+
+from dea.errors import InputError
+from dea.modbus.description import Device, Register
+
+_FORMATS = {
+    "uint16": "H",
+    "int16": "h",
+    "uint32": "I",
+    "int32": "i",
+    "uint64": "Q",
+    "int64": "q",
+    "float32": "f",
+    "float64": "d",
+}
+Value = int | float | str | list[int] | list[float]
+
+
+def encode(register: Register, value: Value) -> list[int]:
+    """Registers that hold ``value`` (raw, before scale and offset), ``register.size`` of them.
+
+    ``word_order`` little puts the least significant word first; ``byte_order`` little swaps the
+    two bytes within each word. Raises ValueError where the value does not fit the type.
+    """
+    if register.type == "string":
+        if not isinstance(value, str):
+            raise ValueError(f"{register.name} holds text, not {value!r}")
+        data = value.encode("ascii")
+        if len(data) > 2 * register.count:
+            raise ValueError(f"{value!r} is longer than the {2 * register.count} characters held")
+        return _swap(register, np.frombuffer(data.ljust(2 * register.count, b"\0"), ">u2"))
+    values = value if isinstance(value, list) else [value]
+    if len(values) != register.count:
+        raise ValueError(f"{register.name} holds {register.count} values, not {len(values)}")
+    try:
+        data = struct.pack(f">{register.count}{_FORMATS[register.type]}", *values)
+    except (struct.error, OverflowError) as error:
+        raise ValueError(f"{value!r} does not fit {register.name} ({register.type})") from error
+    return _swap(register, np.frombuffer(data, ">u2"))
+
+
+def decode(register: Register, words: Sequence[int]) -> Value:
+    """Raw value (list for an array) that the registers hold; inverse of :func:`encode`."""
+    if len(words) != register.size:
+        raise ValueError(f"{register.name} needs {register.size} registers, not {len(words)}")
+    data = np.array(_swap(register, np.asarray(words, ">u2")), ">u2").tobytes()
+    if register.type == "string":
+        return data.rstrip(b"\0").decode("ascii", errors="replace")
+    values = list(struct.unpack(f">{register.count}{_FORMATS[register.type]}", data))
+    return values if register.count > 1 else values[0]
+
+
+def _swap(register: Register, words: np.ndarray) -> list[int]:
+    """Exchange between the wire's order and big-endian; the operation is its own inverse."""
+    words = words.astype(np.uint16)
+    if register.byte_order == "little":
+        words = words.byteswap()
+    if register.word_order == "little" and register.type != "string":
+        words = words.reshape(register.count, -1)[:, ::-1].ravel()
+    return words.tolist()
+
+
+def to_physical(register: Register, counts: np.ndarray | float) -> np.ndarray:
+    """``offset + scale * counts`` in ``register.unit``."""
+    return register.offset + register.scale * np.asarray(counts, dtype=float)
+
+
+def to_counts(register: Register, values: np.ndarray | float) -> np.ndarray:
+    """Nearest integer counts of ``values`` in ``register.unit``; int64, same shape.
+
+    Raises
+    ------
+    InputError
+        Where a value lies outside the register's type.
+    """
+    counts = np.rint((np.asarray(values, dtype=float) - register.offset) / register.scale)
+    info = np.iinfo(register.type)
+    if not np.all((counts >= info.min) & (counts <= info.max)):
+        low, high = to_physical(register, info.min), to_physical(register, info.max)
+        raise InputError(
+            f"a value of {register.name} cannot be represented",
+            field=f"registers.{register.name}",
+            remedy=f"Stay between {min(low, high):g} and {max(low, high):g} {register.unit}.",
+        )
+    return counts.astype(np.int64)
+
+
+def limit_counts(device: Device, name: str) -> tuple[int, int]:
+    """Lowest and highest raw counts of a register that lie inside its ``limits``.
+
+    Counts are rounded inwards, so that no representable value exceeds a limit.
+    """
+    register = device[name]
+    if register.limits is None:
+        raise InputError(
+            "no limits",
+            file=device.source,
+            field=f"registers.{name}.limits",
+            remedy=f"Give [low, high] in {register.unit}.",
+        )
+    # One part in 10^9 of a count forgives the rounding of a limit that is exactly representable.
+    edges = sorted((limit - register.offset) / register.scale for limit in register.limits)
+    info = np.iinfo(register.type)
+    low = max(int(np.ceil(edges[0] - 1e-9)), int(info.min))
+    high = min(int(np.floor(edges[1] + 1e-9)), int(info.max))
+    return low, high
+
+
+def checksum(words: Sequence[int]) -> int:
+    """CRC-32 of registers in the order of the wire; Modbus TCP itself has no checksum."""
+    return zlib.crc32(struct.pack(f">{len(words)}H", *words))

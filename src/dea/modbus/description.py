@@ -1,0 +1,349 @@
+"""A device as one YAML file describes it: where it is, how it is framed, its named registers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import yaml
+
+from dea.errors import InputError
+
+Table = Literal["holding", "input"]
+Order = Literal["big", "little"]
+Access = Literal["read", "write", "read_write"]
+Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
+RegisterType = Literal[
+    "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string"
+]
+
+_WORDS = {
+    "uint16": 1,
+    "int16": 1,
+    "uint32": 2,
+    "int32": 2,
+    "float32": 2,
+    "uint64": 4,
+    "int64": 4,
+    "float64": 4,
+    "string": 1,
+}
+_INTEGERS = tuple(kind for kind in _WORDS if "int" in kind)
+_LAST_ADDRESS = 0xFFFF
+
+
+@dataclass(frozen=True)
+class Register:
+    """One named value of the device, ``value = offset + scale * raw``.
+
+    ``count`` is the number of values of an array, or of registers of a string. ``limits`` and
+    ``range`` are in ``unit``; a ``range`` is what the lowest and the highest raw value mean, and
+    stands for scale and offset. ``expect`` is what must be read before any voltage is applied.
+    """
+
+    name: str
+    address: int
+    type: RegisterType = "uint16"
+    table: Table = "holding"
+    count: int = 1
+    word_order: Order = "big"
+    byte_order: Order = "big"
+    scale: float = 1.0
+    offset: float = 0.0
+    unit: str = "1"
+    access: Access = "read"
+    range: tuple[float, float] | None = None
+    limits: tuple[float, float] | None = None
+    expect: float | str | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of 16-bit registers the value occupies."""
+        return _WORDS[self.type] * self.count
+
+    @property
+    def end(self) -> int:
+        """First address after the value."""
+        return self.address + self.size
+
+
+@dataclass(frozen=True)
+class Tls:
+    """Certificates of a TLS link; ``ca_file`` signs the device's, the others are the client's."""
+
+    ca_file: str | None = None
+    server_name: str | None = None
+    certificate_file: str | None = None
+    key_file: str | None = None
+
+
+@dataclass(frozen=True)
+class Serial:
+    """A serial line; ``baudrate`` in bit/s."""
+
+    port: str
+    baudrate: int = 19200
+    parity: Literal["N", "E", "O"] = "E"
+    stopbits: Literal[1, 2] = 1
+
+
+@dataclass(frozen=True)
+class Device:
+    """A Modbus device: endpoint, framing and register map.
+
+    ``read_write_multiple`` says whether it answers function code 23. ``source`` is the file the
+    description came from, for messages.
+    """
+
+    name: str
+    unit_id: int
+    sampling_rate: float  # Hz
+    registers: Mapping[str, Register]
+    host: str = "127.0.0.1"
+    port: int = 502
+    framing: Framing = "tcp"
+    tls: Tls = field(default_factory=Tls)
+    serial: Serial | None = None
+    read_write_multiple: bool = False
+    source: Path | None = None
+
+    def __getitem__(self, name: str) -> Register:
+        """Return the register called ``name``; raise InputError where the device has none."""
+        try:
+            return self.registers[name]
+        except KeyError:
+            raise InputError(
+                f"the device has no register {name!r}",
+                file=self.source,
+                field="registers",
+                remedy=f"Describe it; there are {', '.join(sorted(self.registers))}.",
+            ) from None
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.registers
+
+
+def read_device(path: str | Path) -> Device:
+    """Read and check a device description.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the field and the remedy: unreadable YAML, a misspelt key, an unknown
+        type, overlapping registers, crossing limits, a unit id or address out of range.
+    """
+    path = Path(path)
+    try:
+        content = yaml.safe_load(path.read_text())
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"the device description cannot be read: {error}",
+            file=path,
+            remedy="Name one of config/devices/*.yaml or a file written like them.",
+        ) from error
+    except yaml.YAMLError as error:
+        raise InputError(f"not valid YAML: {error}", file=path, remedy="Mend the syntax.") from None
+    return parse_device(content, source=path)
+
+
+def parse_device(content: Any, source: Path | None = None) -> Device:
+    """Check a description given as the mapping its YAML holds; see :func:`read_device`."""
+    top = _Section(content, source, "")
+    top.allow(
+        "name", "endpoint", "unit_id", "framing", "tls", "serial", "sampling_rate",
+        "read_write_multiple", "word_order", "byte_order", "registers",
+    )  # fmt: skip
+    framing = top.choice("framing", Framing, "tcp")
+    endpoint = top.section("endpoint") if framing != "serial" else None
+    if endpoint is not None:
+        endpoint.allow("host", "port")
+    if framing == "serial" and "serial" not in top.values:
+        raise top.error("serial", "missing, though framing is serial", "Give the port of the line.")
+    orders = {key: top.choice(key, Order, "big") for key in ("word_order", "byte_order")}
+    registers = {
+        str(name): _register(str(name), top.section("registers"), orders)
+        for name in top.section("registers").values
+    }
+    if not registers:
+        raise top.error("registers", "empty", "Describe at least the output and the measurement.")
+    _refuse_overlaps(registers, top)
+    return Device(
+        name=top.text("name"),
+        unit_id=top.integer("unit_id", 0, 247),
+        sampling_rate=top.number("sampling_rate", positive=True),
+        registers=registers,
+        host=endpoint.text("host") if endpoint else "",
+        port=endpoint.integer("port", 0, 65535) if endpoint else 0,
+        framing=framing,  # type: ignore[arg-type]
+        tls=_plain(Tls, top, "tls") if "tls" in top.values else Tls(),
+        serial=_serial(top) if framing == "serial" else None,
+        read_write_multiple=top.boolean("read_write_multiple", False),
+        source=source,
+    )
+
+
+def _register(name: str, parent: "_Section", orders: Mapping[str, str]) -> Register:
+    section = parent.section(name)
+    section.allow(*(f.name for f in fields(Register) if f.name != "name"))
+    kind = section.choice("type", RegisterType, "uint16")
+    word_order = section.choice("word_order", Order, orders["word_order"])
+    span = section.interval("range")
+    if span and (kind not in _INTEGERS or "scale" in section.values or "offset" in section.values):
+        raise section.error(
+            "range", "only for an integer type and without scale and offset", "Keep one of them."
+        )
+    scale, offset = _scaling(kind, span)
+    register = Register(
+        name=name,
+        address=section.integer("address", 0, _LAST_ADDRESS),
+        type=kind,  # type: ignore[arg-type]
+        table=section.choice("table", Table, "holding"),  # type: ignore[arg-type]
+        count=section.integer("count", 1, 125, default=1),
+        word_order=word_order,  # type: ignore[arg-type]
+        byte_order=section.choice("byte_order", Order, orders["byte_order"]),  # type: ignore[arg-type]
+        scale=section.number("scale", default=scale),
+        offset=section.number("offset", default=offset),
+        unit=section.text("unit", default="1"),
+        access=section.choice("access", Access, "read"),  # type: ignore[arg-type]
+        range=span,
+        limits=section.interval("limits"),
+        expect=section.values.get("expect"),
+    )
+    if register.scale == 0:
+        raise section.error("scale", "zero", "Give the value of one count.")
+    if register.end > _LAST_ADDRESS + 1:
+        raise section.error(
+            "address", f"{register.address} runs past {_LAST_ADDRESS}", "Lower address or count."
+        )
+    if register.table == "input" and register.access != "read":
+        raise section.error(
+            "access", f"{register.access}, but input registers can only be read",
+            "Use table: holding, or access: read.",
+        )  # fmt: skip
+    if register.expect is not None and isinstance(register.expect, str) != (kind == "string"):
+        raise section.error(
+            "expect", f"{register.expect!r} is not a {kind}", "Give a value of the register's type."
+        )
+    return register
+
+
+def _scaling(kind: str, span: tuple[float, float] | None) -> tuple[float, float]:
+    """Scale and offset that spread ``span`` over all raw values of the type."""
+    if span is None:
+        return 1.0, 0.0
+    bits, signed = int(kind.lstrip("uint")), not kind.startswith("u")
+    scale = (span[1] - span[0]) / (2**bits - 1)
+    return scale, span[0] + scale * 2 ** (bits - 1) * signed
+
+
+def _refuse_overlaps(registers: Mapping[str, Register], top: "_Section") -> None:
+    for table in get_args(Table):
+        ordered = sorted(
+            (r for r in registers.values() if r.table == table), key=lambda r: r.address
+        )
+        for first, second in pairwise(ordered):
+            if second.address < first.end:
+                raise top.error(
+                    f"registers.{second.name}.address",
+                    f"{second.address} overlaps {first.name}, which holds "
+                    f"{first.address} to {first.end - 1} ({table})",
+                    f"Move it to {first.end} or later, or correct the types.",
+                )
+
+
+def _serial(top: "_Section") -> Serial:
+    serial = _plain(Serial, top, "serial")
+    if serial.parity not in ("N", "E", "O"):
+        raise top.error("serial.parity", f"{serial.parity!r}", "Use N, E or O.")
+    return serial
+
+
+def _plain(kind: Any, top: "_Section", key: str) -> Any:
+    section = top.section(key)
+    section.allow(*(f.name for f in fields(kind)))
+    try:
+        return kind(**section.values)
+    except TypeError as error:
+        raise top.error(key, str(error), "Complete the section.") from None
+
+
+class _Section:
+    """A mapping of the description, read key by key with errors that name the key."""
+
+    def __init__(self, values: Any, source: Path | None, path: str) -> None:
+        self.source, self.path = source, path
+        if not isinstance(values, Mapping):
+            raise InputError(
+                f"expected a mapping, found {type(values).__name__}",
+                file=source,
+                field=path or None,
+                remedy="Write it as `key: value` lines.",
+            )
+        self.values = values
+
+    def error(self, key: str, problem: str, remedy: str) -> InputError:
+        where = ".".join(part for part in (self.path, key) if part)
+        return InputError(problem, file=self.source, field=where, remedy=remedy)
+
+    def allow(self, *keys: str) -> None:
+        for key in self.values:
+            if key not in keys:
+                raise self.error(str(key), "unknown key", f"Known here: {', '.join(keys)}.")
+
+    def get(self, key: str, default: Any) -> Any:
+        value = self.values.get(key, default)
+        if value is None:
+            raise self.error(key, "missing", "Give it.")
+        return value
+
+    def section(self, key: str) -> "_Section":
+        where = ".".join(part for part in (self.path, key) if part)
+        return _Section(self.get(key, None), self.source, where)
+
+    def text(self, key: str, default: str | None = None) -> str:
+        value = self.get(key, default)
+        if not isinstance(value, str):
+            raise self.error(key, f"{value!r} is not text", "Put it in quotes.")
+        return value
+
+    def boolean(self, key: str, default: bool) -> bool:
+        value = self.get(key, default)
+        if not isinstance(value, bool):
+            raise self.error(key, f"{value!r} is neither true nor false", "Use true or false.")
+        return value
+
+    def integer(self, key: str, low: int, high: int, default: int | None = None) -> int:
+        value = self.get(key, default)
+        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+            raise self.error(key, f"{value!r}", f"Use a whole number from {low} to {high}.")
+        return value
+
+    def number(self, key: str, default: float | None = None, positive: bool = False) -> float:
+        value = self.get(key, default)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.error(key, f"{value!r} is not a number", "Use a number.")
+        if value != value or abs(value) == float("inf") or (positive and value <= 0):
+            raise self.error(key, f"{value!r}", "Use a finite, positive number.")
+        return float(value)
+
+    def choice(self, key: str, allowed: Any, default: str) -> str:
+        value = self.get(key, default)
+        if value not in get_args(allowed):
+            raise self.error(
+                key, f"unknown {key} {value!r}", f"Use {', '.join(get_args(allowed))}."
+            )
+        return value
+
+    def interval(self, key: str) -> tuple[float, float] | None:
+        value = self.values.get(key)
+        if value is None:
+            return None
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise self.error(key, f"{value!r}", "Give [low, high].")
+        if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in value):
+            raise self.error(key, f"{value!r}", "Give two numbers, [low, high].")
+        low, high = float(value[0]), float(value[1])
+        if not low < high:
+            raise self.error(key, f"{low:g} and {high:g} cross", "Give the lower one first.")
+        return low, high

@@ -1,0 +1,40 @@
+import numpy as np
+import pytest
+
+from dea.acquisition import AcquisitionSettings, acquire
+
+FAST = AcquisitionSettings(ramp_rate=20.0, timeout=0.5, reconnect_time=2.0)
+
+
+def sine(samples=700):
+    return 2.4 + 1.2 * np.sin(np.arange(samples) * 0.1)
+
+
+def assert_equals_what_was_measured(record, bench, volts):
+    index = record.device_index.values
+    assert np.array_equal(np.diff(index), np.ones(index.size - 1))
+    assert index.size == volts.size
+    assert np.array_equal(record.voltage_counts, bench.applied[index])
+    assert np.array_equal(record.displacement_counts, bench.displacement[index])
+    assert np.array_equal(record.voltage_counts, np.rint(volts / 15 * 65535))
+    assert not record.quality.any()
+
+
+@pytest.mark.parametrize("read_write_multiple", [True, False])
+def test_every_sample_is_in_its_place(serve_bench, tmp_path, read_write_multiple):
+    from dataclasses import replace
+
+    bench, volts = serve_bench(), sine()
+    device = replace(bench.endpoint, read_write_multiple=read_write_multiple)
+    record = acquire(device, volts, tmp_path / "a.partial", FAST).record
+    assert_equals_what_was_measured(record, bench, volts)
+    assert bench.applied[-1] == 0
+    assert bench.device.owner == 0
+
+
+def test_at_wall_time(serve_bench, tmp_path):
+    bench, volts = serve_bench(virtual_clock=False, watchdog_time=1.0), sine(100)
+    record = acquire(bench.endpoint, volts, tmp_path / "a.partial", FAST).record
+    assert_equals_what_was_measured(record, bench, volts)
+    assert bench.player.underruns == 0
+    assert bench.applied[-1] == 0
