@@ -1,0 +1,240 @@
+"""Polynomial NARX models: build, simulate, predict, print, save and load."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+import dea
+from dea import store
+from dea.errors import InputError
+from dea.narx.checks import Array, as_record, as_signal
+from dea.narx.regressors import regressor_matrix
+from dea.narx.simulation import simulate
+from dea.narx.terms import Term, max_lag
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """How physical signals become those of the equation: (u - u_offset)/u_scale, y likewise.
+
+    The default leaves them as they are.
+    """
+
+    u_offset: float = 0.0
+    u_scale: float = 1.0
+    y_offset: float = 0.0
+    y_scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not np.isfinite(value) or (name.endswith("scale") and value <= 0.0):
+                raise InputError(
+                    f"it is {value}",
+                    field=name,
+                    remedy="Offsets are finite numbers, scales positive ones.",
+                )
+
+    def normalise_input(self, u: Array) -> Array:
+        """Return the input as the equation sees it."""
+        return (u - self.u_offset) / self.u_scale
+
+    def normalise_output(self, y: Array) -> Array:
+        """Return the output as the equation sees it."""
+        return (y - self.y_offset) / self.y_scale
+
+    def restore_output(self, y: Array) -> Array:
+        """Return the equation's output in physical units."""
+        return y * self.y_scale + self.y_offset
+
+
+@dataclass(frozen=True, eq=False)
+class NarxModel:
+    """A polynomial NARX model (2): y(t) = sum_j parameters[j] * terms[j], on scaled signals.
+
+    Parameters
+    ----------
+    terms, parameters
+        Monomials, each once, and their coefficients, shape (terms,).
+    scaling
+        From physical units to those of the equation and back.
+    covariance
+        Of the parameters, shape (terms, terms), where they were estimated.
+    """
+
+    terms: tuple[Term, ...]
+    parameters: Array
+    scaling: Scaling = field(default_factory=Scaling)
+    covariance: Array | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "terms", tuple(self.terms))
+        object.__setattr__(self, "parameters", as_signal(self.parameters, "parameters"))
+        if not self.terms or len(set(self.terms)) < len(self.terms):
+            raise InputError(
+                "there is no term, or one occurs twice",
+                field="terms",
+                remedy="Name each monomial once; y(t-1)u(t-2) and u(t-2)y(t-1) are the same.",
+            )
+        if self.parameters.size != len(self.terms):
+            raise InputError(
+                f"{self.parameters.size} parameters for {len(self.terms)} terms",
+                field="parameters",
+                remedy="Give one per term.",
+            )
+
+    @classmethod
+    def from_terms(
+        cls, terms: Mapping[str, float], *, scaling: Scaling | None = None
+    ) -> "NarxModel":
+        """Build a model from terms as people write them: ``{"y(t-1)": 0.9, "u(t-1)^2": 0.1}``.
+
+        Raises
+        ------
+        InputError
+            For text that is no term, or a monomial that occurs twice.
+        """
+        return NarxModel(
+            tuple(Term.parse(text) for text in terms),
+            np.array(list(terms.values()), dtype=float),
+            scaling or Scaling(),
+        )
+
+    @property
+    def max_lag(self) -> int:
+        """Samples at the start of a record that the model cannot compute."""
+        return max_lag(self.terms)
+
+    @property
+    def standard_errors(self) -> Array | None:
+        """Standard deviation of each parameter, or None where none was estimated."""
+        return None if self.covariance is None else np.sqrt(np.diag(self.covariance))
+
+    def simulate(self, u: ArrayLike, y_initial: ArrayLike | None = None) -> Array:
+        """Free-run simulation: the model is fed its own past outputs.
+
+        Parameters
+        ----------
+        u
+            Input in physical units, shape (samples,).
+        y_initial
+            The first ``max_lag`` outputs in physical units; more may be given, so that a measured
+            output can be passed whole. By default the output's offset: a system at rest at the
+            operating point.
+
+        Returns
+        -------
+        ndarray
+            Output in physical units, shape (samples,). Its first ``max_lag`` samples are
+            ``y_initial``; from the sample on where the run diverges it is ``inf``.
+        """
+        inputs = self.scaling.normalise_input(as_signal(u, "u"))
+        if y_initial is None:
+            initial = np.zeros(self.max_lag)
+        else:
+            initial = self.scaling.normalise_output(as_signal(y_initial, "y_initial"))
+        return self.scaling.restore_output(simulate(self.terms, self.parameters, inputs, initial))
+
+    def predict(self, u: ArrayLike, y: ArrayLike) -> Array:
+        """One-step prediction: the model is fed the measured past outputs.
+
+        Parameters
+        ----------
+        u, y
+            Measured input and output in physical units, shape (samples,).
+
+        Returns
+        -------
+        ndarray
+            Predicted output in physical units, shape (samples,); its first ``max_lag`` samples,
+            whose past is unknown, are the measured ones.
+        """
+        inputs, outputs = as_record(u, y, self.max_lag)
+        matrix = regressor_matrix(
+            self.terms,
+            self.scaling.normalise_input(inputs),
+            self.scaling.normalise_output(outputs),
+        )
+        predicted = self.scaling.restore_output(matrix @ self.parameters)
+        return np.concatenate([outputs[: self.max_lag], predicted])
+
+    def frequency_response(self, order: int = 1, **options: Any) -> np.ndarray:
+        """Return the generalised frequency response: :func:`dea.frequency_response`."""
+        return dea.frequency_response(self, order=order, **options)
+
+    def with_parameters(self, parameters: ArrayLike, covariance: Array | None = None) -> Self:
+        """Return the same structure with other parameters."""
+        values = as_signal(parameters, "parameters")
+        return replace(self, parameters=values, covariance=covariance)
+
+    def to_dataset(self, u_units: str = "1", y_units: str = "1") -> xr.Dataset:
+        """Return the model as labelled data, as ``model.nc`` holds it."""
+        scaling = {
+            name: ((), value, {"units": units, "long_name": f"{what} of the {signal}"})
+            for (name, value), (signal, what, units) in zip(
+                vars(self.scaling).items(),
+                [
+                    (signal, what, units)
+                    for signal, units in (("input", u_units), ("output", y_units))
+                    for what in ("offset", "scale")
+                ],
+                strict=True,
+            )
+        }
+        dataset = xr.Dataset(
+            {"parameter": ("term", self.parameters, _plain("parameter of the term")), **scaling},
+            coords={"term": ("term", list(map(str, self.terms)), _plain("term"))},
+            attrs={"contract": "model", "equation": str(self)},
+        )
+        if self.covariance is not None:
+            label = _plain("covariance of the parameters")
+            dataset["covariance"] = (("term", "term_2"), self.covariance, label)
+            label = _plain("standard error of the parameter")
+            dataset["standard_error"] = ("term", self.standard_errors, label)
+        return dataset
+
+    @classmethod
+    def from_dataset(cls, dataset: xr.Dataset) -> "NarxModel":
+        """Return the model that :meth:`to_dataset` described."""
+        return NarxModel(
+            tuple(map(Term.parse, dataset["term"].values.tolist())),
+            dataset["parameter"].values,
+            Scaling(**{item.name: float(dataset[item.name]) for item in fields(Scaling)}),
+            dataset["covariance"].values if "covariance" in dataset else None,
+        )
+
+    def save(self, path: str | Path, *, u_units: str = "1", y_units: str = "1") -> None:
+        """Write the model, and its selection trace where it has one, as NetCDF."""
+        store.write(self.to_dataset(u_units, y_units), path, title="Polynomial NARX model")
+
+    @classmethod
+    def load(cls, path: str | Path) -> "NarxModel":
+        """Read a model that :meth:`save` or the study wrote."""
+        return NarxModel.from_dataset(store.read(path, "model"))
+
+    def __str__(self) -> str:
+        """Return the equation that is simulated, every digit of its parameters included."""
+        lines = [f"y(t) = {_sum(self.terms, self.parameters)}"]
+        if astuple(self.scaling) != astuple(Scaling()):
+            lines.append(
+                f"u = (input - {self.scaling.u_offset})/{self.scaling.u_scale}, "
+                f"y = (output - {self.scaling.y_offset})/{self.scaling.y_scale}"
+            )
+        return "\n".join(lines)
+
+
+def _sum(terms: Sequence[Term], parameters: Array) -> str:
+    text = ""
+    for term, parameter in zip(terms, parameters.tolist(), strict=True):
+        sign = "-" if np.signbit(parameter) else "+"
+        monomial = f" {term}" if term.degree else ""
+        text += f" {sign} {abs(parameter)!r}{monomial}" if text else f"{parameter!r}{monomial}"
+    return text
+
+
+def _plain(name: str) -> dict[str, str]:
+    return {"units": "1", "long_name": name}

@@ -1,0 +1,180 @@
+"""Free-run simulation of polynomial NARX models, compiled.
+
+What the inputs contribute does not wait for the output: the terms are grouped by their monomial
+of outputs, and each group's coefficient C_g[t], a polynomial of inputs alone, is computed for all
+t at once. What remains of the recursion (7) is y_t = sum_g C_g[t] * prod_k y_{t-k}.
+"""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from dea.errors import InputError
+from dea.narx.checks import Array
+from dea.narx.terms import Term, max_lag
+
+# Beyond this a run counts as diverged. Far above any signal, far below where products of outputs
+# overflow.
+BOUND = 1e10
+_BLOCK = 1024  # samples whose coefficients stay in the cache
+_NONE = -1  # pads the lags of monomials with fewer factors than the longest
+
+
+class Structure(NamedTuple):
+    """Terms as integer arrays for the kernels: groups of terms that share their outputs."""
+
+    group: NDArray[np.int64]  # (terms,) which group each term belongs to
+    y_lags: NDArray[np.int64]  # (groups, most factors), padded
+    u_lags: NDArray[np.int64]  # (terms, most factors), padded
+    start: int  # the first sample that can be computed
+
+
+@lru_cache(maxsize=4096)
+def structure(terms: tuple[Term, ...]) -> Structure:
+    """Return the integer arrays that describe ``terms``."""
+    monomials = sorted({term.y_lags for term in terms}, key=lambda lags: (len(lags), lags))
+    return Structure(
+        group=np.array([monomials.index(term.y_lags) for term in terms], dtype=np.int64),
+        y_lags=_padded(monomials),
+        u_lags=_padded([term.u_lags for term in terms]),
+        start=max_lag(terms),
+    )
+
+
+def simulate(
+    terms: tuple[Term, ...], parameters: Array, u: Array, y_initial: Array, bound: float = BOUND
+) -> Array:
+    """Free run (7), (8): the model is fed its own outputs.
+
+    Parameters
+    ----------
+    terms, parameters
+        The model, for signals as they are given here (no scaling takes place).
+    u
+        Input, shape (samples,).
+    y_initial
+        The first outputs, at least as many as the largest lag; they are returned unchanged.
+    bound
+        Once an output exceeds this the run has diverged: it and all later samples are ``inf``.
+
+    Returns
+    -------
+    ndarray
+        Outputs, shape (samples,).
+    """
+    shape = structure(terms)
+    y = np.empty(u.size)
+    initial = initial_outputs(y_initial, shape.start, u.size)
+    y[: initial.size] = initial
+    _simulate(shape.group, shape.y_lags, shape.u_lags, parameters, shape.start, u, y, bound)
+    return y
+
+
+def simulate_varying(
+    terms: tuple[Term, ...], theta: Array, u: Array, y_initial: Array, bound: float = BOUND
+) -> Array:
+    """Free run with parameters that change with time: sample t is computed with ``theta[t]``.
+
+    Parameters
+    ----------
+    theta
+        Parameters, shape (samples, terms).
+
+    Other parameters and the result are those of :func:`simulate`.
+    """
+    if theta.shape != (u.size, len(terms)):
+        raise InputError(
+            f"its shape is {theta.shape}", field="theta", remedy=f"Use {(u.size, len(terms))}."
+        )
+    shape = structure(terms)
+    y = np.empty(u.size)
+    initial = initial_outputs(y_initial, shape.start, u.size)
+    y[: initial.size] = initial
+    y_lags = shape.y_lags[shape.group]
+    _simulate_varying(y_lags, shape.u_lags, np.ascontiguousarray(theta), shape.start, u, y, bound)
+    return y
+
+
+def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
+    """Return the outputs that a run starts from, checked to be enough."""
+    if y_initial.size < start and y_initial.size < samples:
+        raise InputError(
+            f"{y_initial.size} initial outputs for a largest lag of {start}",
+            field="y_initial",
+            remedy=f"Give the first {start} outputs.",
+        )
+    return y_initial[: min(start, samples)]
+
+
+def _padded(lags: list[tuple[int, ...]]) -> NDArray[np.int64]:
+    width = max(map(len, lags), default=0)
+    return np.array([[*row, *[_NONE] * (width - len(row))] for row in lags], dtype=np.int64)
+
+
+@njit(cache=True)
+def _coefficients(group, u_lags, parameters, u, first, last, product, coefficients):
+    """Fill C_g[t] of the samples from ``first`` to before ``last``; ``product`` is scratch."""
+    count = last - first
+    coefficients[:, :count] = 0.0
+    for j in range(group.size):
+        product[:count] = parameters[j]
+        for factor in range(u_lags.shape[1]):
+            lag = u_lags[j, factor]
+            if lag == _NONE:
+                break
+            shifted = u[first - lag : last - lag]
+            for i in range(count):
+                product[i] *= shifted[i]
+        row = coefficients[group[j]]
+        for i in range(count):
+            row[i] += product[i]
+
+
+@njit(cache=True)
+def _simulate(group, y_lags, u_lags, parameters, start, u, y, bound):
+    """Continue ``y`` from sample ``start``; return the first diverged sample or the length."""
+    groups, factors = y_lags.shape
+    coefficients = np.empty((groups, _BLOCK))
+    product = np.empty(_BLOCK)
+    for first in range(start, y.size, _BLOCK):
+        last = min(first + _BLOCK, y.size)
+        _coefficients(group, u_lags, parameters, u, first, last, product, coefficients)
+        for t in range(first, last):
+            total = 0.0
+            for g in range(groups):
+                monomial = coefficients[g, t - first]
+                for factor in range(factors):
+                    lag = y_lags[g, factor]
+                    if lag == _NONE:
+                        break
+                    monomial *= y[t - lag]
+                total += monomial
+            if not abs(total) <= bound:
+                y[t:] = np.inf
+                return t
+            y[t] = total
+    return y.size
+
+
+@njit(cache=True)
+def _simulate_varying(y_lags, u_lags, theta, start, u, y, bound):
+    for t in range(start, y.size):
+        total = 0.0
+        for j in range(y_lags.shape[0]):
+            monomial = theta[t, j]
+            for factor in range(y_lags.shape[1]):
+                if y_lags[j, factor] == _NONE:
+                    break
+                monomial *= y[t - y_lags[j, factor]]
+            for factor in range(u_lags.shape[1]):
+                if u_lags[j, factor] == _NONE:
+                    break
+                monomial *= u[t - u_lags[j, factor]]
+            total += monomial
+        if not abs(total) <= bound:
+            y[t:] = np.inf
+            return
+        y[t] = total

@@ -1,0 +1,89 @@
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from narx_strategies import models
+
+from dea.errors import InputError
+from dea.narx import NarxModel, Scaling, Term
+
+SCALING = Scaling(u_offset=2.4, u_scale=0.7, y_offset=1.5, y_scale=0.3)
+LINEAR = {"1": 0.1, "y(t-1)": 0.8, "u(t-1)": 0.5}
+
+
+def read_equation(text):
+    """The model that a printed equation describes, read without the library's help."""
+    products = re.findall(r"([+-] )?(-?[\d.e+-]+)( [yu]\S*)?(?: |$)", text.removeprefix("y(t) = "))
+    return NarxModel(
+        tuple(Term.parse(monomial or "1") for _, _, monomial in products),
+        np.array([float(sign.strip() + value) for sign, value, _ in products]),
+    )
+
+
+@given(models())
+def test_the_printed_equation_is_the_one_simulated(model):
+    u = np.random.default_rng(0).uniform(-1, 1, 30)
+    np.testing.assert_array_equal(read_equation(str(model)).simulate(u), model.simulate(u))
+
+
+def test_a_scaled_model_works_in_physical_units():
+    model, scaled = NarxModel.from_terms(LINEAR), NarxModel.from_terms(LINEAR, scaling=SCALING)
+    u = np.random.default_rng(0).uniform(-1, 1, 50)
+    y = scaled.simulate(2.4 + 0.7 * u)
+    np.testing.assert_allclose(y, 1.5 + 0.3 * model.simulate(u), rtol=1e-12)
+    np.testing.assert_allclose(scaled.predict(2.4 + 0.7 * u, y), y, rtol=1e-12)
+    assert str(scaled).endswith("u = (input - 2.4)/0.7, y = (output - 1.5)/0.3")
+
+
+def test_the_run_starts_from_the_outputs_given():
+    model = NarxModel.from_terms(LINEAR, scaling=SCALING)
+    measured = np.linspace(3, 4, 20)
+    y = model.simulate(np.ones(20), y_initial=measured)
+    assert y[0] == pytest.approx(3.0)
+    by_hand = 0.1 + 0.8 * (3.0 - 1.5) / 0.3 + 0.5 * (1.0 - 2.4) / 0.7
+    assert y[1] == pytest.approx(1.5 + 0.3 * by_hand)
+
+
+def test_prediction_uses_the_measured_past():
+    model = NarxModel.from_terms(LINEAR)
+    u, y = np.array([1.0, 2.0, 3.0]), np.array([5.0, 7.0, 11.0])
+    expected = [5.0, 0.1 + 0.8 * 5 + 0.5 * 1, 0.1 + 0.8 * 7 + 0.5 * 2]
+    np.testing.assert_allclose(model.predict(u, y), expected)
+
+
+def test_models_save_and_load(tmp_path):
+    model = NarxModel.from_terms(LINEAR, scaling=SCALING)
+    model = model.with_parameters(model.parameters * 1.1, np.diag([1.0, 4.0, 9.0]))
+    model.save(tmp_path / "mine.nc", u_units="V", y_units="mm")
+    back = NarxModel.load(tmp_path / "mine.nc")
+    assert (back.terms, back.scaling, str(back)) == (model.terms, SCALING, str(model))
+    np.testing.assert_array_equal(back.parameters, model.parameters)
+    np.testing.assert_array_equal(back.standard_errors, [1.0, 2.0, 3.0])
+    assert NarxModel.from_terms(LINEAR).standard_errors is None
+
+
+@pytest.mark.parametrize(
+    ("terms", "message"),
+    [
+        ({"y(t-1)": 1.0, "v(t-1)": 1.0}, "v\\(t-1\\)"),
+        ({"y(t-1)u(t-1)": 1.0, "u(t-1)y(t-1)": 1.0}, "twice"),
+        ({"y(t-1)": float("nan")}, "not numbers"),
+        ({}, "no term"),
+    ],
+)
+def test_impossible_models_are_refused(terms, message):
+    with pytest.raises(InputError, match=message):
+        NarxModel.from_terms(terms)
+
+
+def test_bad_signals_are_refused():
+    model = NarxModel.from_terms(LINEAR)
+    with pytest.raises(InputError, match="the first at sample 1"):
+        model.simulate([1.0, np.nan])
+    with pytest.raises(InputError, match="dimensions"):
+        model.simulate([[1.0, 2.0]])
+    with pytest.raises(InputError, match="sampled together"):
+        model.predict([1.0, 2.0], [1.0])
+    with pytest.raises(InputError, match="u_scale"):
+        Scaling(u_scale=0.0)
