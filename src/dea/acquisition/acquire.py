@@ -1,6 +1,5 @@
 """One acquisition: excitation in, record out, and the film at zero volts whatever happens."""
 
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -12,7 +11,7 @@ import xarray as xr
 from dea.acquisition import buffered, polled
 from dea.acquisition.link import Link, LinkLog, LinkSettings
 from dea.acquisition.panel import Panel
-from dea.acquisition.partial import PartialFile
+from dea.acquisition.partial import PartialFile, set_aside
 from dea.acquisition.record import link_dataset, record_dataset
 from dea.acquisition.safety import SafeOutput, check_excitation, ended_by_signals, ramp
 from dea.acquisition.samples import BrokenRecordError, Samples
@@ -91,7 +90,7 @@ def acquire(
     excitation
         V before the amplifier, one a sample period, shape (samples,).
     partial
-        File for the samples while it runs; must not exist.
+        File for the samples while it runs; one that an earlier run left is set aside.
     watch
         Called with every block of samples and the link's log.
     reset
@@ -118,8 +117,7 @@ def acquire(
     attempts = settings.restarts + 1 if settings.on_break == "restart" else 1
     for attempt in range(attempts):
         link = Link(device, patience, log)
-        if attempt:
-            os.replace(partial, partial.with_suffix(f".{attempt}{partial.suffix}"))
+        set_aside(partial)
         note = {"device": device.name, "lead": lead.size, "length": counts.size}
         file = PartialFile(partial, note | {"settings": asdict(settings)})
         try:

@@ -4,6 +4,7 @@ Frames follow a fixed heading, each as length, CRC-32 and payload. A frame that 
 damaged ends what can be recovered; everything before it is whole.
 """
 
+import itertools
 import json
 import os
 import struct
@@ -88,6 +89,14 @@ class PartialFile:
                 return
             if last:
                 return
+
+
+def set_aside(path: Path) -> None:
+    """Give the partial file of an earlier run, if there is one, a numbered name beside it."""
+    if path.exists():
+        numbers = itertools.count(1)
+        free = (path.with_name(f"{path.stem}.{n}{path.suffix}") for n in numbers)
+        path.rename(next(name for name in free if not name.exists()))
 
 
 class Recovered(NamedTuple):

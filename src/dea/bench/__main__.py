@@ -97,6 +97,9 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     )  # fmt: skip
     parser.add_argument("--watchdog", type=float, default=1.0, metavar="S")
     parser.add_argument("--seed", type=int, default=0, help="of the measurement noise")
+    parser.add_argument(
+        "--until-stdin-closes", action="store_true", help="end with the process that started this"
+    )
     parser.add_argument("--tls-certificate", type=Path)
     parser.add_argument("--tls-key", type=Path)
     return parser.parse_args(arguments)
@@ -118,7 +121,7 @@ def main(arguments: list[str] | None = None) -> None:
             file=sys.stderr,
         )
     try:
-        asyncio.run(_run(server))
+        asyncio.run(_run(server, options.until_stdin_closes))
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(1) from None
@@ -148,10 +151,12 @@ def _server(options: argparse.Namespace) -> BenchServer:
     return BenchServer(device, description.host, description.port, tls)
 
 
-async def _run(server: BenchServer) -> None:
-    task = asyncio.create_task(serve(server, _announce))
+async def _run(server: BenchServer, until_stdin_closes: bool) -> None:
+    task, loop = asyncio.create_task(serve(server, _announce)), asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(number, task.cancel)
+        loop.add_signal_handler(number, task.cancel)
+    if until_stdin_closes:
+        loop.add_reader(sys.stdin, lambda: sys.stdin.buffer.read1() or task.cancel())
     await task
 
 

@@ -1,0 +1,46 @@
+"""A virtual actuator in a process of its own, for as long as it is needed."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from dea.errors import InputError
+
+
+@contextmanager
+def bench_process(
+    actuator: str, *, config: Path, device: Path, seed: int, watchdog_time: float
+) -> Iterator[int]:
+    """Yield the free loopback port at which ``actuator`` of ``config`` answers.
+
+    Its clock is virtual: time passes as fast as it is fed. The process ends with the block, and
+    by itself where this process dies.
+
+    Raises
+    ------
+    InputError
+        Where the bench does not start; its own message has gone to standard error.
+    """
+    command = [
+        sys.executable, "-m", "dea.bench", "--actuator", actuator, "--config", str(config),
+        "--device", str(device), "--host", "127.0.0.1", "--port", "0", "--clock", "virtual",
+        "--watchdog", str(watchdog_time), "--seed", str(seed), "--until-stdin-closes",
+    ]  # fmt: skip
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        try:
+            address = process.stdout.readline()
+            if not address:
+                raise InputError(
+                    f"the bench of {actuator} does not start",
+                    file=config,
+                    remedy="See its message above.",
+                )
+            yield json.loads(address)["port"]
+        finally:
+            process.terminate()

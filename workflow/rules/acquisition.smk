@@ -1,0 +1,59 @@
+# Every actuator is driven twice over Modbus: the study's record, and a second one with another
+# excitation that certifies what was learnt from the first.
+BENCH = "config/bench.yaml"
+
+
+def virtual(wildcards):
+    """The name in the bench's configuration of an actuator that is virtual, else None."""
+    return ACTUATORS[wildcards.actuator].get("bench")
+
+
+def acquisition_settings(excitation):
+    """The settings of the job that plays ``excitation``, as JSON."""
+
+    def resolve(wildcards):
+        leaves = {
+            "seed": config["seed"],
+            "system": wildcards.actuator,
+            "excitation": config["excitation"][excitation],
+            "excitation_name": excitation,
+            "acquisition": config["acquisition"],
+        }
+        if actuator := virtual(wildcards):
+            leaves["bench"] = config["bench"] | {"actuator": actuator, "config": BENCH}
+        return json.dumps(leaves, sort_keys=True)
+
+    return resolve
+
+
+rule acquire:
+    input:
+        device=lambda wildcards: ACTUATORS[wildcards.actuator]["device"],
+        bench=lambda wildcards: BENCH if virtual(wildcards) else [],
+        code=lambda wildcards: modules(
+            "dea.stages.acquire", *["dea.bench.__main__"] * bool(virtual(wildcards))
+        ),
+    output:
+        record="results/{actuator}/record.nc",
+        link="results/{actuator}/link.nc",
+    log:
+        "results/{actuator}/log/acquire.log",
+    benchmark:
+        "results/{actuator}/benchmark/acquire.tsv"
+    params:
+        settings=acquisition_settings("record"),
+    shell:
+        "python -m dea.stages.acquire --settings {params.settings:q} --device {input.device:q}"
+        " --record {output.record:q} --link {output.link:q} 2> {log:q}"
+
+
+use rule acquire as acquire_second with:
+    output:
+        record="results/{actuator}/second_record.nc",
+        link="results/{actuator}/second_link.nc",
+    log:
+        "results/{actuator}/log/acquire_second.log",
+    benchmark:
+        "results/{actuator}/benchmark/acquire_second.tsv"
+    params:
+        settings=acquisition_settings("second"),
