@@ -10,4 +10,5 @@ validate(config, "workflow/schemas/config.schema.yaml")
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/acquisition.smk"
 include: "workflow/rules/import.smk"
