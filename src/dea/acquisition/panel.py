@@ -4,8 +4,7 @@ from collections.abc import Iterable
 
 from dea.acquisition.link import Link
 from dea.errors import InputError
-from dea.modbus import Register, decode, encode
-from dea.modbus.codec import Value
+from dea.modbus import Register, Value, decode, encode
 
 MAX_READ = 125
 

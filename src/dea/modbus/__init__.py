@@ -1,6 +1,6 @@
 """What bench and acquisition share of Modbus: device descriptions and register codecs."""
 
-from dea.modbus.codec import checksum, decode, encode, limit_counts, to_counts, to_physical
+from dea.modbus.codec import Value, checksum, decode, encode, limit_counts, to_counts, to_physical
 from dea.modbus.description import Device, Register, Serial, Tls, parse_device, read_device
 
 __all__ = [
@@ -8,6 +8,7 @@ __all__ = [
     "Register",
     "Serial",
     "Tls",
+    "Value",
     "checksum",
     "decode",
     "encode",
