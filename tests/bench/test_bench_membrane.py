@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from dea.bench import membrane
 from dea.bench.configuration import read_parameters
+from dea.bench.forces import stack
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 PERFECT_ELECTRODES = {"electrode_resistance": 1.0, "leak_resistance": 1e18}
@@ -30,7 +31,7 @@ def run(film, supply, rest=600.0):
     state = np.zeros(5)
     state[membrane.Y] = membrane.rest(film, branches, rest)
     displacement, voltage = np.empty_like(supply), np.empty_like(supply)
-    membrane.advance(film, branches, state, supply, displacement, voltage)
+    membrane.advance(film, branches, stack([]), state, supply, displacement, voltage)
     return displacement, voltage, state
 
 

@@ -4,7 +4,7 @@ The vertical displacement y of the mass stretches a film of prestretch λp betwe
 radius a and a frame of radius b = a + L::
 
     λ₁ = λp √(1 + y²/L²),  λ₂ = λp,  h = H₀/(λ₁λ₂),  Ω = π(b² − a²) H₀/λp²          (M1)
-    m ÿ = m g − c ẏ − Ω σ₁ y/(L² + y²)                                              (M2)
+    m ÿ = m g − c ẏ − Ω σ₁ y/(L² + y²) − F                                          (M2)
     σ₁ = 2 W′(I₁)(λ₁² − λ₁⁻²λ₂⁻²) + Σᵢ μᵢ(λₑ₁² − λₑ₁⁻²λₑ₂⁻²) − ε₀εᵣ(V/h)²           (M3)
     ξ̇₁ = ξ₁(s₁ − s₂/2)/(3τ),  λₑⱼ = λⱼ/ξⱼ,  sⱼ = λₑⱼ² − (λₑ₁λₑ₂)⁻²                  (M4)
     d(C V)/dt = (V_amp − V)/R_e − V/R_leak,  C = ε₀εᵣ Ω/h²                           (M5)
@@ -12,7 +12,8 @@ radius a and a frame of radius b = a + L::
 W is Yeoh's strain energy (Yeoh, Rubber Chem. Technol. 66, 1993), the branches are Maxwell elements
 with strain-like internal variables (Reese and Govindjee, Int. J. Solids Struct. 35, 1998), the
 electrostatic stress is Suo's (Acta Mech. Solida Sin. 23, 2010). ξ₂ follows (M4) with the
-directions swapped. Everything is in SI units.
+directions swapped. F is what other forces resist with (:mod:`dea.bench.forces`), zero for a film
+as it should be. Everything is in SI units.
 """
 
 from typing import NamedTuple
@@ -20,6 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+from dea.bench.forces import remember, resistance
 
 EPSILON_0 = 8.8541878128e-12  # F/m
 GRAVITY = 9.80665  # m/s²
@@ -132,14 +135,17 @@ def charge(film, state, supply, dt):
 
 
 @njit(cache=True)
-def move(film, branches, state, dt):
+def move(film, branches, forces, state, dt):
     """Carry the mass over ``dt`` seconds at held film voltage and branches: (M2), RK4."""
     stiffening = 1.0 + film.stiffness_ageing * state[TIME] / 3600.0
     voltage = state[FILM_VOLTAGE]
+    disturbed = forces.kind.shape[0] > 0
     y, v = state[Y], state[V]
     sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
     for stage in range(4):
         pull = tension(film, branches, stage_y, voltage, stiffening)
+        if disturbed:
+            pull += resistance(forces, stage_y, stage_v)
         slope_y = stage_v
         slope_v = GRAVITY - (film.damping * stage_v + pull) / film.mass
         weight = 2.0 if stage in (1, 2) else 1.0
@@ -152,7 +158,7 @@ def move(film, branches, state, dt):
 
 
 @njit(cache=True)
-def advance(film, branches, state, supply, displacement, film_voltage):
+def advance(film, branches, forces, state, supply, displacement, film_voltage):
     """Advance by one sub-step per element of ``supply`` (V), filling the other two (m and V).
 
     ``displacement[k]`` and ``film_voltage[k]`` are what they are before ``supply[k]`` takes
@@ -166,7 +172,9 @@ def advance(film, branches, state, supply, displacement, film_voltage):
         creep(film, branches, state[Y], SUBSTEP)
         if state[FAULT] == WHOLE:
             charge(film, state, supply[k], 0.5 * SUBSTEP)
-        move(film, branches, state, SUBSTEP)
+        move(film, branches, forces, state, SUBSTEP)
+        if forces.kind.shape[0] > 0:
+            remember(forces, state[Y], state[V], SUBSTEP)
         if state[FAULT] == WHOLE:
             charge(film, state, supply[k], 0.5 * SUBSTEP)
             field = state[FILM_VOLTAGE] / thickness(film, state[Y])

@@ -1,5 +1,6 @@
 """One actuator on the bench, from output counts to displacement counts."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
@@ -9,6 +10,8 @@ from numpy.typing import NDArray
 from dea.bench import membrane
 from dea.bench.amplifier import amplify
 from dea.bench.configuration import Parameters, read_parameters
+from dea.bench.forces import ForceLaw, stack
+from dea.bench.hidden import Law, Stage
 from dea.bench.history import History
 from dea.bench.sensor import butterworth, low_pass, settled
 from dea.errors import InputError
@@ -31,9 +34,11 @@ class Rig:
         What the actuator and its instruments are made of.
     seed
         Of the measurement noise.
+    effects
+        Laws that disturb the actuator or its instruments, in the order of the signal's way.
     """
 
-    def __init__(self, parameters: Parameters, seed: int) -> None:
+    def __init__(self, parameters: Parameters, seed: int, effects: Sequence[Law] = ()) -> None:
         film = parameters.film
         self._parameters = parameters
         self._noise = generator(seed, "bench", "noise")
@@ -45,12 +50,17 @@ class Rig:
                 field="film",
                 remedy="Lower the mass or stiffen the film.",
             )
+        self._forces = stack([law for law in effects if isinstance(law, ForceLaw)])
+        stages = [law for law in effects if isinstance(law, Stage)]
+        self._input_stages = [stage for stage in stages if not stage.output]
+        self._output_stages = [stage for stage in stages if stage.output]
         self._state = np.zeros(5)
         self._state[membrane.Y] = start
         self._output = np.zeros(1)
         self._load = membrane.capacitance(film, start)
-        self._filter = butterworth(parameters.sensor.cutoff)
-        self._memory = settled(self._filter, start)
+        if parameters.sensor.cutoff < np.inf:
+            self._filter = butterworth(parameters.sensor.cutoff)
+            self._memory = settled(self._filter, start)
         self.applied_count = self.zero_count
         self.history = History()
 
@@ -98,26 +108,48 @@ class Rig:
             The applied counts as the converter echoes them and the counts of the measured
             displacement, each of shape (samples,).
         """
-        parameters = self._parameters
         applied = np.asarray(output_counts, dtype=np.uint16)
-        command = np.repeat(parameters.output_converter.to_values(applied), SUBSTEPS)
-        supply = np.empty_like(command)
-        amplify(parameters.amplifier, self._output, self._load, command, supply)
-        displacement = np.empty_like(supply)
-        film_voltage = np.empty_like(supply)
-        membrane.advance(
-            parameters.film, self._branches, self._state, supply, displacement, film_voltage
-        )
-        measured = self._measure(displacement)
+        displacement, film_voltage, reading = self._drive(applied)
+        sensor = self._parameters.sensor
+        noisy = reading + sensor.noise * self._noise.standard_normal(reading.size)
+        measured = self._parameters.displacement_converter.to_counts(1e3 * noisy)
         self.history.append(applied, measured, displacement[::SUBSTEPS], film_voltage[::SUBSTEPS])
         if applied.size:
             self.applied_count = int(applied[-1])
         return applied, measured
 
-    def _measure(self, displacement: NDArray[np.float64]) -> NDArray[np.uint16]:
-        """Return the displacement counts, one a sample period."""
-        sensor = self._parameters.sensor
-        inside = np.clip(displacement, sensor.range_low, sensor.range_high)
-        filtered = low_pass(self._filter, self._memory, inside, np.empty_like(inside))[::SUBSTEPS]
-        noisy = filtered + sensor.noise * self._noise.standard_normal(filtered.size)
-        return self._parameters.displacement_converter.to_counts(1e3 * noisy)
+    def respond(self, output_counts: NDArray[np.uint16]) -> NDArray[np.float64]:
+        """Return the readings in m without noise, shape (samples,), leaving no history."""
+        return self._drive(np.asarray(output_counts, dtype=np.uint16))[2]
+
+    def _drive(
+        self, applied: NDArray[np.uint16]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return displacement and film voltage at every sub-step, and a reading per sample."""
+        parameters = self._parameters
+        command = np.repeat(parameters.output_converter.to_values(applied), SUBSTEPS)
+        for stage in self._input_stages:
+            stage.advance(command)
+        supply = np.empty_like(command)
+        amplify(parameters.amplifier, self._output, self._load, command, supply)
+        displacement = np.empty_like(supply)
+        film_voltage = np.empty_like(supply)
+        membrane.advance(
+            parameters.film,
+            self._branches,
+            self._forces,
+            self._state,
+            supply,
+            displacement,
+            film_voltage,
+        )
+        sensor = parameters.sensor
+        reading = displacement
+        if self._output_stages:
+            reading = displacement.copy()
+            for stage in self._output_stages:
+                stage.advance(reading)
+        reading = np.clip(reading, sensor.range_low, sensor.range_high)
+        if sensor.cutoff < np.inf:
+            low_pass(self._filter, self._memory, reading, reading)
+        return displacement, film_voltage, reading[::SUBSTEPS]

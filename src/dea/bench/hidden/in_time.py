@@ -1,0 +1,87 @@
+"""Effects that change a parameter of the actuator while the experiment runs."""
+
+import numpy as np
+from numba import njit
+
+from dea.bench import forces
+from dea.bench.hidden.effect import Array, Conditions, Effect, Law, Stage
+from dea.bench.membrane import SUBSTEP
+
+PORT = "parameter in time"
+SATURATING, ROOT, LOGISTIC, SWELL = range(4)
+
+
+@njit(cache=True)
+def _course(shape: float, place: float, t: float) -> float:
+    """A change from 0 to about 1 along ``t``; ``place`` is its time constant or middle."""
+    if shape == SATURATING:
+        return 1.0 - np.exp(-t / place)
+    if shape == ROOT:
+        return np.sqrt(t / (t + place))
+    if shape == LOGISTIC:
+        return 1.0 / (1.0 + np.exp(-(t - place) / (0.25 * place)))
+    return np.sin(0.5 * np.pi * min(t / (2.0 * place), 2.0))
+
+
+@njit(cache=True)
+def _drifting_gain(c: Array, m: Array, u: Array) -> None:
+    """The electrostatic force, so the square of the command, grows or fades."""
+    for k in range(u.shape[0]):
+        u[k] *= np.sqrt(max(1.0 + c[0] * _course(c[1], c[2], m[0] * SUBSTEP), 0.0))
+        m[0] += 1.0
+
+
+def gain_drift(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+    """Hide a gain that changes by a share ``size``, up or down, along one of four courses."""
+    shape = float(rng.integers(4))
+    place = rng.uniform(0.25, 0.6) * conditions.duration
+    return Stage(_drifting_gain, [size * _sign(size, rng), shape, place])
+
+
+@njit(cache=True)
+def _drifting_offset(c: Array, m: Array, y: Array) -> None:
+    for k in range(y.shape[0]):
+        y[k] += c[0] * _course(c[1], c[2], m[0] * SUBSTEP)
+        m[0] += 1.0
+
+
+def baseline_drift(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+    """Hide a mount that moves by ``size`` travels along one of four courses."""
+    shape = float(rng.integers(4))
+    place = rng.uniform(0.25, 0.6) * conditions.duration
+    change = size * conditions.travel * rng.choice([-1.0, 1.0])
+    return Stage(_drifting_offset, [change, shape, place], output=True)
+
+
+@njit(cache=True)
+def _stepping_gain(c: Array, m: Array, u: Array) -> None:
+    for k in range(u.shape[0]):
+        share = 1.0 / (1.0 + np.exp(-(m[0] * SUBSTEP - c[1]) / c[2]))
+        u[k] *= np.sqrt(max(1.0 + c[0] * share, 0.0))
+        m[0] += 1.0
+
+
+def step_fault(size: float, conditions: Conditions, rng: np.random.Generator) -> Law:
+    """Hide a sudden change of the gain or the stiffness by a share ``size``.
+
+    It takes a fraction of a second, somewhere in the middle of the experiment.
+    """
+    time = rng.uniform(0.3, 0.7) * conditions.duration
+    rise = rng.uniform(0.02, 0.15)
+    change = size * _sign(size, rng)
+    if rng.random() < 0.5:
+        return Stage(_stepping_gain, [change, time, rise])
+    constants = np.array([0.5 * change * conditions.stiffness, time, rise])
+    return forces.ForceLaw(forces.STIFFNESS_STEP, constants, np.zeros(1))
+
+
+def _sign(size: float, rng: np.random.Generator) -> float:
+    """Down or up; a loss of more than half the gain would leave little to see."""
+    return float(rng.choice([-1.0, 1.0])) if size < 0.5 else 1.0
+
+
+EFFECTS = (
+    Effect("gain_drift", PORT, 0.002, 1.0, "1", gain_drift),
+    Effect("baseline_drift", PORT, 0.005, 2.0, "1", baseline_drift),
+    Effect("step_fault", PORT, 0.002, 1.0, "1", step_fault),
+)

@@ -1,0 +1,108 @@
+"""Effects between the mass and the reading."""
+
+import numpy as np
+from numba import njit
+
+from dea.bench.hidden.effect import Array, Conditions, Effect, Stage
+from dea.bench.membrane import SUBSTEP
+
+PORT = "output path"
+
+
+@njit(cache=True)
+def _second_order(c: Array, m: Array, y: Array) -> None:
+    """A second-order low-pass, stepped with its velocity first."""
+    angular, damping = c
+    if m[0] == 0.0:
+        m[0], m[1], m[2] = 1.0, y[0], 0.0
+    for k in range(y.shape[0]):
+        m[2] += SUBSTEP * angular * (angular * (y[k] - m[1]) - 2.0 * damping * m[2])
+        m[1] += SUBSTEP * m[2]
+        y[k] = m[1]
+
+
+def sensor_lag(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+    """Hide a second-order sensor whose delay at low frequency is ``size`` seconds."""
+    damping = rng.uniform(0.7, 1.3)
+    constants = [2.0 * damping / size, damping]
+    return Stage(_second_order, constants, np.zeros(3), output=True)
+
+
+@njit(cache=True)
+def _soft_limit(c: Array, m: Array, y: Array) -> None:
+    """Softplus from below the limit: y beyond it is swallowed, with a rounded knee."""
+    limit, knee = c
+    for k in range(y.shape[0]):
+        over = (y[k] - limit) / knee
+        swallowed = over + np.log1p(np.exp(-over)) if over > 0.0 else np.log1p(np.exp(over))
+        y[k] -= knee * swallowed
+
+
+def output_saturation(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+    """Hide a reading that ends ``size`` of the travel below the top."""
+    limit = conditions.top - size * conditions.travel
+    return Stage(_soft_limit, [limit, rng.uniform(0.005, 0.02) * conditions.travel], output=True)
+
+
+@njit(cache=True)
+def _fold(c: Array, m: Array, y: Array) -> None:
+    """Read the distance from a place instead of the place, with a rounded corner."""
+    place, corner = c
+    for k in range(y.shape[0]):
+        distance = y[k] - place
+        y[k] = place + np.sqrt(distance * distance + corner * corner)
+
+
+@njit(cache=True)
+def _ripple(c: Array, m: Array, y: Array) -> None:
+    """An error that repeats with the displacement, as of a detector's pixels."""
+    height, period, phase = c
+    for k in range(y.shape[0]):
+        y[k] += height * np.sin(2.0 * np.pi * y[k] / period + phase)
+
+
+def sensor_nonlinearity(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+    """Hide a folded or rippled reading: ``size`` of the travel is folded, or the ripple's height.
+
+    The fold turns readings below a place into readings above it.
+    """
+    if rng.random() < 0.5:
+        place = conditions.bottom + min(size, 0.7) * conditions.travel
+        return Stage(_fold, [place, 0.01 * conditions.travel], output=True)
+    height = 0.3 * size * conditions.travel
+    period = rng.uniform(0.35, 0.7) * conditions.travel
+    return Stage(_ripple, [height, period, rng.uniform(0.0, 2.0 * np.pi)], output=True)
+
+
+@njit(cache=True)
+def _wobble(c: Array, m: Array, y: Array) -> None:
+    """Three harmonics whose common phase wanders slowly to and fro."""
+    height, frequency, second, third, phase, wander, slow = c
+    for k in range(y.shape[0]):
+        t = m[0] * SUBSTEP
+        angle = 2.0 * np.pi * frequency * t + phase + wander * np.sin(2.0 * np.pi * slow * t)
+        wave = np.sin(angle) + second * np.sin(2.0 * angle) + third * np.sin(3.0 * angle)
+        y[k] += height * wave
+        m[0] += 1.0
+
+
+def periodic_disturbance(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+    """Hide a machine nearby that shakes the mount by ``size`` travels, harmonics and all."""
+    constants = [
+        size * conditions.travel,
+        10.0 ** rng.uniform(-0.7, 0.9),
+        rng.uniform(0.0, 0.5),
+        rng.uniform(0.0, 0.3),
+        rng.uniform(0.0, 2.0 * np.pi),
+        rng.uniform(0.0, 0.5),
+        rng.uniform(0.5, 2.0) / conditions.duration,
+    ]
+    return Stage(_wobble, constants, output=True)
+
+
+EFFECTS = (
+    Effect("sensor_lag", PORT, 0.01, 3.0, "s", sensor_lag),
+    Effect("output_saturation", PORT, 0.02, 0.85, "1", output_saturation),
+    Effect("sensor_nonlinearity", PORT, 0.005, 1.0, "1", sensor_nonlinearity),
+    Effect("periodic_disturbance", PORT, 0.002, 1.0, "1", periodic_disturbance),
+)
