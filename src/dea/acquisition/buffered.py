@@ -44,7 +44,7 @@ class BlockExchange:
         self.ask = Window(r for n, r in named.items() if n.startswith("block_"))
         self.answer = Window(r for n, r in named.items() if n.startswith("reply_"))
         self.capacity = panel.device["block_samples"].count
-        self._crc, self._places = panel.device["block_crc"], self.ask.slices()
+        self._crc = panel.device["block_crc"]
 
     def __call__(self, sequence: int, counts: np.ndarray, read_index: int) -> Reply:
         """Send block ``sequence`` (0 sends none) and read samples from ``read_index`` on."""
@@ -58,14 +58,14 @@ class BlockExchange:
                 "block_samples": padded.tolist(),
             }
         )
-        crc = self._places["block_crc"]
+        crc = self.ask.places["block_crc"]
         words[crc] = encode(self._crc, checksum(words[crc.stop :]))
         for _ in range(self.link.settings.retries + 1):
             reply = self.link.read_write(
                 self.answer.address, self.answer.size, self.ask.address, words
             )
             value = self.answer.decode(reply)
-            if value["reply_crc"] == checksum(reply[self.answer.slices()["reply_crc"].stop :]):
+            if value["reply_crc"] == checksum(reply[self.answer.places["reply_crc"].stop :]):
                 self.link.log.samples[-1] = int(value["reply_count"])  # type: ignore[arg-type]
                 return _reply(value)
             self.errors["checksum"] += 1
@@ -95,11 +95,16 @@ def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
     panel.set("command", CLEAR)
     wanted = exchange(0, counts[:0], 0).next
     sequence = sent = done = 0
-    started = False
+    started, moved = False, time.monotonic()
     while done < counts.size:
         block = counts[sent : sent + exchange.capacity]
         offer = sequence + 1 if block.size else 0
         reply = exchange(offer, block, wanted)
+        if reply.applied.size or (offer and reply.sequence == offer):
+            moved = time.monotonic()
+        elif time.monotonic() - moved > panel.link.settings.reconnect_time:
+            yield Samples.lost(done, wanted, counts[done:])
+            raise BrokenRecordError("the device stands still", done, counts.size - done)
         if offer and reply.sequence == offer:
             sequence, sent = offer, sent + block.size
         elif reply.sequence != sequence or reply.next < wanted:

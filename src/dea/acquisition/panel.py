@@ -52,28 +52,27 @@ class Panel:
 
 
 class Window:
-    """Neighbouring registers read or written in one request."""
+    """Neighbouring registers read or written in one request.
+
+    ``places`` says where each register lies in the window's words.
+    """
 
     def __init__(self, registers: Iterable[Register]) -> None:
         self.registers = sorted(registers, key=lambda r: r.address)
         self.address, end = self.registers[0].address, self.registers[-1].end
         self.size, self.table = end - self.address, self.registers[0].table
-
-    def slices(self) -> dict[str, slice]:
-        """Where each register lies in the window's words."""
-        return {
+        self.places = {
             r.name: slice(r.address - self.address, r.end - self.address) for r in self.registers
         }
 
     def decode(self, words: list[int]) -> dict[str, Value]:
         """Raw values of the window's registers."""
-        places = self.slices()
-        return {r.name: decode(r, words[places[r.name]]) for r in self.registers}
+        return {r.name: decode(r, words[self.places[r.name]]) for r in self.registers}
 
     def encode(self, values: dict[str, Value]) -> list[int]:
         """Words that hold ``values``; registers not named hold zero."""
-        words, places = [0] * self.size, self.slices()
+        words = [0] * self.size
         for register in self.registers:
             if register.name in values:
-                words[places[register.name]] = encode(register, values[register.name])
+                words[self.places[register.name]] = encode(register, values[register.name])
         return words

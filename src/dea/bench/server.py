@@ -48,6 +48,7 @@ class BenchServer:
         self.device, self.host, self.port, self._tls = device, host, port, tls
         self.connections: set[_Connection] = set()
         self._session = Session()
+        self._failure: Exception | None = None
         self._server: _Server | _TlsServer | None = None
 
     async def start(self) -> None:
@@ -69,16 +70,20 @@ class BenchServer:
         self.port = self._server.transport.sockets[0].getsockname()[1]  # type: ignore[attr-defined]
 
     async def run(self) -> None:
-        """Keep the clock and the watchdog going until cancelled; then close."""
+        """Keep the clock and the watchdog going until cancelled; then close.
+
+        What the plant raises while it is fed ends the server with that exception.
+        """
         device = self.device
         pause = min(device.period, device.player.watchdog_time / 4)
         device.wind(time.monotonic())
         try:
-            while True:
+            while self._failure is None:
                 now = time.monotonic()
                 device.watch(now)
                 due = device.tick(now) - time.monotonic()
                 await asyncio.sleep(pause if device.virtual_clock else max(0.0, due))
+            raise self._failure
         finally:
             await self.close()
 
@@ -86,6 +91,13 @@ class BenchServer:
         """Stop listening and drop every connection."""
         if self._server is not None:
             await self._server.shutdown()
+
+    def pump(self) -> None:
+        """Let the device's virtual clock run; a failing plant ends the server."""
+        try:
+            self.device.pump()
+        except Exception as error:
+            self._failure = error
 
     def answer(self, session: Session, request: ModbusPDU) -> ModbusPDU:
         """Reply to one request of one master."""
@@ -184,7 +196,7 @@ class _Connection(ServerRequestHandler):
         reply.dev_id, reply.transaction_id = unit, transaction
         self.pdu_send(reply)
         # After the reply, so that the plant moves on while the host digests what it got.
-        self.loop.call_soon(self.bench.device.pump)
+        self.loop.call_soon(self.bench.pump)
 
 
 class _Server(ModbusTcpServer):

@@ -34,7 +34,7 @@ def encode(register: Register, value: Value) -> list[int]:
         data = value.encode("ascii")
         if len(data) > 2 * register.count:
             raise ValueError(f"{value!r} is longer than the {2 * register.count} characters held")
-        return _swap(register, np.frombuffer(data.ljust(2 * register.count, b"\0"), ">u2"))
+        return _ordered(register, _words(data.ljust(2 * register.count, b"\0")))
     values = value if isinstance(value, list) else [value]
     if len(values) != register.count:
         raise ValueError(f"{register.name} holds {register.count} values, not {len(values)}")
@@ -42,28 +42,37 @@ def encode(register: Register, value: Value) -> list[int]:
         data = struct.pack(f">{register.count}{_FORMATS[register.type]}", *values)
     except (struct.error, OverflowError) as error:
         raise ValueError(f"{value!r} does not fit {register.name} ({register.type})") from error
-    return _swap(register, np.frombuffer(data, ">u2"))
+    return _ordered(register, _words(data))
 
 
 def decode(register: Register, words: Sequence[int]) -> Value:
     """Raw value (list for an array) that the registers hold; inverse of :func:`encode`."""
     if len(words) != register.size:
         raise ValueError(f"{register.name} needs {register.size} registers, not {len(words)}")
-    data = np.array(_swap(register, np.asarray(words, ">u2")), ">u2").tobytes()
+    data = struct.pack(f">{len(words)}H", *_ordered(register, words))
     if register.type == "string":
         return data.rstrip(b"\0").decode("ascii", errors="replace")
     values = list(struct.unpack(f">{register.count}{_FORMATS[register.type]}", data))
     return values if register.count > 1 else values[0]
 
 
-def _swap(register: Register, words: np.ndarray) -> list[int]:
+def _words(data: bytes) -> tuple[int, ...]:
+    return struct.unpack(f">{len(data) // 2}H", data)
+
+
+def _ordered(register: Register, words: Sequence[int]) -> list[int]:
     """Exchange between the wire's order and big-endian; the operation is its own inverse."""
-    words = words.astype(np.uint16)
+    ordered = list(words)
     if register.byte_order == "little":
-        words = words.byteswap()
+        ordered = [(word >> 8) | (word & 0xFF) << 8 for word in ordered]
     if register.word_order == "little" and register.type != "string":
-        words = words.reshape(register.count, -1)[:, ::-1].ravel()
-    return words.tolist()
+        width = register.size // register.count
+        ordered = [
+            ordered[place - within]
+            for place in range(width - 1, len(ordered), width)
+            for within in range(width)
+        ]
+    return ordered
 
 
 def to_physical(register: Register, counts: np.ndarray | float) -> np.ndarray:
