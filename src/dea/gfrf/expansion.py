@@ -1,0 +1,84 @@
+"""The polynomial of a NARX model, written around an operating point."""
+
+from collections.abc import Sequence
+from itertools import chain, combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.narx import Term
+
+Array = NDArray[np.float64]
+Polynomial = dict[Term, Array]
+
+
+def expand(terms: Sequence[Term], theta: Array, y0: Array, u0: float) -> Polynomial:
+    """Write y_t = sum_j theta_j phi_j in the deviations Y = y - y0 and U = u - u0, exactly.
+
+    Every factor y_{t-k} becomes y0 + Y_{t-k}, every u_{t-k} becomes u0 + U_{t-k}, and like
+    monomials are collected.
+
+    Parameters
+    ----------
+    theta
+        Parameters, shape (..., terms).
+    y0, u0
+        Operating point, normalised; y0 of shape (...).
+
+    Returns
+    -------
+    dict
+        The coefficient, shape (...), of each monomial of the deviations that may differ from zero,
+        the constant left out: it is y0 itself where y0 solves the static polynomial.
+    """
+    expanded: Polynomial = {}
+    for j, term in enumerate(terms):
+        for y_kept in _subsets(len(term.y_lags)):
+            for u_kept in _subsets(len(term.u_lags)):
+                monomial = Term(
+                    tuple(term.y_lags[i] for i in y_kept), tuple(term.u_lags[i] for i in u_kept)
+                )
+                y_power = len(term.y_lags) - len(y_kept)
+                u_power = len(term.u_lags) - len(u_kept)
+                if monomial == Term() or (u_power and u0 == 0.0):
+                    continue
+                share = theta[..., j] * y0**y_power * u0**u_power
+                expanded[monomial] = expanded.get(monomial, 0.0) + share
+    return expanded
+
+
+def static_polynomial(terms: Sequence[Term], theta: Array, u0: float) -> Array:
+    """Return the coefficients, by rising power of y, of sum_j theta_j y^q u0^r - y.
+
+    Its roots are where the model can rest at the constant input ``u0``; shape (degree + 1,).
+    """
+    degree = max(1, *(len(term.y_lags) for term in terms))
+    coefficients = np.zeros(degree + 1)
+    coefficients[1] = -1.0
+    for term, parameter in zip(terms, theta, strict=True):
+        coefficients[len(term.y_lags)] += parameter * u0 ** len(term.u_lags)
+    return coefficients
+
+
+def spectral_radius(expanded: Polynomial) -> Array:
+    """Return the largest modulus of the poles of the linear part, shape (...).
+
+    Below 1 the operating point attracts, and small inputs have a steady-state response.
+    """
+    linear = {term.y_lags[0]: c for term, c in expanded.items() if _is_linear_output(term)}
+    if not linear:
+        return np.zeros(np.shape(next(iter(expanded.values()), 0.0)))
+    order = max(linear)
+    companion = np.zeros((*np.shape(next(iter(linear.values()))), order, order))
+    companion[..., range(1, order), range(order - 1)] = 1.0
+    for lag, coefficient in linear.items():
+        companion[..., 0, lag - 1] = coefficient
+    return np.abs(np.linalg.eigvals(companion)).max(axis=-1)
+
+
+def _is_linear_output(term: Term) -> bool:
+    return len(term.y_lags) == 1 and not term.u_lags
+
+
+def _subsets(count: int) -> chain[tuple[int, ...]]:
+    return chain.from_iterable(combinations(range(count), size) for size in range(count + 1))

@@ -1,0 +1,90 @@
+"""The zero-input response: where a model comes to rest at a constant input."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.polynomial import polynomial
+from numpy.typing import NDArray
+
+from dea.gfrf.expansion import expand, spectral_radius, static_polynomial
+from dea.narx import Term, max_lag, simulate
+
+Array = NDArray[np.float64]
+
+_FIRST_RUN = 256  # samples; each further run is twice as long
+_RUNS = 11  # half a million samples in all: poles up to 0.9999 come to rest within them
+_NEAR = 1e-6  # distance from an attracting root, relative to 1 + |root|, that counts as at rest
+
+
+def rest(terms: Sequence[Term], theta: Array, u0: float, start: float = 0.0) -> float | None:
+    """Return the root of the static polynomial that a free run at constant input settles to.
+
+    Parameters
+    ----------
+    theta
+        Parameters, shape (terms,).
+    u0, start
+        Constant input, and the output at which the run starts, both normalised.
+
+    Returns
+    -------
+    float or None
+        The normalised output, exact to rounding; None where the run diverges, oscillates or
+        creeps on.
+    """
+    terms = tuple(terms)
+    roots = _attracting_roots(terms, theta, u0)
+    lag = max(max_lag(terms), 1)
+    outputs = np.full(lag, start)
+    for run in range(_RUNS):
+        for root in roots:
+            if np.all(np.abs(outputs - root) <= _NEAR * (1.0 + abs(root))):
+                return root
+        inputs = np.full(lag + _FIRST_RUN * 2**run, u0)
+        outputs = simulate(terms, theta, inputs, outputs)[-lag:]
+        if not roots or not np.all(np.isfinite(outputs)):
+            return None
+    return None
+
+
+def rest_along(terms: Sequence[Term], theta: Array, u0: float) -> Array:
+    """Follow the rest of a model whose parameters change.
+
+    Parameters
+    ----------
+    theta
+        Parameters, shape (times, terms).
+
+    Returns
+    -------
+    ndarray
+        Normalised outputs, shape (times,): each is where the free run settles that starts at the
+        rest of the instant before, so that among several roots the branch is followed, and left
+        where it ends. NaN where the model does not settle.
+    """
+    y0 = np.full(theta.shape[0], np.nan)
+    last = 0.0
+    for t, parameters in enumerate(theta):
+        found = rest(terms, parameters, u0, last)
+        if found is not None:
+            y0[t] = last = found
+    return y0
+
+
+def _attracting_roots(terms: tuple[Term, ...], theta: Array, u0: float) -> list[float]:
+    coefficients = np.trim_zeros(static_polynomial(terms, theta, u0), "b")
+    if coefficients.size < 2:
+        return []
+    candidates = polynomial.polyroots(coefficients)
+    slope = polynomial.polyder(coefficients)
+    roots = []
+    # A double root of real coefficients comes out with an imaginary part near the square root of
+    # the rounding; it attracts from one side only and is no rest.
+    for root in candidates.real[np.abs(candidates.imag) <= 1e-9 * (1.0 + np.abs(candidates))]:
+        for _ in range(2):  # Newton: the eigenvalues that polyroots takes lose a few digits
+            gradient = polynomial.polyval(root, slope)
+            if gradient != 0.0:
+                root = root - polynomial.polyval(root, coefficients) / gradient
+        if spectral_radius(expand(terms, theta, np.asarray(root), u0)) < 1.0:
+            roots.append(float(root))
+    return roots

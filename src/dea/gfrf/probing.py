@@ -1,0 +1,95 @@
+"""The recursive probing method: GFRFs of any order from the polynomial around a rest.
+
+With the input U_t = sum_i e^{j w_i t} of n tones the output contains, for each set S of tones, the
+line at sum_{i in S} w_i with the amplitude G(S) = |S|! H_{|S|}(w_i, i in S). A monomial feeds that
+line once for every way of dealing the tones of S to its factors, each output factor taking one or
+more tones and each input factor exactly one. Equating both sides of the model equation line by
+line gives G(S) from the G of smaller sets, (20)-(31) for every order, already symmetric.
+"""
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.gfrf.expansion import Polynomial
+
+Complex = NDArray[np.complex128]
+Factor = tuple[str, int]  # the signal, "y" or "u", and its lag
+
+
+def probe(expanded: Polynomial, omega: Sequence[NDArray[np.float64]]) -> Complex:
+    """Return the symmetric n-th order GFRF, n = len(omega), in normalised units.
+
+    Parameters
+    ----------
+    expanded
+        The model around its rest, from :func:`dea.gfrf.expansion.expand`; coefficients that are
+        arrays (varying parameters) have trailing axes of length one for the frequencies.
+    omega
+        One array per tone, in radians per sample, broadcastable against each other.
+    """
+    poles = [(term.y_lags[0], c) for term, c in expanded.items() if _is_pole(term)]
+    driving = [
+        ((*(("u", lag) for lag in term.u_lags), *(("y", lag) for lag in term.y_lags)), c)
+        for term, c in expanded.items()
+        if not _is_pole(term)
+    ]
+
+    @cache
+    def delay(tones: int, lag: int) -> Complex:
+        return np.exp(-1j * lag * sum(omega[i] for i in _members(tones)))
+
+    @cache
+    def G(tones: int) -> Complex:
+        count = tones.bit_count()
+        total = np.zeros((), dtype=complex)
+        for factors, coefficient in driving:
+            if len(factors) <= count:
+                dealt = deal(factors, tones)
+                if dealt is not None:
+                    total = total + coefficient * dealt
+        return total / (1.0 - sum(c * delay(tones, lag) for lag, c in poles))
+
+    @cache
+    def deal(factors: tuple[Factor, ...], tones: int) -> Complex | None:
+        """Sum over every way of dealing ``tones`` to ``factors``; None where there is none."""
+        (signal, lag), rest = factors[0], factors[1:]
+        if not rest:
+            return taken(signal, lag, tones)
+        total = None
+        for share in _shares(tones):
+            if (tones ^ share).bit_count() < len(rest):
+                continue
+            first = taken(signal, lag, share)
+            others = None if first is None else deal(rest, tones ^ share)
+            if first is not None and others is not None:
+                total = first * others if total is None else total + first * others
+        return total
+
+    def taken(signal: str, lag: int, tones: int) -> Complex | None:
+        if signal == "y":
+            return G(tones) * delay(tones, lag)
+        return delay(tones, lag) if tones.bit_count() == 1 else None
+
+    order = len(omega)
+    return np.asarray(G((1 << order) - 1) / factorial(order))
+
+
+def _is_pole(term: tuple[tuple[int, ...], tuple[int, ...]]) -> bool:
+    y_lags, u_lags = term
+    return len(y_lags) == 1 and not u_lags
+
+
+def _members(tones: int) -> Iterator[int]:
+    return (i for i in range(tones.bit_length()) if tones >> i & 1)
+
+
+def _shares(tones: int) -> Iterator[int]:
+    """Every proper, non-empty subset of a set of tones, sets being bit masks."""
+    share = (tones - 1) & tones
+    while share:
+        yield share
+        share = (share - 1) & tones

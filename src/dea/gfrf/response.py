@@ -1,0 +1,167 @@
+"""Generalised frequency response functions and zero-input responses, in physical units."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dea.errors import InputError
+from dea.gfrf.expansion import expand
+from dea.gfrf.operating_point import rest_along
+from dea.gfrf.probing import probe
+from dea.narx import NarxModel
+
+Array = NDArray[np.float64]
+
+
+def frequency_response(
+    model: NarxModel,
+    order: int = 1,
+    frequencies: ArrayLike | Sequence[ArrayLike] = (),
+    sampling_rate: float = 1.0,
+    *,
+    parameters: ArrayLike | None = None,
+    operating_point: float | None = None,
+    allow_missing: bool = False,
+) -> NDArray[np.complex128]:
+    """Return the symmetric GFRF H_n of a polynomial NARX model around its rest.
+
+    A small input of n tones, u = operating_point + sum_i A_i cos(w_i t), gives the output a line
+    at w_1 + ... + w_n of complex amplitude n! H_n prod_i A_i/2 (and H_1 A_1 for a single tone).
+
+    Parameters
+    ----------
+    order
+        n, 1 or more.
+    frequencies
+        n arrays in Hz that broadcast like numpy, negative ones allowed; for ``order=1`` the array
+        itself will do.
+    sampling_rate
+        In Hz.
+    parameters
+        Other parameters for the model's terms, shape (..., terms), as a tracker gives them; by
+        default the model's own.
+    operating_point
+        Constant input in physical units around which the response is taken; by default the
+        input's offset, a normalised input of zero.
+    allow_missing
+        Give NaN for parameters that do not settle, in place of the error.
+
+    Returns
+    -------
+    ndarray
+        Complex, shape (..., *frequencies), in output units per input unit to the power n.
+
+    Raises
+    ------
+    InputError
+        If the frequencies do not fit the order, lie above half the sampling rate or do not
+        broadcast, or if the model does not come to rest at the operating point.
+    """
+    omega = _radians(order, frequencies, sampling_rate)
+    theta, sets = _parameters(model, parameters)
+    u0 = _normalised_input(model, operating_point)
+    y0 = _rest(model, theta, u0, allow_missing)
+    shape = np.broadcast_shapes(*(w.shape for w in omega))
+    settled = ~np.isnan(y0)
+    across = (slice(None), *[None] * len(shape))  # parameter sets lead, frequencies follow
+    expanded = expand(model.terms, theta[settled], y0[settled], u0)
+    per_set = {term: coefficient[across] for term, coefficient in expanded.items()}
+    response = np.full((y0.size, *shape), np.nan, dtype=complex)
+    response[settled] = probe(per_set, omega) * (
+        model.scaling.y_scale / model.scaling.u_scale**order
+    )
+    return response.reshape((*sets, *shape))
+
+
+def zero_input_response(
+    model: NarxModel,
+    *,
+    parameters: ArrayLike | None = None,
+    operating_point: float | None = None,
+    allow_missing: bool = False,
+) -> Array:
+    """Return the output y0 at which the model rests when its input is constant.
+
+    y0 solves the static polynomial of the model, (26) with the nonlinear terms. Of several roots
+    it is the one that the free run from the output's offset settles to; for varying parameters
+    the branch is followed from one set to the next.
+
+    Parameters are those of :func:`frequency_response`; the result has shape (...), in output units.
+
+    Raises
+    ------
+    InputError
+        If the model does not come to rest.
+    """
+    theta, sets = _parameters(model, parameters)
+    u0 = _normalised_input(model, operating_point)
+    y0 = _rest(model, theta, u0, allow_missing)
+    return model.scaling.restore_output(y0).reshape(sets)
+
+
+def _radians(
+    order: int, frequencies: ArrayLike | Sequence[ArrayLike], sampling_rate: float
+) -> list[Array]:
+    if order < 1:
+        raise InputError(f"it is {order}", field="order", remedy="It is 1 or more")
+    if not sampling_rate > 0.0:
+        raise InputError(f"it is {sampling_rate}", field="sampling_rate", remedy="It is positive")
+    given = frequencies if isinstance(frequencies, tuple) else (frequencies,)
+    if len(given) != order:
+        raise InputError(
+            f"there are {len(given)} frequency arrays for order {order}",
+            field="frequencies",
+            remedy="Give a tuple with one array per order",
+        )
+    arrays = [np.asarray(f, dtype=float) for f in given]
+    for f in arrays:
+        bad = f[~(np.abs(f) <= 0.5 * sampling_rate)]
+        if bad.size:
+            raise InputError(
+                f"{bad.flat[0]:g} Hz is above half the sampling rate of {sampling_rate:g} Hz",
+                field="frequencies",
+                remedy="Frequencies are in Hz, the sampling rate too",
+            )
+    try:
+        np.broadcast_shapes(*(f.shape for f in arrays))
+    except ValueError:
+        raise InputError(
+            f"shapes {[f.shape for f in arrays]} do not broadcast",
+            field="frequencies",
+            remedy="For a map use f1[:, None] and f2[None, :]",
+        ) from None
+    return [2.0 * np.pi * f / sampling_rate for f in arrays]
+
+
+def _parameters(model: NarxModel, parameters: ArrayLike | None) -> tuple[Array, tuple[int, ...]]:
+    """Return the parameter sets as rows, and the shape that they were given in."""
+    theta = np.asarray(model.parameters if parameters is None else parameters, dtype=float)
+    if theta.shape[-1:] != (len(model.terms),):
+        raise InputError(
+            f"their shape is {theta.shape}",
+            field="parameters",
+            remedy=f"The last axis has one entry for each of the {len(model.terms)} terms",
+        )
+    return theta.reshape(-1, len(model.terms)), theta.shape[:-1]
+
+
+def _normalised_input(model: NarxModel, operating_point: float | None) -> float:
+    if operating_point is None:
+        return 0.0
+    return float((operating_point - model.scaling.u_offset) / model.scaling.u_scale)
+
+
+def _rest(model: NarxModel, theta: Array, u0: float, allow_missing: bool) -> Array:
+    y0 = rest_along(model.terms, theta, u0)
+    restless = np.flatnonzero(np.isnan(y0))
+    if restless.size and not allow_missing:
+        which = f" with parameter set {restless[0]}" if y0.size > 1 else ""
+        raise InputError(
+            f"the model{which} does not settle at a constant input of "
+            f"{u0 * model.scaling.u_scale + model.scaling.u_offset:g}",
+            field="parameters",
+            remedy="It diverges, oscillates or creeps there and has no steady-state response; "
+            "take another operating point or a stable model",
+        )
+    return y0
