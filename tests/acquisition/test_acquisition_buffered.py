@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -22,8 +24,6 @@ def assert_equals_what_was_measured(record, bench, volts):
 
 @pytest.mark.parametrize("read_write_multiple", [True, False])
 def test_every_sample_is_in_its_place(serve_bench, tmp_path, read_write_multiple):
-    from dataclasses import replace
-
     bench, volts = serve_bench(), sine()
     device = replace(bench.endpoint, read_write_multiple=read_write_multiple)
     record = acquire(device, volts, tmp_path / "a.partial", FAST).record

@@ -2,7 +2,7 @@
 
 from dea.acquisition.acquire import Acquisition, AcquisitionSettings, acquire
 from dea.acquisition.link import DeviceRefusedError, Link, LinkError, LinkSettings
-from dea.acquisition.partial import recover
+from dea.acquisition.partial import Recovered, recover
 from dea.acquisition.safety import Interrupted, ZeroNotVerifiedError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 
@@ -16,6 +16,7 @@ __all__ = [
     "LinkError",
     "LinkSettings",
     "Quality",
+    "Recovered",
     "Samples",
     "ZeroNotVerifiedError",
     "acquire",

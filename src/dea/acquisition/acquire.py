@@ -69,6 +69,32 @@ class Acquisition(NamedTuple):
     link: xr.Dataset
 
 
+class Plan(NamedTuple):
+    """Output counts from zero to zero: ``lead`` samples of ramp, ``length`` of excitation, ramp."""
+
+    counts: np.ndarray
+    lead: int
+    length: int
+
+
+def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> Plan:
+    """Put ramps at ``ramp_rate`` V/s before and after an excitation in V.
+
+    Raises
+    ------
+    InputError
+        Where the excitation leaves the device's limits, or is empty.
+    """
+    volts = np.asarray(excitation, float)
+    if volts.ndim != 1 or not volts.size:
+        raise InputError("the excitation holds no samples", remedy="Give at least one voltage.")
+    counts = check_excitation(device, volts)
+    lead = ramp(device, 0.0, float(volts[0]), ramp_rate)
+    tail = ramp(device, float(volts[-1]), 0.0, ramp_rate)
+    zero = to_counts(device["output"], np.zeros(1))
+    return Plan(np.concatenate([lead, counts, tail, zero]), lead.size, counts.size)
+
+
 def acquire(
     device: Device,
     excitation: np.ndarray,
@@ -107,21 +133,17 @@ def acquire(
         Where the device went away.
     """
     settings = settings or AcquisitionSettings()
-    counts = check_excitation(device, np.asarray(excitation, float))
-    lead = ramp(device, 0.0, float(excitation[0]), settings.ramp_rate)
-    tail = ramp(device, float(excitation[-1]), 0.0, settings.ramp_rate)
-    zero = to_counts(device["output"], np.zeros(1))
-    sequence = np.concatenate([lead, counts, tail, zero])
+    plan = plan_sequence(device, excitation, settings.ramp_rate)
     patience = LinkSettings(settings.timeout, settings.retries, settings.reconnect_time)
     log = LinkLog()
     attempts = settings.restarts + 1 if settings.on_break == "restart" else 1
     for attempt in range(attempts):
         link = Link(device, patience, log)
         set_aside(partial)
-        note = {"device": device.name, "lead": lead.size, "length": counts.size}
+        note = {"device": device.name, "lead": plan.lead, "length": plan.length}
         file = PartialFile(partial, note | {"settings": asdict(settings)})
         try:
-            samples = _run(link, sequence, settings, file, watch, reset or attempt > 0)
+            samples = _run(link, plan.counts, settings, file, watch, reset or attempt > 0)
         except BrokenRecordError as error:
             file.note({"broken": str(error)})
             if attempt + 1 == attempts:
@@ -130,7 +152,7 @@ def acquire(
         else:
             file.note({"complete": True})
             return Acquisition(
-                record_dataset(device, samples, lead.size, counts.size), link_dataset(log)
+                record_dataset(device, samples, plan.lead, plan.length), link_dataset(log)
             )
         finally:
             file.close()

@@ -79,6 +79,24 @@ def verify_device(panel: Panel) -> None:
                     found = panel.number(f"{name}_range_{end}")
                     span = register.range[1] - register.range[0]
                     _compare(device, f"{name}_range_{end}", found, expected, span)
+    _verify_limits(panel)
+
+
+def _verify_limits(panel: Panel) -> None:
+    """The device must not clamp inside the limits described; one count is rounding."""
+    output = panel.device["output"]
+    if output.limits is None:
+        return
+    for end, limit, sign in zip(("low", "high"), output.limits, (1, -1), strict=True):
+        if f"output_{end}_limit" in panel:
+            found = panel.number(f"output_{end}_limit")
+            if sign * (found - limit) > abs(output.scale):
+                raise InputError(
+                    f"the device clamps at {found:g} {output.unit}, inside the limit {limit:g}",
+                    file=panel.device.source,
+                    field="registers.output.limits",
+                    remedy="Narrow the limits, or widen the device's.",
+                )
 
 
 def _compare(
@@ -120,7 +138,7 @@ class SafeOutput:
         self._token = randbits(31) + 1
 
     def __enter__(self) -> Panel:
-        self.link.open()
+        self._open()
         try:
             verify_device(self.panel)
             self._refuse_while_driven()
@@ -134,9 +152,12 @@ class SafeOutput:
             raise
         return self.panel
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         with _signals_deferred():
             try:
+                if kind is not None:
+                    # A reply may still be under way that belongs to no later request.
+                    self.link.close()
                 self.to_zero()
             finally:
                 self.link.on_connect = None
@@ -172,6 +193,15 @@ class SafeOutput:
                     else "The device has no watchdog: switch the amplifier off."
                 )
             ) from error
+
+    def _open(self) -> None:
+        try:
+            self.link.open()
+        except LinkError as error:
+            raise InputError(
+                str(error), file=self.device.source, field="endpoint",
+                remedy="Correct host and port, or switch the device on.",
+            ) from error  # fmt: skip
 
     def _claim(self) -> None:
         try:

@@ -1,0 +1,156 @@
+"""Drive and record an actuator from the command line: ``python -m dea.acquisition --help``."""
+
+import argparse
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dea import signals, store
+from dea.acquisition.acquire import AcquisitionSettings, acquire, plan_sequence
+from dea.acquisition.link import DeviceRefusedError, Link, LinkError, LinkSettings
+from dea.acquisition.monitor import Monitor
+from dea.acquisition.panel import Panel
+from dea.acquisition.partial import recover
+from dea.acquisition.record import record_dataset
+from dea.acquisition.safety import Interrupted, ZeroNotVerifiedError, verify_device
+from dea.acquisition.samples import BrokenRecordError, Quality
+from dea.errors import InputError
+from dea.modbus import Device, read_device
+
+FAILURES = (LinkError, DeviceRefusedError, ZeroNotVerifiedError, BrokenRecordError, OSError)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run one command; exits with 2 for bad input, 1 for a failed acquisition, 130 on a signal."""
+    options = _parser().parse_args(arguments)
+    try:
+        options.run(options)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    except FAILURES as error:
+        print(f"failed: {error}", file=sys.stderr)
+        raise SystemExit(1) from None
+    except Interrupted as signal:
+        print(f"ended by {signal}; the output is at zero", file=sys.stderr)
+        raise SystemExit(130) from None
+
+
+def drive(options: argparse.Namespace) -> None:
+    """Drive the device with a designed excitation and write its record."""
+    device = _device(options)
+    volts = signals.design(
+        options.kind, duration=options.duration, sampling_rate=device.sampling_rate,
+        low=options.low, high=options.high, seed=options.seed, **options.setting,
+    )  # fmt: skip
+    settings = AcquisitionSettings.from_mapping(
+        {"mode": options.mode, "on_break": options.on_break, "ramp_rate": options.ramp_rate}
+    )
+    partial = options.output.with_suffix(".partial")
+    total = plan_sequence(device, volts, settings.ramp_rate).counts.size
+    with Monitor(device, total, live=options.live) as monitor:
+        acquired = acquire(device, volts, partial, settings, watch=monitor, reset=options.reset)
+    link = options.output.with_name(f"{options.output.stem}_link.nc")
+    title = f"Record of {device.name}"
+    store.write(acquired.link.assign_attrs(contract="link"), link, title=title)
+    _write_record(acquired.record, options, title)
+    partial.unlink()
+
+
+def check(options: argparse.Namespace) -> None:
+    """Compare the device with its description and print what it says; applies no voltage."""
+    device = _device(options)
+    link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
+    link.open()
+    try:
+        panel = Panel(link)
+        verify_device(panel)
+        for name, register in device.registers.items():
+            if register.access != "write" and not name.startswith(("block_", "reply_")):
+                value = panel.get(name) if register.type == "string" else panel.number(name)
+                unit = "" if register.unit == "1" else f" {register.unit}"
+                print(f"{name:24} {value:g}{unit}" if unit else f"{name:24} {value}")
+    finally:
+        link.close()
+
+
+def rescue(options: argparse.Namespace) -> None:
+    """Write what a crashed or broken acquisition had already recorded."""
+    device, found = read_device(options.device), recover(options.partial)
+    if not found.notes or not found.samples.position.size:
+        raise InputError("holds no samples", file=options.partial)
+    heading = found.notes[0]
+    record = record_dataset(device, found.samples, heading["lead"], heading["length"])
+    reasons = [note["broken"] for note in found.notes if "broken" in note]
+    flagged = int(np.count_nonzero(record["quality"] != Quality.GOOD))
+    print(
+        f"{record.sizes['time']} of {heading['length']} samples, {flagged} flagged"
+        + "".join(f"; {reason}" for reason in reasons)
+    )
+    record.attrs["notes"] = json.dumps(found.notes, sort_keys=True)
+    _write_record(record, options, f"Rescued record of {device.name}")
+
+
+def _write_record(record, options: argparse.Namespace, title: str) -> None:
+    store.write(
+        record.assign_attrs(contract="record", device_description=options.device.read_text()),
+        options.output,
+        title=title,
+        inputs={"device": options.device},
+    )
+
+
+def _device(options: argparse.Namespace) -> Device:
+    device = read_device(options.device)
+    changes = {"host": options.host, "port": options.port}
+    return replace(device, **{key: value for key, value in changes.items() if value is not None})
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m dea.acquisition", description=__doc__)
+    commands = parser.add_subparsers(required=True)
+
+    def command(name: str, run) -> argparse.ArgumentParser:
+        added = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
+        added.set_defaults(run=run)
+        added.add_argument(
+            "--device", type=Path, default=Path("config/devices/virtual_bench.yaml"),
+            help="description of the device",
+        )  # fmt: skip
+        return added
+
+    for name, run in (("drive", drive), ("check", check)):
+        added = command(name, run)
+        added.add_argument("--host", help="instead of the description's")
+        added.add_argument("--port", type=int, help="instead of the description's")
+        if run is drive:
+            _excitation(added)
+    added = command("recover", rescue)
+    added.add_argument("partial", type=Path)
+    added.add_argument("--output", type=Path, required=True)
+    return parser
+
+
+def _excitation(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--output", type=Path, required=True, help="record to write (NetCDF)")
+    parser.add_argument("--kind", choices=sorted(signals.KINDS), default="gaussian")
+    parser.add_argument("--duration", type=float, default=60.0, metavar="S")
+    parser.add_argument("--low", type=float, default=1.1, metavar="V")
+    parser.add_argument("--high", type=float, default=3.75, metavar="V")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--setting", type=json.loads, default={}, metavar="JSON",
+        help='further settings of the excitation, as \'{"band": 1.0}\'',
+    )  # fmt: skip
+    parser.add_argument("--mode", choices=("buffered", "polled"), default="buffered")
+    parser.add_argument("--ramp-rate", type=float, default=1.0, metavar="V/S")
+    parser.add_argument("--on-break", choices=("stop", "restart"), default="stop")
+    parser.add_argument("--reset", action="store_true", help="reset a watchdog that has latched")
+    parser.add_argument("--live", action="store_true", help="draw voltage and displacement")
+
+
+if __name__ == "__main__":
+    main()
