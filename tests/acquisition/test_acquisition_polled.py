@@ -2,10 +2,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from served_bench import DESCRIPTION
 
 from dea.acquisition import AcquisitionSettings, acquire
-from dea.modbus import read_device
 
 POLLED = AcquisitionSettings(mode="polled", ramp_rate=50.0, timeout=0.5, reconnect_time=1.0)
 
@@ -14,8 +12,8 @@ POLLED = AcquisitionSettings(mode="polled", ramp_rate=50.0, timeout=0.5, reconne
 @pytest.mark.parametrize("virtual_clock", [True, False])
 def test_every_sample_is_in_its_place(serve_bench, tmp_path, read_write_multiple, virtual_clock):
     # Slow at wall time, so that a busy machine is no cause for a late sample.
-    description = replace(read_device(DESCRIPTION), sampling_rate=50.0 if virtual_clock else 10.0)
-    bench = serve_bench(virtual_clock=virtual_clock, description=description)
+    rate = 50.0 if virtual_clock else 10.0
+    bench = serve_bench(virtual_clock=virtual_clock, sampling_rate=rate)
     volts = 2.4 + 1.2 * np.sin(np.arange(300 if virtual_clock else 12) * 0.1)
     device = replace(bench.endpoint, read_write_multiple=read_write_multiple)
     settings = replace(POLLED, paced=not virtual_clock)
