@@ -1,0 +1,284 @@
+"""Name what a simulation is missing, from a record of the device it describes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dea.discrepancy import certify as proof
+from dea.discrepancy.compose import Budget, Candidate, Round, extend_by_each, judge, noise_floor
+from dea.discrepancy.decide import Decision, Rules, choose, decide, pool_of, significant
+from dea.discrepancy.effects import Effect, catalogue
+from dea.discrepancy.extended import ExtendedSimulation
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.gain import Gains, gains, null_gain
+from dea.discrepancy.identifiability import signature
+from dea.discrepancy.localise import Localisation, localise
+from dea.discrepancy.noise import white_level
+from dea.discrepancy.nominal import fit_near_prior, fit_nominal, slowest_time
+from dea.discrepancy.problem import Problem, base
+from dea.discrepancy.rivals import beaten, confusion
+from dea.discrepancy.separate import Experiment, separating_experiment
+from dea.discrepancy.simulation import Simulation, load_simulation
+from dea.discrepancy.split import Split, split
+from dea.discrepancy.unknown import ResidualModel, residual_model
+from dea.discrepancy.words import verdict_of
+from dea.errors import InputError
+from dea.seeds import generator
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from dea.discrepancy.verdict import Verdict
+
+_BLOCKS = 24
+_NOISE_MARGIN = 1.5
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a diagnosis is made.
+
+    Parameters
+    ----------
+    effects
+        Names of the effects offered; all of the catalogue if empty.
+    slowest_time
+        Slowest time constant (s) for the gaps of the split; the simulation's own if ``None``.
+    warm_up
+        Time (s) at the start of the record that no error counts.
+    workers
+        Threads that candidates are fitted on.
+    """
+
+    effects: tuple[str, ...] = ()
+    slowest_time: float | None = None
+    warm_up: float = 1.0
+    workers: int = 1
+    budget: Budget = field(default_factory=Budget)
+    rules: Rules = field(default_factory=Rules)
+    seed: int = 0
+    name: str = "case"
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything a diagnosis found; ``verdict`` is the short of it."""
+
+    verdict: "Verdict"
+    problem: Problem
+    split: Split
+    units: tuple[str, str]
+    nominal: Fit
+    extended: Fit
+    before: Localisation
+    after: Localisation
+    first: Round
+    gains: Gains
+    pool: tuple[Candidate, ...]
+    decision: Decision
+    confusion_of: tuple[Candidate, ...]
+    confusion: np.ndarray
+    elsewhere: Mapping[str, tuple[proof.Certified, np.ndarray, np.ndarray]]
+    floor: float
+    unexplained: ResidualModel
+    signatures: Mapping[str, tuple[float, float]]
+
+
+def diagnose(
+    record: "xr.Dataset",
+    simulation: Simulation | str,
+    *,
+    test_records: "Mapping[str, xr.Dataset] | None" = None,
+    settings: Settings | None = None,
+) -> Diagnosis:
+    """Compare a record with a simulation and name the effect, or effects, that are missing.
+
+    Parameters
+    ----------
+    record
+        Time (s), voltage and displacement, or input and output, in the simulation's units.
+    simulation
+        A simulation, the name of one that comes with the study, or a Python file.
+    test_records
+        Records of the same device under other excitations, to certify on.
+
+    Raises
+    ------
+    InputError
+        If units do not match, the record is too short for the split, or the simulation runs away.
+    """
+    settings = settings or Settings()
+    own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
+    rng = generator(settings.seed, settings.name, "diagnose")
+    u, y, interval = signals_of(record, own)
+    others = {
+        name: proof.OtherRecord(*signals_of(other, own))
+        for name, other in (test_records or {}).items()
+    }
+    units = (own.input_unit, own.output_unit)
+    offered = _offered(settings.effects)
+
+    problem, parts, extended = _prepare(u, y, interval, own, settings)
+    nominal = fit_nominal(problem, extended, rng, settings.workers)
+    blocks = parts.blocks(problem.fit | problem.select, problem.u.size / _BLOCKS)
+    select = parts.blocks(problem.select, problem.u.size / _BLOCKS / 2)
+    counted = problem.fit | problem.select
+
+    rounds = _rounds(problem, nominal, offered, units, settings)
+    floor = noise_floor(problem, rounds, blocks)
+    singles = list(rounds[0].candidates)
+    null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
+    gained = gains(nominal.gap, [c.fit.gap for c in singles], select, null, rng)
+    chosen = _choose(problem, rounds, gained, floor, blocks, settings.rules, rng)
+
+    best = chosen.fit if chosen else nominal
+    unexplained = residual_model(problem, best.gap)
+    pool = pool_of(rounds)
+    decision = decide(
+        problem, chosen, pool, judge(problem, nominal).error, floor, unexplained, blocks,
+        settings.rules, rng,
+    )  # fmt: skip
+    final = chosen.fit if chosen and decision.status in ("named", "ambiguous") else nominal
+
+    before = localise(problem, fit_near_prior(problem, nominal).gap, units, counted, rng)
+    after = localise(problem, final.gap, units, counted, rng)
+    rivals = _rivals_to_show(decision, pool)
+    noisy = problem.with_noise(floor)
+    experiment = _experiment(noisy, decision, settings.seed)
+    elsewhere = proof.certify_elsewhere(
+        others if proof.transferable(final.extended) else {}, nominal, final
+    )
+    signatures = {c.effect.name: signature(noisy, nominal, c.fit) for c in singles}
+    verdict = verdict_of(
+        problem=problem, nominal=nominal, decision=decision, first=rounds[0], gained=gained,
+        before=before, after=after, floor=floor, unexplained=unexplained, experiment=experiment,
+        signatures=signatures, elsewhere={name: e[0] for name, e in elsewhere.items()},
+        unit=own.output_unit,
+    )  # fmt: skip
+    return Diagnosis(
+        verdict=verdict, problem=noisy, split=parts, units=units, nominal=nominal, extended=final,
+        before=before, after=after, first=rounds[0], gains=gained, pool=tuple(pool),
+        decision=decision, confusion_of=rivals,
+        confusion=confusion(noisy, [c.fit for c in rivals]), elsewhere=elsewhere, floor=floor,
+        unexplained=unexplained, signatures=signatures,
+    )  # fmt: skip
+
+
+def signals_of(
+    record: "xr.Dataset", simulation: Simulation
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return input, output and interval (s) of a record whose units are the simulation's."""
+    from dea.store import signals
+
+    found = signals(record)
+    for role, unit, expected in (
+        ("input", found.u_units, simulation.input_unit),
+        ("output", found.y_units, simulation.output_unit),
+    ):
+        if unit != expected:
+            raise InputError(
+                f"the record's {role} is in {unit!r}, the simulation {simulation.name} "
+                f"expects {expected!r}",
+                field=role,
+                remedy="Convert the record, or use a simulation in its units",
+            )
+    return found.u, found.y, 1.0 / found.sampling_rate
+
+
+def _offered(names: Sequence[str]) -> list[Effect]:
+    unknown = sorted(set(names) - set(catalogue()))
+    if unknown:
+        raise InputError(
+            f"there is no effect {unknown[0]!r}",
+            field="effects",
+            remedy=f"Known are {', '.join(catalogue())}",
+        )
+    return [effect for name, effect in catalogue().items() if not names or name in names]
+
+
+def _prepare(
+    u: np.ndarray, y: np.ndarray, interval: float, simulation: Simulation, settings: Settings
+) -> tuple[Problem, Split, ExtendedSimulation]:
+    """Split the record, estimate its noise, and choose the integration step to match."""
+    noise = white_level(y, [slice(0, y.size)])
+    extended = base(simulation, u, interval, tolerance=max(0.1 * noise, 1e-4 * float(np.std(y))))
+    slowest = settings.slowest_time
+    if slowest is None:
+        slowest = slowest_time(extended, u)
+    parts = split(u.size, interval, slowest, min(settings.warm_up, 0.02 * u.size * interval))
+    problem = Problem(
+        u, y, interval, parts.fit, parts.select, parts.certify, noise=_NOISE_MARGIN * noise
+    )
+    return problem, parts, extended
+
+
+def _rounds(
+    problem: Problem,
+    nominal: Fit,
+    offered: Sequence[Effect],
+    units: tuple[str, str],
+    settings: Settings,
+) -> list[Round]:
+    """Offer every effect to the nominal simulation, then to its best extensions, and so on."""
+    budget, rules = settings.budget, settings.rules
+    rounds = [extend_by_each(problem, nominal, offered, units, budget, settings.workers)]
+    blocks = [slice(0, problem.u.size)]
+    beam = [c for c in rounds[0].candidates if c.finished][: budget.beam]
+    for _ in range(1, budget.effects):
+        floor = min(white_level(c.fit.gap, blocks) for c in beam)
+        if not beam or beam[0].error <= rules.clean * floor:
+            break
+        grown = [
+            extend_by_each(problem, c.fit, offered, units, budget, settings.workers) for c in beam
+        ]
+        rounds += grown
+        beam = sorted(
+            (c for r in grown for c in r.candidates if c.finished), key=lambda c: c.error
+        )[: budget.beam]
+    return rounds
+
+
+def _choose(
+    problem: Problem,
+    rounds: Sequence[Round],
+    gained: Gains,
+    floor: float,
+    blocks: Sequence[slice],
+    rules: Rules,
+    rng: np.random.Generator,
+) -> Candidate | None:
+    """Return the best single effect that helps, or the best larger set that helps more."""
+    singles = rounds[0].candidates
+    helping = [c for i, c in enumerate(singles) if c.finished and significant(gained, i, rules)]
+    chosen = helping[0] if helping else None
+    larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
+    for size in sorted({len(c.names) for c in larger}):
+        best = min((c for c in larger if len(c.names) == size), key=lambda c: c.error)
+        if chosen is None:
+            gain, low = beaten(best.fit.gap, rounds[0].before.gap, blocks, rng)
+            if low > -np.log1p(-2 * rules.margin):
+                chosen = best
+            continue
+        _, low = beaten(best.fit.gap, chosen.fit.gap, blocks, rng)
+        chosen = choose(chosen, best, floor, rules, low)
+    return chosen
+
+
+def _rivals_to_show(
+    decision: Decision, pool: Sequence[Candidate], most: int = 8
+) -> tuple[Candidate, ...]:
+    """Return the finished candidates of as many effects as the chosen one, best first."""
+    count = len(decision.chosen.names) if decision.chosen else 1
+    shown: dict[frozenset[str], Candidate] = {}
+    for c in pool:
+        if c.finished and len(c.names) == count:
+            shown.setdefault(frozenset(c.names), c)
+    return tuple(shown.values())[:most]
+
+
+def _experiment(problem: Problem, decision: Decision, seed: int) -> Experiment | None:
+    if decision.status != "ambiguous" or decision.chosen is None:
+        return None
+    return separating_experiment(problem, decision.chosen.fit, decision.rivals[0].fit, seed)

@@ -1,0 +1,17 @@
+"""The catalogue: each module of this package that defines ``EFFECT`` adds one effect."""
+
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+
+from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
+
+__all__ = ["Effect", "Family", "Port", "Scales", "catalogue"]
+
+
+@cache
+def catalogue() -> dict[str, Effect]:
+    """Return every effect by name, in the order of their names."""
+    names = sorted(module.name for module in iter_modules(__path__) if module.name[0] != "_")
+    effects = [import_module(f"{__name__}.{name}").EFFECT for name in names]
+    return {effect.name: effect for effect in effects}

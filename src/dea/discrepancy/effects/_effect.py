@@ -1,0 +1,133 @@
+"""What an effect is: a law with bounded parameters that attaches at a port of any simulation."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from dea.discrepancy.integrate import no_update
+from dea.discrepancy.parameter import Parameter
+
+
+class Port(StrEnum):
+    """Where an effect attaches."""
+
+    INPUT = "input path"
+    FORCE = "force balance"
+    TIME = "parameter in time"
+    OUTPUT = "output path"
+
+
+class Family(StrEnum):
+    """Effects that are the same physics seen from outside, so that one can pass for another."""
+
+    THRESHOLD = "threshold"
+    LIMIT = "limit"
+    LAG = "lag"
+    CURVE = "static curve"
+    RELAXATION = "relaxation"
+    DISSIPATION = "dissipation"
+    AGEING = "slow change"
+    EVENT = "event"
+    OSCILLATION = "oscillation"
+
+
+@dataclass(frozen=True)
+class Scales:
+    """How large things are in a record: what an effect's priors and starting values refer to.
+
+    Input in ``u_unit``, output in ``y_unit``, times in s. ``z`` is the normalised position of the
+    force balance (zero at rest, one at the largest excursion of the nominal simulation).
+    """
+
+    u_unit: str
+    y_unit: str
+    u_low: float
+    u_high: float
+    u_rate: float
+    y_low: float
+    y_high: float
+    z_low: float
+    z_high: float
+    interval: float
+    duration: float
+    frequencies: tuple[float, ...] = ()
+    jumps: tuple[float, ...] = ()
+
+    @property
+    def u_span(self) -> float:
+        """Range of the input."""
+        return self.u_high - self.u_low
+
+    @property
+    def y_span(self) -> float:
+        """Range of the output."""
+        return self.y_high - self.y_low
+
+    @property
+    def z_span(self) -> float:
+        """Range of the normalised position."""
+        return self.z_high - self.z_low
+
+    @property
+    def u_peak(self) -> float:
+        """Largest magnitude of the input."""
+        return max(abs(self.u_low), abs(self.u_high))
+
+    @property
+    def bipolar(self) -> bool:
+        """Whether the input goes to both signs."""
+        return self.u_low < -0.05 * self.u_span < 0.05 * self.u_span < self.u_high
+
+
+Law = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect of the catalogue.
+
+    Parameters
+    ----------
+    signature
+        How the effect shows, in a sentence.
+    citation
+        Where the law comes from.
+    parameters
+        ``parameters(scales)`` returns the law's parameters, in the order the law takes them.
+    starts
+        ``starts(scales)`` returns the points from which the law is fitted.
+    shape_input
+        ``law(u, q, interval)`` returns the input that reaches the device.
+    force, update
+        ``force(z, w, memory, q)`` in units of the elastic force at z = 1, for the normalised
+        position z and velocity w (1/s); ``update(z, z_next, h, memory, q)`` moves its memory on.
+    memory
+        ``memory(q)`` returns the memory at the start.
+    scale_drive
+        ``law(t, q)`` returns the factor on the simulation's drive parameter.
+    shape_output
+        ``law(y, t, q, interval)`` returns what the sensor reports.
+    uses_position
+        Whether the force looks at the position, which not every force balance has.
+    refine
+        How many times finer than the simulation alone the law needs its steps.
+    """
+
+    name: str
+    port: Port
+    family: Family
+    signature: str
+    citation: str
+    parameters: Callable[[Scales], tuple[Parameter, ...]]
+    starts: Callable[[Scales], tuple[tuple[float, ...], ...]]
+    shape_input: Law | None = None
+    force: Law | None = None
+    update: Law = no_update
+    memory: Callable[[np.ndarray], np.ndarray] | None = None
+    scale_drive: Law | None = None
+    shape_output: Law | None = None
+    uses_position: bool = True
+    refine: int = 1

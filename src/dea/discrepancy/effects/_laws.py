@@ -1,0 +1,50 @@
+"""Compiled pieces that several laws share."""
+
+import numpy as np
+from numba import float64, njit, types
+
+_VECTOR = types.Array(float64, 1, "C")
+
+
+@njit(float64(float64, float64), cache=True)
+def knee(x: float, width: float) -> float:
+    """Return max(x, 0) with a parabola of half-width ``width`` in place of the corner."""
+    if x >= width:
+        return x
+    if x <= -width:
+        return 0.0
+    return (x + width) ** 2 / (4.0 * width)
+
+
+@njit(_VECTOR(_VECTOR, float64, float64), cache=True)
+def held_lag(u: np.ndarray, tau: float, interval: float) -> np.ndarray:
+    """Return the mean over each interval of a held input behind a first-order lag, exactly."""
+    ratio = interval / tau
+    decay = np.exp(-ratio)
+    mean_weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
+    result = np.empty(u.size)
+    v = u[0]
+    for k in range(u.size):
+        result[k] = u[k] + (v - u[k]) * mean_weight
+        v = u[k] + (v - u[k]) * decay
+    return result
+
+
+@njit(_VECTOR(_VECTOR, float64, float64), cache=True)
+def sampled_lag(y: np.ndarray, tau: float, interval: float) -> np.ndarray:
+    """Return a signal that is straight between samples behind a first-order lag, exactly."""
+    ratio = interval / tau
+    decay = np.exp(-ratio)
+    mean_weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
+    result = np.empty(y.size)
+    result[0] = y[0]
+    for k in range(1, y.size):
+        result[k] = decay * result[k - 1] + (mean_weight - decay) * y[k - 1]
+        result[k] += (1.0 - mean_weight) * y[k]
+    return result
+
+
+def drift(t: np.ndarray, duration: float, weights: np.ndarray) -> np.ndarray:
+    """Return the sum of Legendre polynomials of degree 1, 2, ... in time over the record."""
+    x = 2.0 * t / duration - 1.0
+    return np.polynomial.legendre.legval(x, np.concatenate([[0.0], weights]))

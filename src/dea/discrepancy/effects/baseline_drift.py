@@ -1,0 +1,37 @@
+"""The zero of the output wanders."""
+
+import numpy as np
+
+from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
+from dea.discrepancy.effects._laws import drift
+from dea.discrepancy.parameter import Parameter
+
+
+def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Add a polynomial of time."""
+    return y + drift(t, q[3], q[:3])
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the weights of three Legendre polynomials of time."""
+    return (
+        *(Parameter(f"degree_{n}", scales.y_unit, 0.0, 0.1 * scales.y_span) for n in (1, 2, 3)),
+        Parameter("duration", "s", scales.duration, 0.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return a slow rise; the law is linear in its weights."""
+    return ((0.02 * scales.y_span, 0.0, 0.0, scales.duration),)
+
+
+EFFECT = Effect(
+    name="baseline_drift",
+    port=Port.TIME,
+    family=Family.AGEING,
+    signature="the gap changes slowly with time and does not depend on the input",
+    citation="Bendat and Piersol (2010), Random Data, section 10.4, on trends",
+    parameters=parameters,
+    starts=starts,
+    shape_output=law,
+)

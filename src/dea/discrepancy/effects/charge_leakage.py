@@ -1,0 +1,54 @@
+"""Charge flows off through the film, the faster the higher the field."""
+
+import numpy as np
+from numba import njit
+
+from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
+from dea.discrepancy.parameter import Parameter
+
+
+@njit(cache=True)
+def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Lose a part of the input that grows with its size and builds up with a time constant."""
+    loss, growth, tau, peak = q[0], q[1], q[2], q[3]
+    decay = np.exp(-interval / tau)
+    result = np.empty(u.size)
+    lost = loss * np.exp(growth * (abs(u[0]) / peak - 1.0)) * u[0]
+    for k in range(u.size):
+        target = loss * np.exp(growth * (abs(u[k]) / peak - 1.0)) * u[k]
+        following = target + (lost - target) * decay
+        result[k] = u[k] - 0.5 * (lost + following)
+        lost = following
+    return result
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the loss at full input, its growth with the input, and its time constant."""
+    dt, peak = scales.interval, scales.u_peak
+    return (
+        Parameter("loss", "1", 0.1, 1.0, 1e-4, 0.9, log=True),
+        Parameter("field_growth", "1", 0.0, 3.0, 0.0, 20.0),
+        Parameter("time_constant", "s", 30 * dt, 2.0, 0.2 * dt, scales.duration, log=True),
+        Parameter("full_input", scales.u_unit, peak, 0.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return slow and fast losses, with and without growth."""
+    peak = scales.u_peak
+    return tuple(
+        (0.1, growth, part * scales.duration, peak)
+        for part, growth in ((0.1, 0.5), (0.02, 0.5), (0.005, 3.0), (2e-4, 6.0))
+    )
+
+
+EFFECT = Effect(
+    name="charge_leakage",
+    port=Port.INPUT,
+    family=Family.RELAXATION,
+    signature="under a held input the device falls back, more at high input",
+    citation="Di Lillo et al. (2012), Journal of Applied Physics 111:024904, on leakage currents",
+    parameters=parameters,
+    starts=starts,
+    shape_input=law,
+)

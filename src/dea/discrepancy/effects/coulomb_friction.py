@@ -1,0 +1,65 @@
+"""Dry friction: a force that opposes the motion and holds the device still."""
+
+import numpy as np
+from numba import njit
+
+from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
+from dea.discrepancy.integrate import FORCE, MEMORY, UPDATE
+from dea.discrepancy.parameter import Parameter
+
+
+@njit(FORCE, cache=True)
+def force(z, w, memory, q):
+    """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``."""
+    deflection = min(max((memory[0] + z - memory[1]) / q[1], -1.0), 1.0)
+    excess = q[2] * np.exp(-abs(w) / q[3])
+    return -q[0] * deflection * (1.0 + excess)
+
+
+@njit(UPDATE, cache=True)
+def update(z, z_next, h, memory, q):
+    """Slip where the deflection has reached its limit."""
+    memory[0] = min(max(memory[0] + z_next - memory[1], -q[1]), q[1])
+    memory[1] = z_next
+
+
+def memory(q: np.ndarray) -> np.ndarray:
+    """Return a slack contact."""
+    state = np.zeros(MEMORY)
+    state[1] = q[4]
+    return state
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the force, deflection before slip, excess of stiction, Stribeck rate, and start."""
+    span = scales.z_span
+    return (
+        Parameter("force", "1", 0.05 * span, 1.5, 1e-5, 10.0, log=True),
+        Parameter("slip_deflection", "1", 0.01 * span, 0.7, 2e-3 * span, 0.05 * span, log=True),
+        Parameter("stiction_excess", "1", 0.0, 0.2, 0.0, 2.0),
+        Parameter("stribeck_rate", "1/s", 0.2 * span, 0.0),
+        Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return weak and strong friction."""
+    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    return tuple((part * span, 0.015 * span, 0.0, 0.2 * span, middle) for part in (0.02, 0.08))
+
+
+EFFECT = Effect(
+    name="coulomb_friction",
+    port=Port.FORCE,
+    family=Family.DISSIPATION,
+    signature="at each reversal the device stands still until the drive has changed enough",
+    citation="Dupont et al. (2002), IEEE Transactions on Automatic Control 47:787, elasto-plastic "
+    "friction",
+    parameters=parameters,
+    starts=starts,
+    force=force,
+    update=update,
+    memory=memory,
+    uses_position=False,
+    refine=2,
+)

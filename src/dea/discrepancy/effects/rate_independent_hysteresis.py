@@ -1,0 +1,67 @@
+"""The way up differs from the way down, however slowly both are gone."""
+
+import numpy as np
+from numba import njit
+
+from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
+from dea.discrepancy.integrate import FORCE, MEMORY, UPDATE
+from dea.discrepancy.parameter import Parameter
+
+OPERATORS = 6
+
+
+@njit(FORCE, cache=True)
+def force(z, w, memory, q):
+    """Sum of stop operators; ``memory`` holds their deflections and the last position."""
+    total, radius = 0.0, 0.0
+    moved = z - memory[OPERATORS]
+    for i in range(OPERATORS):
+        radius = q[1] * ((i + 1.0) / OPERATORS) ** 1.5
+        total -= (i + 1.0) ** q[2] * min(max(memory[i] + moved, -radius), radius)
+    return q[0] * total / OPERATORS
+
+
+@njit(UPDATE, cache=True)
+def update(z, z_next, h, memory, q):
+    """Move each stop, which slips at its radius."""
+    for i in range(OPERATORS):
+        radius = q[1] * ((i + 1.0) / OPERATORS) ** 1.5
+        memory[i] = min(max(memory[i] + z_next - memory[OPERATORS], -radius), radius)
+    memory[OPERATORS] = z_next
+
+
+def memory(q: np.ndarray) -> np.ndarray:
+    """Return slack stops."""
+    state = np.zeros(MEMORY)
+    state[OPERATORS] = q[3]
+    return state
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return stiffness, largest radius, weight of the larger radii, and the position at start."""
+    return (
+        Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 10.0, log=True),
+        Parameter("largest_radius", "1", 0.5 * scales.z_span, 1.0, 0.05 * scales.z_span, 5 * scales.z_span, log=True),
+        Parameter("weight_exponent", "1", 0.0, 0.7, -3.0, 3.0),
+        Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+    )  # fmt: skip
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return loops narrower and wider than the motion."""
+    middle = 0.5 * (scales.z_low + scales.z_high)
+    return tuple((0.2, part * scales.z_span, 0.0, middle) for part in (0.2, 0.6, 1.5))
+
+
+EFFECT = Effect(
+    name="rate_independent_hysteresis",
+    port=Port.FORCE,
+    family=Family.DISSIPATION,
+    signature="up and down differ by a loop that does not shrink when the motion is slow",
+    citation="Visintin (1994), Differential Models of Hysteresis, chapter III (Prandtl-Ishlinskii)",
+    parameters=parameters,
+    starts=starts,
+    force=force,
+    update=update,
+    memory=memory,
+)

@@ -1,0 +1,67 @@
+"""A second mass swings along."""
+
+import numpy as np
+from numba import njit
+
+from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
+from dea.discrepancy.integrate import FORCE, MEMORY, UPDATE
+from dea.discrepancy.parameter import Parameter
+
+_TWO_PI = 6.283185307179586
+
+
+@njit(FORCE, cache=True)
+def force(z, w, memory, q):
+    """Spring between the device and the second mass, whose position is ``memory[0]``."""
+    return -q[0] * (z - memory[0])
+
+
+@njit(UPDATE, cache=True)
+def update(z, z_next, h, memory, q):
+    """Swing the second mass by the trapezoidal rule."""
+    omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]
+    a, v = memory[0], memory[1]
+    half = 0.5 * h
+    pull = omega * omega * (0.5 * (z + z_next) - a - half * v) - damping * v
+    v_next = v + h * pull / (1.0 + half * damping + half * half * omega * omega)
+    memory[0] = a + half * (v + v_next)
+    memory[1] = v_next
+
+
+def memory(q: np.ndarray) -> np.ndarray:
+    """Return a second mass at rest with the first."""
+    state = np.zeros(MEMORY)
+    state[0] = q[3]
+    return state
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the coupling, frequency and damping of the second mass, and where it starts."""
+    nyquist = 0.5 / scales.interval
+    return (
+        Parameter("coupling", "1", 0.1, 1.5, 1e-4, 5.0, log=True),
+        Parameter("frequency", "Hz", 0.1 * nyquist, 1.0, 1e-3 * nyquist, nyquist, log=True),
+        Parameter("damping_ratio", "1", 0.05, 1.0, 2e-3, 0.9, log=True),
+        Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return second masses from slow to fast."""
+    nyquist, middle = 0.5 / scales.interval, 0.5 * (scales.z_low + scales.z_high)
+    return tuple((0.1, part * nyquist, 0.05, middle) for part in (0.02, 0.05, 0.1, 0.2, 0.4))
+
+
+EFFECT = Effect(
+    name="second_mode",
+    port=Port.FORCE,
+    family=Family.OSCILLATION,
+    signature="after a jump, or at one frequency, the device rings where the simulation does not",
+    citation="Den Hartog (1956), Mechanical Vibrations, chapter 3, on the dynamic absorber",
+    parameters=parameters,
+    starts=starts,
+    force=force,
+    update=update,
+    memory=memory,
+    refine=2,
+)

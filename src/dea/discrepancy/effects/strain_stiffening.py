@@ -1,0 +1,40 @@
+"""The material stiffens (or softens) with strain more than the simulation says."""
+
+from numba import njit
+
+from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
+from dea.discrepancy.integrate import FORCE
+from dea.discrepancy.parameter import Parameter
+
+
+@njit(FORCE, cache=True)
+def force(z, w, memory, q):
+    """Power law of the deflection from rest, and its even part."""
+    size = abs(z)
+    return -q[0] * z * size ** (q[1] - 1.0) - q[2] * size * size
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the stiffening at full deflection, its exponent, and the even part."""
+    return (
+        Parameter("stiffening", "1", 0.0, 0.3, -1.0, 50.0),
+        Parameter("exponent", "1", 3.0, 0.4, 1.5, 12.0, log=True),
+        Parameter("even_part", "1", 0.0, 0.1, -5.0, 5.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return a weak cubic, a steep one, and a softening."""
+    return ((0.1, 3.0, 0.0), (0.2, 6.0, 0.0), (-0.1, 3.0, 0.0))
+
+
+EFFECT = Effect(
+    name="strain_stiffening",
+    port=Port.FORCE,
+    family=Family.CURVE,
+    signature="large deflections fall short of (or exceed) the simulation, whatever the rate",
+    citation="Gent (1996), Rubber Chemistry and Technology 69:59; Duffing (1918) for the cubic",
+    parameters=parameters,
+    starts=starts,
+    force=force,
+)

@@ -1,0 +1,265 @@
+"""A simulation with effects attached: the thing that is fitted, saved and simulated."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dea.discrepancy.effects import Effect, Scales, catalogue
+from dea.discrepancy.integrate import MEMORY, SLOTS, integrate, no_force, no_update
+from dea.discrepancy.parameter import Parameter
+from dea.discrepancy.simulation import Simulation, load_simulation
+from dea.errors import InputError
+
+OUTPUT_GAIN, OUTPUT_OFFSET = "output_gain", "output_offset"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Normalisation of the motion at the force balance.
+
+    Position ``rest`` and excursion ``scale`` in the position's unit; ``unit_force``, the change
+    of the balance per unit of force, equals the elastic force at the excursion.
+    """
+
+    rest: float = 0.0
+    scale: float = 1.0
+    unit_force: float = 0.0
+
+
+@dataclass(frozen=True)
+class Attached:
+    """An effect on a record of these scales."""
+
+    effect: Effect
+    scales: Scales
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The law's parameters, in its order."""
+        return self.effect.parameters(self.scales)
+
+
+@dataclass(frozen=True)
+class ExtendedSimulation:
+    """A simulation, the effects attached to it, and how finely it is integrated."""
+
+    simulation: Simulation
+    attached: tuple[Attached, ...] = ()
+    frame: Frame = Frame()
+    substeps: int = 1
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Parameters of simulation, start, sensor and effects, in the order of ``values``."""
+        own = self.simulation
+        starts = (Parameter(f"initial.{s.name}", s.unit, s.initial, s.spread) for s in own.states)
+        sensor = (
+            Parameter(OUTPUT_GAIN, "1", 1.0, own.output_gain_spread),
+            Parameter(OUTPUT_OFFSET, own.output_unit, 0.0, own.output_offset_spread),
+        )
+        laws = (
+            Parameter(
+                f"{a.effect.name}.{p.name}", p.unit, p.nominal, p.spread, p.low, p.high, p.log
+            )
+            for a in self.attached
+            for p in a.parameters
+        )
+        return (*own.parameters, *starts, *sensor, *laws)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """Indices of the parameters that a fit may change."""
+        return np.array([i for i, p in enumerate(self.parameters) if p.spread > 0])
+
+    @cached_property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the free coordinates."""
+        pairs = [self.parameters[i].coordinate_bounds() for i in self.free]
+        return np.array([low for low, _ in pairs]), np.array([high for _, high in pairs])
+
+    @cached_property
+    def effect_slices(self) -> tuple[slice, ...]:
+        """Where in ``values`` each effect's parameters are."""
+        position = len(self.parameters) - sum(len(a.parameters) for a in self.attached)
+        slices = []
+        for a in self.attached:
+            slices.append(slice(position, position + len(a.parameters)))
+            position += len(a.parameters)
+        return tuple(slices)
+
+    def values(self, coordinates: np.ndarray) -> np.ndarray:
+        """Return all parameter values at free ``coordinates``; known ones stay nominal."""
+        result = np.array([p.nominal for p in self.parameters])
+        for i, coordinate in zip(self.free, coordinates, strict=True):
+            result[i] = self.parameters[i].value(coordinate)
+        return result
+
+    def coordinates(self, values: np.ndarray) -> np.ndarray:
+        """Return the free coordinates of parameter ``values``."""
+        return np.array([self.parameters[i].coordinate(values[i]) for i in self.free])
+
+    def attach(self, effect: Effect, scales: Scales) -> "ExtendedSimulation":
+        """Return this simulation with one effect more."""
+        return ExtendedSimulation(
+            self.simulation, (*self.attached, Attached(effect, scales)), self.frame, self.substeps
+        )
+
+    def simulate(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
+        """Return the free-run output, shape (n,); NaN from where the simulation runs away."""
+        return self.run(values, u, interval)[0]
+
+    def run(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
+        """Return output and normalised position, shape (2, n)."""
+        own = self.simulation
+        lead = round(own.lead_in / interval)
+        t = np.arange(u.size) * interval
+        laws = [
+            (a.effect, values[s]) for a, s in zip(self.attached, self.effect_slices, strict=True)
+        ]
+        v = np.ascontiguousarray(u, dtype=float)
+        drive_scale = np.ones(u.size)
+        for effect, q in laws:
+            if effect.shape_input is not None:
+                v = effect.shape_input(v, q, interval)
+            if effect.scale_drive is not None:
+                drive_scale = drive_scale * effect.scale_drive(t, q)
+        forces = [(effect, q) for effect, q in laws if effect.force is not None]
+        slots: list[Any] = []
+        memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
+        for slot in range(SLOTS):
+            if slot < len(forces):
+                effect, q = forces[slot]
+                slots += [effect.force, effect.update]
+                parameters[slot, : q.size] = q
+                if effect.memory is not None:
+                    memory[slot] = effect.memory(q)
+            else:
+                slots += [no_force, no_update]
+        p_count, x_count = len(own.parameters), len(own.states)
+        result = integrate(
+            own.compiled_derivative,
+            own.compiled_output,
+            *slots,
+            len(forces),
+            np.concatenate([np.full(lead, v[0]), v]),
+            int(own.hold == "linear"),
+            values[:p_count].copy(),
+            own.parameter_names.index(own.drive),
+            np.concatenate([np.full(lead, drive_scale[0]), drive_scale]),
+            values[p_count : p_count + x_count].copy(),
+            interval,
+            self.substeps * max([1, *(effect.refine for effect, _ in forces)]),
+            *self._port,
+            np.array([self.frame.rest, self.frame.scale, self.frame.unit_force]),
+            memory,
+            parameters,
+        )[:, lead:]
+        gain, offset = values[p_count + x_count], values[p_count + x_count + 1]
+        y = gain * result[0] + offset
+        for effect, q in laws:
+            if effect.shape_output is not None:
+                y = effect.shape_output(y, t, q, interval)
+        return np.stack([y, result[1]])
+
+    @cached_property
+    def _port(self) -> tuple[int, int, int]:
+        balance = self.simulation.balance
+        if balance is None:
+            return 0, -1, 0
+        index = self.simulation.state_names.index
+        return (
+            index(balance.equation),
+            -1 if balance.position is None else index(balance.position),
+            -1 if balance.velocity is None else index(balance.velocity),
+        )
+
+    def save(self, values: np.ndarray, interval: float, path: Path) -> None:
+        """Write the simulation, its effects and all parameter values as YAML."""
+        import yaml
+
+        from dea.store import atomic
+
+        content = {
+            "simulation": self.simulation.source or self.simulation.name,
+            "interval": float(interval),
+            "substeps": self.substeps,
+            "frame": {key: float(value) for key, value in asdict(self.frame).items()},
+            "effects": [
+                {
+                    "name": a.effect.name,
+                    "port": str(a.effect.port),
+                    "scales": _plain(asdict(a.scales)),
+                }
+                for a in self.attached
+            ],
+            "parameters": {
+                p.name: {"value": float(value), "unit": p.unit}
+                for p, value in zip(self.parameters, values, strict=True)
+            },
+        }
+        with atomic(path) as partial:
+            partial.write_text(yaml.safe_dump(content, sort_keys=False))
+
+
+def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, float]:
+    """Read an extended simulation; return it with its parameter values and interval (s).
+
+    Raises
+    ------
+    InputError
+        If the file is no extended simulation, or names an unknown effect or parameter.
+    """
+    import yaml
+
+    file = Path(path)
+    if not file.exists():
+        raise InputError("the file does not exist", file=file)
+    content = yaml.safe_load(file.read_text())
+    try:
+        effects = content["effects"]
+        unknown = sorted({e["name"] for e in effects} - set(catalogue()))
+        if unknown:
+            raise InputError(
+                f"there is no effect {unknown[0]!r}",
+                file=file,
+                field="effects",
+                remedy=f"Known are {', '.join(catalogue())}",
+            )
+        attached = tuple(
+            Attached(catalogue()[e["name"]], Scales(**_tuples(e["scales"]))) for e in effects
+        )
+        extended = ExtendedSimulation(
+            load_simulation(content["simulation"]),
+            attached,
+            Frame(**content["frame"]),
+            content["substeps"],
+        )
+        values = np.array([content["parameters"][name]["value"] for name in extended.names])
+        return extended, values, float(content["interval"])
+    except (KeyError, TypeError) as error:
+        raise InputError(
+            f"it is no extended simulation ({type(error).__name__}: {error})",
+            file=file,
+            remedy="Make it again with `dea.diagnose` or the rule diagnose",
+        ) from error
+
+
+def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        key: [float(v) for v in value] if isinstance(value, Sequence) and not isinstance(value, str)
+        else float(value) if isinstance(value, int | float) else value
+        for key, value in values.items()
+    }  # fmt: skip
+
+
+def _tuples(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}

@@ -1,0 +1,138 @@
+"""Fit parameters by free-run simulation: Levenberg-Marquardt with priors and bounds.
+
+Levenberg (1944), Marquardt (1963); the prior makes it a maximum a posteriori estimate, which
+keeps parameters that the record says nothing about where they were.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dea.discrepancy.extended import ExtendedSimulation
+from dea.discrepancy.problem import Problem
+
+_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted simulation: coordinates, what they leave over, and how well they are known.
+
+    Parameters
+    ----------
+    coordinates : (k,)
+        Free parameters, in prior spreads from nominal.
+    gap : (n,)
+        Measured minus simulated output; infinite where the simulation is unstable.
+    jacobian : (n, k)
+        Derivative of the gap by the coordinates, at the last step.
+    cost : float
+        Sum of squares over the fitted samples in units of the noise, plus the prior.
+    """
+
+    extended: ExtendedSimulation
+    coordinates: np.ndarray
+    gap: np.ndarray
+    jacobian: np.ndarray
+    cost: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether the simulation stays finite over the whole record."""
+        return bool(np.isfinite(self.gap).all())
+
+    @property
+    def values(self) -> np.ndarray:
+        """All parameter values."""
+        return self.extended.values(self.coordinates)
+
+    def covariance(self, samples: np.ndarray, variance: float) -> np.ndarray:
+        """Return the covariance of the coordinates given white noise of ``variance``."""
+        J = self.jacobian[samples]
+        return np.linalg.inv(J.T @ J / variance + np.eye(J.shape[1]))
+
+
+def cost_of(gap: np.ndarray, coordinates: np.ndarray, problem: Problem) -> float:
+    """Return the sum of squares over the fitted samples in units of the noise, plus the prior."""
+    chosen = gap[problem.fit]
+    if not np.isfinite(chosen).all():
+        return np.inf
+    return float(chosen @ chosen / problem.noise**2 + coordinates @ coordinates)
+
+
+def columns(
+    problem: Problem,
+    extended: ExtendedSimulation,
+    coordinates: np.ndarray,
+    gap: np.ndarray,
+    which: np.ndarray,
+) -> np.ndarray:
+    """Return the derivative of the gap by the coordinates ``which``, shape (n, len(which))."""
+    _, high = extended.bounds
+    result = np.zeros((problem.u.size, which.size))
+    for column, i in enumerate(which):
+        moved = coordinates.copy()
+        step = _STEP if moved[i] + _STEP <= high[i] else -_STEP
+        moved[i] += step
+        change = problem.gap(extended, extended.values(moved)) - gap
+        # A direction in which the simulation runs away is not one to go.
+        result[:, column] = change / step if np.isfinite(change).all() else 0.0
+    return result
+
+
+def fit(
+    problem: Problem,
+    extended: ExtendedSimulation,
+    start: np.ndarray,
+    *,
+    iterations: int = 20,
+    kept: np.ndarray | None = None,
+    tolerance: float = 1e-4,
+) -> Fit:
+    """Fit the free parameters from ``start`` on the samples the problem allows.
+
+    Parameters
+    ----------
+    kept : (n, m), optional
+        Columns of the Jacobian for the first m coordinates that are taken as they are, which
+        makes a step cheaper; exact ones are computed otherwise.
+    tolerance
+        Stop when an accepted step lowers the cost by less than this part of it.
+    """
+    low, high = extended.bounds
+    coordinates = np.clip(start, low, high)
+    gap = problem.gap(extended, extended.values(coordinates))
+    cost = cost_of(gap, coordinates, problem)
+    size = coordinates.size
+    moving = np.arange(0 if kept is None else kept.shape[1], size)
+    J = np.zeros((problem.u.size, size))
+    damping = 1e-3
+    for _ in range(iterations):
+        if not np.isfinite(cost) or not np.isfinite(gap).all():
+            break
+        fresh = columns(problem, extended, coordinates, gap, moving)
+        J = fresh if kept is None else np.hstack([kept, fresh])
+        chosen = J[problem.fit] / problem.noise
+        A = chosen.T @ chosen + np.eye(size)
+        g = chosen.T @ (gap[problem.fit] / problem.noise) + coordinates
+        improved = False
+        for _ in range(6):
+            inside = ~(((coordinates <= low) & (g > 0)) | ((coordinates >= high) & (g < 0)))
+            step = np.zeros(size)
+            H = A[np.ix_(inside, inside)]
+            step[inside] = -np.linalg.solve(H + damping * np.diag(np.diag(H)), g[inside])
+            trial = np.clip(coordinates + np.clip(step, -3.0, 3.0), low, high)
+            trial_gap = problem.gap(extended, extended.values(trial))
+            trial_cost = cost_of(trial_gap, trial, problem)
+            if trial_cost < cost:
+                improved = True
+                damping = max(damping / 5.0, 1e-9)
+                break
+            damping *= 8.0
+        if not improved:
+            break
+        gain = (cost - trial_cost) / cost
+        coordinates, gap, cost = trial, trial_gap, trial_cost
+        if gain < tolerance:
+            break
+    return Fit(extended, coordinates, gap, J, cost)

@@ -1,0 +1,47 @@
+"""Where to start the laws that are not convex: lines and jumps of the gap."""
+
+import numpy as np
+
+from dea.discrepancy.problem import Problem
+
+_LINES = 3
+_JUMPS = 3
+_GRID = 8
+
+
+def lines(problem: Problem, gap: np.ndarray) -> tuple[float, ...]:
+    """Return frequencies (Hz) at which the gap stands out of its own and the input's spectrum."""
+    window = np.hanning(gap.size)
+    power = np.abs(np.fft.rfft((gap - gap.mean()) * window)) ** 2
+    drive = np.abs(np.fft.rfft((problem.u - problem.u.mean()) * window)) ** 2
+    frequency = np.fft.rfftfreq(gap.size, problem.interval)
+    shape = np.ones(9) / 9
+    surroundings = np.convolve(drive, shape, "same")
+    prominence = power / (surroundings / surroundings.max() + 1e-3)
+    # The first bins hold trends, which are no oscillation.
+    prominence[:4] = 0.0
+    found = []
+    for _ in range(_LINES):
+        peak = int(np.argmax(prominence))
+        found.append(float(frequency[peak]))
+        prominence[max(0, peak - 6) : peak + 7] = 0.0
+    return tuple(found)
+
+
+def jumps(problem: Problem, gap: np.ndarray) -> tuple[float, ...]:
+    """Return instants (s) at which mean, or coupling to the output, of the gap changes most.
+
+    Cumulative sums find them (Page 1954); a coarse grid catches what they miss.
+    """
+    simulated = problem.y - gap
+    found: list[float] = []
+    for weighted in (gap, gap * (simulated - simulated.mean())):
+        n = weighted.size
+        k = np.arange(1, n)
+        score = np.abs(np.cumsum(weighted - weighted.mean())[:-1]) / np.sqrt(k * (n - k) / n)
+        for _ in range(_JUMPS):
+            at = int(np.argmax(score))
+            found.append(at * problem.interval)
+            score[max(0, at - n // 20) : at + n // 20] = 0.0
+    grid = (np.arange(_GRID) + 0.5) / _GRID * gap.size * problem.interval
+    return (*found, *(float(instant) for instant in grid))

@@ -1,0 +1,66 @@
+"""What the simulation alone makes of a record: its refit, and a second one near the prior."""
+
+import numpy as np
+
+from dea.discrepancy.candidates import in_parallel
+from dea.discrepancy.extended import ExtendedSimulation
+from dea.discrepancy.fit import Fit, fit
+from dea.discrepancy.problem import Problem, rmse
+from dea.errors import InputError
+
+_STARTS = 4
+_ITERATIONS = 30
+
+
+def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
+    """Return the slowest time constant (s) of the simulation at its start under the mean input."""
+    own = extended.simulation
+    x = np.array([state.initial for state in own.states])
+    f0, f1 = np.empty(x.size), np.empty(x.size)
+    A = np.empty((x.size, x.size))
+    level = float(np.mean(u))
+    own.compiled_derivative(x, level, own.nominal, f0)
+    for j in range(x.size):
+        step = 1e-4 * max(abs(x[j]), 1e-3)
+        moved = x.copy()
+        moved[j] += step
+        own.compiled_derivative(moved, level, own.nominal, f1)
+        A[:, j] = (f1 - f0) / step
+    decay = -np.linalg.eigvals(A).real
+    return float(1.0 / decay[decay > 0].min()) if (decay > 0).any() else 0.0
+
+
+def fit_nominal(
+    problem: Problem, extended: ExtendedSimulation, rng: np.random.Generator, workers: int
+) -> Fit:
+    """Refit the simulation from its prior and from several draws of it; return the best.
+
+    Raises
+    ------
+    InputError
+        If the simulation is unstable wherever it is started from.
+    """
+    size = extended.free.size
+    starts = [np.zeros(size), *(0.7 * rng.standard_normal((_STARTS - 1, size)))]
+    fits = in_parallel(
+        lambda start: fit(problem, extended, start, iterations=_ITERATIONS), starts, workers
+    )
+    best = min(fits, key=lambda f: f.cost)
+    if not best.stable:
+        raise InputError(
+            "it runs away from every starting point",
+            file=extended.simulation.source or f"simulation {extended.simulation.name}",
+            field="parameters",
+            remedy="Correct the nominal values, or the units of the record's input",
+        )
+    return best
+
+
+def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
+    """Fit with so little trust in the record that parameters stay near their prior.
+
+    Refitting smears a gap over the whole record; this fit leaves it where it is.
+    """
+    trust = rmse(refitted.gap, problem.fit) * np.sqrt(problem.fit.sum()) / 3.0
+    start = np.zeros(refitted.coordinates.size)
+    return fit(problem.with_noise(max(trust, problem.noise)), refitted.extended, start)

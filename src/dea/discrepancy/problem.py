@@ -1,0 +1,143 @@
+"""A record to be explained: its signals, which samples are for what, and its noise."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dea.discrepancy.effects import Scales
+from dea.discrepancy.extended import ExtendedSimulation, Frame
+from dea.discrepancy.simulation import Simulation
+from dea.errors import InputError
+
+_FINEST = 256
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Input and output of a record at a uniform interval (s), and who may see which samples.
+
+    Parameters
+    ----------
+    u, y : (n,)
+        Input and output in the simulation's units.
+    fit, select, certify : (n,) bool
+        Samples to fit on, to choose candidates by, and to certify on.
+    noise : float
+        Standard deviation of the noise, in the output's unit.
+    """
+
+    u: np.ndarray
+    y: np.ndarray
+    interval: float
+    fit: np.ndarray
+    select: np.ndarray
+    certify: np.ndarray
+    noise: float = 1.0
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time since the start in s."""
+        return np.arange(self.u.size) * self.interval
+
+    def gap(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
+        """Return measured minus simulated output, shape (n,); infinite where unstable."""
+        y = extended.simulate(values, self.u, self.interval)
+        return np.where(np.isfinite(y), self.y - y, np.inf)
+
+    def with_noise(self, noise: float) -> "Problem":
+        """Return the same record with another noise level."""
+        return replace(self, noise=noise)
+
+
+def rmse(gap: np.ndarray, samples: np.ndarray) -> float:
+    """Return the root mean square of ``gap`` over ``samples``; infinite if it is anywhere."""
+    chosen = gap[samples]
+    if not np.isfinite(chosen).all():
+        return np.inf
+    return float(np.sqrt(np.mean(chosen**2)))
+
+
+def base(
+    simulation: Simulation, u: np.ndarray, interval: float, tolerance: float
+) -> ExtendedSimulation:
+    """Return the simulation without effects, with its motion normalised and its step chosen.
+
+    The step is halved until the output at the nominal parameters changes by less than
+    ``tolerance`` (in the output's unit, root mean square).
+
+    Raises
+    ------
+    InputError
+        If the simulation runs away at its nominal parameters on this input.
+    """
+    extended = ExtendedSimulation(simulation)
+    values = extended.values(np.zeros(extended.free.size))
+    coarse = extended.run(values, u, interval)
+    while True:
+        finer = replace(extended, substeps=2 * extended.substeps)
+        fine = finer.run(values, u, interval)
+        if np.isfinite(fine).all() and np.isfinite(coarse).all():
+            change = np.sqrt(np.mean((fine[0] - coarse[0]) ** 2))
+            if change < tolerance:
+                break
+        if finer.substeps >= _FINEST:
+            if np.isfinite(fine).all():
+                break
+            raise InputError(
+                f"it runs away at its nominal parameters after "
+                f"{interval * np.argmin(np.isfinite(fine[0])):g} s of this input",
+                file=simulation.source or f"simulation {simulation.name}",
+                field="parameters",
+                remedy="Correct the nominal values, or the units of the record's input",
+            )
+        extended, coarse = finer, fine
+    return replace(extended, frame=_frame(extended, values, u, interval))
+
+
+def _frame(
+    extended: ExtendedSimulation, values: np.ndarray, u: np.ndarray, interval: float
+) -> Frame:
+    balance = extended.simulation.balance
+    if balance is None:
+        return Frame()
+    own = extended.simulation
+    moving = own.state_names.index(balance.position or balance.velocity or "")
+    equation = own.state_names.index(balance.equation)
+    p, x = values[: len(own.parameters)], np.array([s.initial for s in own.states])
+    raw = replace(extended, frame=Frame(balance.rest, 1.0, 0.0)).run(values, u, interval)
+    excursion = float(np.max(np.abs(raw[1]))) if balance.position else float(np.ptp(raw[0]))
+    excursion = excursion or 1.0
+    low, high = np.empty(x.size), np.empty(x.size)
+    for sign, slope in ((0.6, low), (0.8, high)):
+        x[moving] = balance.rest + sign * excursion
+        own.compiled_derivative(x, float(np.mean(u)), p, slope)
+    stiffness = abs(high[equation] - low[equation]) / (0.2 * excursion)
+    return Frame(balance.rest, excursion, stiffness * excursion)
+
+
+def scales(
+    problem: Problem,
+    extended: ExtendedSimulation,
+    values: np.ndarray,
+    units: tuple[str, str],
+    frequencies: tuple[float, ...] = (),
+    jumps: tuple[float, ...] = (),
+) -> Scales:
+    """Return how large things are in this record and in its simulation."""
+    _, z = extended.run(values, problem.u, problem.interval)
+    rate = np.abs(np.diff(problem.u)) / problem.interval
+    return Scales(
+        u_unit=units[0],
+        y_unit=units[1],
+        u_low=float(problem.u.min()),
+        u_high=float(problem.u.max()),
+        u_rate=float(np.quantile(rate[rate > 0], 0.98)),
+        y_low=float(problem.y.min()),
+        y_high=float(problem.y.max()),
+        z_low=float(z.min()),
+        z_high=float(z.max()) if np.ptp(z) > 0 else float(z.min()) + 1.0,
+        interval=problem.interval,
+        duration=float(problem.u.size * problem.interval),
+        frequencies=frequencies,
+        jumps=jumps,
+    )

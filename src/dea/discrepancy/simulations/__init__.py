@@ -1,0 +1,1 @@
+"""The simulations that come with the study; each file defines one as ``simulation``."""

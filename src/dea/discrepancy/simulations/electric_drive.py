@@ -1,0 +1,49 @@
+"""Two electric motors that drive a pulley through an elastic belt; the pulley's speed is measured.
+
+Wigren and Schoukens (2017), technical report 2017-024, Uppsala University, describe the rig. The
+motors and the belt make a third-order linear system with one resonance.
+"""
+
+from numba import njit
+
+from dea.discrepancy.integrate import DERIVATIVE, OUTPUT
+from dea.discrepancy.parameter import Parameter
+from dea.discrepancy.simulation import Balance, Simulation, State
+
+
+@njit(DERIVATIVE, cache=True)
+def derivative(x, u, p, dx):
+    """Motor speed x₀ follows the voltage; the belt's tension swings the pulley's speed x₁ to it."""
+    motor, omega = p[0], 6.283185307179586 * p[1]
+    dx[0] = (p[3] * u - x[0]) / motor
+    dx[1] = x[2]
+    dx[2] = omega * omega * (x[0] - x[1]) - 2.0 * p[2] * omega * x[2]
+
+
+@njit(OUTPUT, cache=True)
+def output(x, u, p):
+    """Speed of the pulley."""
+    return x[1]
+
+
+simulation = Simulation(
+    name="electric_drive",
+    input_unit="V",
+    output_unit="ticks/s",
+    states=(
+        State("motor_speed", "ticks/s", 0.0, 1.0),
+        State("pulley_speed", "ticks/s", 0.0, 1.0),
+        State("pulley_acceleration", "ticks/s^2", 0.0, 10.0),
+    ),
+    parameters=(
+        Parameter("motor_time", "s", 0.3, 1.0, 1e-2, 10.0, log=True),
+        Parameter("belt_frequency", "Hz", 2.0, 1.0, 0.1, 20.0, log=True),
+        Parameter("belt_damping", "1", 0.3, 1.0, 1e-2, 5.0, log=True),
+        Parameter("speed_gain", "ticks/s/V", 2.0, 1.0, 1e-2, 1e2, log=True),
+    ),
+    derivative=derivative,
+    output=output,
+    drive="speed_gain",
+    balance=Balance(equation="motor_speed", position=None, velocity="motor_speed"),
+    output_offset_spread=0.5,
+)

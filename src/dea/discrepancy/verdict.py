@@ -1,0 +1,106 @@
+"""What a diagnosis says, in words and as ``verdict.json``."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from dea.errors import InputError
+
+STATUSES = ("named", "none", "ambiguous", "unknown")
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter's value, unit, and 95 % interval."""
+
+    value: float
+    unit: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class NamedEffect:
+    """An effect as it is in the extended simulation.
+
+    ``gap_before`` and ``gap_after`` are free-run errors on the chosen blocks without and with
+    it; ``gain`` is the part of the error it removes, with an interval that holds over the whole
+    catalogue; ``rivals`` are effects this record cannot tell from it.
+    """
+
+    name: str
+    port: str
+    family: str
+    parameters: dict[str, Estimate]
+    gap_before: float
+    gap_after: float
+    gain: tuple[float, float, float]
+    rivals: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The outcome of a diagnosis; ``sentence`` says all of it in plain words."""
+
+    status: str
+    sentence: str
+    effects: tuple[NamedEffect, ...]
+    where: dict[str, Any]
+    noise_floor: float
+    certified: dict[str, Any]
+    unit: str
+    ladder: dict[str, float] = field(default_factory=dict)
+    experiment: dict[str, Any] | None = None
+    equation: str | None = None
+    not_identifiable: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects."""
+        return tuple(effect.name for effect in self.effects)
+
+    def write(self, path: str | Path) -> None:
+        """Write ``verdict.json``."""
+        from dea.store import atomic
+
+        with atomic(path) as partial:
+            partial.write_text(json.dumps(asdict(self), indent=2, allow_nan=True) + "\n")
+
+
+def read_verdict(path: str | Path) -> Verdict:
+    """Read ``verdict.json``.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is no verdict.
+    """
+    file = Path(path)
+    if not file.exists():
+        raise InputError("the file does not exist", file=file)
+    try:
+        content: Mapping[str, Any] = json.loads(file.read_text())
+        effects = tuple(
+            NamedEffect(
+                **{
+                    **effect,
+                    "parameters": {k: Estimate(**v) for k, v in effect["parameters"].items()},
+                    "gain": tuple(effect["gain"]),
+                    "rivals": tuple(effect["rivals"]),
+                }
+            )
+            for effect in content["effects"]
+        )
+        return Verdict(
+            **{
+                **content,
+                "effects": effects,
+                "not_identifiable": tuple(content["not_identifiable"]),
+            }
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"it is no verdict ({type(error).__name__}: {error})", file=file, remedy="Make it again"
+        ) from error

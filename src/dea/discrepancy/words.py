@@ -1,0 +1,201 @@
+"""Put a diagnosis into words and numbers."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+
+import numpy as np
+
+from dea.discrepancy.certify import Certified, certify
+from dea.discrepancy.compose import Round
+from dea.discrepancy.decide import Decision
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.gain import Gains
+from dea.discrepancy.identifiability import DETECTABLE
+from dea.discrepancy.localise import Localisation
+from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.separate import Experiment
+from dea.discrepancy.unknown import ResidualModel
+from dea.discrepancy.verdict import Estimate, NamedEffect, Verdict
+
+
+def estimates(problem: Problem, fit: Fit, index: int) -> dict[str, Estimate]:
+    """Return the free parameters of the attached effect ``index`` with 95 % intervals.
+
+    The residual's own correlation widens the intervals: its variance is multiplied by the sum of
+    its autocorrelation.
+    """
+    extended = fit.extended
+    where = extended.effect_slices[index]
+    gap = fit.gap[problem.fit]
+    spectrum = np.abs(np.fft.rfft(gap - gap.mean(), 2 * gap.size)) ** 2
+    correlation = np.fft.irfft(spectrum)[: gap.size // 4]
+    correlation /= correlation[0] or 1.0
+    # Summed up to the first crossing of zero (Geyer 1992).
+    crossing = int(np.argmax(correlation <= 0)) or correlation.size
+    inflation = 1.0 + 2.0 * float(np.sum(correlation[1:crossing]))
+    variance = float(np.mean(gap**2)) * inflation
+    deviation = np.sqrt(np.diag(fit.covariance(problem.fit, variance)))
+    values = fit.values
+    result = {}
+    for position, i in enumerate(extended.free):
+        if not where.start <= i < where.stop:
+            continue
+        parameter = extended.parameters[i]
+        ends = [
+            parameter.value(fit.coordinates[position] + side * 1.96 * deviation[position])
+            for side in (-1.0, 1.0)
+        ]
+        name = parameter.name.split(".", 1)[1]
+        result[name] = Estimate(float(values[i]), parameter.unit, min(ends), max(ends))
+    return result
+
+
+def verdict_of(
+    *,
+    problem: Problem,
+    nominal: Fit,
+    decision: Decision,
+    first: Round,
+    gained: Gains,
+    before: Localisation,
+    after: Localisation,
+    floor: float,
+    unexplained: ResidualModel,
+    experiment: Experiment | None,
+    signatures: Mapping[str, tuple[float, float]],
+    elsewhere: Mapping[str, Certified],
+    unit: str,
+) -> Verdict:
+    """Return the verdict with its sentence."""
+    named = decision.status in ("named", "ambiguous") and decision.chosen is not None
+    final = decision.chosen.fit if named and decision.chosen else nominal
+    certified = certify(problem, nominal, final)
+    ladder = _ladder(problem, nominal, final, first)
+    effects = _effects(problem, decision, final, first, gained, ladder) if named else ()
+    return Verdict(
+        status=decision.status,
+        sentence=_sentence(
+            decision, effects, before, certified, floor, unexplained, experiment, unit
+        ),
+        effects=effects,
+        where={
+            "before": before.sentence,
+            "after": after.sentence,
+            "along": before.strongest,
+            "along_after": after.strongest,
+        },
+        noise_floor=floor,
+        certified={
+            "rmse_before": certified.before,
+            "rmse_after": certified.after,
+            "samples": certified.samples,
+            "records": {name: asdict(value) for name, value in elsewhere.items()},
+        },
+        unit=unit,
+        ladder=ladder | {"noise floor": floor},
+        experiment=asdict(experiment) if experiment else None,
+        equation=unexplained.equation if decision.status == "unknown" else None,
+        not_identifiable=tuple(name for name, (size, _) in signatures.items() if size < DETECTABLE),
+    )
+
+
+def _ladder(problem: Problem, nominal: Fit, final: Fit, first: Round) -> dict[str, float]:
+    """Return the held-out errors from the nominal simulation up, one effect at a time."""
+    rungs = {"nominal": rmse(nominal.gap, problem.select)}
+    attached = final.extended.attached
+    if len(attached) > 1:
+        for candidate in first.candidates:
+            if candidate.names == (attached[0].effect.name,):
+                rungs[f"+ {attached[0].effect.name}"] = candidate.held_out
+    if attached:
+        rungs[f"+ {attached[-1].effect.name}"] = rmse(final.gap, problem.select)
+    return rungs
+
+
+def _effects(
+    problem: Problem,
+    decision: Decision,
+    final: Fit,
+    first: Round,
+    gained: Gains,
+    ladder: Mapping[str, float],
+) -> tuple[NamedEffect, ...]:
+    rungs = list(ladder.values())
+    rivals = tuple("+".join(rival.names) for rival in decision.rivals)
+    singles = [c.names[0] for c in first.candidates]
+    result = []
+    for index, attached in enumerate(final.extended.attached):
+        name = attached.effect.name
+        before, after = rungs[min(index, len(rungs) - 2)], rungs[min(index + 1, len(rungs) - 1)]
+        at = singles.index(name) if name in singles else None
+        interval = (
+            (float(gained.gain[at]), float(gained.low[at]), float(gained.high[at]))
+            if at is not None and len(final.extended.attached) == 1
+            else (float(np.log(before / after)),) * 3
+        )
+        result.append(
+            NamedEffect(
+                name=name,
+                port=str(attached.effect.port),
+                family=str(attached.effect.family),
+                parameters=estimates(problem, final, index),
+                gap_before=before,
+                gap_after=after,
+                gain=interval,
+                rivals=rivals,
+            )
+        )
+    return tuple(result)
+
+
+def _sentence(
+    decision: Decision,
+    effects: tuple[NamedEffect, ...],
+    before: Localisation,
+    certified: Certified,
+    floor: float,
+    unexplained: ResidualModel,
+    experiment: Experiment | None,
+    unit: str,
+) -> str:
+    place = before.sentence[0].upper() + before.sentence[1:]
+    proof = (
+        f"the error on samples kept for proof falls from {certified.before:.3g} to "
+        f"{certified.after:.3g} {unit}, noise floor {floor:.3g} {unit}"
+    )
+    if decision.status == "none":
+        return (
+            f"Nothing is missing that this record could show: {decision.reason} "
+            f"(error {certified.before:.3g} {unit}, noise floor {floor:.3g} {unit})."
+        )
+    if decision.status == "unknown":
+        return (
+            f"{place}. Something is missing, but {decision.reason}: error {certified.before:.3g} "
+            f"{unit}, noise floor {floor:.3g} {unit}. The best equation for what is left: "
+            f"{unexplained.equation} (explains {100 * unexplained.explained:.0f} %)."
+        )
+    laws = " and ".join(f"`{effect.name}` ({_main(effect)})" for effect in effects)
+    if decision.status == "ambiguous":
+        other = " or ".join(effects[0].rivals)
+        advice = (
+            f" To separate them, run a {experiment.kind} excitation of {experiment.duration:.3g} s "
+            f"between {experiment.low:.3g} and {experiment.high:.3g}."
+            if experiment
+            else ""
+        )
+        return f"{place}. It is {laws}, or {other}: {proof}.{advice}"
+    return f"{place}: {laws}; {proof}."
+
+
+def _main(effect: NamedEffect) -> str:
+    """Say the two best known parameters."""
+
+    def doubt(estimate: Estimate) -> float:
+        return (estimate.high - estimate.low) / max(abs(estimate.value), 1e-12)
+
+    best: list[tuple[str, Estimate]] = sorted(effect.parameters.items(), key=lambda p: doubt(p[1]))
+    return ", ".join(
+        f"{name.replace('_', ' ')} {e.value:.3g} ± {0.5 * (e.high - e.low):.2g}"
+        + (f" {e.unit}" if e.unit != "1" else "")
+        for name, e in best[:2]
+    )
