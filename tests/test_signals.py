@@ -57,6 +57,13 @@ def test_the_gaussian_is_gaussian_and_band_limited():
     assert np.mean((signal == 1.1) | (signal == 3.75)) < 0.006
 
 
+def test_bursts_rest_between_noise():
+    signal = signals.design("bursts", **STUDY, active=20.0, rest=10.0)
+    rests = signal[: 20 * 1500].reshape(20, 1500)[:, 1050:1490]
+    np.testing.assert_allclose(rests, 1.1)
+    assert (signal.reshape(20, 1500)[:, :1000].std(axis=1) > 0.2).all()
+
+
 def test_the_multisine_is_flat_and_repeats():
     signal = signals.design("multisine", **{**STUDY, "duration": 120.0}, period=20.0, band=0.8)
     np.testing.assert_array_equal(signal[:1000], signal[1000:2000])
@@ -98,6 +105,7 @@ def test_triangles_climb_at_three_rates():
         ({"band": 0.0}, "band"),
         ({"kind": "multisine", "period": 1e4}, "period"),
         ({"kind": "multisine", "band": 0.01}, "band"),
+        ({"kind": "bursts", "active": 0.0}, "active"),
         ({"kind": "staircase", "hold": 0.0}, "hold"),
         ({"kind": "staircase", "levels": 0}, "levels"),
         ({"kind": "triangle", "fastest": 40.0}, "fastest"),

@@ -16,6 +16,7 @@ from dea.seeds import generator
 __all__ = [
     "KINDS",
     "binary",
+    "bursts",
     "check_limits",
     "design",
     "gaussian",
@@ -50,6 +51,28 @@ def gaussian(
     spectrum[inside] = rng.standard_normal((inside.sum(), 2)) @ (1.0, 1.0j)
     noise = np.fft.irfft(spectrum, samples)
     return np.clip(_spread(noise / (CLIP * noise.std()), low, high), low, high)
+
+
+def bursts(
+    rng: np.random.Generator,
+    samples: int,
+    sampling_rate: float,
+    low: float,
+    high: float,
+    *,
+    band: float = 1.0,
+    active: float = 20.0,
+    rest: float = 10.0,
+) -> Signal:
+    """Gaussian noise in bursts of ``active`` seconds with rests at ``low`` between them.
+
+    Half-cosine edges of one second join the two. What goes on in the rests is memory.
+    """
+    _require(active > 0.0, "active", "is not positive")
+    on, off = max(round(active * sampling_rate), 1), round(rest * sampling_rate)
+    gate = np.resize(np.repeat([1.0, 0.0], [on, off]), samples)
+    noise = gaussian(rng, samples, sampling_rate, low, high, band=band)
+    return low + (noise - low) * _smooth(gate, sampling_rate)
 
 
 def multisine(
@@ -156,6 +179,7 @@ def triangle(
 
 KINDS: dict[str, Callable[..., Signal]] = {
     "gaussian": gaussian,
+    "bursts": bursts,
     "multisine": multisine,
     "staircase": staircase,
     "binary": binary,

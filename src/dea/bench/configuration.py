@@ -56,7 +56,7 @@ _SECTIONS: dict[str, dict[str, _Range]] = {
         "bandwidth": _Range("Hz", 0.1, 1e6),
     },
     "sensor": {
-        "cutoff": _Range("Hz", 0.1, 450.0),
+        "cutoff": _Range("Hz", 0.1, np.inf),
         "noise": _Range("m", 0.0, 1e-2),
         "range_low": _Range("m", -1.0, 1.0),
         "range_high": _Range("m", -1.0, 1.0),
@@ -94,8 +94,7 @@ def read_parameters(path: Path, actuator: str) -> Parameters:
         The file cannot be read, a key is misspelt or missing, a unit is another, a value is out of
         range, or there is no such actuator.
     """
-    content = _read_yaml(path)
-    _check_keys(content, {*_SECTIONS, "actuators"}, path, "the bench configuration")
+    content = _read_content(path)
     actuators = _mapping(content["actuators"], path, "actuators")
     if actuator not in actuators:
         raise InputError(
@@ -104,15 +103,60 @@ def read_parameters(path: Path, actuator: str) -> Parameters:
             field="actuators",
             remedy=f"Name one of {', '.join(actuators)}, or add an entry.",
         )
-    values = {
+    values = _read_sections(content, path)
+    own = _mapping(actuators[actuator] or {}, path, f"actuators.{actuator}")
+    _replace(values["film"], own, "film", path, f"actuators.{actuator}")
+    return _assemble(values, path)
+
+
+def read_plain(path: Path, film: Mapping[str, float] | None = None) -> Parameters:
+    """Read the plain actuator of the configuration at ``path``, with values of ``film`` its own.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_parameters`.
+    """
+    content = _read_content(path)
+    values = _read_sections(content, path)
+    for section, own in _mapping(content["plain"], path, "plain").items():
+        if section not in _SECTIONS:
+            raise InputError(
+                f"unknown key {section!r}", file=path, field="plain", remedy=_choices(_SECTIONS)
+            )
+        own = _mapping(own, path, f"plain.{section}")
+        _replace(values[section], own, section, path, f"plain.{section}")
+    _replace(values["film"], film or {}, "film", path, "film")
+    return _assemble(values, path)
+
+
+def _read_content(path: Path) -> Mapping[str, Any]:
+    content = _read_yaml(path)
+    _check_keys(content, {*_SECTIONS, "plain", "actuators"}, path, "the bench configuration")
+    return content
+
+
+def _read_sections(content: Mapping[str, Any], path: Path) -> dict[str, dict[str, Any]]:
+    return {
         name: _read_section(_mapping(content[name], path, name), name, path) for name in _SECTIONS
     }
-    own = _mapping(actuators[actuator] or {}, path, f"actuators.{actuator}")
+
+
+def _replace(
+    values: dict[str, Any], own: Mapping[str, Any], section: str, path: Path, where: str
+) -> None:
+    """Put an actuator's own values in the place of a section's."""
+    allowed = _SECTIONS[section]
     for key, value in own.items():
-        field = f"actuators.{actuator}.{key}"
-        if key not in _FILM:
-            raise InputError(f"unknown key {key!r}", file=path, field=field, remedy=_choices(_FILM))
-        values["film"][key] = _checked(value, _FILM[key], key, path, field)
+        field = f"{where}.{key}"
+        if key not in allowed:
+            raise InputError(
+                f"unknown key {key!r}", file=path, field=field, remedy=_choices(allowed)
+            )
+        values[key] = _checked(value, allowed[key], key, path, field)
+
+
+def _assemble(values: dict[str, dict[str, Any]], path: Path) -> Parameters:
     _check_relations(values, path)
     rest = values["film"].pop("rest")
     return Parameters(

@@ -51,7 +51,7 @@ def stack(laws: list[ForceLaw]) -> Forces:
     return Forces(np.array([law.kind for law in laws], dtype=np.int64), constants, memory)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def resistance(forces, y, v):
     """Return the sum of all forces, in N, at displacement ``y`` (m) and velocity ``v`` (m/s)."""
     total = 0.0
@@ -82,7 +82,7 @@ def resistance(forces, y, v):
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def remember(forces, y, v, dt):
     """Carry every law's memory over ``dt`` seconds that end at ``y`` and ``v``."""
     for row in range(forces.kind.shape[0]):
@@ -106,7 +106,7 @@ def remember(forces, y, v, dt):
             m[0] += dt
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _creep_force(c, m, y):
     """Power-law relaxation as a dense spectrum of modes; c holds (stiffness, share) pairs."""
     force = 0.0
@@ -115,13 +115,13 @@ def _creep_force(c, m, y):
     return force
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _stribeck(c, v):
     """Steady friction force of the LuGre model at velocity ``v``."""
     return c[2] + (c[3] - c[2]) * np.exp(-((v / c[4]) ** 2))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _branch(c, start, end):
     """Force gained along a monotonic path between two displacements, by Masing's rule.
 
@@ -133,7 +133,7 @@ def _branch(c, start, end):
     return gained if end > start else -gained
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _hysteresis_force(c, m, y):
     """m[0] counts the remembered reversals, which follow it; the first is where motion began."""
     count = int(m[0])
@@ -144,7 +144,7 @@ def _hysteresis_force(c, m, y):
     return force + _branch(c, m[count], y) if count > 1 else force
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _note_reversals(m, y):
     """Keep the reversals that still matter; the last slot of m holds the latest displacement."""
     count, latest = int(m[0]), m[-1]

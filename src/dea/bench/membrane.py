@@ -58,7 +58,7 @@ class Film(NamedTuple):
     breakdown_field: float
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def tension(film, branches, y, voltage, stiffening):
     """Return the vertical force of the film on the mass, in N, upwards positive: (M1)-(M3).
 
@@ -83,7 +83,7 @@ def tension(film, branches, y, voltage, stiffening):
     return volume * stress * y / (width * width + y * y)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def creep(film, branches, y, dt):
     """Carry every Maxwell branch over ``dt`` seconds at a held displacement: (M4), midpoint rule.
 
@@ -106,14 +106,14 @@ def creep(film, branches, y, dt):
         branches[i, 0], branches[i, 1] = middle_1, middle_2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def thickness(film, y):
     """Return the thickness h of the stretched film in m: (M1)."""
     width = film.frame_radius - film.contact_radius
     return film.thickness / (film.prestretch**2 * np.sqrt(1.0 + (y / width) ** 2))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def capacitance(film, y):
     """Return the capacitance of the film in F: (M5)."""
     area = np.pi * (film.frame_radius**2 - film.contact_radius**2)
@@ -121,7 +121,7 @@ def capacitance(film, y):
     return EPSILON_0 * film.permittivity * volume / thickness(film, y) ** 2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def charge(film, state, supply, dt):
     """Carry the film voltage over ``dt`` seconds at held supply and motion: (M5), exactly."""
     y, hours = state[Y], state[TIME] / 3600.0
@@ -134,30 +134,36 @@ def charge(film, state, supply, dt):
     state[FILM_VOLTAGE] = settled + (state[FILM_VOLTAGE] - settled) * np.exp(-rate * dt)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def move(film, branches, forces, state, dt):
-    """Carry the mass over ``dt`` seconds at held film voltage and branches: (M2), RK4."""
+    """Carry the mass over ``dt`` seconds at held film voltage and branches: (M2), RK4.
+
+    The step is divided where the dashpot alone would make it unstable.
+    """
     stiffening = 1.0 + film.stiffness_ageing * state[TIME] / 3600.0
     voltage = state[FILM_VOLTAGE]
     disturbed = forces.kind.shape[0] > 0
-    y, v = state[Y], state[V]
-    sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
-    for stage in range(4):
-        pull = tension(film, branches, stage_y, voltage, stiffening)
-        if disturbed:
-            pull += resistance(forces, stage_y, stage_v)
-        slope_y = stage_v
-        slope_v = GRAVITY - (film.damping * stage_v + pull) / film.mass
-        weight = 2.0 if stage in (1, 2) else 1.0
-        sum_y += weight * slope_y
-        sum_v += weight * slope_v
-        ahead = dt if stage == 2 else 0.5 * dt
-        stage_y, stage_v = y + ahead * slope_y, v + ahead * slope_v
-    state[Y] = y + dt / 6.0 * sum_y
-    state[V] = v + dt / 6.0 * sum_v
+    steps = max(int(np.ceil(0.5 * dt * film.damping / film.mass)), 1)
+    dt /= steps
+    for _ in range(steps):
+        y, v = state[Y], state[V]
+        sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
+        for stage in range(4):
+            pull = tension(film, branches, stage_y, voltage, stiffening)
+            if disturbed:
+                pull += resistance(forces, stage_y, stage_v)
+            slope_y = stage_v
+            slope_v = GRAVITY - (film.damping * stage_v + pull) / film.mass
+            weight = 2.0 if stage in (1, 2) else 1.0
+            sum_y += weight * slope_y
+            sum_v += weight * slope_v
+            ahead = dt if stage == 2 else 0.5 * dt
+            stage_y, stage_v = y + ahead * slope_y, v + ahead * slope_v
+        state[Y] = y + dt / 6.0 * sum_y
+        state[V] = v + dt / 6.0 * sum_v
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance(film, branches, forces, state, supply, displacement, film_voltage):
     """Advance by one sub-step per element of ``supply`` (V), filling the other two (m and V).
 
@@ -185,7 +191,7 @@ def advance(film, branches, forces, state, supply, displacement, film_voltage):
         state[TIME] += SUBSTEP
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def equilibrium(film, branches):
     """Return the displacement in m at which the film without voltage carries the mass."""
     low, high = 0.0, film.pull_in_displacement
@@ -201,7 +207,7 @@ def equilibrium(film, branches):
     return 0.5 * (low + high)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rest(film, branches, duration):
     """Let a freshly stretched film under its mass relax for ``duration`` seconds, without voltage.
 

@@ -105,11 +105,11 @@ def end_stop(size: float, conditions: Conditions, rng: np.random.Generator) -> F
 
 
 EFFECTS = (
-    Effect("viscoelastic_creep", PORT, 0.005, 3.0, "1", viscoelastic_creep),
+    Effect("viscoelastic_creep", PORT, 0.005, 1.0, "1", viscoelastic_creep),
     Effect("rate_independent_hysteresis", PORT, 0.005, 3.0, "1", rate_independent_hysteresis),
-    Effect("coulomb_friction", PORT, 0.002, 0.4, "1", coulomb_friction),
-    Effect("strain_stiffening", PORT, 0.01, 10.0, "1", strain_stiffening),
+    Effect("coulomb_friction", PORT, 0.002, 0.15, "1", coulomb_friction),
+    Effect("strain_stiffening", PORT, 0.01, 4.0, "1", strain_stiffening),
     Effect("cyclic_softening", PORT, 0.002, 0.6, "1", cyclic_softening),
     Effect("second_mode", PORT, 0.002, 2.0, "1", second_mode),
-    Effect("end_stop", PORT, 0.02, 0.85, "1", end_stop),
+    Effect("end_stop", PORT, 0.02, 0.7, "1", end_stop),
 )

@@ -11,17 +11,22 @@ PORT = "input path"
 
 @njit(cache=True)
 def _soft_threshold(c: Array, m: Array, u: Array) -> None:
-    """Nothing below the threshold, all above what exceeds it, with a rounded knee (softplus)."""
-    threshold, knee = c
+    """Nothing below the threshold, what exceeds it above, with a rounded knee (softplus)."""
+    threshold, knee, slope = c
     for k in range(u.shape[0]):
         over = (u[k] - threshold) / knee
-        u[k] = knee * (over + np.log1p(np.exp(-over)) if over > 0.0 else np.log1p(np.exp(over)))
+        soft = over + np.log1p(np.exp(-over)) if over > 0.0 else np.log1p(np.exp(over))
+        u[k] = slope * knee * soft
 
 
 def dead_zone(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
-    """Hide a threshold that lies ``size`` of the range above the lowest command."""
+    """Hide a threshold that lies ``size`` of the range above the lowest command.
+
+    The gain above it is such that the highest command still passes whole.
+    """
     threshold = conditions.low + size * (conditions.high - conditions.low)
-    return Stage(_soft_threshold, [threshold, rng.uniform(0.03, 0.12)])
+    slope = conditions.high / (conditions.high - threshold)
+    return Stage(_soft_threshold, [threshold, rng.uniform(0.03, 0.12), slope])
 
 
 @njit(cache=True)
@@ -129,9 +134,9 @@ def charge_leakage(size: float, conditions: Conditions, rng: np.random.Generator
 
 EFFECTS = (
     Effect("dead_zone", PORT, 0.04, 0.5, "1", dead_zone),
-    Effect("input_saturation", PORT, 0.02, 0.6, "1", input_saturation),
-    Effect("slew_limit", PORT, 0.05, 20.0, "s", slew_limit),
-    Effect("transport_delay", PORT, 0.004, 1.0, "s", transport_delay),
-    Effect("electrode_lag", PORT, 0.01, 3.0, "s", electrode_lag),
+    Effect("input_saturation", PORT, 0.02, 0.45, "1", input_saturation),
+    Effect("slew_limit", PORT, 0.05, 6.0, "s", slew_limit),
+    Effect("transport_delay", PORT, 0.004, 0.6, "s", transport_delay),
+    Effect("electrode_lag", PORT, 0.01, 1.0, "s", electrode_lag),
     Effect("charge_leakage", PORT, 0.005, 0.6, "1", charge_leakage),
 )

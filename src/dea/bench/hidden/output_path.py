@@ -101,8 +101,8 @@ def periodic_disturbance(size: float, conditions: Conditions, rng: np.random.Gen
 
 
 EFFECTS = (
-    Effect("sensor_lag", PORT, 0.01, 3.0, "s", sensor_lag),
-    Effect("output_saturation", PORT, 0.02, 0.85, "1", output_saturation),
+    Effect("sensor_lag", PORT, 0.01, 1.0, "s", sensor_lag),
+    Effect("output_saturation", PORT, 0.02, 0.7, "1", output_saturation),
     Effect("sensor_nonlinearity", PORT, 0.005, 1.0, "1", sensor_nonlinearity),
     Effect("periodic_disturbance", PORT, 0.002, 1.0, "1", periodic_disturbance),
 )

@@ -193,6 +193,6 @@ EFFECTS = (
     Effect("noise_bursts", PORT, 0.003, 0.6, "1", noise_bursts),
     Effect("modulated_gain", PORT, 0.002, 0.9, "1", modulated_gain),
     Effect("peak_memory", PORT, 0.005, 1.5, "1", peak_memory),
-    Effect("bistable_snap", PORT, 0.005, 0.8, "1", bistable_snap),
+    Effect("bistable_snap", PORT, 0.005, 0.4, "1", bistable_snap),
     Effect("hidden_input", PORT, 0.002, 0.4, "1", hidden_input),
 )

@@ -1,0 +1,112 @@
+"""One blind trial: what the bench runs, what the acquisition may know, and the sealed label."""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from dea.bench.configuration import read_plain
+from dea.bench.hidden import EFFECTS, Conditions, Law
+from dea.bench.rig import Rig
+from dea.errors import InputError
+
+
+@dataclass(frozen=True)
+class HiddenEffect:
+    """An effect at a size (in the effect's own unit), with the seed of its shape.
+
+    ``strength`` is the RMS residual of the refitted plain actuator over the RMS noise that this
+    effect causes by itself.
+    """
+
+    name: str
+    size: float
+    seed: int
+    strength: float
+
+    def law(self, conditions: Conditions) -> Law:
+        """Return a fresh law, with the memory it starts with."""
+        return EFFECTS[self.name].build(self.size, conditions, np.random.default_rng(self.seed))
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A plain actuator with hidden effects, and the excitation it is driven with.
+
+    Attributes
+    ----------
+    name
+        Of the trial; says nothing about what is hidden.
+    film
+        The actuator's own parameters, in the place of the plain one's (SI units).
+    excitation
+        Arguments of :func:`dea.signals.design`; all that an acquisition may know.
+    conditions
+        What the excitation does to the actuator without the effects.
+    effects
+        What is hidden: none, one or two.
+    strength
+        Of all effects together, as of one.
+    seed
+        Of the measurement noise.
+    """
+
+    name: str
+    film: dict[str, float]
+    excitation: dict[str, Any]
+    conditions: Conditions
+    effects: tuple[HiddenEffect, ...]
+    strength: float
+    seed: int
+
+    def rig(self, config: Path) -> Rig:
+        """Return the rig of this trial for the bench configuration at ``config``."""
+        return Rig(
+            read_plain(config, self.film),
+            self.seed,
+            effects=[effect.law(self.conditions) for effect in self.effects],
+        )
+
+    def label(self) -> dict[str, Any]:
+        """Return what a diagnosis is scored against."""
+        return {
+            "name": self.name,
+            "effects": [
+                {
+                    "name": effect.name,
+                    "port": EFFECTS[effect.name].port,
+                    "size": effect.size,
+                    "unit": EFFECTS[effect.name].unit,
+                    "strength": effect.strength,
+                }
+                for effect in self.effects
+            ],
+            "strength": self.strength,
+            "excitation": self.excitation["kind"],
+        }
+
+    def write(self, path: Path) -> None:
+        """Write the whole trial, label and all, as JSON: a sealed file."""
+        content = {**asdict(self), "conditions": self.conditions._asdict()}
+        path.write_text(json.dumps(content, indent=2) + "\n")
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read a trial that :meth:`write` has written.
+
+        Raises
+        ------
+        InputError
+            The file cannot be read or is no trial.
+        """
+        try:
+            content = json.loads(Path(path).read_text())
+            content["conditions"] = Conditions(**content["conditions"])
+            content["effects"] = tuple(HiddenEffect(**effect) for effect in content["effects"])
+            return cls(**content)
+        except (OSError, ValueError, TypeError, KeyError) as error:
+            raise InputError(
+                f"this is not a trial: {error}", file=path, remedy="Draw the trial again."
+            ) from error
