@@ -108,7 +108,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
 def main(arguments: list[str] | None = None) -> None:
     """Serve until SIGINT or SIGTERM."""
     options = parse(arguments)
-    logging.getLogger("pymodbus_logging").setLevel(logging.CRITICAL)
+    logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
     try:
         server = _server(options)
     except InputError as error:
@@ -156,7 +156,7 @@ async def _run(server: BenchServer, until_stdin_closes: bool) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, task.cancel)
     if until_stdin_closes:
-        loop.add_reader(sys.stdin, lambda: sys.stdin.buffer.read1() or task.cancel())
+        loop.add_reader(sys.stdin, lambda: os.read(sys.stdin.fileno(), 4096) or task.cancel())
     await task
 
 

@@ -6,6 +6,7 @@ wedges the first. Here each frame is answered before the next is looked at.
 
 import asyncio
 import contextlib
+import socket
 import ssl
 import time
 from collections.abc import Callable, Coroutine
@@ -23,6 +24,7 @@ from dea.bench.device import BenchDevice, RefusedError, Session
 
 FUNCTIONS = (3, 4, 6, 16, 23)
 MAX_FRAME = 260  # bytes, of a Modbus frame on TCP
+MAX_BURST = 16  # frames of one master answered before the others have their turn
 MAX_CONNECTIONS = 64
 MAX_UNREAD = 64 * 1024  # bytes of replies a client may leave unread
 
@@ -149,6 +151,8 @@ class _Connection(ServerRequestHandler):
             return
         self.bench.connections.add(self)
         self.transport.set_write_buffer_limits(high=MAX_UNREAD)  # type: ignore[attr-defined]
+        plain: socket.socket = self.transport.get_extra_info("socket")
+        plain.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_UNREAD)
 
     def callback_disconnected(self, exc: Exception | None) -> None:
         """Forget the master; what it drives is the watchdog's to end."""
@@ -165,18 +169,29 @@ class _Connection(ServerRequestHandler):
     def data_received(self, data: bytes) -> None:
         """Answer every whole frame in the order of arrival; drop who sends what is none."""
         self.pending += data
-        while self.pending and not self.transport.is_closing():
-            if isinstance(self.framer, FramerSocket) and _malformed(self.pending):
-                self.transport.abort()  # type: ignore[attr-defined]
+        self._work()
+
+    def _work(self) -> None:
+        """Answer a few frames; with more waiting, let the other masters have their turn first."""
+        for _ in range(MAX_BURST):
+            if self.transport.is_closing():
                 return
+            if isinstance(self.framer, FramerSocket) and _malformed(self.pending):
+                break
             used, frame = self._frame()
             if not used:
                 if len(self.pending) > MAX_FRAME:
-                    self.transport.abort()  # type: ignore[attr-defined]
+                    break
+                self.transport.resume_reading()  # type: ignore[attr-defined]
                 return
             self.pending = self.pending[used:]
             if frame:
                 self._serve(*frame)
+        else:
+            self.transport.pause_reading()  # type: ignore[attr-defined]
+            self.loop.call_soon(self._work)
+            return
+        self.transport.abort()  # type: ignore[attr-defined]
 
     def _frame(self) -> tuple[int, tuple[int, int, bytes] | None]:
         used, unit, transaction, pdu = self.framer.decode(self.pending)
