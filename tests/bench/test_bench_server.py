@@ -166,7 +166,7 @@ def test_what_is_no_modbus_ends_the_connection_and_nothing_else(open_socket, gar
 def test_a_client_that_never_reads_is_dropped(bench, open_socket):
     deaf = open_socket()
     deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    flood = frame(bytes.fromhex("0300c8007d")) * 1_000_000
+    flood = frame(bytes.fromhex("0300c8007c")) * 1_000_000
     with pytest.raises((ConnectionResetError, BrokenPipeError)):
         deaf.sendall(flood)
     assert alive(open_socket)
