@@ -1,0 +1,73 @@
+"""Fig. 1: the bench, the actuator, and what was applied and measured."""
+
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dea.figures import style
+from dea.figures.bench_drawing import draw_bench, draw_cone
+from dea.store import Signals, signals
+
+_MINUTE = 60.0
+
+
+@style.styled
+def fig1(record: xr.Dataset, name: str, zoom: tuple[float, float]) -> Figure:
+    """Draw the set-up and the record of one actuator.
+
+    Parameters
+    ----------
+    record
+        Contract ``record`` or ``imported_record``.
+    name
+        What the actuator is called.
+    zoom
+        First and last time of the enlarged stretch, s.
+    """
+    whole = signals(record)
+    inside = (whole.time >= zoom[0]) & (whole.time <= zoom[1])
+    figure = style.page_figure(style.FULL_WIDTH, 168)
+    drawings, series, details = figure.subfigures(
+        3, 1, squeeze=False, height_ratios=[62, 50, 56]
+    ).ravel()
+    bench, cone = drawings.subplots(1, 2, width_ratios=[104, 74])
+    draw_bench(bench)
+    draw_cone(cone)
+    top, bottom = series.subplots(2, 1, sharex=True)
+    _whole_record(top, bottom, whole, zoom)
+    zoomed_input, loop, zoomed_output = details.subplots(1, 3)
+    for ax, values, label, colour in (
+        (zoomed_input, whole.u, style.quantity("input $u$", whole.u_units), style.BLUE),
+        (zoomed_output, whole.y, style.quantity("output $y$", whole.y_units), style.BLACK),
+    ):
+        ax.plot(whole.time[inside], values[inside], color=colour)
+        ax.set(xlabel="time (s)", ylabel=label, xlim=zoom)
+    _input_output(figure, loop, whole)
+    top.set_title(name, loc="right")
+    style.panel_letters([bench, cone], drop=10)
+    style.panel_letters([top], "C", x=-26)
+    style.panel_letters([zoomed_input, loop, zoomed_output], "D", x=-22)
+    return figure
+
+
+def _whole_record(top: Axes, bottom: Axes, whole: Signals, zoom: tuple[float, float]) -> None:
+    minutes = whole.time / _MINUTE
+    for ax, values, units, symbol, colour in (
+        (top, whole.u, whole.u_units, "input $u$", style.BLUE),
+        (bottom, whole.y, whole.y_units, "output $y$", style.BLACK),
+    ):
+        ax.plot(minutes, values, lw=0.2, color=colour, rasterized=True)
+        ax.axvspan(zoom[0] / _MINUTE, zoom[1] / _MINUTE, color=style.ORANGE, alpha=0.45, lw=0)
+        ax.set_ylabel(style.quantity(symbol, units))
+    bottom.set_xlim(0, minutes[-1] + minutes[1])
+    bottom.set_xlabel("time (min)")
+
+
+def _input_output(figure: Figure, ax: Axes, whole: Signals) -> None:
+    points = ax.scatter(
+        whole.u, whole.y, c=whole.time / _MINUTE, s=0.25, lw=0, cmap=style.TIME_MAP, rasterized=True
+    )
+    ax.set_xlabel(style.quantity("input $u$", whole.u_units))
+    ax.set_ylabel(style.quantity("output $y$", whole.y_units))
+    points.set_clim(0, (whole.time[-1] + whole.time[1]) / _MINUTE)
+    figure.colorbar(points, ax=ax, label="time (min)", pad=0.02, aspect=28)

@@ -1,0 +1,102 @@
+"""Fig. 2: choice of orders, and models against measurement on three windows.
+
+Two approaches are told apart by colour everywhere: *re-estimated* (the reference study's: the
+parameters are fitted on the very window that is shown) and *honest* (fitted before the window).
+"""
+
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dea.figures import style
+
+_COLOUR = {"re-estimated": style.RE_ESTIMATED, "honest": style.HONEST}
+_LABEL = {"re-estimated": "re-estimated on the window shown", "honest": "honest: fitted before it"}
+
+
+@style.styled
+def fig2(orders: xr.Dataset, validation: xr.Dataset, name: str) -> Figure:
+    """Draw orders and validation of one actuator (contracts ``orders`` and ``validation``)."""
+    figure = style.page_figure(style.FULL_WIDTH, 190)
+    choice, simulations = figure.subfigures(2, 1, squeeze=False, height_ratios=[52, 138]).ravel()
+    dynamic, polynomial, scatter = choice.subplots(1, 3)
+    _order(dynamic, orders, "dynamic")
+    _order(polynomial, orders, "polynomial")
+    _predicted(scatter, validation)
+    windows = validation["window"].size
+    rows = simulations.subplots(1 + windows, 1)
+    _window(rows[0], validation, "linear", 0)
+    for window in range(windows):
+        _window(rows[1 + window], validation, "narx", window)
+    rows[-1].set_xlabel("time (s)")
+    handles, labels = rows[0].get_legend_handles_labels()
+    simulations.legend(handles, labels, loc="outside upper center", ncols=3)
+    style.panel_letters([dynamic, polynomial, scatter], x=-22)
+    style.panel_letters(rows, "D", x=-26)
+    scatter.set_title(name, loc="right")
+    return figure
+
+
+def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
+    """nmse on the left axis, fpe on the right one, against an order."""
+    order = orders[f"{kind}_order"]
+    right = ax.twinx()
+    right.spines["right"].set_visible(True)
+    lines = []
+    for side, criterion, colour, look in (
+        (ax, "nmse", style.BLUE, {"marker": "o"}),
+        (right, "fpe", style.VERMILION, {"marker": "s", "ms": 6, "mfc": "none", "ls": "--"}),
+    ):
+        values = orders[f"{kind}_{criterion}"]
+        lines += side.plot(order, values, color=colour, label=criterion, **look)
+        side.set_ylabel(style.quantity(criterion, values.attrs["units"]), color=colour)
+        side.tick_params(axis="y", colors=colour)
+        side.set_ylim(bottom=0)
+    ax.set_xticks(order.values)
+    ax.set_xlabel(f"{kind} order")
+    ax.legend(handles=lines, loc="upper right")
+
+
+def _predicted(ax: Axes, validation: xr.Dataset) -> None:
+    """Simulated against measured output, honest approach, every window."""
+    measured = validation["measured"]
+    honest = validation["simulated"].sel(approach="honest")
+    for model, colour in (("linear", style.LINEAR), ("narx", style.NARX)):
+        label = {"linear": "linear", "narx": "NARX"}[model]
+        ax.plot(
+            measured.values.ravel(), honest.sel(model=model).values.ravel(), ".", ms=1.0, mew=0,
+            color=colour, label=label, rasterized=True,
+        )  # fmt: skip
+    ends = _around(measured)
+    ax.plot(ends, ends, color=style.GREY, lw=0.6)
+    ax.set(xlim=ends, ylim=ends)
+    units = measured.attrs["units"]
+    ax.set_xlabel(style.quantity("measured $y$", units))
+    ax.set_ylabel(style.quantity(r"simulated $\hat y$, honest", units))
+    ax.legend(loc="upper left", markerscale=6, handletextpad=0.2)
+
+
+def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
+    part = validation.isel(window=window).sel(model=model)
+    ax.plot(part["time"], part["measured"], color=style.MEASURED, lw=1.4, label="measured")
+    for approach, dashes in (("re-estimated", (0, (3, 1))), ("honest", "-")):
+        chosen = part.sel(approach=approach)
+        ax.plot(
+            part["time"], chosen["simulated"], color=_COLOUR[approach], ls=dashes, lw=0.9,
+            label=_LABEL[approach],
+        )  # fmt: skip
+    name = {"linear": "linear model", "narx": "NARX model"}[model]
+    scores = ", ".join(
+        f"{approach} {float(part['nmse'].sel(approach=approach)):.3g}" for approach in _COLOUR
+    )
+    ax.set_title(f"{name}; nmse: {scores}", loc="right")
+    ax.set_xlim(float(part["time"][0]), float(part["time"][-1]))
+    ax.set_ylim(_around(part["measured"]))
+    ax.set_ylabel(style.quantity("$y$", part["measured"].attrs["units"]))
+
+
+def _around(measured: xr.DataArray) -> tuple[float, float]:
+    """Limits of an axis on which a simulation that runs away does not hide the measurement."""
+    low, high = float(measured.min()), float(measured.max())
+    margin = 0.15 * (high - low)
+    return low - margin, high + margin

@@ -1,0 +1,67 @@
+"""Fig. 4: how two frequencies mix, |H2(f1, f2)| of every actuator at chosen times."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
+
+from dea.figures import style
+from dea.figures.frequency_maps import as_complex, excited_at, hatch, hatch_legend, log_bar
+
+_MINUTE = 60.0
+_MARGIN, _LARGEST_PANEL = 30.0, 48.0  # mm
+
+
+@style.styled
+def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
+    """Draw |H2| (contract ``gfrf``): a column per actuator, a row per time, one colour scale."""
+    maps = {name: abs(as_complex(response["H2"])) for name, response in responses.items()}
+    times = next(iter(maps.values()))["time_h2"].values
+    panel = min((style.FULL_WIDTH - _MARGIN) / len(maps), _LARGEST_PANEL)
+    figure = style.page_figure(panel * len(maps) + _MARGIN, panel * times.size + _MARGIN / 2)
+    axes = figure.subplots(times.size, len(maps), squeeze=False, sharex=True, sharey=True)
+    norm = _scale(maps, responses)
+    for column, (name, values) in enumerate(maps.items()):
+        for row, time in enumerate(times):
+            mesh = _panel(axes[row, column], responses[name], values.isel(time_h2=row), norm)
+            axes[row, 0].set_ylabel(f"at {time / _MINUTE:.3g} min\n$f_2$ (Hz)")
+        axes[0, column].set_title(name)
+        axes[-1, column].set_xlabel("$f_1$ (Hz)")
+    units = next(iter(responses.values()))["H2"].attrs["units"]
+    label = style.quantity(r"$|H_2(f_1, f_2)|$", units)
+    log_bar(figure, mesh, axes, label)
+    figure.legend(handles=[hatch_legend()], loc="outside lower center")
+    return figure
+
+
+def _doubtful(response: xr.Dataset, values: xr.DataArray) -> np.ndarray:
+    """Where either frequency was not excited, shape (f2, f1)."""
+    first, second = (excited_at(response, values[f"frequency_{i}"]) for i in (1, 2))
+    return ~(second[:, None] & first)
+
+
+def _scale(maps: Mapping[str, xr.DataArray], responses: Mapping[str, xr.Dataset]) -> Normalize:
+    trusted = np.concatenate(
+        [
+            each.transpose("frequency_2", "frequency_1", "time_h2")
+            .values[~_doubtful(responses[name], each)].ravel()
+            for name, each in maps.items()
+        ]
+    )  # fmt: skip
+    positive = trusted[np.isfinite(trusted) & (trusted > 0)]
+    return LogNorm(positive.min(), positive.max())
+
+
+def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize) -> QuadMesh:
+    f1, f2 = values["frequency_1"].values, values["frequency_2"].values
+    mesh = ax.pcolormesh(
+        f1, f2, values.transpose("frequency_2", "frequency_1").values, norm=norm,
+        cmap=style.GAIN_MAP, shading="nearest", rasterized=True,
+    )  # fmt: skip
+    ax.set(xlim=f1[[0, -1]], ylim=f2[[0, -1]], box_aspect=1)
+    hatch(ax, f1, f2, _doubtful(response, values))
+    return mesh

@@ -1,0 +1,49 @@
+"""What the maps of frequency responses share: complex values, and where to doubt them."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from dea.figures import style
+
+_VEIL, _VEIL_ALPHA = "#C9C9C9", 0.65
+
+
+def as_complex(response: xr.DataArray) -> xr.DataArray:
+    """Return the complex values of a response stored with a last dimension ``part``."""
+    values = response.sel(part="real") + 1j * response.sel(part="imag")
+    return values.drop_vars("part", errors="ignore").assign_attrs(response.attrs)
+
+
+def excited_at(gfrf: xr.Dataset, frequency: xr.DataArray) -> np.ndarray:
+    """Return where the excitation held power, at the nearest frequency stored, as booleans."""
+    nearest = gfrf["excited"].sel(frequency=np.abs(frequency.values), method="nearest")
+    return nearest.values.astype(bool)
+
+
+def hatch(ax: Axes, x: np.ndarray, y: np.ndarray, where: np.ndarray) -> None:
+    """Grey and hatch the cells ``where`` (shape (y, x)) the response is extrapolated."""
+    if not where.any():
+        return
+    cells = where.astype(float)
+    ax.contourf(x, y, cells, [0.5, 1.5], colors=[_VEIL], alpha=_VEIL_ALPHA)
+    ax.contourf(x, y, cells, [0.5, 1.5], colors="none", hatches=["////"])
+    if not where.all():
+        ax.contour(x, y, cells, [0.5], colors=[style.BLACK], linewidths=0.6)
+
+
+def hatch_legend() -> Patch:
+    """Legend entry of what :func:`hatch` marks."""
+    return Patch(
+        facecolor=_VEIL, edgecolor="black", hatch="////", lw=0.4,
+        label="the excitation holds no power here: the model extrapolates",
+    )  # fmt: skip
+
+
+def log_bar(figure: Figure, mesh: QuadMesh, axes: np.ndarray, label: str) -> None:
+    """Colour bar of a logarithmic scale with plain numbers at 1, 2 and 5."""
+    bar = figure.colorbar(mesh, ax=axes, label=label, aspect=45, pad=0.01)
+    style.plain_log_ticks(bar.ax.yaxis)

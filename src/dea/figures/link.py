@@ -1,0 +1,105 @@
+"""How the acquisition went: round trips, lateness and repairs of every actuator's link."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dea.figures import style
+
+_MILLI = 1e3
+
+
+@style.styled
+def link(links: Mapping[str, xr.Dataset]) -> Figure:
+    """Draw the quality of each link (contract ``link``), by the actuators' names."""
+    figure = style.page_figure(style.FULL_WIDTH, max(112, 40 + 12 * len(links)))
+    (trips, course), (lateness, repairs) = figure.subplots(2, 2)
+    colours = {name: style.CYCLE[i % len(style.CYCLE)] for i, name in enumerate(links)}
+    _round_trips(trips, links, colours)
+    _course(course, links, colours)
+    _lateness(lateness, links, colours)
+    _repairs(repairs, links)
+    handles, labels = trips.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(links), 8))
+    style.panel_letters([trips, course, lateness, repairs], x=-22)
+    return figure
+
+
+def _round_trips(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str]) -> None:
+    used = [np.inf, 0.0]
+    for name, dataset in links.items():
+        low, high = (dataset[f"round_trip_{end}"].values * _MILLI for end in ("low", "high"))
+        count = dataset["round_trip_count"].values
+        edges = np.append(low, high[-1])
+        ax.stairs(count, edges, color=colours[name], lw=1.0, label=name)
+        filled = np.flatnonzero(count)
+        used = [min(used[0], low[filled[0]]), max(used[1], high[filled[-1]])]
+    ax.set(xscale="log", xlim=used, xlabel="round trip (ms)", ylabel="exchanges per bin")
+    ax.set_yscale("symlog", linthresh=1)
+    ax.set_ylim(bottom=0)
+    style.plain_log_ticks(ax.xaxis)
+    ax.yaxis.set_major_formatter("{x:g}")
+
+
+def _course(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str]) -> None:
+    for name, dataset in links.items():
+        sent = dataset["send_time"].values
+        trip = (dataset["receive_time"].values - sent) * _MILLI
+        ax.plot(sent, trip, ".", ms=2, mew=0, color=colours[name], rasterized=True)
+    ax.set(yscale="log", xlabel="time of the request (s)", ylabel="round trip (ms)")
+    style.plain_log_ticks(ax.yaxis)
+
+
+def _lateness(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str]) -> None:
+    """Samples behind their deadline; only a host that paces the samples has deadlines."""
+    ax.set(xlabel="lateness behind the deadline (ms)", ylabel="share at least as late")
+    polled = {name: each["jitter"].values for name, each in links.items() if each["jitter"].size}
+    for name, jitter in polled.items():
+        late = np.sort(jitter)[::-1] * _MILLI
+        share = np.arange(1, late.size + 1) / late.size
+        ax.plot(late, share, color=colours[name], rasterized=True)
+    if polled:
+        ax.set(yscale="log", ylim=(None, 1), xlim=(0, None))
+    else:
+        ax.text(
+            0.5, 0.5, "buffered: the device clocks every sample,\nthe host meets no deadlines",
+            ha="center", va="center", transform=ax.transAxes, color=style.GREY,
+        )  # fmt: skip
+        ax.set(xticks=[], yticks=[])
+
+
+def _repairs(ax: Axes, links: Mapping[str, xr.Dataset]) -> None:
+    """A line per actuator: what went wrong on its link and was repaired."""
+    ax.axis("off")
+    rows = [
+        [
+            name,
+            f"{dataset['send_time'].size}",
+            f"{int(dataset['retries'].sum())}",
+            f"{int(dataset['reconnects'])}",
+            _errors(dataset),
+        ]
+        for name, dataset in links.items()
+    ]
+    table = ax.table(
+        rows, colLabels=["", "exchanges", "retries", "reconnects", "errors"], loc="upper left",
+        cellLoc="left", colLoc="left", edges="horizontal", colWidths=[0.13, 0.18, 0.14, 0.2, 0.35],
+    )  # fmt: skip
+    table.auto_set_font_size(False)
+    table.set_fontsize(6)
+    for (row, _), cell in table.get_celld().items():
+        cell.set_linewidth(0.4)
+        lines = rows[row - 1][-1].count("\n") + 1 if row else 1
+        cell.set_height(0.075 * lines + 0.035)
+
+
+def _errors(dataset: xr.Dataset) -> str:
+    kinds = [
+        f"{int(count)} {kind}"
+        for kind, count in zip(dataset["error_kind"].values, dataset["errors"].values, strict=True)
+        if count
+    ]
+    return "\n".join(kinds) or "none"

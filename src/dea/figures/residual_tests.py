@@ -1,0 +1,45 @@
+"""Residual correlation tests: what the residuals still hold, against the bands of white noise."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dea.figures import style
+from dea.figures.symbols import residual_test_as_mathematics
+
+_MODEL = {"linear": ("linear", style.LINEAR), "narx": ("NARX", style.NARX)}
+
+
+@style.styled
+def residual_tests(validation: xr.Dataset, name: str, approach: str = "honest") -> Figure:
+    """Draw every test (rows) on every window (columns) for the linear and the NARX model.
+
+    Parameters
+    ----------
+    validation
+        Contract ``validation`` of one actuator.
+    approach
+        ``honest`` or ``re-estimated``.
+    """
+    chosen = validation.sel(approach=approach)
+    tests, windows = chosen["test"].values, chosen["window"].values
+    figure = style.page_figure(style.FULL_WIDTH, 20 + 34 * tests.size)
+    axes = figure.subplots(tests.size, windows.size, squeeze=False, sharex=True, sharey="row")
+    for row, test in enumerate(tests):
+        for column in range(windows.size):
+            part = chosen.sel(test=test).isel(window=column)
+            ax = axes[row, column]
+            reach = float(part["band"])
+            ax.axhspan(-reach, reach, color=style.PALE, lw=0, label="95 % band of white noise")
+            for model, (label, colour) in _MODEL.items():
+                values = part["correlation"].sel(model=model)
+                ax.plot(values["lag"], values, color=colour, lw=0.8, label=label)
+            if row == 0:
+                time = part["time"].values
+                ax.set_title(f"{time[0]:.0f} to {time[-1]:.0f} s")
+        axes[row, 0].set_ylabel(residual_test_as_mathematics(str(test)))
+    for ax in axes[-1]:
+        ax.set_xlabel("lag (samples)")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3,
+                  title=f"{name}, {approach} approach", title_fontsize=7)  # fmt: skip
+    return figure

@@ -1,0 +1,22 @@
+"""Names of terms and tests as mathematics, for figures (mathtext) and for LaTeX alike."""
+
+import re
+
+_SQUARE = re.compile(r"([a-z])2")
+_FACTOR = re.compile(r"([a-z])\(t-(\d+)\)(?:\^(\d+))?")
+
+
+def term_as_mathematics(term: str) -> str:
+    """Return ``y(t-1)u(t-3)^2`` as ``$y_{t-1}u_{t-3}^{2}$``, the constant ``1`` as ``$1$``."""
+    factors = [
+        f"{signal}_{{t-{lag}}}" + (f"^{{{power}}}" if power else "")
+        for signal, lag, power in _FACTOR.findall(term)
+    ]
+    return f"${''.join(factors) or term}$"
+
+
+def residual_test_as_mathematics(test: str) -> str:
+    """Return a residual test such as ``phi_u2e`` as ``$\\phi_{u^2 e}$``."""
+    letters = test.removeprefix("phi_").removeprefix("φ_").replace("²", "2").replace("^", "")
+    subscript = _SQUARE.sub(r"\1^2", letters)
+    return rf"$\phi_{{{subscript}}}$"

@@ -1,0 +1,166 @@
+"""The study's tables: exact numbers for programs, rounded ones for readers."""
+
+import re
+from collections.abc import Mapping
+from math import floor, isfinite, isinf, log10
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+import xarray as xr
+
+from dea.figures.symbols import term_as_mathematics
+from dea.store import atomic
+
+_DASH = "–"
+_TERM_COUNT = "number of terms"
+_SCORES = ("nmse", "fit", "fpe", "rmse")
+_FACTOR = re.compile(r"[a-z]\(t-\d+\)(?:\^(\d+))?")
+
+
+class Table(NamedTuple):
+    """A table twice: ``exact`` numbers for CSV, ``shown`` as rounded text for readers."""
+
+    exact: pd.DataFrame
+    shown: pd.DataFrame
+
+
+def table1(models: Mapping[str, xr.Dataset], validations: Mapping[str, xr.Dataset]) -> Table:
+    """Terms x actuators with standard errors, then scores on the first validation window.
+
+    Parameters
+    ----------
+    models, validations
+        Contracts ``model`` and ``validation``, by the actuators' names.
+    """
+    terms = sorted({str(t) for each in models.values() for t in each["term"].values}, key=_order)
+    exact: dict[str, list[Any]] = {"term": [*terms, _TERM_COUNT]}
+    shown: dict[str, list[str]] = {"term": [*terms, _TERM_COUNT]}
+    for name, model in models.items():
+        found = [str(term) for term in model["term"].values]
+        parameter = dict(zip(found, model["parameter"].values.tolist(), strict=True))
+        exact[name] = [*map(parameter.get, terms), len(found)]
+        for quality in ("standard_error", "inclusion_frequency"):
+            if quality in model:
+                values = dict(zip(found, model[quality].values.tolist(), strict=True))
+                exact[f"{name} {quality.replace('_', ' ')}"] = [*map(values.get, terms), None]
+        error = exact.get(f"{name} standard error", [None] * len(terms))
+        shown[name] = [
+            *(_estimate(parameter.get(term), error[i]) for i, term in enumerate(terms)),
+            str(len(found)),
+        ]
+    exact_scores, shown_scores = _scores(validations)
+    return Table(
+        pd.concat([pd.DataFrame(exact, dtype=object), exact_scores], ignore_index=True),
+        pd.concat([pd.DataFrame(shown), shown_scores], ignore_index=True),
+    )
+
+
+def validation(validations: Mapping[str, xr.Dataset]) -> Table:
+    """Scores of every actuator, window, model and approach (contract ``validation``)."""
+    rows = []
+    for name, dataset in validations.items():
+        for window in range(dataset["window"].size):
+            time = dataset["time"].isel(window=window).values
+            for model in dataset["model"].values:
+                for approach in dataset["approach"].values:
+                    chosen = dataset.isel(window=window).sel(model=model, approach=approach)
+                    rows.append(
+                        {
+                            "actuator": name,
+                            "window (s)": f"{time[0]:.0f}-{time[-1]:.0f}",
+                            "model": str(model),
+                            "approach": str(approach),
+                        }
+                        | {_header(chosen[score]): float(chosen[score]) for score in _SCORES}
+                    )
+    return _rounded(pd.DataFrame(rows))
+
+
+def tracking(tracks: Mapping[str, xr.Dataset]) -> Table:
+    """Free-run simulation over the whole record with fixed and tracked parameters."""
+    rows = [
+        {"actuator": name, "parameters": str(simulation)}
+        | {
+            _header(track[score]): float(track[score].sel(simulation=simulation))
+            for score in ("nmse", "rmse")
+        }
+        for name, track in tracks.items()
+        for simulation in track["simulation"].values
+    ]
+    return _rounded(pd.DataFrame(rows))
+
+
+def save(table: Table, *, csv: Path, md: Path, tex: Path) -> None:
+    """Write ``table`` as CSV (exact), Markdown and LaTeX (rounded, for booktabs)."""
+    texts = {
+        csv: table.exact.to_csv(index=False),
+        md: table.shown.to_markdown(index=False, disable_numparse=True) + "\n",
+        tex: _latex(table.shown),
+    }
+    for path, text in texts.items():
+        with atomic(path) as partial:
+            partial.write_text(text, encoding="utf-8")
+
+
+def _order(term: str) -> tuple[int, int, str]:
+    """Constant, then linear, then products; outputs before inputs within a degree."""
+    powers = [int(power or 1) for power in _FACTOR.findall(term)]
+    return sum(powers), -term.count("y("), term
+
+
+def _scores(validations: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """nmse, fit and fpe of the NARX model on the first window, by both approaches."""
+    exact, shown = [], []
+    for score in ("nmse", "fit", "fpe"):
+        for approach in ("honest", "re-estimated"):
+            values = {
+                name: each[score].isel(window=0).sel(model="narx", approach=approach)
+                for name, each in validations.items()
+            }
+            label = {"term": f"{_header(next(iter(values.values())))}, {approach}"}
+            exact.append(label | {name: float(value) for name, value in values.items()})
+            shown.append(label | {name: number(float(value)) for name, value in values.items()})
+    return pd.DataFrame(exact, dtype=object), pd.DataFrame(shown)
+
+
+def _header(variable: xr.DataArray) -> str:
+    units = variable.attrs["units"]
+    return str(variable.name) if units == "1" else f"{variable.name} ({units})"
+
+
+def _rounded(exact: pd.DataFrame) -> Table:
+    shown = exact.apply(lambda column: column if column.dtype.kind in "OUT" else column.map(number))
+    return Table(exact, shown)
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return ``value`` with so many significant digits; infinity is a simulation that diverged."""
+    if isinf(value):
+        return "diverged"
+    return f"{value:#.{digits}g}".rstrip(".") if isfinite(value) else _DASH
+
+
+def _estimate(value: float | None, error: float | None) -> str:
+    """A parameter with its standard error, both to the error's second significant digit."""
+    if value is None:
+        return _DASH
+    if not error or not isfinite(error):
+        return number(value, 4)
+    decimals = max(0, 1 - floor(log10(error)))
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
+
+
+def _latex(shown: pd.DataFrame) -> str:
+    plain = shown.rename(columns=_latex_text).map(_latex_text)
+    return plain.to_latex(index=False, escape=False, column_format="l" + "r" * (plain.shape[1] - 1))
+
+
+def _latex_text(text: str) -> str:
+    if _FACTOR.search(text) or text == "1":
+        return term_as_mathematics(text)
+    if "±" in text or text.startswith("-"):
+        return "$" + text.replace("±", r"\pm") + "$"
+    for plain, command in ((_DASH, "--"), ("_", r"\_"), ("^2", r"\textsuperscript{2}")):
+        text = text.replace(plain, command)
+    return text

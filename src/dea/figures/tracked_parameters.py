@@ -1,0 +1,101 @@
+"""Tracked parameters with their bands, and what following them buys in free-run simulation."""
+
+from math import ceil
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dea.figures import style
+from dea.figures.symbols import term_as_mathematics
+from dea.store import signals
+
+_MINUTE = 60.0
+_COLUMNS = 3
+_POINTS = 1200  # a panel is 600 pixels wide: more cannot be seen
+_BAND = 1.96  # standard deviations either side of the estimate: 95 %
+_TRACKER = {
+    "rls": ("recursive least squares", style.BLUE),
+    "kalman": ("Kalman smoother", style.VERMILION),
+}
+_SIMULATION = {
+    "fixed": ("fixed parameters", style.GREY),
+    "rls": _TRACKER["rls"],
+    "kalman": _TRACKER["kalman"],
+}
+
+
+@style.styled
+def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figure:
+    """Draw simulation errors over the whole record, then each parameter over time.
+
+    Parameters
+    ----------
+    record, track
+        Contracts ``record`` and ``track`` of one actuator.
+    """
+    terms = track["term"].values
+    rows = ceil(terms.size / _COLUMNS)
+    figure = style.page_figure(style.FULL_WIDTH, min(74 + 34 * rows, style.PAGE_HEIGHT))
+    upper, lower = figure.subfigures(
+        2, 1, squeeze=False, height_ratios=[62, 12 + 34 * rows]
+    ).ravel()
+    errors = upper.subplots(track["simulation"].size, 1, sharex=True, sharey=True)
+    _errors(np.atleast_1d(errors), record, track)
+    upper.suptitle(f"{name}: what free-run simulation leaves unexplained", fontsize=7)
+    upper.supylabel(
+        style.quantity("measured − simulated", track["rmse"].attrs["units"]), fontsize=7
+    )
+    panels = lower.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
+    thin = track.isel(time=slice(None, None, max(1, track["time"].size // _POINTS)))
+    for panel, term in zip(panels, terms, strict=False):
+        _parameter(panel, thin.sel(term=term), str(term))
+    for panel in panels[terms.size :]:
+        panel.set_visible(False)
+    for panel in panels[max(0, terms.size - _COLUMNS) : terms.size]:
+        panel.tick_params(labelbottom=True)
+        panel.set_xlabel("time (min)")
+    for panel in panels[::_COLUMNS]:
+        panel.set_ylabel("parameter (normalised)")
+    handles, labels = panels[0].get_legend_handles_labels()
+    lower.legend(handles, labels, loc="outside upper center", ncols=len(handles))
+    return figure
+
+
+def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
+    whole = signals(record)
+    time = track["time"].values
+    worst = 0.0
+    measured = np.interp(time, whole.time, whole.y)
+    for ax, simulation in zip(axes, track["simulation"].values, strict=True):
+        label, colour = _SIMULATION[str(simulation)]
+        chosen = track.sel(simulation=simulation)
+        error = measured - chosen["simulated"].values
+        worst = max(worst, float(np.abs(error[np.isfinite(error)]).max(initial=0.0)))
+        ax.plot(time / _MINUTE, error, lw=0.2, color=colour, rasterized=True)
+        ax.axhline(0, color=style.BLACK, lw=0.4)
+        units = track["rmse"].attrs["units"]
+        ax.set_title(
+            f"{label}: nmse {float(chosen['nmse']):.3g}, rmse {float(chosen['rmse']):.3g} {units}",
+            loc="right", pad=2,
+        )  # fmt: skip
+    reach = min(worst, float(np.ptp(whole.y)))  # a simulation may run away
+    axes[-1].set_ylim(-1.05 * reach, 1.05 * reach)
+    axes[-1].set_xlim(time[0] / _MINUTE, (2 * time[-1] - time[-2]) / _MINUTE)
+    axes[-1].set_xlabel("time (min)")
+
+
+def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
+    minutes = track["time"].values / _MINUTE
+    for tracker in track["tracker"].values:
+        label, colour = _TRACKER[str(tracker)]
+        theta = track["parameter"].sel(tracker=tracker).values
+        reach = _BAND * track["parameter_std"].sel(tracker=tracker).values
+        ax.plot(minutes, theta, color=colour, lw=0.8, label=label)
+        ax.fill_between(
+            minutes, theta - reach, theta + reach, color=colour, alpha=0.22, lw=0,
+            label="95 % band", rasterized=True,
+        )  # fmt: skip
+    ax.set_title(term_as_mathematics(term))
+    ax.set_xlim(minutes[0], minutes[-1])

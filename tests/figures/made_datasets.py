@@ -1,0 +1,214 @@
+"""Datasets shaped as docs/architecture.md says, with made-up content, to draw and print."""
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from dea.store import CONTRACTS
+
+TERMS = ["1", "y(t-1)", "y(t-2)", "u(t-1)", "u(t-2)", "u(t-1)^2", "y(t-1)u(t-3)^2"]
+TESTS = ["phi_ee", "phi_eu", "phi_e(eu)", "phi_u2e", "phi_u2e2"]
+WINDOWS = ["100-130 s", "900-930 s", "1700-1730 s"]
+MODELS, APPROACHES = ["linear", "narx"], ["re-estimated", "honest"]
+RATE = 50.0
+
+
+def checked(dataset: xr.Dataset, contract: str) -> xr.Dataset:
+    CONTRACTS[contract].check(dataset, Path(f"{contract}.nc"))
+    return dataset
+
+
+def over(dims, values, units="1", name="a quantity"):
+    return dims, np.asarray(values), {"units": units, "long_name": name}
+
+
+def record(seed: int, duration: float = 1800.0) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    t = np.arange(int(duration * RATE)) / RATE
+    white = rng.standard_normal(t.size)
+    slow = np.convolve(white, np.hanning(60), "same")
+    u = 2.425 + 1.325 * np.tanh(slow / slow.std() / 1.5)
+    y = 0.6 + 0.05 * u**2 * (1 + 0.2 * seed * t / 1800) + 0.2 * (-1) ** seed * t / 1800
+    return checked(
+        xr.Dataset(
+            {
+                "voltage": over("time", u, "V", "voltage"),
+                "displacement": over("time", y, "mm", "displacement"),
+                "device_index": over("time", np.arange(t.size)),
+                "quality": over("time", np.zeros(t.size, np.uint8)),
+            },
+            coords={"time": over("time", t, "s", "time")},
+        ),
+        "record",
+    )
+
+
+def orders(seed: int) -> xr.Dataset:
+    n = np.arange(1, 6)
+    kinds = {
+        f"{order}_{criterion}": over(
+            f"{order}_order", scale * (1 + seed) / n ** (1 + 0.3 * k), units, criterion
+        )
+        for k, order in enumerate(("dynamic", "polynomial"))
+        for criterion, scale, units in (
+            ("nmse", 0.3, "1"),
+            ("fpe", 0.004, "mm^2"),
+            ("terms", 60, "1"),
+        )
+    }
+    coords = {f"{order}_order": over(f"{order}_order", n) for order in ("dynamic", "polynomial")}
+    return checked(xr.Dataset(kinds, coords=coords), "orders")
+
+
+def model(seed: int) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    terms = [term for i, term in enumerate(TERMS) if i != 1 + seed % 6]
+    theta = rng.standard_normal(len(terms))
+    scalars = {
+        name: over((), value, units)
+        for name, value, units in (
+            ("u_offset", 2.4, "V"), ("u_scale", 1.3, "V"),
+            ("y_offset", 1.0, "mm"), ("y_scale", 0.2, "mm"),
+        )
+    }  # fmt: skip
+    return checked(
+        xr.Dataset(
+            {
+                "parameter": over("term", theta),
+                "standard_error": over("term", np.abs(theta) * 0.013),
+                "inclusion_frequency": over("term", rng.uniform(size=len(terms))),
+                **scalars,
+            },
+            coords={"term": over("term", np.array(terms, dtype=object))},
+        ),
+        "model",
+    )
+
+
+def validation(seed: int) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    n, lags = int(30 * RATE), np.arange(-25, 26)
+    t = np.array([100.0, 900.0, 1700.0])[:, None] + np.arange(n) / RATE
+    u = 2.4 + np.sin(2 * np.pi * 0.3 * t) + 0.3 * np.sin(2 * np.pi * 0.71 * t)
+    y = 1 + 0.08 * u**2
+    shape = (len(MODELS), len(APPROACHES), len(WINDOWS))
+    error = np.array([[0.09, 0.12], [0.02, 0.04]])[:, :, None, None]
+    simulated = y + error * np.sin(2 * np.pi * 0.9 * t)
+    sse = ((simulated - y) ** 2).sum(-1)
+    nmse = sse / ((y - y.mean(-1, keepdims=True)) ** 2).sum(-1)
+    return checked(
+        xr.Dataset(
+            {
+                "time": over(("window", "sample"), t, "s", "time"),
+                "input": over(("window", "sample"), u, "V", "voltage"),
+                "measured": over(("window", "sample"), y, "mm", "displacement"),
+                "simulated": over(("model", "approach", "window", "sample"), simulated, "mm"),
+                "nmse": over(("model", "approach", "window"), nmse),
+                "fit": over(("model", "approach", "window"), 1 - nmse),
+                "fpe": over(("model", "approach", "window"), sse / n * 1.01, "mm^2"),
+                "rmse": over(("model", "approach", "window"), np.sqrt(sse / n), "mm"),
+                "correlation": over(
+                    ("model", "approach", "window", "test", "lag"),
+                    0.05 * rng.standard_normal((*shape, len(TESTS), lags.size)),
+                ),
+                "band": over("test", np.full(len(TESTS), 1.96 / np.sqrt(n))),
+            },
+            coords={
+                "model": MODELS, "approach": APPROACHES, "window": WINDOWS, "test": TESTS,
+                "lag": over("lag", lags, "sample"),
+            },
+        ),
+        "validation",
+    )  # fmt: skip
+
+
+def track(seed: int) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    found, whole = model(seed), record(seed)
+    t = whole["time"].values[::25]
+    y = whole["displacement"].values[::25]
+    drift = np.stack([1 + 0.1 * np.sin(t / 300), 1 + 0.1 * np.sin(t / 300 + 0.1)])[:, :, None]
+    theta = found["parameter"].values * drift
+    spread = np.array([0.3, 0.02, 0.03])[:, None]
+    return checked(
+        xr.Dataset(
+            {
+                "parameter": over(("tracker", "time", "term"), theta),
+                "parameter_std": over(("tracker", "time", "term"), np.full_like(theta, 0.03)),
+                "innovation": over(("tracker", "time"), rng.standard_normal((2, t.size)), "mm"),
+                "simulated": over(("simulation", "time"), y + spread * np.sin(t), "mm"),
+                "nmse": over("simulation", [0.4, 0.02, 0.01]),
+                "rmse": over("simulation", [0.2, 0.02, 0.01], "mm"),
+            },
+            coords={
+                "time": over("time", t, "s"), "term": found["term"],
+                "tracker": ["rls", "kalman"], "simulation": ["fixed", "rls", "kalman"],
+            },
+        ),
+        "track",
+    )  # fmt: skip
+
+
+def gfrf(seed: int) -> xr.Dataset:
+    t, f = np.linspace(0, 1800, 181), np.geomspace(0.02, 10, 60)
+    t2, f2 = np.array([300.0, 900.0, 1500.0]), np.linspace(0.05, 2.0, 40)
+    gain = 0.1 * (1 + 0.3 * seed * t / 1800)
+    h1 = gain[:, None] / (1 + 1j * f / 0.8)
+    low_pass = 1 / (1 + 1j * f2 / 0.8)
+    h2 = (1 + t2 / 1800)[:, None, None] * 0.02 * low_pass[:, None] * low_pass
+    spectrum = 1e-2 / (1 + (f / 1.0) ** 12)
+
+    def parts(values):
+        return np.stack([values.real, values.imag], axis=-1)
+
+    return checked(
+        xr.Dataset(
+            {
+                "H1": over(("time", "frequency", "part"), parts(h1), "mm/V"),
+                "H2": over(("time_h2", "frequency_1", "frequency_2", "part"), parts(h2), "mm/V^2"),
+                "y0": over("time", 1 + 0.1 * t / 1800, "mm"),
+                "input_spectrum": over("frequency", spectrum, "V^2/Hz"),
+                "excited": over("frequency", f <= 1.0),
+            },
+            coords={
+                "time": over("time", t, "s"), "frequency": over("frequency", f, "Hz"),
+                "time_h2": over("time_h2", t2, "s"),
+                "frequency_1": over("frequency_1", f2, "Hz"),
+                "frequency_2": over("frequency_2", f2, "Hz"),
+                "part": ["real", "imag"],
+            },
+        ),
+        "gfrf",
+    )  # fmt: skip
+
+
+def link(seed: int, *, polled: bool = False) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    n = 900
+    trip = 1e-3 * rng.lognormal(0.1 * seed, 0.4, n)
+    send = np.cumsum(trip + 1e-3)
+    edges = np.geomspace(1e-5, 10.0, 61)
+    return checked(
+        xr.Dataset(
+            {
+                "send_time": over("exchange", send, "s"),
+                "receive_time": over("exchange", send + trip, "s"),
+                "samples": over("exchange", np.full(n, 100)),
+                "retries": over("exchange", rng.random(n) < 0.01),
+                "round_trip_count": over("round_trip_bin", np.histogram(trip, edges)[0]),
+                "round_trip_low": over("round_trip_bin", edges[:-1], "s"),
+                "round_trip_high": over("round_trip_bin", edges[1:], "s"),
+                "jitter": over(
+                    "polled_sample", rng.exponential(6e-4, 3000) if polled else np.empty(0), "s"
+                ),
+                "errors": over("kind", [seed, 2]),
+                "error_kind": over("kind", np.array(["no reply", "short reply"], dtype=object)),
+                "reconnects": over((), seed),
+            }
+        ),
+        "link",
+    )
+
+
+NAMES = [f"dea{i}" for i in range(1, 7)]

@@ -1,0 +1,186 @@
+"""Every figure draws from datasets of the contracts, says its units and hides no text."""
+
+import itertools
+import re
+
+import made_datasets as made
+import numpy as np
+import pytest
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import FigureBase
+from matplotlib.text import Text
+
+from dea.figures import style
+from dea.figures.fig1 import fig1
+from dea.figures.fig2 import fig2
+from dea.figures.fig3 import fig3
+from dea.figures.fig4_h2 import fig4_h2
+from dea.figures.frequency_maps import as_complex, excited_at
+from dea.figures.link import link
+from dea.figures.residual_tests import residual_tests
+from dea.figures.tracked_parameters import tracked_parameters
+
+OF_ONE = {
+    "fig1": lambda: fig1(made.record(1), "dea1", (100, 130)),
+    "fig2": lambda: fig2(made.orders(1), made.validation(1), "dea1"),
+    "residual_tests": lambda: residual_tests(made.validation(1), "dea1"),
+    "tracked_parameters": lambda: tracked_parameters(made.record(1), made.track(1), "dea1"),
+}
+OF_ALL = {
+    "fig3": lambda each: fig3(each(made.record), each(made.gfrf)),
+    "fig3_phase": lambda each: fig3(each(made.record), each(made.gfrf), "phase"),
+    "fig4_h2": lambda each: fig4_h2(each(made.gfrf)),
+    "link": lambda each: link(each(made.link)),
+    "link_polled": lambda each: link(each(made.link, polled=True)),
+}
+WITHOUT_UNITS = re.compile(
+    r"nmse|fpe|(dynamic|polynomial) order|exchanges per bin|share at least as late|\$\\phi_\{.*\}\$"
+)
+
+
+@style.styled
+def texts(figure):
+    """Every text a reader sees, with its box in pixels."""
+    figure.set_dpi(100)
+    FigureCanvasAgg(figure).draw()
+    found = []
+    for ax in figure.axes:
+        found += [ax.title, ax._left_title, ax._right_title, *ax.texts]
+        if ax.get_legend():
+            found += ax.get_legend().get_texts()
+        if ax.axison and ax.get_visible():
+            for axis in filter(Axis.get_visible, (ax.xaxis, ax.yaxis)):
+                low, high = sorted(axis.get_view_interval())
+                ticks = zip(axis.get_majorticklocs(), axis.get_majorticklabels(), strict=False)
+                found += [axis.label, *(text for at, text in ticks if low <= at <= high)]
+    for part in parts(figure):
+        found += part.texts
+        found += [text for legend in part.legends for text in legend.get_texts()]
+    shown = [text for text in found if text.get_visible() and text.get_text().strip()]
+    return [(text.get_text(), Text.get_window_extent(text)) for text in shown]
+
+
+def parts(figure: FigureBase):
+    yield figure
+    for part in figure.subfigs:
+        yield from parts(part)
+
+
+def assert_readable(figure):
+    page = figure.bbox.padded(1)
+    boxes = texts(figure)
+    assert len(boxes) > 5
+    for text, box in boxes:
+        assert page.contains(box.x0, box.y0), text
+        assert page.contains(box.x1, box.y1), text
+    for (a, one), (b, other) in itertools.combinations(boxes, 2):
+        x = min(one.x1, other.x1) - max(one.x0, other.x0)
+        y = min(one.y1, other.y1) - max(one.y0, other.y0)
+        assert min(x, y) < 1.5, f"{a!r} overlaps {b!r}"
+
+
+def assert_units(figure):
+    labels = [
+        axis.label.get_text()
+        for ax in figure.axes
+        if ax.axison and ax.get_visible()
+        for axis in (ax.xaxis, ax.yaxis)
+        if axis.label.get_text()
+    ]
+    assert len(labels) >= 2
+    for label in labels:
+        assert re.search(r"\(.+\)$", label) or WITHOUT_UNITS.fullmatch(label), label
+
+
+@pytest.mark.parametrize("name", OF_ONE)
+def test_a_figure_of_one_actuator_is_readable_and_says_its_units(name):
+    figure = OF_ONE[name]()
+    assert_units(figure)
+    assert_readable(figure)
+
+
+@pytest.mark.parametrize("name", OF_ALL)
+def test_a_figure_of_all_actuators_is_readable_and_says_its_units(name, each, names):
+    figure = OF_ALL[name](each)
+    assert_units(figure)
+    assert_readable(figure)
+    shown = {text for text, _ in texts(figure)}
+    assert set(names) <= shown
+
+
+def test_fig1_shows_every_sample_of_the_record():
+    record = made.record(1)
+    figure = fig1(record, "dea1", (100, 130))
+    drawn = [line.get_ydata() for ax in figure.axes for line in ax.lines]
+    for name in ("voltage", "displacement"):
+        whole = record[name].values
+        inside = record[name].sel(time=slice(100, 130)).values
+        assert any(np.array_equal(line, whole) for line in drawn)
+        assert any(np.array_equal(line, inside) for line in drawn)
+
+
+def test_fig2_tells_the_honest_approach_from_the_other_by_colour():
+    validation = made.validation(1)
+    figure = fig2(made.orders(1), validation, "dea1")
+    for window, ax in enumerate(figure.subfigs[1].axes[1:]):
+        by_colour = {line.get_color(): line.get_ydata() for line in ax.lines}
+        for approach, colour in (("honest", style.HONEST), ("re-estimated", style.RE_ESTIMATED)):
+            expected = validation["simulated"].sel(model="narx", approach=approach)
+            assert np.array_equal(by_colour[colour], expected.isel(window=window))
+
+
+def test_a_simulation_that_runs_away_does_not_hide_the_measurement():
+    validation = made.validation(1)
+    validation["simulated"].loc[{"approach": "honest", "model": "linear"}] = 1e9
+    figure = fig2(made.orders(1), validation, "dea1")
+    low, high = figure.subfigs[1].axes[0].get_ylim()
+    assert high - low < 2 * np.ptp(validation["measured"].values)
+
+
+def test_fig3_maps_hold_the_gain_and_the_phase():
+    record, gfrf = made.record(1), made.gfrf(1)
+    h1 = gfrf["H1"].values[..., 0] + 1j * gfrf["H1"].values[..., 1]
+    for quantity, expected in (("gain", np.abs(h1)), ("phase", np.degrees(np.angle(h1)))):
+        figure = fig3({"dea1": record}, {"dea1": gfrf}, quantity)
+        mesh = next(c for ax in figure.axes for c in ax.collections if c.get_array() is not None)
+        np.testing.assert_allclose(np.reshape(mesh.get_array(), expected.T.shape), expected.T)
+
+
+def test_the_colour_scale_is_set_where_the_excitation_held_power():
+    record, gfrf = made.record(1), made.gfrf(1)
+    silent = gfrf["excited"].values == 0
+    gfrf["H1"].values[:, silent] *= 1e6
+    figure = fig3({"dea1": record}, {"dea1": gfrf})
+    mesh = next(c for ax in figure.axes for c in ax.collections if c.get_array() is not None)
+    assert mesh.norm.vmax == pytest.approx(abs(as_complex(gfrf["H1"])).values[:, ~silent].max())
+
+
+def test_what_was_not_excited_is_hatched_and_only_that():
+    gfrf = made.gfrf(1)
+    ax = fig4_h2({"dea1": gfrf}).axes[0]
+    hatched = [c for c in ax.collections if getattr(c, "hatches", None) and any(c.hatches)]
+    assert len(hatched) == 1
+    area = hatched[0].get_paths()[0]
+    assert area.contains_point((1.5, 1.5))
+    assert area.contains_point((0.5, 1.5))
+    assert not area.contains_point((0.5, 0.5))
+    everywhere = gfrf.assign(excited=gfrf["excited"] * 0 + 1)
+    bare = fig4_h2({"dea1": everywhere}).axes[0]
+    assert not [c for c in bare.collections if getattr(c, "hatches", None)]
+
+
+def test_a_frequency_counts_as_excited_by_its_magnitude():
+    gfrf = made.gfrf(1)
+    frequency = gfrf["frequency_1"] * 0 + np.linspace(-2, 2, gfrf["frequency_1"].size)
+    assert np.array_equal(excited_at(gfrf, frequency), np.abs(frequency.values) <= 1.0)
+
+
+def test_the_first_row_of_residual_tests_holds_the_correlations_and_the_band():
+    validation = made.validation(1)
+    figure = residual_tests(validation, "dea1", approach="re-estimated")
+    lines = [line.get_ydata() for line in figure.axes[0].lines]
+    chosen = validation["correlation"].sel(approach="re-estimated", test="phi_ee").isel(window=0)
+    assert [np.array_equal(a, b) for a, b in zip(lines, chosen.values, strict=True)] == [True, True]
+    band = figure.axes[0].patches[0].get_extents().transformed(figure.axes[0].transData.inverted())
+    assert band.y1 == pytest.approx(float(validation["band"][0]))

@@ -1,0 +1,69 @@
+"""The look is the study's own, and the bytes depend on the figure alone."""
+
+import os
+import subprocess
+import sys
+
+import matplotlib as mpl
+import pytest
+
+from dea.figures import style
+
+DRAW = """
+import sys
+from pathlib import Path
+import made_datasets as made
+from dea.figures import style
+from dea.figures.fig4_h2 import fig4_h2
+style.save(fig4_h2({"dea1": made.gfrf(1)}), [Path(p) for p in sys.argv[1:]], 80)
+"""
+
+
+@pytest.fixture
+def draw(tmp_path, request):
+    def run(folder, **environment):
+        paths = [tmp_path / folder / f"f.{kind}" for kind in ("png", "pdf")]
+        subprocess.run(
+            [sys.executable, "-c", DRAW, *map(str, paths)],
+            check=True,
+            env={**os.environ, "PYTHONPATH": str(request.path.parent), **environment},
+        )
+        return [path.read_bytes() for path in paths]
+
+    return run
+
+
+def test_two_processes_write_the_same_bytes(draw):
+    once = draw("a", PYTHONHASHSEED="1", TZ="UTC")
+    again = draw("b", PYTHONHASHSEED="2", TZ="Asia/Tokyo", MPLBACKEND="pdf")
+    assert once == again
+    assert once[0].startswith(b"\x89PNG")
+    assert once[1].startswith(b"%PDF")
+    assert b"CreationDate" not in once[1]
+
+
+def test_styled_leaves_no_trace_and_ignores_the_users_settings():
+    @style.styled
+    def size():
+        return mpl.rcParams["font.size"]
+
+    with mpl.rc_context({"font.size": 30.0, "axes.facecolor": "red"}):
+        assert size() < 10
+        assert mpl.rcParams["font.size"] == 30.0
+
+
+def test_a_page_figure_has_the_size_asked_for():
+    width, height = style.page_figure(style.FULL_WIDTH, 100).get_size_inches()
+    assert (width * 25.4, height * 25.4) == pytest.approx((174.0, 100.0))
+
+
+def test_drawing_needs_no_window_system():
+    code = "import sys, dea.figures.fig1; assert 'matplotlib.pyplot' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    ("units", "label"), [("mm", "x (mm)"), ("mm^2", "x (mm²)"), ("mm/V^2", "x (mm/V²)"), ("1", "x")]
+)
+def test_a_label_holds_the_units(units, label):
+    assert style.quantity("x", units) == label
