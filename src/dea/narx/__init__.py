@@ -1,18 +1,31 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
+from dea.narx.estimation import estimate, scaling_of
+from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel, Scaling
+from dea.narx.refinement import refine
 from dea.narx.regressors import regressor_matrix
+from dea.narx.selection import SelectedModel, select_terms
 from dea.narx.simulation import simulate, simulate_varying
 from dea.narx.terms import Term, candidate_terms, linear_terms, max_lag
 
 __all__ = [
     "NarxModel",
     "Scaling",
+    "SelectedModel",
     "Term",
     "candidate_terms",
+    "estimate",
+    "fit",
+    "fpe",
     "linear_terms",
     "max_lag",
+    "nmse",
+    "refine",
     "regressor_matrix",
+    "rmse",
+    "scaling_of",
+    "select_terms",
     "simulate",
     "simulate_varying",
 ]

@@ -1,0 +1,107 @@
+"""Parameters of a given structure by least squares on the one-step error."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dea.errors import InputError
+from dea.narx.checks import Array, as_record
+from dea.narx.model import NarxModel, Scaling
+from dea.narx.regressors import regressor_matrix
+from dea.narx.terms import Term, max_lag
+
+Segment = tuple[Array, Array]
+Signals = ArrayLike | Sequence[ArrayLike]
+
+_DEPENDENT = 1e-12  # singular values below this share of the largest are rounding
+
+
+def estimate(
+    terms: Iterable[Term], u: Signals, y: Signals, *, scaling: Scaling | None = None
+) -> NarxModel:
+    """Least-squares estimate (4) of the parameters of ``terms``, with their covariance.
+
+    Parameters
+    ----------
+    u, y
+        Measured input and output in physical units, shape (samples,), or equally long lists of
+        such records, which share the parameters.
+    scaling
+        By default :func:`scaling_of` the records.
+
+    Returns
+    -------
+    NarxModel
+        Its covariance is that for a white one-step error. Noise on the output biases the
+        parameters themselves: :func:`dea.narx.refine` removes that bias.
+
+    Raises
+    ------
+    InputError
+        If the records are not usable, are too short or leave parameters undetermined.
+    """
+    chosen = tuple(terms)
+    records = as_segments(u, y, max_lag(chosen), len(chosen))
+    scale = scaling_of(records) if scaling is None else scaling
+    theta, covariance = least_squares(chosen, normalised(records, scale))
+    return NarxModel(chosen, theta, scale, covariance)
+
+
+def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> tuple[Array, Array]:
+    """Return the parameters (4) and their covariance from normalised segments.
+
+    Parameters that the data leave undetermined take the smallest values that explain them.
+    """
+    start = max_lag(terms)
+    matrix = np.vstack([regressor_matrix(terms, u, y) for u, y in segments])
+    target = np.concatenate([y[start:] for _, y in segments])
+    norms = np.linalg.norm(matrix, axis=0)
+    scale = np.where(norms > 0.0, norms, 1.0)  # the columns' units must not decide the rank
+    left, singular, right = np.linalg.svd(matrix / scale, full_matrices=False)
+    kept = singular > _DEPENDENT * singular[0]
+    inverse = (right[kept].T / singular[kept]) / scale[:, None]
+    theta = inverse @ (left[:, kept].T @ target)
+    freedom = max(target.size - kept.sum(), 1)
+    variance = np.sum((target - matrix @ theta) ** 2) / freedom
+    return theta, variance * (inverse @ inverse.T)
+
+
+def scaling_of(records: Sequence[Segment]) -> Scaling:
+    """Centre each signal on its mean and scale it by its half-range over all records.
+
+    Half-ranges put the input within about -1 to 1, the interval on which the published models of
+    such actuators stay bounded.
+    """
+    values = {}
+    for name, signal in (
+        ("u", np.concatenate([u for u, _ in records])),
+        ("y", np.concatenate([y for _, y in records])),
+    ):
+        values[f"{name}_offset"] = float(signal.mean())
+        values[f"{name}_scale"] = float(0.5 * np.ptp(signal))
+    return Scaling(**values)
+
+
+def normalised(records: Sequence[Segment], scaling: Scaling) -> list[Segment]:
+    """Return each record as the model's equation sees it."""
+    return [(scaling.normalise_input(u), scaling.normalise_output(y)) for u, y in records]
+
+
+def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Segment]:
+    """Return one or several records as a list of checked pairs of signals."""
+    inputs, outputs = _listed(u), _listed(y)
+    if len(inputs) != len(outputs) or not inputs:
+        raise InputError(
+            f"{len(inputs)} inputs for {len(outputs)} outputs",
+            field="u",
+            remedy="Give as many records of the one as of the other.",
+        )
+    return [as_record(one, other, lag, terms) for one, other in zip(inputs, outputs, strict=True)]
+
+
+def _listed(signals: Signals) -> list[ArrayLike]:
+    """Several records come as a list or tuple of arrays; one as an array or a list of numbers."""
+    if isinstance(signals, list | tuple) and signals and np.ndim(signals[0]) > 0:
+        return list(signals)
+    return [signals]  # type: ignore[list-item]

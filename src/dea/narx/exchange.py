@@ -1,0 +1,159 @@
+"""Better structures for the same price: terms added, dropped and exchanged under refinement.
+
+Forward selection judges each term by least-squares parameters, which noise biases, and never
+looks back at pairs. Here every trial's parameters minimise the simulated error, which makes the
+right structure reach the noise floor. Sensitivities make that affordable: the slope of the run by
+*every* candidate, projected off the slopes of the present terms, predicts what each would gain, so
+that only the most promising few are fitted. A step is taken only if
+
+    MSSE / mean(y^2) + price * (number of terms)
+
+falls, hence no structure comes back and the search ends.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dea.narx.checks import Array
+from dea.narx.refinement import Refined, linearise, minimise
+from dea.narx.terms import Term
+from dea.narx.trace import Trace, gain
+from dea.narx.trials import Segment, Subset
+
+_FITTED = 4  # the most promising additions, and removals, that are fitted in a round
+_TRIAL_ITERATIONS = 8
+_LEAST_FALL = 0.01  # of the price
+_DEPENDENT = 1e-10  # of a slope's energy: less than this is rounding
+
+
+class Move(NamedTuple):
+    """A structure that a round tries, with the parameters to start its fit from."""
+
+    label: str
+    status: str
+    subset: Subset
+    start: Array
+
+
+class Exchange:
+    """Searches structures among ``candidates`` on normalised segments."""
+
+    def __init__(
+        self, candidates: Sequence[Term], segments: Sequence[Segment], power: float, price: float
+    ) -> None:
+        self._candidates = tuple(candidates)
+        self._segments = segments
+        self._power = power
+        self._price = price
+        self._fits: dict[Subset, Refined] = {}
+
+    def search(
+        self, subset: Subset, start: Array, rounds: int, most: int, trace: Trace
+    ) -> tuple[Subset, Array]:
+        """Improve ``subset`` for at most ``rounds`` accepted steps and ``most`` terms.
+
+        Returns the structure and parameters found; those given, refined, if none is better.
+        """
+        fit = self._fit(subset, start)
+        for step in range(1, rounds + 1):
+            if not np.isfinite(fit.msse):
+                break
+            for moves in self._rounds(subset, fit, most):
+                fits = [self._fit(move.subset, move.start) for move in moves]
+                costs = [
+                    self._cost(move.subset, tried) for move, tried in zip(moves, fits, strict=True)
+                ]
+                best = int(np.argmin(costs)) if costs else 0
+                fallen = self._cost(subset, fit) - min(costs, default=np.inf)
+                accepted = fallen > _LEAST_FALL * self._price
+                trace.add(
+                    "exchange",
+                    step,
+                    [move.label for move in moves],
+                    [tried.msse for tried in fits],
+                    [gain(fit.msse, tried.msse, self._power) for tried in fits],
+                    best if accepted else None,
+                    moves[best].status if moves else "",
+                )
+                if accepted:
+                    subset, fit = moves[best].subset, fits[best]
+                    break
+            else:
+                break
+        return subset, fit.parameters
+
+    def _rounds(self, subset, fit, most):
+        """Removals, then additions, then additions with a removal: the cheapest first."""
+        yield self._removals(subset, fit, "")
+        additions = self._additions(subset, fit)
+        if len(subset) < most:
+            yield additions
+        exchanges = []
+        for move in additions:
+            tried = self._fit(move.subset, move.start)
+            if np.isfinite(tried.msse):
+                kept = set(move.subset) & set(subset)
+                exchanges += [
+                    swap
+                    for swap in self._removals(move.subset, tried, f"{move.label} for ")
+                    if not kept <= set(swap.subset)
+                ]
+        yield exchanges
+
+    def _removals(self, subset: Subset, fit: Refined, prefix: str) -> list[Move]:
+        """The terms whose removal raises the error least, by the quadratic model at the minimum."""
+        if len(subset) == 1:
+            return []
+        slope = linearise(self._terms(subset), fit.parameters, self._segments).slope
+        norms = _norms(slope)
+        inverse = np.linalg.pinv((slope / norms).T @ (slope / norms), hermitian=True)
+        scaled = fit.parameters * norms
+        rise = scaled**2 / np.maximum(np.diag(inverse), np.finfo(float).tiny)
+        moves = []
+        for i in np.argsort(rise, kind="stable")[:_FITTED]:
+            moved = (scaled - inverse[:, i] * scaled[i] / inverse[i, i]) / norms
+            label = prefix + str(self._candidates[subset[i]])
+            status = "exchanged" if prefix else "pruned"
+            rest = tuple(j for j in subset if j != subset[i])
+            moves.append(Move(label, status, rest, np.delete(moved, i)))
+        return moves
+
+    def _additions(self, subset: Subset, fit: Refined) -> list[Move]:
+        """The terms that promise the largest fall, by their slope off the present slopes."""
+        full = np.zeros(len(self._candidates))
+        full[list(subset)] = fit.parameters
+        point = linearise(self._candidates, full, self._segments)
+        present = point.slope[:, list(subset)]
+        basis, _ = np.linalg.qr(present / _norms(present))
+        off = point.slope - basis @ (basis.T @ point.slope)
+        energy = np.sum(off**2, axis=0)
+        usable = energy > _DEPENDENT * np.sum(point.slope**2, axis=0)
+        usable[list(subset)] = False
+        fall = np.where(usable, (off.T @ point.residual) ** 2, 0.0)
+        fall /= np.where(usable, energy, 1.0)
+        moves = []
+        for j in np.argsort(-fall, kind="stable")[:_FITTED]:
+            if fall[j] > 0.0:
+                grown = tuple(sorted((*subset, int(j))))
+                label = str(self._candidates[j])
+                moves.append(Move(label, "added", grown, full[list(grown)]))
+        return moves
+
+    def _fit(self, subset: Subset, start: Array) -> Refined:
+        if subset not in self._fits:
+            terms = self._terms(subset)
+            self._fits[subset] = minimise(terms, start, self._segments, _TRIAL_ITERATIONS)
+        return self._fits[subset]
+
+    def _cost(self, subset: Subset, fit: Refined) -> float:
+        return fit.msse / self._power + self._price * len(subset)
+
+    def _terms(self, subset: Subset) -> tuple[Term, ...]:
+        return tuple(self._candidates[j] for j in subset)
+
+
+def _norms(slope: Array) -> Array:
+    norms = np.linalg.norm(slope, axis=0)
+    return np.where(norms > 0.0, norms, 1.0)

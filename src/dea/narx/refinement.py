@@ -1,0 +1,226 @@
+"""Parameters that minimise the simulated error: Levenberg-Marquardt on exact sensitivities."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from dea.errors import InputError
+from dea.narx.checks import Array
+from dea.narx.estimation import Segment, Signals, as_segments, normalised
+from dea.narx.model import NarxModel
+from dea.narx.simulation import BOUND, simulate, structure
+from dea.narx.terms import Term
+
+_NONE = -1
+_SMALLEST_FALL = 1e-10  # relative fall of the error below which a step changes nothing
+_MOST_DAMPING = 1e12
+
+
+class Refined(NamedTuple):
+    """Parameters at a minimum of the simulated error."""
+
+    parameters: Array  # (terms,)
+    covariance: Array  # (terms, terms)
+    msse: float  # mean squared simulated error (6), normalised units
+
+
+def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) -> NarxModel:
+    """Return ``model`` with the parameters that minimise its simulated error (6).
+
+    Least squares minimises the one-step error instead, which noise on the output biases; this does
+    not, and weighs errors as a free run shows them. Starts from the model's own parameters.
+
+    Parameters
+    ----------
+    u, y
+        Measured records in physical units, as for :func:`dea.narx.estimate`.
+    iterations
+        Most Levenberg-Marquardt steps; it ends earlier at a minimum.
+
+    Returns
+    -------
+    NarxModel
+        Its covariance allows for residuals that are correlated in time.
+
+    Raises
+    ------
+    InputError
+        If the records are not usable or the model's free run on them diverges.
+    """
+    records = as_segments(u, y, model.max_lag, len(model.terms))
+    segments = normalised(records, model.scaling)
+    refined = minimise(model.terms, model.parameters, segments, iterations)
+    if not np.isfinite(refined.msse):
+        raise InputError(
+            "the free run of the model diverges on this record",
+            field="model",
+            remedy="Start from parameters with which it is stable, or choose other terms.",
+        )
+    return model.with_parameters(refined.parameters, refined.covariance)
+
+
+def minimise(
+    terms: tuple[Term, ...], start: Array, segments: Sequence[Segment], iterations: int = 30
+) -> Refined:
+    """Minimise the simulated error over normalised segments from the parameters ``start``.
+
+    A start from which the run diverges comes back with an infinite error.
+    """
+    theta = start.copy()
+    point = linearise(terms, theta, segments)
+    damping = 1e-3
+    for _ in range(iterations):
+        if not np.isfinite(point.error):
+            return Refined(theta, np.full((theta.size, theta.size), np.inf), np.inf)
+        norms = np.linalg.norm(point.slope, axis=0)
+        norms[norms == 0.0] = 1.0  # a term the run never meets
+        both = np.column_stack([point.slope / norms, point.residual])
+        triangle: Array = np.linalg.qr(both, mode="r")  # type: ignore[assignment]
+        left, singular, right = np.linalg.svd(triangle[:-1, :-1])
+        projected = left.T @ triangle[:-1, -1]
+        fall = 0.0
+        while damping < _MOST_DAMPING:
+            step = (right.T @ (singular / (singular**2 + damping) * projected)) / norms
+            trial = squared_error(terms, theta + step, segments)
+            if trial < point.error:
+                fall = point.error - trial
+                theta += step
+                damping = max(damping / 10.0, 1e-15)
+                break
+            damping *= 10.0
+        enough = fall <= _SMALLEST_FALL * point.error
+        if fall > 0.0:
+            point = linearise(terms, theta, segments)
+        if enough:
+            break
+    covariance = robust_covariance(point.slope, point.residual)
+    return Refined(theta, covariance, point.error / point.residual.size)
+
+
+def squared_error(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> float:
+    """Sum of squared errors of the free runs; infinite where one diverges."""
+    first = structure(terms).start
+    total = 0.0
+    for u, y in segments:
+        run = simulate(terms, theta, u, y, bound=_bound(y))
+        if not np.isfinite(run[-1]):
+            return np.inf
+        total += float(np.sum((y[first:] - run[first:]) ** 2))
+    return total
+
+
+def sensitivities(
+    terms: tuple[Term, ...], theta: Array, u: Array, y_initial: Array, bound: float = BOUND
+) -> tuple[Array, Array]:
+    """Simulate freely together with the derivative of the run by each parameter.
+
+    Differentiating (7): dy_t/dtheta_j = phi_j(x_t) + sum_k (df/dy_{t-k}) dy_{t-k}/dtheta_j.
+
+    Returns
+    -------
+    y, slope
+        Outputs, shape (samples,), and derivatives, shape (samples, terms). Both are ``inf`` from
+        the sample on where the run diverges.
+    """
+    shape = structure(terms)
+    y = np.empty(u.size)
+    y[: shape.start] = y_initial[: shape.start]
+    slope = np.zeros((u.size, len(terms)))
+    y_lags = shape.y_lags[shape.group]
+    _sensitivities(y_lags, shape.u_lags, theta, shape.start, u, y, slope, bound)
+    return y, slope
+
+
+def robust_covariance(slope: Array, residual: Array) -> Array:
+    """Covariance of a least-squares minimum whose residuals are correlated in time.
+
+    Newey and West (1987) with Bartlett weights over the first 4 (n/100)^(2/9) lags or, where that
+    is longer, until the residual's autocorrelation has fallen to 1/e ten times over.
+    """
+    norms = np.linalg.norm(slope, axis=0)
+    norms[norms == 0.0] = 1.0
+    scaled = slope / norms
+    inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-14, hermitian=True)
+    score = scaled * residual[:, None]
+    count = residual.size
+    reach = min(max(int(4.0 * (count / 100.0) ** (2 / 9)), 10 * _memory(residual)), count // 4)
+    meat = score.T @ score
+    for lag in range(1, reach + 1):
+        cross = score[lag:].T @ score[:-lag]
+        meat += (1.0 - lag / (reach + 1.0)) * (cross + cross.T)
+    freedom = count / max(count - norms.size, 1)
+    return freedom * (inverse @ meat @ inverse) / np.outer(norms, norms)
+
+
+def _memory(residual: Array) -> int:
+    """Lag at which the autocorrelation first falls below 1/e."""
+    size = 2 * residual.size
+    spectrum = np.fft.rfft(residual, size)
+    correlation = np.fft.irfft(np.abs(spectrum) ** 2, size)[: residual.size]
+    return int(np.argmax(correlation <= correlation[0] / np.e))
+
+
+class Linearised(NamedTuple):
+    """The free runs at one point of the parameter space and their slope there."""
+
+    error: float  # sum of squares; inf where a run diverges
+    residual: Array  # (samples,) measured less simulated, all segments
+    slope: Array  # (samples, terms) derivative of the run by each parameter
+
+
+def linearise(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> Linearised:
+    """Simulate every segment with its sensitivities."""
+    first = structure(terms).start
+    residuals, slopes = [], []
+    for u, y in segments:
+        run, slope = sensitivities(terms, theta, u, y, _bound(y))
+        if not np.isfinite(run[-1]):
+            return Linearised(np.inf, np.empty(0), np.empty((0, theta.size)))
+        residuals.append(y[first:] - run[first:])
+        slopes.append(slope[first:])
+    residual = np.concatenate(residuals)
+    return Linearised(float(residual @ residual), residual, np.vstack(slopes))
+
+
+def _bound(y: Array) -> float:
+    return 100.0 * float(np.abs(y).max())
+
+
+@njit(cache=True)
+def _sensitivities(y_lags, u_lags, theta, start, u, y, slope, bound):
+    terms, factors = y_lags.shape
+    feedback = np.zeros(max(start, 1) + 1)  # df/dy_{t-k}
+    for t in range(start, y.size):
+        total = 0.0
+        feedback[:] = 0.0
+        for j in range(terms):
+            inputs = 1.0
+            for factor in range(u_lags.shape[1]):
+                if u_lags[j, factor] == _NONE:
+                    break
+                inputs *= u[t - u_lags[j, factor]]
+            monomial = inputs
+            for factor in range(factors):
+                if y_lags[j, factor] == _NONE:
+                    break
+                monomial *= y[t - y_lags[j, factor]]
+                others = theta[j] * inputs
+                for other in range(factors):
+                    if y_lags[j, other] == _NONE:
+                        break
+                    if other != factor:
+                        others *= y[t - y_lags[j, other]]
+                feedback[y_lags[j, factor]] += others
+            slope[t, j] = monomial
+            total += theta[j] * monomial
+        if not abs(total) <= bound:
+            y[t:] = np.inf
+            slope[t:] = np.inf
+            return
+        y[t] = total
+        for k in range(1, start + 1):
+            if feedback[k] != 0.0:
+                for j in range(terms):
+                    slope[t, j] += feedback[k] * slope[t - k, j]

@@ -1,0 +1,172 @@
+"""Term selection by simulated error reduction, and how sure each selected term is."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from dea.errors import InputError
+from dea.narx.estimation import (
+    Signals,
+    as_segments,
+    least_squares,
+    normalised,
+    scaling_of,
+)
+from dea.narx.exchange import Exchange
+from dea.narx.model import NarxModel, Scaling
+from dea.narx.refinement import minimise
+from dea.narx.terms import candidate_terms, max_lag
+from dea.narx.trace import Trace, gain
+from dea.narx.trials import Subset, Trials
+
+
+@dataclass(frozen=True, eq=False)
+class SelectedModel(NarxModel):
+    """A model whose terms were selected; ``trace`` holds every trial on the way.
+
+    Parameters
+    ----------
+    trace
+        Dataset with dimension ``trial``: ``trial_phase`` (basis, forward, pruning, exchange),
+        ``trial_step``, ``trial_term``, ``trial_msse``, ``trial_serr`` and ``trial_status`` (added,
+        pruned, exchanged, rejected, unstable).
+    """
+
+    trace: xr.Dataset = field(default_factory=xr.Dataset)
+
+    def to_dataset(self, u_units: str = "1", y_units: str = "1") -> xr.Dataset:
+        """Return model and trace as labelled data, as ``model.nc`` holds them."""
+        return super().to_dataset(u_units, y_units).merge(self.trace)
+
+
+def select_terms(
+    u: Signals,
+    y: Signals,
+    *,
+    y_lags: int | Sequence[int] = 3,
+    u_lags: int | Sequence[int] = 3,
+    degree: int = 3,
+    add_threshold: float = 1e-5,
+    prune_threshold: float = 1e-5,
+    refine: bool = True,
+    rounds: int = 50,
+    max_terms: int | None = None,
+    scaling: Scaling | None = None,
+) -> SelectedModel:
+    """Select the terms of a NARX model by how well it simulates.
+
+    Starts from the linear basis and adds, one at a time, the term with the *largest* simulated
+    error reduction ratio SERR (5)-(9), then removes terms by the same ratio. Every trial is
+    re-estimated by least squares (4) and simulated freely over the whole record; an unstable trial
+    has an infinite error. With ``refine``, the structure is then improved by adding, dropping and
+    exchanging terms while their parameters minimise the simulated error itself.
+
+    Parameters
+    ----------
+    u, y
+        Measured input and output in physical units, shape (samples,), or equally long lists of
+        such records, which share one model.
+    y_lags, u_lags
+        Largest lag of output and input, or the lags themselves (input lags may include 0).
+    degree
+        Largest polynomial order.
+    add_threshold
+        SERR below which no term is worth adding; also the price of a term while refining. SERR is
+        a share of the mean square of the normalised output.
+    prune_threshold
+        A term is removed while that costs less SERR than this.
+    refine
+        False gives the forward selection and pruning alone, with least-squares parameters.
+    rounds
+        Most accepted steps of the refining search; 0 refines the parameters alone.
+    max_terms
+        No model has more terms than this, the linear basis aside.
+    scaling
+        By default mean and half-range of the records; ``Scaling()`` takes them as they are.
+
+    Returns
+    -------
+    SelectedModel
+        With covariance, scaling and the trace of all trials.
+
+    Raises
+    ------
+    InputError
+        If the records are not usable or too short, or if no stable model is found.
+    """
+    candidates = candidate_terms(y_lags, u_lags, degree)
+    linear = tuple(j for j, term in enumerate(candidates) if term.degree <= 1)
+    records = as_segments(u, y, max_lag(candidates), len(linear))
+    scale = scaling_of(records) if scaling is None else scaling
+    segments = normalised(records, scale)
+    trials, trace = Trials(candidates, segments), Trace()
+    most = len(candidates) if max_terms is None else max_terms
+    subset = forward_and_prune(trials, linear, add_threshold, prune_threshold, most, trace)
+    theta = trials([subset])[0].parameters
+    if refine:
+        exchange = Exchange(candidates, segments, trials.power, add_threshold)
+        subset, theta = exchange.search(subset, theta, rounds, most, trace)
+    terms = tuple(candidates[j] for j in subset)
+    if refine:
+        theta, covariance, error = minimise(terms, theta, segments)
+    else:
+        _, covariance = least_squares(terms, segments)
+        error = trials([subset])[0].msse
+    if not np.isfinite(error):
+        raise InputError(
+            "every model of these terms diverges in free run",
+            field="y_lags, u_lags, degree",
+            remedy="Allow other lags or a lower degree, or use a longer record.",
+        )
+    return SelectedModel(terms, theta, scale, covariance, trace.to_dataset())
+
+
+def forward_and_prune(
+    trials: Trials,
+    basis: Subset,
+    add_threshold: float,
+    prune_threshold: float,
+    most: int,
+    trace: Trace,
+) -> Subset:
+    """Grow ``basis`` by the largest SERR, then remove what costs least; candidate indices."""
+    names = [str(term) for term in trials.candidates]
+    error = trials([basis])[0].msse
+    trace.add("basis", 0, ["linear basis"], [error], [error / trials.power])
+
+    def grow(subset: Subset) -> dict[str, Subset]:
+        free = [j for j in range(len(names)) if j not in subset] if len(subset) < most else []
+        return {names[j]: tuple(sorted((*subset, j))) for j in free}
+
+    def shrink(subset: Subset) -> dict[str, Subset]:
+        removable = subset if len(subset) > 1 else ()
+        return {names[j]: tuple(i for i in subset if i != j) for j in removable}
+
+    grown = _descend(trials, basis, grow, add_threshold, trace, ("forward", "added"))
+    return _descend(trials, grown, shrink, -prune_threshold, trace, ("pruning", "pruned"))
+
+
+def _descend(
+    trials: Trials,
+    subset: Subset,
+    moves: Callable[[Subset], dict[str, Subset]],
+    least_gain: float,
+    trace: Trace,
+    labels: tuple[str, str],
+) -> Subset:
+    """Take the move of least simulated error for as long as its SERR (5) is ``least_gain``."""
+    phase, status = labels
+    error, step = trials([subset])[0].msse, 0
+    while options := moves(subset):
+        step += 1
+        errors = [outcome.msse for outcome in trials(options.values())]
+        gains = [gain(error, tried, trials.power) for tried in errors]
+        best = int(np.argmin(errors))
+        accepted = gains[best] >= least_gain
+        trace.add(phase, step, list(options), errors, gains, best if accepted else None, status)
+        if not accepted:
+            break
+        subset, error = list(options.values())[best], errors[best]
+    return subset

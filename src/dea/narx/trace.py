@@ -1,0 +1,58 @@
+"""The record of a selection: every trial, what it gained and what became of it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+_LABELS = {
+    "phase": "phase of the selection",
+    "step": "step within the phase",
+    "term": "term tried",
+    "msse": "mean squared simulated error of the trial, normalised output",
+    "serr": "simulated error reduction ratio, negative where the error rises",
+    "status": "what became of the trial",
+}
+
+
+def gain(before: float, after: float, power: float) -> float:
+    """Simulated error reduction ratio (5), where an unstable model has an infinite error."""
+    if not np.isfinite(after):
+        return -np.inf
+    if not np.isfinite(before):
+        return np.inf
+    return (before - after) / power
+
+
+class Trace:
+    """Collects trials in the order in which they were made."""
+
+    def __init__(self) -> None:
+        self._rows: list[tuple[str, int, str, float, float, str]] = []
+
+    def add(
+        self,
+        phase: str,
+        step: int,
+        labels: Sequence[str],
+        errors: Sequence[float],
+        gains: Sequence[float],
+        accepted: int | None = None,
+        status: str = "",
+    ) -> None:
+        """Add one step's trials; trial number ``accepted`` got ``status``, the rest did not."""
+        for i, (label, error, serr) in enumerate(zip(labels, errors, gains, strict=True)):
+            outcome = "rejected" if np.isfinite(error) else "unstable"
+            self._rows.append(
+                (phase, step, label, error, serr, status if i == accepted else outcome)
+            )
+
+    def to_dataset(self) -> xr.Dataset:
+        """Return the trials with dimension ``trial``, as ``model.nc`` holds them."""
+        columns = zip(*self._rows, strict=True) if self._rows else [()] * len(_LABELS)
+        return xr.Dataset(
+            {
+                f"trial_{name}": ("trial", np.array(column), {"units": "1", "long_name": label})
+                for (name, label), column in zip(_LABELS.items(), columns, strict=True)
+            }
+        )

@@ -1,0 +1,126 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from narx_strategies import models
+from scipy.optimize import least_squares as scipy_least_squares
+
+from dea.errors import InputError
+from dea.narx import NarxModel, Scaling, estimate, refine, regressor_matrix, scaling_of, simulate
+from dea.narx.refinement import sensitivities
+
+PLANT = {"1": 0.1, "y(t-1)": 1.2, "y(t-2)": -0.4, "u(t-1)": 0.2, "y(t-1)u(t-1)^2": -0.15}
+
+
+def record(samples=2000, noise=0.05, seed=0):
+    rng = np.random.default_rng(seed)
+    u = rng.standard_normal(samples)
+    model = NarxModel.from_terms(PLANT)
+    y = model.simulate(u)
+    return model, u, y + noise * y.std() * rng.standard_normal(samples)
+
+
+def test_estimates_equal_textbook_least_squares():
+    model, u, y = record()
+    found = estimate(model.terms, u, y, scaling=Scaling())
+    matrix = regressor_matrix(model.terms, u, y)
+    theta, rest, _, _ = np.linalg.lstsq(matrix, y[2:], rcond=None)
+    np.testing.assert_allclose(found.parameters, theta, rtol=1e-10)
+    covariance = rest[0] / (y.size - 2 - 5) * np.linalg.inv(matrix.T @ matrix)
+    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-8)
+
+
+def test_standard_errors_are_the_spread_over_repetitions():
+    """Equation error is what least squares assumes: there its standard errors hold."""
+    model = NarxModel.from_terms(PLANT)
+    u = np.random.default_rng(1).standard_normal(400)
+    found = []
+    for seed in range(150):
+        e = 0.05 * np.random.default_rng([2, seed]).standard_normal(400)
+        y = np.zeros(400)
+        for t in range(2, 400):
+            row = regressor_matrix(model.terms, u[t - 2 : t + 1], y[t - 2 : t + 1])
+            y[t] = row[0] @ model.parameters + e[t]
+        found.append(estimate(model.terms, u, y, scaling=Scaling()))
+    spread = np.std([one.parameters for one in found], axis=0)
+    claimed = np.mean([one.standard_errors for one in found], axis=0)
+    np.testing.assert_allclose(claimed, spread, rtol=0.25)
+
+
+def test_refined_standard_errors_hold_under_coloured_noise():
+    model = NarxModel.from_terms({"y(t-1)": 0.8, "u(t-1)": 0.5})
+    u = np.repeat(np.random.default_rng(1).standard_normal(150), 10)
+    clean = model.simulate(u)
+    found = []
+    for seed in range(150):
+        e = np.random.default_rng([3, seed]).standard_normal(1500)
+        coloured = NarxModel.from_terms({"y(t-1)": 0.9, "u(t-1)": 0.1}).simulate(e)
+        found.append(refine(model, u, clean + coloured))
+    spread = np.std([one.parameters for one in found], axis=0)
+    claimed = np.mean([one.standard_errors for one in found], axis=0)
+    np.testing.assert_allclose(claimed, spread, rtol=0.3)
+
+
+@given(models(), st.integers(0, 2**32 - 1))
+def test_sensitivities_equal_finite_differences(model, seed):
+    rng = np.random.default_rng(seed)
+    u, start = rng.uniform(-1, 1, 25), rng.uniform(-0.3, 0.3, 5)
+    y, slope = sensitivities(model.terms, model.parameters, u, start)
+    np.testing.assert_allclose(
+        y, simulate(model.terms, model.parameters, u, start), rtol=1e-10, atol=1e-14
+    )
+    for j in range(model.parameters.size):
+        step = np.zeros(model.parameters.size)
+        step[j] = 1e-6
+        up, down = (
+            simulate(model.terms, model.parameters + sign * step, u, start) for sign in (1, -1)
+        )
+        np.testing.assert_allclose(slope[:, j], (up - down) / 2e-6, rtol=1e-5, atol=1e-7)
+
+
+def test_refinement_reaches_the_minimum_another_optimiser_finds():
+    model, u, y = record()
+    biased = estimate(model.terms, u, y, scaling=Scaling())
+    refined = refine(biased, u, y)
+
+    def error(theta):
+        return simulate(model.terms, theta, u, y)[2:] - y[2:]
+
+    oracle = scipy_least_squares(error, model.parameters, xtol=1e-14, ftol=1e-14, gtol=1e-14)
+    np.testing.assert_allclose(refined.parameters, oracle.x, rtol=1e-5)
+
+
+def test_refinement_removes_the_bias_of_noisy_outputs():
+    model, u, y = record(noise=0.2)
+    biased = estimate(model.terms, u, y, scaling=Scaling())
+    refined = refine(biased, u, y)
+    lost, left = (np.abs(found.parameters - model.parameters).max() for found in (biased, refined))
+    assert lost > 0.1
+    assert left < 0.03
+    assert np.all(np.abs(refined.parameters - model.parameters) < 4 * refined.standard_errors)
+
+
+def test_several_records_are_estimated_together():
+    model, u, y = record(noise=0.0)
+    pieces = [slice(0, 700), slice(700, 1100), slice(1100, 2000)]
+    found = estimate(model.terms, [u[p] for p in pieces], [y[p] for p in pieces], scaling=Scaling())
+    np.testing.assert_allclose(found.parameters, model.parameters, rtol=1e-9)
+    again = refine(
+        found.with_parameters(found.parameters * 0.95),
+        [u[p] for p in pieces],
+        [y[p] for p in pieces],
+    )
+    np.testing.assert_allclose(again.parameters, model.parameters, rtol=1e-6)
+
+
+def test_the_scaling_is_mean_and_half_range():
+    scaling = scaling_of(
+        [(np.array([1.0, 3.0]), np.array([0.0, 4.0])), (np.array([5.0]), np.array([8.0]))]
+    )
+    assert scaling == Scaling(u_offset=3.0, u_scale=2.0, y_offset=4.0, y_scale=4.0)
+
+
+def test_a_model_that_diverges_cannot_be_refined():
+    _, u, y = record()
+    with pytest.raises(InputError, match="diverges"):
+        refine(NarxModel.from_terms({"y(t-1)": 1.5, "u(t-1)": 1.0}), u, y)

@@ -1,0 +1,214 @@
+from itertools import combinations
+
+import numpy as np
+import pytest
+from narx_strategies import slow_simulation
+
+from dea.errors import InputError
+from dea.narx import (
+    NarxModel,
+    Scaling,
+    candidate_terms,
+    linear_terms,
+    regressor_matrix,
+    select_terms,
+)
+from dea.narx.selection import forward_and_prune
+from dea.narx.trace import Trace
+from dea.narx.trials import Trials
+
+# DEA2's column of Table 1 of the reference study.
+DEA2 = {
+    "1": 0.0242,
+    "y(t-1)": 1.2128,
+    "y(t-2)": -0.3024,
+    "u(t-1)": 0.1057,
+    "u(t-2)": -0.0513,
+    "u(t-3)": -0.0360,
+    "y(t-1)u(t-1)^2": 0.2712,
+    "y(t-1)u(t-2)u(t-3)": -0.1900,
+    "y(t-1)u(t-3)^2": 0.0254,
+    "y(t-2)u(t-1)^2": -0.0459,
+}
+SMALL = {"1": 0.1, "y(t-1)": 0.6, "u(t-1)": 0.4, "u(t-2)^2": 0.3, "y(t-1)u(t-1)": -0.2}
+
+
+def record(terms, samples=1500, noise=0.0, seed=0, spread=0.6):
+    rng = np.random.default_rng(seed)
+    model = NarxModel.from_terms(terms)
+    u = rng.uniform(-spread, spread, samples)
+    y = model.simulate(u)
+    return model, u, y + noise * y.std() * rng.standard_normal(samples)
+
+
+def slow_trial(candidates, subset, u, y, start):
+    """A trial by textbook least squares and term-by-term simulation."""
+    terms = [candidates[j] for j in subset]
+    matrix = regressor_matrix(terms, u, y, start)
+    theta = np.linalg.lstsq(matrix, y[start:], rcond=None)[0]
+    run = slow_simulation(terms, np.tile(theta, (u.size, 1)), u, y, start)
+    return np.mean((run[start:] - y[start:]) ** 2), theta
+
+
+def test_trials_equal_textbook_estimates_and_simulations():
+    _, u, y = record(SMALL, 300, noise=0.05)
+    candidates = candidate_terms(2, 2, 3)
+    trials = Trials(candidates, [(u, y)])
+    rng = np.random.default_rng(3)
+    # Terms of degree one and inputs alone: no free run of these diverges.
+    tame = [j for j, term in enumerate(candidates) if term.degree < 2 or not term.y_lags]
+    subsets = [tuple(sorted(rng.choice(tame, size, replace=False))) for size in (1, 3, 6, 9)]
+    subsets.append(tuple(candidates.index(term) for term in NarxModel.from_terms(SMALL).terms))
+    for subset, outcome in zip(subsets, trials(subsets), strict=True):
+        error, theta = slow_trial(candidates, subset, u, y, 2)
+        np.testing.assert_allclose(outcome.parameters, theta, rtol=1e-8)
+        assert outcome.msse == pytest.approx(error, rel=1e-8)
+
+
+def test_trials_on_two_records_share_their_parameters():
+    _, u, y = record(SMALL, 300, noise=0.05)
+    candidates = linear_terms(2, 2)
+    both = Trials(candidates, [(u[:100], y[:100]), (u[100:], y[100:])])
+    theta = both([(0, 1, 2, 3, 4)])[0].parameters
+    matrix = np.vstack(
+        [regressor_matrix(candidates, u[part], y[part]) for part in (slice(100), slice(100, None))]
+    )
+    target = np.concatenate([y[2:100], y[102:]])
+    np.testing.assert_allclose(theta, np.linalg.lstsq(matrix, target, rcond=None)[0], rtol=1e-9)
+
+
+def test_a_dependent_regressor_gets_no_weight():
+    u = np.tile([1.0, -1.0], 100)  # u(t-2) = -u(t-1), u^2 = 1
+    y = np.concatenate([[0.0], 0.5 * u[:-1]])
+    y[1:] += 0.1 * np.sin(np.arange(199))
+    candidates = linear_terms(1, 2)
+    outcome = Trials(candidates, [(u, y)])([(0, 2, 3)])[0]
+    assert np.count_nonzero(outcome.parameters) == 2
+    assert np.isfinite(outcome.msse)
+
+
+def test_greedy_steps_take_the_largest_reduction_of_the_simulated_error():
+    _, u, y = record(SMALL, 300, noise=0.02)
+    candidates = candidate_terms(1, 2, 2)
+    trace = Trace()
+    forward_and_prune(Trials(candidates, [(u, y)]), (0, 1, 2, 3), 1e-4, 1e-4, 99, trace)
+    steps = trace.to_dataset().to_dataframe()
+    subset = [0, 1, 2, 3]
+    error = slow_trial(candidates, subset, u, y, 2)[0]
+    power = np.mean(y[2:] ** 2)
+    forward = steps[steps.trial_phase == "forward"]
+    assert len(forward.groupby("trial_step")) >= 2
+    for _, tried in forward.groupby("trial_step"):
+        free = [j for j in range(len(candidates)) if j not in subset]
+        errors = [slow_trial(candidates, sorted([*subset, j]), u, y, 2)[0] for j in free]
+        np.testing.assert_allclose(tried.trial_msse, errors, rtol=1e-7)
+        np.testing.assert_allclose(tried.trial_serr, (error - errors) / power, atol=1e-9)  # (5)
+        best = int(np.argmin(errors))
+        added = tried[tried.trial_status == "added"]
+        if error - errors[best] < 1e-4 * power:
+            assert added.empty
+        else:
+            assert list(added.trial_term) == [str(candidates[free[best]])]
+            subset = sorted([*subset, free[best]])
+            error = errors[best]
+
+
+def test_the_small_model_found_is_the_best_of_all_subsets():
+    terms = {"y(t-1)": 0.5, "u(t-1)": 0.4, "u(t-1)^2": 0.3}
+    _, u, y = record(terms, 200, noise=0.02)
+    candidates = candidate_terms(1, 1, 2)
+    found = select_terms(u, y, y_lags=1, u_lags=1, degree=2, refine=False, scaling=Scaling())
+    size = len(found.terms)
+    errors = {
+        subset: slow_trial(candidates, subset, u, y, 1)[0]
+        for subset in combinations(range(len(candidates)), size)
+    }
+    best = min(errors, key=errors.get)
+    assert set(found.terms) == {candidates[j] for j in best}
+
+
+def test_dea2_driven_by_white_noise_gives_its_ten_terms_back():
+    model, u, y = record(DEA2, 5000, noise=1e-3)
+    found = select_terms(u, y, scaling=Scaling(), add_threshold=1e-6, prune_threshold=1e-6)
+    assert set(found.terms) == set(model.terms)
+    order = [found.terms.index(term) for term in model.terms]
+    np.testing.assert_allclose(found.parameters[order], model.parameters, atol=2e-4)
+
+
+def test_refining_never_simulates_worse_than_the_forward_selection():
+    _, u, y = record(SMALL, 800, noise=0.1)
+    plain, refined = (select_terms(u, y, refine=choice) for choice in (False, True))
+    price = 1e-5 * np.mean(plain.scaling.normalise_output(y) ** 2)
+    cost = {
+        model: np.mean(((model.simulate(u, y) - y) / model.scaling.y_scale) ** 2)
+        + price * len(model.terms)
+        for model in (plain, refined)
+    }
+    assert cost[refined] <= cost[plain] * (1 + 1e-9)
+
+
+def test_unstable_trials_have_an_infinite_error_and_no_nan():
+    rng = np.random.default_rng(0)
+    u = rng.standard_normal(300)
+    y = np.cumsum(u + 0.3 * rng.standard_normal(300))  # an integrator, on the edge
+    found = select_terms(u, y, refine=False)
+    unstable = found.trace.trial_status == "unstable"
+    assert unstable.any()
+    assert np.isposinf(found.trace.trial_msse[unstable]).all()
+    assert np.isneginf(found.trace.trial_serr[unstable]).all()
+    assert not found.trace.trial_msse.isnull().any()
+    assert not found.trace.trial_serr.isnull().any()
+
+
+def test_the_trace_retells_the_selection():
+    _, u, y = record(DEA2, 1500, noise=1e-2)
+    found = select_terms(u, y)
+    linear = {str(term) for term in linear_terms(3, 3)}
+    kept = set(linear)
+    trace = found.trace.to_dataframe()
+    for term, status in zip(trace.trial_term, trace.trial_status, strict=True):
+        added, _, removed = term.partition(" for ")
+        if status == "added":
+            kept.add(term)
+        elif status == "pruned":
+            kept.remove(term)
+        elif status == "exchanged":
+            kept = (kept | {added}) - {removed}
+    assert kept == {str(term) for term in found.terms}
+
+
+def test_a_selected_model_is_stored_with_its_trace(tmp_path):
+    _, u, y = record(SMALL, 400, noise=0.05)
+    found = select_terms(u, y, y_lags=1, u_lags=2, degree=2)
+    found.save(tmp_path / "model.nc")
+    back = NarxModel.load(tmp_path / "model.nc")
+    assert str(back) == str(found)
+    np.testing.assert_array_equal(back.simulate(u), found.simulate(u))
+    assert found.standard_errors is not None
+    np.testing.assert_array_equal(back.standard_errors, found.standard_errors)
+
+
+def test_selection_works_in_any_units():
+    _, u, y = record(SMALL, 600, noise=0.01)
+    one = select_terms(u, y, y_lags=1, u_lags=2, degree=2)
+    other = select_terms(20 * u + 5, 1e-3 * y - 7, y_lags=1, u_lags=2, degree=2)
+    assert set(one.terms) == set(other.terms)
+    np.testing.assert_allclose(
+        other.simulate(20 * u + 5), 1e-3 * one.simulate(u) - 7, rtol=0, atol=1e-8
+    )
+
+
+@pytest.mark.parametrize(
+    ("u", "y", "message"),
+    [
+        (np.ones(100), np.sin(np.arange(100)), "u: it is constant"),
+        (np.sin(np.arange(100)), np.ones(100), "y: it is constant"),
+        (np.sin(np.arange(9)), np.cos(np.arange(9)), "leave 6 equations"),
+        (np.sin(np.arange(99)), np.sin(np.arange(98)), "sampled together"),
+        (np.full(50, np.nan), np.sin(np.arange(50)), "not numbers"),
+        ([np.sin(np.arange(99))], [np.cos(np.arange(99))] * 2, "1 inputs for 2"),
+    ],
+)
+def test_unusable_records_are_refused(u, y, message):
+    with pytest.raises(InputError, match=message):
+        select_terms(u, y)
