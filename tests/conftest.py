@@ -1,95 +1,14 @@
-"""A bench served in this process, whose plant remembers every sample it applied and measured."""
+"""Fixtures of every room."""
 
-import asyncio
-import threading
-from dataclasses import replace
-from pathlib import Path
-
-import numpy as np
 import pytest
-
-from dea.bench.device import BenchDevice
-from dea.bench.player import Player
-from dea.bench.server import BenchServer, serve
-from dea.modbus import limit_counts, read_device
-
-DESCRIPTION = Path(__file__).parents[1] / "config/devices/virtual_bench.yaml"
+from served_bench import ServedBench
 
 
-class RememberingPlant:
-    """Measures a different number in every sample, so that no shift or repetition can hide."""
-
-    def __init__(self):
-        self.applied, self.displacement = [], []
-
-    def advance(self, output_counts):
-        index = len(self.applied) + np.arange(output_counts.size)
-        measured = ((index * 40503 + output_counts) % 65536).astype(np.uint16)
-        self.applied += output_counts.tolist()
-        self.displacement += measured.tolist()
-        return output_counts, measured
-
-
-class ServedBench:
-    """A bench device on a free loopback port, its event loop in a thread."""
-
-    def __init__(self, *, virtual_clock=True, plant=None, description=None, tls=None, **player):
-        self.description = description or read_device(DESCRIPTION)
-        self.plant = plant or RememberingPlant()
-        self.virtual_clock, self._player, self._tls = virtual_clock, player, tls
-        self._boots, self._port = 0, 0
-        self.start()
-
-    def start(self):
-        """Begin (again) with a fresh device at the same port."""
-        self._boots += 1
-        low, high = limit_counts(self.description, "output")
-        self.player = Player(
-            self.plant, low=low, high=high, zero=0, ramp_step=2000,
-            **{"watchdog_time": 5.0} | self._player,
-        )  # fmt: skip
-        constants = {
-            "identity": "dea-bench", "version": 1, "actuator": "test", "boot": self._boots,
-            "device_rate": 50.0, "output_range_low": 0.0, "output_range_high": 15.0,
-            "output_low_limit": 0.0, "output_high_limit": 3.76, "displacement_range_low": 0.0,
-            "displacement_range_high": 10.0, "fifo_length": self.player.fifo_length,
-            "ring_length": self.player.ring_length, "watchdog_time": self.player.watchdog_time,
-        }  # fmt: skip
-        self.device = BenchDevice(
-            self.player, self.description, constants, virtual_clock=self.virtual_clock
-        )
-        self.server = BenchServer(self.device, "127.0.0.1", self._port, self._tls)
-        listening = threading.Event()
-        self._loop = asyncio.new_event_loop()
-        self._task = self._loop.create_task(serve(self.server, lambda _: listening.set()))
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
-        assert listening.wait(5), "the bench did not start"
-        self._port = self.server.port
-
-    def stop(self):
-        """Stop serving; the port is free afterwards."""
-        if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._task.cancel)
-            self._thread.join()
-
-    def _run(self):
-        self._loop.run_until_complete(self._task)
-        self._loop.run_until_complete(self._loop.shutdown_asyncgens())
-        self._loop.close()
-
-    @property
-    def endpoint(self):
-        """The description with the address it is served at."""
-        return replace(self.description, host="127.0.0.1", port=self._port)
-
-    @property
-    def applied(self):
-        return np.array(self.plant.applied)
-
-    @property
-    def displacement(self):
-        return np.array(self.plant.displacement)
+def pytest_addoption(parser):
+    parser.addoption(
+        "--fault-schedules", type=int, default=100, metavar="N",
+        help="random schedules of faults to put the acquisition through",
+    )  # fmt: skip
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.acquisition.link import LinkError
+from dea.acquisition.link import DeviceRefusedError, LinkError
 from dea.acquisition.panel import Panel, Window
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.modbus import checksum, encode
@@ -96,10 +96,18 @@ def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
     wanted = exchange(0, counts[:0], 0).next
     sequence = sent = done = 0
     started, moved = False, time.monotonic()
+    refusal: DeviceRefusedError | None = None
     while done < counts.size:
-        block = counts[sent : sent + exchange.capacity]
+        block = counts[sent : sent + exchange.capacity] if refusal is None else counts[:0]
         offer = sequence + 1 if block.size else 0
-        reply = exchange(offer, block, wanted)
+        try:
+            reply = exchange(offer, block, wanted)
+        except DeviceRefusedError as error:
+            if not offer:
+                raise
+            # What was played until the refusal can still be read.
+            refusal = error
+            continue
         if reply.applied.size or (offer and reply.sequence == offer):
             moved = time.monotonic()
         elif time.monotonic() - moved > panel.link.settings.reconnect_time:
@@ -115,6 +123,8 @@ def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
             panel.set("command", START)
             started = True
             continue
+        if reply.index < wanted:  # a new connection, which has not yet said what it wants
+            continue
         if reply.index > wanted:
             missing = reply.index - wanted
             yield Samples.lost(done, wanted, counts[done : done + missing])
@@ -124,6 +134,9 @@ def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
         if samples is not None:
             yield samples
             done = int(samples.position[-1]) + 1
+        if refusal is not None and not reply.applied.size and reply.state != STATE_TRIPPED:
+            yield Samples.lost(done, wanted, counts[done:sent])
+            raise BrokenRecordError(str(refusal), done, counts.size - done)
         undriven = samples is not None and reply.origin not in (PLAYED, HELD)
         if undriven or (reply.state == STATE_TRIPPED and not reply.applied.size):
             raise BrokenRecordError(

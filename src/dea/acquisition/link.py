@@ -18,7 +18,7 @@ from dea.acquisition.connection import Client, connect, place
 from dea.modbus import Device
 
 # Every failure is counted and reported here; pymodbus would print each one to the terminal.
-logging.getLogger("pymodbus_logging").setLevel(logging.CRITICAL)
+logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
 
 ACKNOWLEDGE, BUSY = 5, 6
 BUSY_PAUSE = 0.02  # s
@@ -172,7 +172,11 @@ class Link:
         self.open()
         self.log.reconnects += 1
         if self.on_connect is not None:
-            self.on_connect()
+            resume, self.on_connect = self.on_connect, None  # whose own requests may fail too
+            try:
+                resume()
+            finally:
+                self.on_connect = resume
 
     def _failed(self, kind: str) -> None:
         """Count, and drop the connection: what still arrives on it belongs to no request."""

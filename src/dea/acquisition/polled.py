@@ -77,7 +77,8 @@ def drive(
             index, applied, displacement = poll(count, number)
         except LinkError as error:
             yield from _block(rows)
-            yield Samples.lost(number, number, counts[number : number + 1])
+            index = number if expected is None else expected
+            yield Samples.lost(number, index, counts[number : number + 1])
             raise BrokenRecordError(f"never answered ({error})", number, 1) from error
         if expected is not None and index != expected:
             yield from _block(rows)

@@ -16,6 +16,7 @@ from dea.modbus import Device, limit_counts, to_counts, to_physical
 
 IDLE, TRIPPED = 0, 3  # state
 STOP, RESET = 2, 3  # command
+NOT_ALLOWED = 7  # Modbus exception code
 RANGE_TOLERANCE = 1e-5  # of the range; float32 registers hold seven digits
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -140,7 +141,7 @@ class SafeOutput:
     def __enter__(self) -> Panel:
         self._open()
         try:
-            verify_device(self.panel)
+            self._verify()
             self._refuse_while_driven()
             if "claim" in self.panel:
                 self._claim()
@@ -172,6 +173,8 @@ class SafeOutput:
             Where the device cannot be reached, or does not read back zero.
         """
         try:
+            if "claim" in self.panel:
+                self._reclaim()  # the watchdog takes the outputs from a silent owner
             if "command" in self.device:
                 self._stop()
             else:
@@ -181,8 +184,6 @@ class SafeOutput:
                     f"the output reads {to_physical(self.device['output'], applied):g} V after the "
                     "ramp to zero. Switch the amplifier off."
                 )
-            if "claim" in self.panel:
-                self.panel.set("claim", 0)
         except (LinkError, DeviceRefusedError) as error:
             watch = "watchdog_time" in self.device
             raise ZeroNotVerifiedError(
@@ -193,6 +194,8 @@ class SafeOutput:
                     else "The device has no watchdog: switch the amplifier off."
                 )
             ) from error
+        if "claim" in self.panel:
+            self._release()
 
     def _open(self) -> None:
         try:
@@ -203,10 +206,22 @@ class SafeOutput:
                 remedy="Correct host and port, or switch the device on.",
             ) from error  # fmt: skip
 
-    def _claim(self) -> None:
+    def _verify(self) -> None:
         try:
-            self.panel.set("claim", self._token)
-        except DeviceRefusedError:
+            verify_device(self.panel)
+        except (LinkError, DeviceRefusedError) as error:
+            raise InputError(
+                f"the device does not answer as described: {error}",
+                file=self.device.source, field="unit_id, registers",
+                remedy="Correct the unit id or the register map.",
+            ) from error  # fmt: skip
+
+    def _claim(self, *, retry: bool = True) -> None:
+        try:
+            self.panel.set("claim", self._token, retry=retry)
+        except DeviceRefusedError as refusal:
+            if refusal.code != NOT_ALLOWED:
+                raise
             raise InputError(
                 "another master owns the outputs",
                 file=self.device.source,
@@ -215,10 +230,18 @@ class SafeOutput:
             ) from None
 
     def _reclaim(self) -> None:
+        """Claim again on another connection; the request that needed it repeats this too."""
         try:
-            self._claim()
-        except InputError as error:
+            self._claim(retry=False)
+        except (InputError, DeviceRefusedError) as error:
             raise LinkError(str(error)) from error
+
+    def _release(self) -> None:
+        """Give up the outputs, at zero; where that fails the device's watchdog does it."""
+        try:
+            self.panel.set("claim", 0)
+        except (LinkError, DeviceRefusedError):
+            self.link.log.errors["not released"] += 1
 
     def _refuse_while_driven(self) -> None:
         if "watchdog_latched" in self.panel and self.panel.get("watchdog_latched"):

@@ -68,6 +68,7 @@ class BenchDevice:
         for register in description.registers.values():
             for address in range(register.address, register.end):
                 self._by_address[address] = register
+        self._end = max(self._by_address) + 1
         self._block = [r for r in description.registers.values() if r.name.startswith("block_")]
         self._block.sort(key=lambda r: r.address)
         reply = [r for r in description.registers.values() if r.name.startswith("reply_")]
@@ -75,7 +76,9 @@ class BenchDevice:
         self._reply_start, self._reply_end = self._reply[0].address, self._reply[-1].end
 
     def read(self, session: Session, address: int, count: int) -> list[int]:
-        """Registers ``address`` to ``address + count - 1``."""
+        """Registers ``address`` to ``address + count - 1``; gaps in the map read as zero."""
+        if address + count > self._end:
+            raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
         if self._reply_start <= address and address + count <= self._reply_end:
             start = address - self._reply_start
             return self._answer(session)[start : start + count]
@@ -83,7 +86,8 @@ class BenchDevice:
         while len(words) < count:
             register = self._by_address.get(address + len(words))
             if register is None:
-                raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+                words.append(0)
+                continue
             skip = address + len(words) - register.address
             words += self._words(session, register)[skip:]
         return words[:count]

@@ -1,0 +1,128 @@
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dea.acquisition import Samples, recover
+from dea.acquisition.partial import HEADING, PartialFile, set_aside
+from dea.errors import InputError
+
+
+def block(start, size):
+    steps = np.arange(start, start + size)
+    return Samples(steps, steps + 7, steps % 5, steps % 3, steps * 11, steps * 0)
+
+
+def write(path, sizes):
+    """Write blocks of these sizes; return the file's length after each frame."""
+    ends, start = [], 0
+    for n in range(len(sizes) + 1):
+        path.unlink(missing_ok=True)
+        file, start = PartialFile(path, {"lead": 3}), 0
+        for size in sizes[:n]:
+            file.samples(block(start, size))
+            start += size
+        file.close()
+        ends.append(path.stat().st_size)
+    return ends
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    path = tmp_path_factory.mktemp("partial") / "whole.partial"
+    sizes = [1, 5, 55, 2]
+    return path, sizes, write(path, sizes)
+
+
+def test_what_is_written_is_recovered(written):
+    path, sizes, _ = written
+    found = recover(path)
+    assert found.whole
+    assert found.notes == [{"lead": 3}]
+    for column, expected in zip(found.samples, block(0, sum(sizes)), strict=True):
+        assert np.array_equal(column, expected)
+
+
+@given(st.data())
+@settings(max_examples=300, deadline=None)
+def test_a_crash_at_any_byte_leaves_everything_up_to_that_block(written, data):
+    path, sizes, ends = written
+    content = path.read_bytes()
+    cut = data.draw(st.integers(len(HEADING), len(content)))
+    torn = path.with_name("torn.partial")
+    torn.write_bytes(content[:cut])
+    found = recover(torn)
+    blocks = sum(end <= cut for end in ends[1:])
+    assert found.samples.position.size == sum(sizes[:blocks])
+    assert np.array_equal(found.samples.displacement, block(0, sum(sizes[:blocks])).displacement)
+    assert found.whole == (cut in [len(HEADING), *ends])
+
+
+@given(st.data())
+@settings(max_examples=300, deadline=None)
+def test_a_damaged_byte_ends_what_is_recovered_and_alters_nothing(written, data):
+    path, sizes, ends = written
+    content = bytearray(path.read_bytes())
+    place = data.draw(st.integers(len(HEADING), len(content) - 1))
+    content[place] ^= data.draw(st.integers(1, 255))
+    torn = path.with_name("damaged.partial")
+    torn.write_bytes(content)
+    found = recover(torn)
+    blocks = sum(end <= place for end in ends[1:])
+    assert not found.whole
+    assert found.samples.position.size == sum(sizes[:blocks])
+    assert np.array_equal(found.samples.applied, block(0, sum(sizes[:blocks])).applied)
+
+
+def test_what_is_no_partial_file_is_refused(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        recover(tmp_path / "missing.partial")
+    (tmp_path / "x.partial").write_bytes(b"something else")
+    with pytest.raises(InputError, match="not a partial file"):
+        recover(tmp_path / "x.partial")
+
+
+def test_an_earlier_partial_file_is_set_aside_not_overwritten(tmp_path):
+    path = tmp_path / "record.partial"
+    for content in ("first", "second"):
+        path.write_text(content)
+        set_aside(path)
+    assert not path.exists()
+    assert [(tmp_path / f"record.{n}.partial").read_text() for n in (1, 2)] == ["first", "second"]
+    set_aside(path)
+
+
+def test_a_full_disk_is_reported(tmp_path, monkeypatch):
+    file = PartialFile(tmp_path / "a.partial", {})
+
+    def full(_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("dea.acquisition.partial.os.fdatasync", full)
+    file.samples(block(0, 5))
+    with pytest.raises(OSError, match="cannot be written"):
+        file.close()
+
+
+def test_a_killed_host_leaves_what_it_had_synced(tmp_path):
+    path = tmp_path / "a.partial"
+    program = (
+        "import sys, time; from pathlib import Path; import numpy as np;"
+        "from dea.acquisition.partial import PartialFile; from dea.acquisition import Samples\n"
+        "file = PartialFile(Path(sys.argv[1]), {})\n"
+        "for n in range(10**6):\n"
+        "    file.samples(Samples(*[np.array([n])] * 6)); time.sleep(0.001)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", program, str(path)]) as host:
+        deadline = time.monotonic() + 20
+        while not path.exists() or path.stat().st_size < 2000:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        host.kill()
+    found = recover(path)
+    assert found.samples.position.size > 10
+    assert np.array_equal(found.samples.position, np.arange(found.samples.position.size))

@@ -1,0 +1,280 @@
+"""Before any voltage, and on every way out."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pymodbus.client import ModbusTcpClient
+
+from dea.acquisition import (
+    AcquisitionSettings,
+    BrokenRecordError,
+    Interrupted,
+    ZeroNotVerifiedError,
+    acquire,
+)
+from dea.errors import InputError
+from dea.modbus import encode
+
+ROOT = Path(__file__).parents[2]
+FAST = AcquisitionSettings(ramp_rate=20.0, timeout=0.3, retries=2, reconnect_time=0.5)
+VOLTS = 2.4 + 1.2 * np.sin(np.arange(700) * 0.1)
+
+
+def started(bench):
+    """Whether any voltage was ever applied."""
+    return bool(np.any(bench.applied))
+
+
+@pytest.fixture
+def partial(tmp_path):
+    return tmp_path / "record.partial"
+
+
+@pytest.mark.parametrize("volts", [[1.0, 3.9], [-0.1], [np.nan], [np.inf], [100.0], []])
+def test_an_excitation_outside_the_limits_is_never_begun(serve_bench, partial, volts):
+    bench = serve_bench()
+    with pytest.raises(InputError) as caught:
+        acquire(bench.endpoint, np.array(volts), partial, FAST)
+    assert caught.value.remedy
+    assert not started(bench)
+    assert not partial.exists()
+
+
+@pytest.mark.parametrize("mode", ["buffered", "polled"])
+def test_an_endpoint_that_does_not_answer(serve_bench, partial, mode):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    device = replace(serve_bench().endpoint, port=port)
+    with pytest.raises(InputError, match=f"127.0.0.1:{port} does not answer") as caught:
+        acquire(device, VOLTS, partial, replace(FAST, mode=mode))
+    assert caught.value.field == "endpoint"
+
+
+def changed(device, name, **changes):
+    return replace(
+        device, registers=device.registers | {name: replace(device[name], **changes)}
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "message"),
+    [
+        ("identity", {"expect": "other"}, "registers.identity"),
+        ("version", {"address": 34}, "registers.version"),
+        ("device_rate", {"expect": 100.0}, "registers.device_rate"),
+        ("device_rate", {"word_order": "little"}, "registers.device_rate"),
+        ("output", {"range": (0.0, 10.0)}, "registers.output_range_high"),
+        ("displacement", {"range": (0.0, 5.0)}, "registers.displacement_range_high"),
+        ("output", {"limits": (0.0, 4.5)}, "clamps at 3.76 V"),
+    ],
+)
+def test_a_register_map_that_does_not_match(serve_bench, partial, name, changes, message):
+    bench = serve_bench()
+    with pytest.raises(InputError, match=message) as caught:
+        acquire(changed(bench.endpoint, name, **changes), VOLTS, partial, FAST)
+    assert caught.value.file == bench.endpoint.source
+    assert caught.value.remedy
+    assert not started(bench)
+
+
+def test_a_wrong_unit_id(serve_bench, partial):
+    bench = serve_bench()
+    with pytest.raises(InputError, match="unit_id"):
+        acquire(replace(bench.endpoint, unit_id=9), VOLTS, partial, FAST)
+    assert not started(bench)
+
+
+class Master:
+    """Somebody else at the bench."""
+
+    def __init__(self, bench):
+        self.device = bench.endpoint
+        self.client = ModbusTcpClient("127.0.0.1", port=self.device.port, timeout=1, retries=0)
+        self.client.connect()
+
+    def set(self, name, value):
+        register = self.device[name]
+        self.client.write_registers(register.address, encode(register, value))
+
+    def get(self, name):
+        return self.client.read_holding_registers(self.device[name].address).registers[0]
+
+
+def test_a_start_is_refused_while_another_owns_the_outputs(serve_bench, partial):
+    bench = serve_bench()
+    Master(bench).set("claim", 5)
+    with pytest.raises(InputError, match="another master owns"):
+        acquire(bench.endpoint, VOLTS, partial, FAST)
+    assert not started(bench)
+
+
+def test_a_start_is_refused_while_the_output_is_driven(serve_bench, partial):
+    bench = serve_bench()
+    master = Master(bench)
+    for name, value in (("claim", 5), ("command", 1), ("output", 5000)):
+        master.set(name, value)
+    with pytest.raises(InputError, match=r"the output is not zero: 1\.14"):
+        acquire(bench.endpoint, VOLTS, partial, FAST)
+
+
+def test_a_start_is_refused_after_a_trip_until_it_is_reset(serve_bench, partial):
+    bench = serve_bench(watchdog_time=0.1)
+    master = Master(bench)
+    for name, value in (("claim", 5), ("command", 1), ("output", 5000)):
+        master.set(name, value)
+    time.sleep(0.3)
+    bench.player.watchdog_time = 5.0
+    with pytest.raises(InputError, match="watchdog has latched"):
+        acquire(bench.endpoint, VOLTS, partial, FAST)
+    result = acquire(bench.endpoint, VOLTS, partial, FAST, reset=True)
+    assert result.record.sizes["time"] == VOLTS.size
+
+
+class OnceDrivenError(Exception):
+    """Raised by a watcher in mid-drive."""
+
+
+def when_driven(bench, action):
+    """A watcher that acts once the output is well away from zero."""
+    done = []
+
+    def watch(samples, _):
+        if not done and samples.applied.max() > 5000:
+            done.append(True)
+            action()
+
+    return watch
+
+
+@pytest.mark.parametrize("mode", ["buffered", "polled"])
+def test_an_exception_ends_at_zero(serve_bench, partial, mode):
+    bench = serve_bench()
+
+    def fail():
+        raise OnceDrivenError
+
+    settings = replace(FAST, mode=mode, paced=False)
+    with pytest.raises(OnceDrivenError):
+        acquire(bench.endpoint, VOLTS, partial, settings, watch=when_driven(bench, fail))
+    assert bench.applied.max() > 5000
+    assert bench.player.applied == 0
+    assert bench.device.owner == 0
+    assert partial.exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_at_zero(serve_bench, partial, number):
+    bench = serve_bench()
+    before = signal.getsignal(number)
+    kill = when_driven(bench, lambda: os.kill(os.getpid(), number))
+    with pytest.raises(Interrupted, match=number.name):
+        acquire(bench.endpoint, VOLTS, partial, FAST, watch=kill)
+    assert bench.applied.max() > 5000
+    assert bench.player.applied == 0
+    assert signal.getsignal(number) == before
+
+
+def test_a_second_signal_does_not_stop_the_way_to_zero(serve_bench, partial):
+    bench = serve_bench(virtual_clock=False)  # where the ramp takes its time
+
+    def twice():
+        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM)).start()
+        os.kill(os.getpid(), signal.SIGINT)
+
+    settings = replace(FAST, timeout=2.0)
+    with pytest.raises(Interrupted, match="SIGTERM"):
+        acquire(bench.endpoint, VOLTS, partial, settings, watch=when_driven(bench, twice))
+    assert bench.player.applied == 0
+    assert bench.device.owner == 0
+
+
+def test_a_lost_connection_is_taken_up_again_to_reach_zero(serve_bench, partial):
+    bench = serve_bench()
+
+    def cut():
+        bench._loop.call_soon_threadsafe(
+            lambda: [c.transport.abort() for c in list(bench.server.connections)]
+        )
+        time.sleep(0.05)
+        raise OnceDrivenError
+
+    with pytest.raises(OnceDrivenError):
+        acquire(bench.endpoint, VOLTS, partial, FAST, watch=when_driven(bench, cut))
+    assert bench.player.applied == 0
+
+
+def test_a_device_that_is_gone_is_said_to_be_left_to_its_watchdog(serve_bench, partial):
+    bench = serve_bench()
+    with pytest.raises(ZeroNotVerifiedError, match="watchdog"):
+        acquire(bench.endpoint, VOLTS, partial, FAST, watch=when_driven(bench, bench.stop))
+
+
+def test_a_trip_breaks_the_record_and_says_where(serve_bench, partial):
+    bench = serve_bench(watchdog_time=0.2)
+    pause = when_driven(bench, lambda: time.sleep(0.6))
+    with pytest.raises(BrokenRecordError, match="undriven, the device took its output to zero"):
+        acquire(bench.endpoint, VOLTS, partial, FAST, watch=pause)
+    assert bench.player.applied == 0
+    assert bench.player.trips == 1
+
+
+def test_a_broken_record_is_begun_again_where_the_settings_say_so(serve_bench, partial):
+    bench = serve_bench(watchdog_time=0.2)
+    pause = when_driven(bench, lambda: time.sleep(0.6))
+    settings = replace(FAST, on_break="restart")
+    result = acquire(bench.endpoint, VOLTS, partial, settings, watch=pause)
+    index = result.record.device_index.values
+    assert result.record.sizes["time"] == VOLTS.size
+    assert np.array_equal(result.record.displacement_counts, bench.displacement[index])
+    assert partial.with_name("record.1.partial").exists()
+    assert int(result.link.errors.sel(kind=result.link.error_kind == "restarted").sum()) == 1
+
+
+def read_output(address):
+    client = ModbusTcpClient(address["host"], port=address["port"], timeout=2)
+    client.connect()
+    words = client.read_holding_registers(40, count=21).registers  # state to applied_output
+    client.close()
+    return {"applied": words[20], "latched": words[7], "trips": words[8]}
+
+
+@pytest.mark.parametrize("clock", ["wall", "virtual"])
+def test_a_killed_host_leaves_zero_within_the_watchdog_time(tmp_path, clock):
+    watchdog = 0.8
+    bench = [sys.executable, "-m", "dea.bench", "--actuator", "dea1", "--port", "0", "--clock",
+             clock, "--watchdog", str(watchdog), "--until-stdin-closes"]  # fmt: skip
+    with subprocess.Popen(
+        bench, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT
+    ) as process:
+        address = json.loads(process.stdout.readline())
+        drive = [sys.executable, "-m", "dea.acquisition", "drive", "--port", str(address["port"]),
+                 "--low", "3.6", "--high", "3.75", "--duration", "7200", "--ramp-rate", "20",
+                 "--output", str(tmp_path / "record.nc")]  # fmt: skip
+        with subprocess.Popen(drive, cwd=ROOT, stderr=subprocess.DEVNULL) as host:
+            deadline = time.monotonic() + 30
+            while read_output(address)["applied"] < 15000:
+                assert time.monotonic() < deadline
+                assert host.poll() is None
+                time.sleep(0.02)
+            host.send_signal(signal.SIGKILL)
+            killed = time.monotonic()
+        while (found := read_output(address))["applied"]:
+            assert time.monotonic() - killed < 10
+            time.sleep(0.01)
+        took = time.monotonic() - killed
+        assert found == {"applied": 0, "latched": 1, "trips": 1}
+        assert took < watchdog + 0.5, f"zero after {took:.2f} s"
+        process.stdin.close()
+        assert process.wait(5) == 0
+    assert not (tmp_path / "record.nc").exists()
+    assert (tmp_path / "record.partial").exists()
