@@ -18,9 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
-from dea.bench.configuration import Parameters, read_parameters
+from dea.bench.configuration import Parameters, read_parameters, read_plain
 from dea.bench.converter import Converter
 from dea.bench.device import BenchDevice
+from dea.bench.hidden.trial import Trial
 from dea.bench.player import Player
 from dea.bench.rig import SAMPLE_PERIOD, Rig
 from dea.bench.server import BenchServer, serve
@@ -83,7 +84,9 @@ def _volts(converter: Converter, count: int) -> float:
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(prog="python -m dea.bench", description=__doc__)
-    parser.add_argument("--actuator", required=True, help="a name of the bench configuration")
+    served = parser.add_mutually_exclusive_group(required=True)
+    served.add_argument("--actuator", help="a name of the bench configuration")
+    served.add_argument("--trial", type=Path, help="the sealed file of a blind trial")
     parser.add_argument("--config", type=Path, default=Path("config/bench.yaml"))
     parser.add_argument(
         "--device", type=Path, default=Path("config/devices/virtual_bench.yaml"),
@@ -96,7 +99,7 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
         help="play at wall time, or as fast as the master feeds samples",
     )  # fmt: skip
     parser.add_argument("--watchdog", type=float, default=1.0, metavar="S")
-    parser.add_argument("--seed", type=int, default=0, help="of the measurement noise")
+    parser.add_argument("--seed", type=int, default=0, help="of an actuator's measurement noise")
     parser.add_argument(
         "--until-stdin-closes", action="store_true", help="end with the process that started this"
     )
@@ -133,11 +136,16 @@ def _server(options: argparse.Namespace) -> BenchServer:
         description = replace(description, host=options.host)
     if options.port is not None:
         description = replace(description, port=options.port)
-    parameters = read_parameters(options.config, options.actuator)
+    if options.trial is not None:
+        trial = Trial.read(options.trial)
+        name, parameters = trial.name, read_plain(options.config, trial.film)
+        rig = trial.rig(options.config)
+    else:
+        name, parameters = options.actuator, read_parameters(options.config, options.actuator)
+        rig = Rig(parameters, options.seed)
     device = build(
-        Rig(parameters, options.seed), parameters, description,
-        virtual_clock=options.clock == "virtual", watchdog=options.watchdog,
-        actuator=options.actuator,
+        rig, parameters, description,
+        virtual_clock=options.clock == "virtual", watchdog=options.watchdog, actuator=name,
     )  # fmt: skip
     tls = None
     if description.framing == "tls":

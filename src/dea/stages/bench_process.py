@@ -24,10 +24,29 @@ def bench_process(
     InputError
         Where the bench does not start; its own message has gone to standard error.
     """
+    served = ["--actuator", actuator, "--seed", str(seed)]
+    with _serving(served, f"the bench of {actuator}", config, device, watchdog_time) as port:
+        yield port
+
+
+@contextmanager
+def trial_process(
+    sealed: Path, *, config: Path, device: Path, watchdog_time: float
+) -> Iterator[int]:
+    """Yield the port at which the actuator of a blind trial answers, as :func:`bench_process`."""
+    name = f"the bench of trial {sealed.stem}"
+    with _serving(["--trial", str(sealed)], name, config, device, watchdog_time) as port:
+        yield port
+
+
+@contextmanager
+def _serving(
+    served: list[str], name: str, config: Path, device: Path, watchdog_time: float
+) -> Iterator[int]:
     command = [
-        sys.executable, "-m", "dea.bench", "--actuator", actuator, "--config", str(config),
+        sys.executable, "-m", "dea.bench", *served, "--config", str(config),
         "--device", str(device), "--host", "127.0.0.1", "--port", "0", "--clock", "virtual",
-        "--watchdog", str(watchdog_time), "--seed", str(seed), "--until-stdin-closes",
+        "--watchdog", str(watchdog_time), "--until-stdin-closes",
     ]  # fmt: skip
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -37,9 +56,7 @@ def bench_process(
             address = process.stdout.readline()
             if not address:
                 raise InputError(
-                    f"the bench of {actuator} does not start",
-                    file=config,
-                    remedy="See its message above.",
+                    f"{name} does not start", file=config, remedy="See its message above."
                 )
             yield json.loads(address)["port"]
         finally:

@@ -1,7 +1,7 @@
 """Every dataset the study keeps: written whole with its provenance, read with its checks."""
 
 from dea.store.contracts import CONTRACTS, Contract, Variable
-from dea.store.files import atomic, read, write
+from dea.store.files import atomic, read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.records import Signals, check_record, read_record, signals
 
@@ -15,6 +15,7 @@ __all__ = [
     "import_record",
     "read",
     "read_record",
+    "sha256",
     "signals",
     "write",
 ]

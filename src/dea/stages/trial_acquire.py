@@ -1,0 +1,58 @@
+"""Drive and record the actuators of a batch of blind trials over Modbus."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def trial_acquire(
+    settings: Mapping[str, Any],
+    device: Path,
+    bench: Path,
+    sealed: Path,
+    commitment: Path,
+    records: Path,
+) -> None:
+    """Write ``records/NNNN.nc`` for each trial.
+
+    The sealed files go to the bench's own process alone; this one knows the excitation.
+    ``settings`` holds ``acquisition`` and ``watchdog_time``.
+    """
+    import json
+    from dataclasses import replace
+
+    from dea import acquisition, modbus, signals, store
+    from dea.stages.bench_process import trial_process
+
+    description = modbus.read_device(device)
+    options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
+    records.mkdir(parents=True)
+    for name, trial in json.loads(commitment.read_text()).items():
+        volts = signals.design(**trial["excitation"])
+        partial = records / f"{name}.partial"
+        with trial_process(
+            sealed / f"{name}.json",
+            config=bench,
+            device=device,
+            watchdog_time=settings["watchdog_time"],
+        ) as port:
+            answering = replace(description, host="127.0.0.1", port=port)
+            acquired = acquisition.acquire(answering, volts, partial, options)
+        store.write(
+            acquired.record.assign_attrs(contract="record"),
+            records / f"{name}.nc",
+            title=f"Record of blind trial {name}",
+            inputs={"device": device},
+            settings={"excitation": trial["excitation"]} | settings,
+        )
+        partial.unlink()
+
+
+if __name__ == "__main__":
+    run(
+        trial_acquire,
+        inputs=("device", "bench", "sealed", "commitment"),
+        outputs=("records",),
+    )
