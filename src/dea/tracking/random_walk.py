@@ -1,0 +1,62 @@
+"""The random-walk model of parameters, independent of the units of their regressors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.tracking.kalman import Smoothed, fit_noise_ratio, smooth
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RandomWalk:
+    """How parameters may walk, for regressors scaled to a root mean square of one.
+
+    Parameters
+    ----------
+    noise_ratio
+        Variance of a parameter's step in one sample over that of the noise; one for all, or one
+        each. None fits one each by likelihood.
+    prior_variance
+        Variance of the parameters before the first sample over that of the noise.
+    thinning
+        Of the samples whose likelihood is taken; see :func:`dea.tracking.kalman.fit_noise_ratio`.
+    """
+
+    noise_ratio: Array | None = None
+    prior_variance: float = 1.0
+    thinning: int = 10
+
+    def smooth(self, Phi: Array, y: Array, theta_0: Array) -> Smoothed:
+        """Smooth ``y = Phi theta_t`` around ``theta_0``; parameters and variances come unscaled."""
+        scale = root_mean_square(Phi)
+        Phi = Phi / scale
+        theta_0 = theta_0 * scale
+        q = self.noise_ratio
+        if q is None:
+            q = fit_noise_ratio(
+                Phi,
+                y,
+                theta_0=theta_0,
+                prior_variance=self.prior_variance,
+                thinning=self.thinning,
+            )
+        found = smooth(Phi, y, q, theta_0=theta_0, prior_variance=self.prior_variance)
+        return found._replace(
+            theta=found.theta / scale,
+            filtered=found.filtered / scale,
+            variance=found.variance / scale**2,
+        )
+
+
+def root_mean_square(Phi: Array) -> Array:
+    """Return the scale of each regressor; one for a regressor that is zero throughout."""
+    scale = np.sqrt(np.mean(Phi**2, axis=0))
+    return np.where(scale > 0.0, scale, 1.0)
+
+
+def lead_in(rows: Array, count: int) -> Array:
+    """Put ``count`` copies of the first row before the rows: samples before the first estimate."""
+    return np.concatenate([np.repeat(rows[:1], count, axis=0), rows])

@@ -1,0 +1,182 @@
+"""Recursive least squares with forgetting and leakage, (11)-(16), in square-root form.
+
+The recursion (12)-(16) carries P, which in floating point drifts away from symmetry until the
+estimate diverges; a 30 min record is long enough for that. Here the triangular root U of the
+information matrix is carried instead, U_n^T U_n = P_n^-1, and every new row enters by Givens
+rotations. P is then symmetric and positive definite by construction, the leakage alpha I of (12)
+costs no matrix inverse, and rounding grows with the condition number of the regressors and not
+with its square, which matters because fast-sampled lags are nearly collinear.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from dea.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+class RlsTrack(NamedTuple):
+    """What recursive least squares finds in n samples of p regressors.
+
+    ``theta`` (n, p) are the estimates after each sample, ``variance`` (n, p) their variances,
+    ``innovation`` (n,) the prediction errors before each update, and ``P`` (p, p) is P_n of (16)
+    after the last sample.
+    """
+
+    theta: Array
+    variance: Array
+    innovation: Array
+    P: Array
+
+
+def recursive_least_squares(
+    Phi: Array,
+    y: Array,
+    *,
+    forgetting: float = 1.0,
+    leakage: float = 0.0,
+    delta: float = 1.0,
+    theta_0: Array | None = None,
+    target: Array | None = None,
+) -> RlsTrack:
+    """Minimise (11) at every sample, with exponential forgetting.
+
+    The estimate after sample n minimises, exactly,
+
+        sum_t lambda^(n-t) (|y_t - phi_t theta|^2 + alpha |theta - target|^2)
+        + lambda^n delta |theta - theta_0|^2.
+
+    With ``forgetting=1`` and ``target`` zero this is (11) as the paper prints it.
+
+    Parameters
+    ----------
+    Phi, y
+        Regressors (n, p) and outputs (n,).
+    forgetting
+        lambda in (0, 1]; the memory is 1/(1 - lambda) samples.
+    leakage
+        alpha >= 0, the pull towards ``target`` in each sample.
+    delta
+        > 0; P_0 = I/delta.
+    theta_0
+        Estimate before the first sample; zero by default.
+    target
+        Where the leakage pulls to; ``theta_0`` by default.
+
+    Returns
+    -------
+    RlsTrack
+        The variances are sigma_n^2 P_n, with sigma_n^2 the weighted mean of the squared residuals.
+
+    Raises
+    ------
+    InputError
+        If a setting is outside its range.
+    """
+    _require(0.0 < forgetting <= 1.0, "forgetting", forgetting, "It lies in (0, 1]")
+    _require(leakage >= 0.0, "leakage", leakage, "It is zero or more")
+    _require(delta > 0.0, "delta", delta, "It is more than zero")
+    Phi, y = np.ascontiguousarray(Phi, dtype=float), np.ascontiguousarray(y, dtype=float)
+    p = Phi.shape[1]
+    theta_0 = np.zeros(p) if theta_0 is None else np.asarray(theta_0, dtype=float)
+    target = theta_0 if target is None else np.asarray(target, dtype=float)
+    theta, variance, innovation, V = _recursion(
+        Phi, y, forgetting, leakage, delta, theta_0.copy(), target.copy()
+    )
+    return RlsTrack(theta, variance, innovation, V.T @ V)
+
+
+def _require(holds: bool, field: str, value: float, remedy: str) -> None:
+    if not holds:
+        raise InputError(f"it is {value:g}", field=field, remedy=remedy)
+
+
+@njit(cache=True, error_model="numpy")
+def _rotate_in(U: Array, z: Array, row: Array, right: float) -> float:
+    """Add the equation ``row @ b = right`` to ``U b = z``; return its residual's share."""
+    p = z.size
+    for i in range(p):
+        if row[i] == 0.0:
+            continue
+        r = np.sqrt(U[i, i] * U[i, i] + row[i] * row[i])
+        c, s = U[i, i] / r, row[i] / r
+        U[i, i] = r
+        for k in range(i + 1, p):
+            upper = U[i, k]
+            U[i, k] = c * upper + s * row[k]
+            row[k] = c * row[k] - s * upper
+        upper = z[i]
+        z[i] = c * upper + s * right
+        right = c * right - s * upper
+    return right
+
+
+@njit(cache=True, error_model="numpy")
+def _invert_root(U: Array, V: Array) -> None:
+    """Write the transposed inverse of the upper triangular ``U`` into ``V``."""
+    p = U.shape[0]
+    for i in range(p - 1, -1, -1):
+        inverse = 1.0 / U[i, i]
+        V[i, i] = inverse
+        for j in range(i + 1, p):
+            total = 0.0
+            for k in range(i + 1, j + 1):
+                total += U[i, k] * V[j, k]
+            V[j, i] = -inverse * total
+
+
+@njit(cache=True, error_model="numpy")
+def _recursion(
+    Phi: Array,
+    y: Array,
+    forgetting: float,
+    leakage: float,
+    delta: float,
+    theta_0: Array,
+    target: Array,
+) -> tuple[Array, Array, Array, Array]:
+    n, p = Phi.shape
+    thetas, variances, innovations = np.empty((n, p)), np.empty((n, p)), np.empty(n)
+    # U b = z with b = theta - target, so that the leakage pulls b to zero.
+    U = np.sqrt(delta) * np.eye(p)
+    z = np.sqrt(delta) * (theta_0 - target)
+    V = np.zeros((p, p))
+    theta = theta_0.copy()
+    row = np.empty(p)
+    fade, pull = np.sqrt(forgetting), np.sqrt(leakage)
+    squares, weight = 0.0, 0.0
+    for t in range(n):
+        innovation, right = y[t], y[t]
+        for i in range(p):
+            innovation -= Phi[t, i] * theta[i]
+            right -= Phi[t, i] * target[i]
+        innovations[t] = innovation
+
+        for i in range(p):
+            z[i] *= fade
+            for k in range(i, p):
+                U[i, k] *= fade
+        squares *= forgetting
+        if pull > 0.0:  # P*_n^-1 = P_{n-1}^-1 + alpha I, which (12), (13) write with P
+            for i in range(p):
+                row[:] = 0.0
+                row[i] = pull
+                squares += _rotate_in(U, z, row, 0.0) ** 2
+        row[:] = Phi[t]  # P_n^-1 = P*_n^-1 + phi phi^T: (14)-(16)
+        squares += _rotate_in(U, z, row, right) ** 2
+        weight = forgetting * weight + 1.0
+
+        _invert_root(U, V)  # P_n = V^T V
+        for i in range(p):
+            step, diagonal = 0.0, 0.0
+            for k in range(i, p):
+                step += V[k, i] * z[k]
+                diagonal += V[k, i] * V[k, i]
+            theta[i] = target[i] + step
+            thetas[t, i] = theta[i]
+            variances[t, i] = diagonal * squares / weight
+    return thetas, variances, innovations, V

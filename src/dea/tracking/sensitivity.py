@@ -1,0 +1,51 @@
+"""How a free run answers to its parameters when these change with time."""
+
+from collections import Counter
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from dea.narx import Term, max_lag, regressor_matrix
+
+Array = NDArray[np.float64]
+
+
+def sensitivity(terms: tuple[Term, ...], theta: Array, u: Array, y: Array) -> Array:
+    """Return what each output of a free run changes when a parameter is larger throughout.
+
+    psi_t = phi_t + sum_l (df/dy_{t-l}) psi_{t-l}. For parameters that change slowly against the
+    memory of the system this is what y_t owes to theta around t.
+
+    Parameters
+    ----------
+    theta
+        Parameters, shape (samples, terms).
+    u, y
+        Normalised input, and the output of the free run with ``theta``, shape (samples,).
+
+    Returns
+    -------
+    ndarray
+        Shape (samples - largest lag, terms).
+    """
+    start = max_lag(terms)
+    feedback = np.zeros((y.size - start, start + 1))  # df/dy_{t-l} in column l
+    for j, term in enumerate(terms):
+        for lag, power in Counter(term.y_lags).items():
+            others = list(term.y_lags)
+            others.remove(lag)
+            slope = regressor_matrix((Term(tuple(others), term.u_lags),), u, y, start)[:, 0]
+            feedback[:, lag] += theta[start:, j] * power * slope
+    psi = np.ascontiguousarray(regressor_matrix(terms, u, y))
+    _accumulate(feedback, psi)
+    return psi
+
+
+@njit(cache=True)
+def _accumulate(feedback: Array, psi: Array) -> None:
+    for t in range(psi.shape[0]):
+        for lag in range(1, min(t, feedback.shape[1] - 1) + 1):
+            if feedback[t, lag] != 0.0:
+                for j in range(psi.shape[1]):
+                    psi[t, j] += feedback[t, lag] * psi[t - lag, j]

@@ -1,0 +1,126 @@
+"""How well tracked parameters reproduce the record: free runs beside that of the fixed model."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from dea.errors import InputError
+from dea.narx import NarxModel, simulate, simulate_varying
+
+Array = NDArray[np.float64]
+FIXED = "fixed"
+
+
+def compare_free_runs(
+    model: NarxModel,
+    tracks: Mapping[str, xr.Dataset],
+    u: ArrayLike,
+    y: ArrayLike,
+    *,
+    window: int,
+) -> xr.Dataset:
+    """Simulate the whole record with the fixed and with every tracked set of parameters.
+
+    A tracked free run is given no output but the first few, yet its parameters have seen the
+    record. ``nmse_frozen`` therefore adds a harder figure: each stretch of ``window`` samples is
+    simulated with the parameters of its middle held constant, so that parameters which chase the
+    output within a stretch gain nothing.
+
+    Parameters
+    ----------
+    tracks
+        Results of :func:`dea.tracking.track_parameters` by name.
+    u, y
+        The record in physical units, shape (samples,).
+    window
+        Samples of a stretch.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``simulated(simulation, time)`` and ``rmse(simulation)`` in output units,
+        ``nmse(simulation)`` and ``nmse_frozen(simulation)``, where nmse is the squared error over
+        that of the mean. A run that diverges is ``inf`` from there on and so is its error.
+    """
+    inputs, outputs = normalised_record(model, u, y)
+    if not model.max_lag < window <= inputs.size:
+        raise InputError(
+            f"it is {window} samples",
+            field="window",
+            remedy=f"It lies between the largest lag and the {inputs.size} samples of the record",
+        )
+    trajectories = {FIXED: np.broadcast_to(model.parameters, (inputs.size, len(model.terms)))}
+    trajectories |= {name: track["parameter"].values for name, track in tracks.items()}
+    runs = {
+        name: simulate_varying(model.terms, np.asarray(theta, dtype=float), inputs, outputs)
+        for name, theta in trajectories.items()
+    }
+    frozen = [
+        _frozen_error(model, theta, inputs, outputs, window) for theta in trajectories.values()
+    ]
+    spread = np.var(outputs)
+    error = np.array([np.mean((run - outputs) ** 2) for run in runs.values()])
+    simulated = model.scaling.restore_output(np.stack(list(runs.values())))
+    return xr.Dataset(
+        {
+            "simulated": (
+                ("simulation", "time"),
+                simulated,
+                {"long_name": "free-run simulation of the output"},
+            ),
+            "nmse": (
+                "simulation",
+                error / spread,
+                {"units": "1", "long_name": "normalised mean square error of the free run"},
+            ),
+            "nmse_frozen": (
+                "simulation",
+                np.array(frozen) / spread,
+                {
+                    "units": "1",
+                    "long_name": "the same over stretches with parameters held at their middle",
+                },
+            ),
+            "rmse": (
+                "simulation",
+                np.sqrt(error) * model.scaling.y_scale,
+                {"long_name": "root mean square error of the free run"},
+            ),
+        },
+        coords={
+            "simulation": (
+                "simulation",
+                list(runs),
+                {"units": "1", "long_name": "where the parameters come from"},
+            )
+        },
+    )
+
+
+def normalised_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+    """Return input and output as the equation sees them.
+
+    Raises
+    ------
+    InputError
+        As :meth:`dea.narx.NarxModel.predict`, which checks the record.
+    """
+    model.predict(u, y)
+    return (
+        model.scaling.normalise_input(np.asarray(u, dtype=float)),
+        model.scaling.normalise_output(np.asarray(y, dtype=float)),
+    )
+
+
+def _frozen_error(model: NarxModel, theta: Array, u: Array, y: Array, window: int) -> float:
+    """Mean squared error of free runs over stretches, each with its middle parameters."""
+    total, count = 0.0, 0
+    for first in range(0, u.size - window + 1, window):
+        stretch = slice(first, first + window)
+        parameters = np.ascontiguousarray(theta[first + window // 2], dtype=float)
+        run = simulate(model.terms, parameters, u[stretch], y[stretch])
+        total += float(np.sum((run[model.max_lag :] - y[stretch][model.max_lag :]) ** 2))
+        count += window - model.max_lag
+    return total / count

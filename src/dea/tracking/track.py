@@ -1,0 +1,179 @@
+"""Track the parameters of a model through a record, by name of the method."""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from dea.errors import InputError
+from dea.narx import NarxModel, regressor_matrix, simulate_varying
+from dea.tracking.output_error import smooth_simulation
+from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
+from dea.tracking.rls import recursive_least_squares
+from dea.tracking.success import normalised_record
+
+Array = NDArray[np.float64]
+METHODS = ("rls", "kalman", "output_error")
+
+
+def track_parameters(
+    model: NarxModel,
+    u: ArrayLike,
+    y: ArrayLike,
+    *,
+    method: str = "rls",
+    forgetting: float = 0.999,
+    leakage: float = 1e-4,
+    delta: float = 1.0,
+    noise_ratio: ArrayLike | None = None,
+    thinning: int = 10,
+    sampling_rate: float = 1.0,
+) -> xr.Dataset:
+    """Let the parameters of ``model`` change with time, (10), and follow them through a record.
+
+    Regressors are scaled to a root mean square of one, so that one number serves for all terms.
+
+    Parameters
+    ----------
+    u, y
+        Measured input and output in physical units, shape (samples,).
+    method
+        ``rls``: recursive least squares (11)-(16) with forgetting and leakage towards the model's
+        own parameters; uses the past alone. ``kalman``: random-walk Kalman filter and smoother;
+        each estimate uses the whole record. ``output_error``: the same smoother on the free run
+        instead of the one-step prediction; unbiased where the output is noisy.
+    forgetting, leakage
+        lambda and alpha of ``rls``; the memory is 1/(1 - lambda) samples.
+    delta
+        The model's own parameters count like a record of ``delta`` samples: P_0 = I/delta.
+    noise_ratio
+        For the other two, variance of a parameter's step over that of the noise, a number or one
+        per term; fitted by likelihood where it is not given.
+    thinning
+        Of the samples that the likelihood is taken over; about the number of samples over which
+        errors of the one-step prediction stay alike.
+    sampling_rate
+        In Hz; only labels the time.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``parameter(time, term)`` and ``parameter_std`` in the model's normalised units,
+        ``innovation(time)`` in output units, missing for the first ``model.max_lag`` samples, and
+        for the smoothers ``noise_ratio(term)``.
+
+    Raises
+    ------
+    InputError
+        If the record is not usable, a setting is out of range, or ``output_error`` finds no
+        bounded free run to start from.
+    """
+    if method not in METHODS:
+        raise InputError(f"{method!r} is unknown", field="method", remedy=f"One of {METHODS}")
+    if not delta > 0.0:
+        raise InputError(f"it is {delta}", field="delta", remedy="It is more than zero")
+    inputs, outputs = normalised_record(model, u, y)
+    Phi = regressor_matrix(model.terms, inputs, outputs)
+    target = outputs[model.max_lag :]
+    if method == "rls":
+        scale = root_mean_square(Phi)
+        found = recursive_least_squares(
+            Phi / scale,
+            target,
+            forgetting=forgetting,
+            leakage=leakage,
+            delta=delta,
+            theta_0=model.parameters * scale,
+        )
+        return _labelled(
+            model,
+            found.theta / scale,
+            np.sqrt(found.variance) / scale,
+            found.innovation,
+            sampling_rate,
+            {"method": method, "forgetting": forgetting, "leakage": leakage, "delta": delta},
+        )
+    walk = RandomWalk(
+        None if noise_ratio is None else np.asarray(noise_ratio, dtype=float),
+        prior_variance=1.0 / delta,
+        thinning=thinning,
+    )
+    smoothed = walk.smooth(Phi, target, model.parameters)
+    if method == "output_error":
+        start = _bounded_start(model, smoothed.theta, inputs, outputs)
+        smoothed = smooth_simulation(model, start, inputs, outputs, walk)
+    track = _labelled(
+        model,
+        smoothed.theta,
+        np.sqrt(smoothed.variance),
+        smoothed.innovation,
+        sampling_rate,
+        {"method": method, "delta": delta, "thinning": thinning},
+    )
+    return track.assign(
+        noise_ratio=(
+            "term",
+            smoothed.noise_ratio,
+            {"units": "1", "long_name": "variance of a step over that of the noise, per sample"},
+        )
+    )
+
+
+def _bounded_start(model: NarxModel, tracked: Array, u: Array, y: Array) -> Array:
+    """Of the fixed and the one-step tracked parameters, those with the better free run."""
+    fixed = np.tile(model.parameters, (u.size, 1))
+    candidates = [fixed, lead_in(tracked, model.max_lag)]
+    errors = [
+        np.mean((simulate_varying(model.terms, theta, u, y) - y) ** 2) for theta in candidates
+    ]
+    best = int(np.argmin(errors))
+    if not np.isfinite(errors[best]):
+        raise InputError(
+            "the free run diverges with the model's own parameters and with tracked ones",
+            field="model",
+            remedy="Take a model that is stable on this record, or another method",
+        )
+    return candidates[best]
+
+
+def _labelled(
+    model: NarxModel,
+    theta: Array,
+    std: Array,
+    innovation: Array,
+    sampling_rate: float,
+    attrs: dict[str, Any],
+) -> xr.Dataset:
+    lag = model.max_lag
+    before = np.full(lag, np.nan)
+    innovations = np.concatenate([before, innovation * model.scaling.y_scale])
+    plain = {"units": "1"}
+    return xr.Dataset(
+        {
+            "parameter": (
+                ("time", "term"),
+                lead_in(theta, lag),
+                plain | {"long_name": "parameter of the term, normalised signals"},
+            ),
+            "parameter_std": (
+                ("time", "term"),
+                lead_in(std, lag),
+                plain | {"long_name": "standard deviation of the parameter"},
+            ),
+            "innovation": (
+                "time",
+                innovations,
+                {"long_name": "one-step prediction error, missing until all lags are known"},
+            ),
+        },
+        coords={
+            "time": (
+                "time",
+                np.arange(innovations.size) / sampling_rate,
+                {"units": "s", "long_name": "time since the start"},
+            ),
+            "term": ("term", list(map(str, model.terms)), plain | {"long_name": "term"}),
+        },
+        attrs=attrs,
+    )

@@ -1,0 +1,107 @@
+"""Filter, smoother and likelihood against the dense joint Gaussian."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dea.errors import InputError
+from dea.tracking import fit_noise_ratio, log_likelihood, smooth
+
+
+def random_walk(seed, n, q, noise=0.5):
+    rng = np.random.default_rng(seed)
+    p = len(q)
+    Phi = rng.standard_normal((n, p))
+    theta = np.cumsum(noise * np.sqrt(q) * rng.standard_normal((n, p)), axis=0)
+    return Phi, theta, np.sum(Phi * theta, axis=1) + noise * rng.standard_normal(n)
+
+
+def dense_posterior(Phi, y, q, theta_0, prior):
+    """Condition the joint Gaussian of all parameters on all outputs that are not missing."""
+    n, p = Phi.shape
+    steps = np.minimum.outer(np.arange(1, n + 1), np.arange(1, n + 1))
+    C = np.einsum("st,ij->sitj", np.ones((n, n)), np.diag(prior * np.ones(p)))
+    C = (C + np.einsum("st,ij->sitj", steps, np.diag(q))).reshape(n * p, n * p)
+    H = np.zeros((n, n * p))
+    for t in range(n):
+        H[t, t * p : (t + 1) * p] = Phi[t]
+    H, seen = H[np.isfinite(y)], y[np.isfinite(y)]
+    mean = np.tile(theta_0, n)
+    S = H @ C @ H.T + np.eye(seen.size)
+    error = seen - H @ mean
+    sigma2 = error @ np.linalg.solve(S, error) / seen.size
+    gain = np.linalg.solve(S, H @ C).T
+    value = -0.5 * (seen.size * np.log(sigma2) + np.linalg.slogdet(S)[1])
+    variance = sigma2 * np.diag(C - gain @ H @ C)
+    return (mean + gain @ error).reshape(n, p), variance.reshape(n, p), sigma2, value
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(2, 30),
+    q=st.lists(st.sampled_from([0.0, 1e-6, 0.01, 1.0]), min_size=1, max_size=3),
+    missing=st.booleans(),
+)
+def test_smoother_and_likelihood_are_those_of_the_joint_gaussian(seed, n, q, missing):
+    Phi, _, y = random_walk(seed, n, q)
+    if missing:
+        y[n // 2] = np.nan
+    known = {"theta_0": np.ones(len(q)), "prior_variance": 2.0}
+    mean, variance, sigma2, value = dense_posterior(Phi, y, np.array(q), np.ones(len(q)), 2.0)
+    found = smooth(Phi, y, q, **known)
+    np.testing.assert_allclose(found.theta, mean, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.variance, variance, rtol=1e-8, atol=1e-12)
+    assert found.noise_variance == pytest.approx(sigma2, rel=1e-9)
+    assert log_likelihood(Phi, y, q, **known)[0] == pytest.approx(value, rel=1e-9, abs=1e-9)
+    last, _, _, _ = dense_posterior(Phi, y, np.array(q), np.ones(len(q)), 2.0)
+    np.testing.assert_allclose(found.filtered[-1], last[-1], rtol=1e-9, atol=1e-9)
+
+
+def test_the_gradient_of_the_likelihood_is_exact():
+    q = np.array([1e-3, 0.02, 0.3])
+    Phi, _, y = random_walk(7, 300, q)
+    known = {"theta_0": np.zeros(3), "prior_variance": 1.0}
+    _, gradient = log_likelihood(Phi, y, q, **known)
+    for i in range(3):
+        step = np.zeros(3)
+        step[i] = 1e-4 * q[i]
+        ahead, behind = (log_likelihood(Phi, y, q + s * step, **known)[0] for s in (1, -1))
+        assert gradient[i] == pytest.approx((ahead - behind) / (2 * step[i]), rel=1e-5)
+
+
+def test_fitted_ratios_tell_the_walking_parameters_from_the_standing():
+    q = np.array([0.0, 1e-5, 1e-3])
+    Phi, theta, y = random_walk(8, 20_000, q)
+    known = {"theta_0": np.zeros(3), "prior_variance": 1.0}
+    found = fit_noise_ratio(Phi, y, **known)
+    assert found[0] < 0.1 * q[1]
+    np.testing.assert_allclose(found[1:], q[1:], rtol=0.35)
+    smoothed = smooth(Phi, y, found, **known)
+    within = np.abs(smoothed.theta - theta)[:, 1:] < 1.96 * np.sqrt(smoothed.variance[:, 1:])
+    assert within.mean() == pytest.approx(0.95, abs=0.03)
+
+
+def test_thinning_keeps_the_ratio_per_sample():
+    q = np.array([1e-4])
+    Phi, _, y = random_walk(9, 50_000, q)
+    known = {"theta_0": np.zeros(1), "prior_variance": 1.0}
+    every = fit_noise_ratio(Phi, y, **known)
+    fifth = fit_noise_ratio(Phi, y, thinning=5, **known)
+    np.testing.assert_allclose([every[0], fifth[0]], q[0], rtol=0.4)
+
+
+def test_the_smoother_survives_thirty_minutes_of_collinear_regressors():
+    rng = np.random.default_rng(10)
+    u = np.convolve(rng.standard_normal(90_050), np.ones(40) / 40, "valid")[:90_003]
+    Phi = np.column_stack([u[k : k + 90_000] for k in range(4)])
+    y = Phi @ np.ones(4) + 0.01 * rng.standard_normal(90_000)
+    found = smooth(Phi, y, np.full(4, 1e-6), theta_0=np.zeros(4), prior_variance=1e4)
+    assert np.all(found.variance > 0.0)
+    np.testing.assert_allclose(found.theta.sum(axis=1)[1000:], 4.0, atol=0.05)
+
+
+def test_a_negative_variance_is_refused():
+    with pytest.raises(InputError):
+        smooth(np.ones((3, 1)), np.ones(3), [-1.0], theta_0=np.zeros(1), prior_variance=1.0)

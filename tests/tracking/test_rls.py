@@ -1,0 +1,131 @@
+"""Recursive least squares against the batch solution and the paper's own recursion."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dea.errors import InputError
+from dea.tracking import recursive_least_squares
+
+
+def weighted_ridge(Phi, y, n, forgetting, leakage, delta, theta_0, target):
+    """Minimiser of (11) with forgetting after n samples, by one dense least-squares solve."""
+    p = Phi.shape[1]
+    weight = forgetting ** np.arange(n - 1, -1, -1.0)
+    pull = np.sqrt(leakage * weight.sum())
+    prior = np.sqrt(delta * forgetting**n)
+    rows = [np.sqrt(weight)[:, None] * Phi[:n], pull * np.eye(p), prior * np.eye(p)]
+    right = [np.sqrt(weight) * y[:n], pull * target, prior * theta_0]
+    return np.linalg.lstsq(np.vstack(rows), np.concatenate(right), rcond=None)[0]
+
+
+def paper_recursion(Phi, y, alpha, P, theta):
+    """(12)-(16) as printed, with matrices."""
+    identity = np.eye(theta.size)
+    thetas = []
+    for phi, output in zip(Phi, y, strict=True):
+        K_star = alpha * P @ np.linalg.inv(identity + alpha * P)  # (12)
+        P_star = P - K_star @ P  # (13)
+        K = P_star @ phi / (1.0 + phi @ P_star @ phi)  # (14)
+        shrunk = K_star @ theta
+        theta = theta - shrunk + K * (phi @ shrunk) + K * (output - phi @ theta)  # (15)
+        P = P_star - np.outer(K, phi) @ P_star  # (16)
+        thetas.append(theta)
+    return np.array(thetas), P
+
+
+def problem(seed, n, p):
+    rng = np.random.default_rng(seed)
+    Phi = rng.standard_normal((n, p)) @ rng.standard_normal((p, p))
+    return Phi, Phi @ rng.standard_normal(p) + 0.1 * rng.standard_normal(n), rng
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(1, 300),
+    forgetting=st.floats(0.9, 1.0),
+    leakage=st.floats(0.0, 1.0),
+    delta=st.floats(0.01, 10.0),
+)
+def test_every_estimate_is_the_batch_weighted_ridge(seed, n, forgetting, leakage, delta):
+    Phi, y, rng = problem(seed, n, 4)
+    theta_0, target = rng.standard_normal((2, 4))
+    options = {"forgetting": forgetting, "leakage": leakage, "delta": delta}
+    found = recursive_least_squares(Phi, y, theta_0=theta_0, target=target, **options)
+    for at in {1, (n + 1) // 2, n}:
+        batch = weighted_ridge(Phi, y, at, theta_0=theta_0, target=target, **options)
+        np.testing.assert_allclose(found.theta[at - 1], batch, rtol=1e-10, atol=1e-10)
+
+
+def test_without_forgetting_it_is_the_papers_recursion():
+    Phi, y, rng = problem(1, 200, 5)
+    theta_0 = rng.standard_normal(5)
+    expected, P = paper_recursion(Phi, y, 0.01, np.eye(5) / 2.0, theta_0)
+    found = recursive_least_squares(
+        Phi, y, leakage=0.01, delta=2.0, theta_0=theta_0, target=np.zeros(5)
+    )
+    np.testing.assert_allclose(found.theta, expected, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(found.P, P, rtol=1e-9, atol=1e-15)
+
+
+def test_thirty_minutes_stay_symmetric_and_exact_where_the_plain_recursion_diverges():
+    n, p, forgetting = 90_000, 10, 0.999
+    rng = np.random.default_rng(3)
+    Phi = rng.standard_normal((n, p))
+    truth = rng.standard_normal(p)
+    y = Phi @ truth + 0.01 * rng.standard_normal(n)
+
+    theta, P = np.zeros(p), np.eye(p)
+    plain = np.empty((n, p))
+    for t, (phi, output) in enumerate(zip(Phi, y, strict=True)):
+        P_phi = P @ phi
+        K = P_phi / (forgetting + phi @ P_phi)
+        theta = theta + K * (output - phi @ theta)
+        # (16), with P phi standing for phi^T P as well: what rounding leaves of P - P^T then
+        # grows by 1/lambda in each step.
+        P = (P - np.outer(K, P_phi)) / forgetting
+        plain[t] = theta
+    assert np.abs(P - P.T).max() > 0.1 * np.abs(P).max()
+
+    found = recursive_least_squares(Phi, y, forgetting=forgetting)
+    np.testing.assert_array_equal(found.P, found.P.T)
+    assert np.linalg.eigvalsh(found.P).min() > 0.0
+    off, plain_off = (np.abs(track[1000:] - truth).max() for track in (found.theta, plain))
+    assert off < 0.005
+    assert plain_off > 20.0 * off
+    batch = weighted_ridge(
+        Phi[-40_000:], y[-40_000:], 40_000, forgetting, 0.0, 1.0, np.zeros(p), np.zeros(p)
+    )
+    np.testing.assert_allclose(found.theta[-1], batch, rtol=1e-10, atol=1e-10)
+
+
+def test_leakage_keeps_what_the_data_do_not_excite():
+    """Two equal regressors: their difference is unseen, and stays where the leakage pulls it."""
+    rng = np.random.default_rng(4)
+    u = rng.standard_normal(20_000)
+    Phi = np.column_stack([u, u])
+    theta_0 = np.array([3.0, 1.0])
+    options = {"forgetting": 0.99, "leakage": 1e-4, "theta_0": theta_0}
+    found = recursive_least_squares(Phi, 2.0 * u, **options)
+    np.testing.assert_allclose(found.theta[-1].sum(), 2.0, atol=1e-3)
+    np.testing.assert_allclose(np.diff(found.theta[-1]), np.diff(theta_0), atol=1e-6)
+
+
+def test_standard_deviations_say_how_far_the_estimates_are():
+    rng = np.random.default_rng(5)
+    errors = []
+    for _ in range(200):
+        Phi = rng.standard_normal((400, 3))
+        y = Phi @ np.ones(3) + 0.5 * rng.standard_normal(400)
+        found = recursive_least_squares(Phi, y, delta=1e-6)
+        errors.append((found.theta[-1] - 1.0) / np.sqrt(found.variance[-1]))
+    assert np.std(errors) == pytest.approx(1.0, abs=0.12)
+
+
+@pytest.mark.parametrize("setting", [{"forgetting": 0.0}, {"leakage": -1.0}, {"delta": 0.0}])
+def test_settings_out_of_range_are_refused(setting):
+    with pytest.raises(InputError) as caught:
+        recursive_least_squares(np.ones((3, 1)), np.ones(3), **setting)
+    assert caught.value.field in setting

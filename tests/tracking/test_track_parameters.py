@@ -1,0 +1,152 @@
+"""Tracking whole models: parameters that stand still, that drift, and noise on the output."""
+
+import numpy as np
+import pytest
+
+from dea.errors import InputError
+from dea.gfrf import frequency_response
+from dea.narx import NarxModel, Scaling, simulate_varying
+from dea.tracking import METHODS, compare_free_runs, track_parameters
+from dea.tracking.sensitivity import sensitivity
+
+RATE = 50.0
+SAMPLES = 20_000
+PLANT = NarxModel.from_terms(
+    {
+        "1": 0.0242,
+        "y(t-1)": 1.2128,
+        "y(t-2)": -0.3024,
+        "u(t-1)": 0.1057,
+        "u(t-2)": -0.0513,
+        "y(t-1)u(t-1)^2": 0.05,
+        "y(t-2)^2": -0.02,
+    },
+    scaling=Scaling(u_offset=2.4, u_scale=1.3, y_offset=0.7, y_scale=0.4),
+)
+FREQUENCIES = np.array([0.1, 0.3, 0.6, 0.9])
+
+
+def slow_input(seed: int) -> np.ndarray:
+    """Noise up to 1 Hz between about -1 and 1: neighbouring samples are nearly collinear."""
+    spectrum = np.fft.rfft(np.random.default_rng(seed).standard_normal(SAMPLES))
+    spectrum[np.fft.rfftfreq(SAMPLES, 1.0 / RATE) > 1.0] = 0.0
+    noise = np.fft.irfft(spectrum, SAMPLES)
+    return np.clip(noise / (3.0 * noise.std()), -1.0, 1.0)
+
+
+def record(seed: int, noise: float, drift: float = 0.0):
+    """Input, output and true parameters of PLANT, whose constant and u(t-1) drift."""
+    u = slow_input(seed)
+    theta = np.tile(PLANT.parameters, (SAMPLES, 1))
+    ramp = np.linspace(0.0, 1.0, SAMPLES)
+    theta[:, 0] += 0.03 * drift * ramp
+    theta[:, 3] *= 1.0 + 0.2 * drift * ramp
+    y = simulate_varying(PLANT.terms, theta, u, np.zeros(2))
+    y += noise * y.std() * np.random.default_rng(seed + 1).standard_normal(SAMPLES)
+    return (
+        PLANT.scaling.u_offset + PLANT.scaling.u_scale * u,
+        PLANT.scaling.restore_output(y),
+        theta,
+    )
+
+
+def gain(theta: np.ndarray) -> np.ndarray:
+    return np.abs(frequency_response(PLANT, 1, FREQUENCIES, RATE, parameters=theta))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_constant_parameters_stay_constant(method):
+    u, y, _ = record(1, noise=1e-3)
+    track = track_parameters(PLANT, u, y, method=method, sampling_rate=RATE)
+    tracked = gain(track["parameter"].values[2000::500])
+    np.testing.assert_allclose(
+        tracked, np.broadcast_to(gain(PLANT.parameters), tracked.shape), rtol=0.01
+    )
+
+
+@pytest.mark.parametrize(
+    ("method", "share"), [("rls", 0.01), ("kalman", 1e-3), ("output_error", 1e-3)]
+)
+def test_the_free_run_follows_a_drifting_plant(method, share):
+    u, y, theta = record(2, noise=1e-3, drift=1.0)
+    track = track_parameters(PLANT, u, y, method=method, sampling_rate=RATE)
+    score = compare_free_runs(PLANT, {method: track}, u, y, window=1000)
+    nmse = score["nmse"].to_series()
+    assert nmse["fixed"] > 0.1
+    assert nmse[method] < share * nmse["fixed"]
+    assert score["nmse_frozen"].sel(simulation=method) < 0.05 * nmse["fixed"]
+    np.testing.assert_allclose(
+        gain(track["parameter"].values[3000:-1000:500]), gain(theta[3000:-1000:500]), rtol=0.08
+    )
+
+
+def test_tracking_the_free_run_is_not_biased_by_noise_on_the_output():
+    u, y, theta = record(3, noise=0.03, drift=0.5)
+    off = {}
+    for method in METHODS:
+        track = track_parameters(PLANT, u, y, method=method, leakage=0.0, sampling_rate=RATE)
+        ratio = gain(track["parameter"].values[2000::500]) / gain(theta[2000::500])
+        off[method] = np.abs(ratio.mean(axis=0) - 1.0).max()
+    assert off["output_error"] < 0.01
+    assert off["output_error"] < 0.25 * min(off["rls"], off["kalman"])
+
+
+def test_sensitivity_is_the_derivative_of_the_free_run():
+    u = slow_input(4)[:400]
+    theta = np.tile(PLANT.parameters, (400, 1))
+    theta[:, 0] += 0.01 * np.sin(np.arange(400) / 50.0)
+    run = simulate_varying(PLANT.terms, theta, u, np.zeros(2))
+    psi = sensitivity(PLANT.terms, theta, u, run)
+    for j in range(theta.shape[1]):
+        step = np.zeros(theta.shape[1])
+        step[j] = 1e-6
+        ahead, behind = (
+            simulate_varying(PLANT.terms, theta + s * step, u, np.zeros(2)) for s in (1.0, -1.0)
+        )
+        np.testing.assert_allclose(psi[:, j], (ahead - behind)[2:] / 2e-6, rtol=1e-5, atol=1e-7)
+
+
+def test_the_track_is_labelled_and_complete():
+    u, y, _ = record(5, noise=1e-3)
+    track = track_parameters(PLANT, u, y, forgetting=0.999, sampling_rate=RATE)
+    assert track["parameter"].dims == ("time", "term")
+    assert track["term"].values.tolist() == [str(term) for term in PLANT.terms]
+    assert track["time"].values[-1] == pytest.approx((SAMPLES - 1) / RATE)
+    assert np.all(np.isfinite(track["parameter"]))
+    assert np.all(track["parameter_std"] >= 0.0)
+    missing = np.flatnonzero(np.isnan(track["innovation"].values))
+    assert missing.tolist() == list(range(PLANT.max_lag))
+
+
+def test_innovations_are_in_output_units():
+    u, y, _ = record(6, noise=0.0)
+    off = PLANT.with_parameters(PLANT.parameters + np.eye(7)[0] * 0.1)
+    track = track_parameters(off, u, y)
+    first = y - off.predict(u, y)
+    assert track["innovation"].values[2] == pytest.approx(first[2], rel=1e-9)
+
+
+def test_a_free_run_that_diverges_is_infinite_and_nothing_worse():
+    u, y, _ = record(7, noise=0.0)
+    unstable = PLANT.with_parameters(PLANT.parameters * np.array([1, 1.2, 1, 1, 1, 1, -20.0]))
+    score = compare_free_runs(unstable, {}, u, y, window=1000)
+    assert score["nmse"].item() == np.inf
+    assert score["simulated"].values[0, -1] == np.inf
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"method": "guess"}, "method"),
+        ({"forgetting": 1.5}, "forgetting"),
+        ({"delta": -1.0}, "delta"),
+        ({"u": np.ones(SAMPLES)}, "u"),
+        ({"y": np.full(SAMPLES, np.nan)}, "y"),
+    ],
+)
+def test_bad_requests_are_refused(change, field):
+    u, y, _ = record(8, noise=1e-3)
+    options = {"u": u, "y": y} | change
+    with pytest.raises(InputError) as caught:
+        track_parameters(PLANT, **options)
+    assert caught.value.field == field
