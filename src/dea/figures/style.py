@@ -113,6 +113,7 @@ def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
         kind = path.suffix.lstrip(".")
         with atomic(path) as partial:
             figure.savefig(partial, format=kind, dpi=resolution, metadata=_NO_DATE[kind])
+        figure.set_layout_engine("none")  # arranged once: the same panels in every format
 
 
 def panel_letters(
