@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dea.figures import tables
-from dea.figures.symbols import residual_test_as_mathematics, term_as_mathematics
+from dea.figures.symbols import number, residual_test_as_mathematics, term_as_mathematics
 
 
 @pytest.fixture
@@ -103,7 +103,7 @@ def test_a_simulation_that_diverged_is_said_to_have(saved):
 
 @given(st.floats(-1e12, 1e12).filter(lambda x: abs(x) > 1e-12))
 def test_a_rounded_number_is_within_half_of_its_last_digit(value):
-    assert float(tables.number(value)) == pytest.approx(value, rel=5.1e-3)
+    assert float(number(value)) == pytest.approx(value, rel=5.1e-3)
 
 
 @given(st.floats(-100, 100), st.floats(1e-9, 50))

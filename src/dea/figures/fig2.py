@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dea.figures import style
+from dea.figures.symbols import number
 
 _COLOUR = {"re-estimated": style.RE_ESTIMATED, "honest": style.HONEST}
 _LABEL = {"re-estimated": "re-estimated on the window shown", "honest": "honest: fitted before it"}
@@ -87,7 +88,7 @@ def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
         )  # fmt: skip
     name = {"linear": "linear model", "narx": "NARX model"}[model]
     scores = ", ".join(
-        f"{approach} {float(part['nmse'].sel(approach=approach)):.3g}" for approach in _COLOUR
+        f"{approach} {number(float(part['nmse'].sel(approach=approach)))}" for approach in _COLOUR
     )
     ax.set_title(f"{name}; nmse: {scores}", loc="right")
     ax.set_xlim(float(part["time"][0]), float(part["time"][-1]))

@@ -2,17 +2,16 @@
 
 import re
 from collections.abc import Mapping
-from math import floor, isfinite, isinf, log10
+from math import floor, isfinite, log10
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
 import xarray as xr
 
-from dea.figures.symbols import term_as_mathematics
+from dea.figures.symbols import DASH, number, term_as_mathematics
 from dea.store import atomic
 
-_DASH = "–"
 _TERM_COUNT = "number of terms"
 _SCORES = ("nmse", "fit", "fpe", "rmse")
 _FACTOR = re.compile(r"[a-z]\(t-\d+\)(?:\^(\d+))?")
@@ -134,17 +133,10 @@ def _rounded(exact: pd.DataFrame) -> Table:
     return Table(exact, shown)
 
 
-def number(value: float, digits: int = 3) -> str:
-    """Return ``value`` with so many significant digits; infinity is a simulation that diverged."""
-    if isinf(value):
-        return "diverged"
-    return f"{value:#.{digits}g}".rstrip(".") if isfinite(value) else _DASH
-
-
 def _estimate(value: float | None, error: float | None) -> str:
     """A parameter with its standard error, both to the error's second significant digit."""
     if value is None:
-        return _DASH
+        return DASH
     if not error or not isfinite(error):
         return number(value, 4)
     decimals = max(0, 1 - floor(log10(error)))
@@ -161,6 +153,6 @@ def _latex_text(text: str) -> str:
         return term_as_mathematics(text)
     if "±" in text or text.startswith("-"):
         return "$" + text.replace("±", r"\pm") + "$"
-    for plain, command in ((_DASH, "--"), ("_", r"\_"), ("^2", r"\textsuperscript{2}")):
+    for plain, command in ((DASH, "--"), ("_", r"\_"), ("^2", r"\textsuperscript{2}")):
         text = text.replace(plain, command)
     return text

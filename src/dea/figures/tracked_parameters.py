@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.symbols import term_as_mathematics
+from dea.figures.symbols import number, term_as_mathematics
 from dea.store import signals
 
 _MINUTE = 60.0
@@ -77,7 +77,8 @@ def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
         ax.axhline(0, color=style.BLACK, lw=0.4)
         units = track["rmse"].attrs["units"]
         ax.set_title(
-            f"{label}: nmse {float(chosen['nmse']):.3g}, rmse {float(chosen['rmse']):.3g} {units}",
+            f"{label}: nmse {number(float(chosen['nmse']))}, "
+            f"rmse {number(float(chosen['rmse']))} {units}",
             loc="right", pad=2,
         )  # fmt: skip
     reach = min(worst, float(np.ptp(whole.y)))  # a simulation may run away
