@@ -11,7 +11,7 @@ from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.modbus import Register, encode
 
 START = 1  # command
-BLOCK = 50  # samples handed on at a time
+BLOCK_TIME = 0.2  # s of samples handed on, and synced to the disk, at a time
 NEIGHBOURS = 32  # registers between two values that are still worth one request
 
 
@@ -65,6 +65,7 @@ def drive(
     rows: list[tuple[int, int, int, int, int, int]] = []
     started = time.monotonic() + (period if paced else 0.0)
     expected: int | None = None
+    handed_on = started
     for number, count in enumerate(counts.tolist()):
         lateness = 0.0
         if paced:
@@ -92,9 +93,9 @@ def drive(
         expected = index + 1
         flag = Quality.LATE if lateness > late_after else Quality.GOOD
         rows.append((number, index, count, applied, displacement, flag))
-        if len(rows) == BLOCK:
+        if time.monotonic() - handed_on > BLOCK_TIME:
             yield from _block(rows)
-            rows = []
+            rows, handed_on = [], time.monotonic()
     yield from _block(rows)
 
 
