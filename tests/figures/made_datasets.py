@@ -11,6 +11,7 @@ TERMS = ["1", "y(t-1)", "y(t-2)", "u(t-1)", "u(t-2)", "u(t-1)^2", "y(t-1)u(t-3)^
 TESTS = ["phi_ee", "phi_eu", "phi_e(eu)", "phi_u2e", "phi_u2e2"]
 WINDOWS = ["100-130 s", "900-930 s", "1700-1730 s"]
 MODELS, APPROACHES = ["linear", "narx"], ["re-estimated", "honest"]
+TRACKERS = ["rls", "kalman", "output_error"]
 RATE = 50.0
 
 
@@ -128,22 +129,22 @@ def track(seed: int) -> xr.Dataset:
     found, whole = model(seed), record(seed)
     t = whole["time"].values[::25]
     y = whole["displacement"].values[::25]
-    drift = np.stack([1 + 0.1 * np.sin(t / 300), 1 + 0.1 * np.sin(t / 300 + 0.1)])[:, :, None]
+    drift = 1 + 0.1 * np.sin(t / 300 + np.array([0.0, 0.1, 0.2])[:, None])[:, :, None]
     theta = found["parameter"].values * drift
-    spread = np.array([0.3, 0.02, 0.03])[:, None]
+    spread = np.array([0.3, 0.02, 0.03, 0.01])[:, None]
     return checked(
         xr.Dataset(
             {
                 "parameter": over(("tracker", "time", "term"), theta),
                 "parameter_std": over(("tracker", "time", "term"), np.full_like(theta, 0.03)),
-                "innovation": over(("tracker", "time"), rng.standard_normal((2, t.size)), "mm"),
+                "innovation": over(("tracker", "time"), rng.standard_normal((3, t.size)), "mm"),
                 "simulated": over(("simulation", "time"), y + spread * np.sin(t), "mm"),
-                "nmse": over("simulation", [0.4, 0.02, 0.01]),
-                "rmse": over("simulation", [0.2, 0.02, 0.01], "mm"),
+                "nmse": over("simulation", [0.4, 0.02, 0.01, 0.005]),
+                "rmse": over("simulation", [0.2, 0.02, 0.01, 0.007], "mm"),
             },
             coords={
                 "time": over("time", t, "s"), "term": found["term"],
-                "tracker": ["rls", "kalman"], "simulation": ["fixed", "rls", "kalman"],
+                "tracker": TRACKERS, "simulation": ["fixed", *TRACKERS],
             },
         ),
         "track",

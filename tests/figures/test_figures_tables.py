@@ -86,7 +86,7 @@ def test_the_validation_table_holds_every_score(each, names, saved):
 def test_the_tracking_table_holds_every_score(each, names, saved):
     tracks = each(made.track)
     csv, _, tex = saved(tables.tracking(tracks))
-    assert len(csv) == 3 * len(names)
+    assert len(csv) == 4 * len(names)
     for _, row in csv.iterrows():
         track = tracks[row["actuator"]].sel(simulation=row["parameters"])
         assert (row["nmse"], row["rmse (mm)"]) == (float(track["nmse"]), float(track["rmse"]))

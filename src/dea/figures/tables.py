@@ -77,16 +77,15 @@ def validation(validations: Mapping[str, xr.Dataset]) -> Table:
 
 
 def tracking(tracks: Mapping[str, xr.Dataset]) -> Table:
-    """Free-run simulation over the whole record with fixed and tracked parameters."""
-    rows = [
-        {"actuator": name, "parameters": str(simulation)}
-        | {
-            _header(track[score]): float(track[score].sel(simulation=simulation))
-            for score in ("nmse", "rmse")
-        }
-        for name, track in tracks.items()
-        for simulation in track["simulation"].values
-    ]
+    """Free-run scores over the whole record (contract ``track``), fixed and tracked parameters."""
+    rows = []
+    for name, track in tracks.items():
+        scores = [each for each in track.data_vars.values() if each.dims == ("simulation",)]
+        rows += [
+            {"actuator": name, "parameters": str(simulation)}
+            | {_header(score): float(score.sel(simulation=simulation)) for score in scores}
+            for simulation in track["simulation"].values
+        ]
     return _rounded(pd.DataFrame(rows))
 
 

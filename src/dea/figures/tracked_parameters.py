@@ -18,12 +18,9 @@ _BAND = 1.96  # standard deviations either side of the estimate: 95 %
 _TRACKER = {
     "rls": ("recursive least squares", style.BLUE),
     "kalman": ("Kalman smoother", style.VERMILION),
+    "output_error": ("output-error smoother", style.GREEN),
 }
-_SIMULATION = {
-    "fixed": ("fixed parameters", style.GREY),
-    "rls": _TRACKER["rls"],
-    "kalman": _TRACKER["kalman"],
-}
+_SIMULATION = {"fixed": ("fixed parameters", style.GREY), **_TRACKER}
 
 
 @style.styled
@@ -37,10 +34,9 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     """
     terms = track["term"].values
     rows = ceil(terms.size / _COLUMNS)
-    figure = style.page_figure(style.FULL_WIDTH, min(74 + 34 * rows, style.PAGE_HEIGHT))
-    upper, lower = figure.subfigures(
-        2, 1, squeeze=False, height_ratios=[62, 12 + 34 * rows]
-    ).ravel()
+    above, below = 10 + 17 * track["simulation"].size, 12 + 34 * rows
+    figure = style.page_figure(style.FULL_WIDTH, min(above + below, style.PAGE_HEIGHT))
+    upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=[above, below]).ravel()
     errors = upper.subplots(track["simulation"].size, 1, sharex=True, sharey=True)
     _errors(np.atleast_1d(errors), record, track)
     upper.suptitle(f"{name}: what free-run simulation leaves unexplained", fontsize=7)
