@@ -1,0 +1,160 @@
+"""The command lines of bench and acquisition, and the stage of the workflow."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from dea import store
+from dea.acquisition.__main__ import main
+from dea.acquisition.link import LinkLog
+from dea.acquisition.monitor import Monitor, health
+from dea.acquisition.samples import Quality, Samples
+from dea.modbus import read_device
+from dea.stages.acquire import acquire
+
+ROOT = Path(__file__).parents[2]
+DEVICE = ROOT / "config/devices/virtual_bench.yaml"
+
+
+def drive(bench, output, *options):
+    main(["drive", "--device", str(DEVICE), "--port", str(bench.endpoint.port), "--duration", "6",
+          "--ramp-rate", "20", "--output", str(output), *options])  # fmt: skip
+
+
+@pytest.mark.parametrize("options", [[], ["--live"]])
+def test_drive_writes_a_record_and_its_link(serve_bench, tmp_path, capfd, options):
+    bench, output = serve_bench(), tmp_path / "record.nc"
+    drive(bench, output, *options)
+    record = store.read(output)
+    index = record.device_index.values
+    assert np.array_equal(record.displacement_counts, bench.displacement[index])
+    assert record.attrs["device_description"] == DEVICE.read_text()
+    link = store.read(tmp_path / "record_link.nc", "link")
+    assert int(link.samples.sum()) >= index.size
+    assert int(link.round_trip_count.sum()) == link.sizes["exchange"]
+    assert [p.name for p in tmp_path.glob("*.partial")] == []
+    shown = capfd.readouterr().err
+    assert "samples" in shown
+    assert "no errors" in shown
+    assert ("output in V" in shown) == bool(options)
+
+
+def test_check_prints_what_the_device_says(serve_bench, capsys):
+    bench = serve_bench()
+    main(["check", "--device", str(DEVICE), "--port", str(bench.endpoint.port)])
+    shown = capsys.readouterr().out
+    assert re.search(r"identity +dea-bench", shown)
+    assert re.search(r"output_range_high +15 V", shown)
+    assert not bench.applied.any()
+
+
+def test_a_wrong_voltage_is_an_error_without_a_traceback(serve_bench, tmp_path, capsys):
+    bench = serve_bench()
+    with pytest.raises(SystemExit) as caught:
+        drive(bench, tmp_path / "record.nc", "--high", "9")
+    assert caught.value.code == 2
+    message = capsys.readouterr().err
+    assert "virtual_bench.yaml: registers.output.limits: sample" in message
+    assert "Traceback" not in message
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_broken_acquisition_is_rescued_with_its_flags(serve_bench, tmp_path, capsys):
+    bench, output = serve_bench(ring_length=200, fifo_length=512), tmp_path / "record.nc"
+    with pytest.raises(SystemExit) as caught:  # the ring is too short for the samples waiting
+        drive(bench, output)
+    assert caught.value.code == 1
+    assert "overwritten before they were read" in capsys.readouterr().err
+    assert not output.exists()
+    main(["recover", str(tmp_path / "record.partial"), "--device", str(DEVICE), "--output",
+          str(tmp_path / "rescued.nc")])  # fmt: skip
+    shown = capsys.readouterr().out
+    assert "flagged" in shown
+    assert "overwritten before they were read" in shown
+    rescued = store.read(tmp_path / "rescued.nc", "record")
+    lost = rescued.quality.values == Quality.LOST
+    assert lost.any()
+    assert np.isnan(rescued.displacement.values[lost]).all()
+    index = rescued.device_index.values[~lost]
+    assert np.array_equal(rescued.displacement_counts.values[~lost], bench.displacement[index])
+
+
+def samples(size):
+    steps = np.arange(size)
+    return Samples(steps, steps, steps, steps * 10, steps * 20, steps * 0)
+
+
+def test_the_monitor_shows_rate_round_trips_and_errors():
+    log = LinkLog()
+    log.send_time, log.receive_time = [0.0, 1.0], [0.002, 1.008]
+    log.errors["no reply"] += 3
+    assert health(50.0, log) == "50/s  round trip 5.0 ms, worst 8.0  3 no reply"
+    assert health(0.0, LinkLog()).endswith("no errors")
+    console = Console(record=True, width=100, height=40, file=open(os.devnull, "w"))  # noqa: SIM115
+    with Monitor(read_device(DEVICE), 100, live=True, console=console) as monitor:
+        monitor(samples(100), log)
+    shown = console.export_text()
+    assert "displacement in mm" in shown
+    assert "100/100 samples" in shown
+
+
+def settings(**changes):
+    return {
+        "seed": 1, "system": "dea1", "excitation_name": "record",
+        "excitation": {"kind": "gaussian", "duration": 20, "low": 1.1, "high": 3.75},
+        "acquisition": {"mode": "buffered", "ramp_rate": 5.0},
+        "bench": {"actuator": "dea1", "config": str(ROOT / "config/bench.yaml"),
+                  "watchdog_time": 20.0},
+    } | changes  # fmt: skip
+
+
+def test_the_stage_writes_the_same_bytes_twice(tmp_path):
+    for name in ("a", "b"):
+        acquire(settings(), DEVICE, tmp_path / name / "record.nc", tmp_path / name / "link.nc")
+    records = [(tmp_path / name / "record.nc").read_bytes() for name in ("a", "b")]
+    assert records[0] == records[1]
+    record = store.read(tmp_path / "a/record.nc")
+    assert record.sizes["time"] == 1000
+    assert not record.quality.any()
+    assert float(record.displacement.std()) / float(record.voltage.std()) * 1e2 > 0.2
+    other = tmp_path / "c"
+    acquire(settings(system="dea2"), DEVICE, other / "record.nc", other / "link.nc")
+    assert not np.array_equal(store.read(other / "record.nc").voltage, record.voltage)
+
+
+def bench_process(*options):
+    return subprocess.Popen(
+        [sys.executable, "-m", "dea.bench", *options], cwd=ROOT, text=True,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+
+
+def test_the_bench_warns_where_it_listens_to_the_network():
+    with bench_process("--actuator", "dea1", "--host", "0.0.0.0", "--port", "0",
+                       "--until-stdin-closes") as process:  # fmt: skip
+        assert json.loads(process.stdout.readline())["host"] == "0.0.0.0"
+        _, complaint = process.communicate()
+    assert "warning: 0.0.0.0 can be reached from the network" in complaint
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--actuator", "nobody"], "there is no actuator 'nobody'"),
+        (["--actuator", "dea1", "--device", "missing.yaml"], "missing.yaml"),
+    ],
+)
+def test_the_bench_says_what_is_wrong(options, message):
+    with bench_process(*options) as process:
+        told, complaint = process.communicate()
+    assert process.returncode == 2
+    assert not told
+    assert message in complaint
+    assert "Traceback" not in complaint

@@ -1,0 +1,110 @@
+"""The same acquisition over every framing, and certificates that do not match."""
+
+import datetime
+import ipaddress
+import ssl
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import NameOID
+
+from dea.acquisition import AcquisitionSettings, acquire
+from dea.errors import InputError
+from dea.modbus import Tls, read_device
+from served_bench import DESCRIPTION
+
+FAST = AcquisitionSettings(ramp_rate=20.0, timeout=0.5, reconnect_time=1.0)
+VOLTS = 2.4 + 1.2 * np.sin(np.arange(300) * 0.1)
+
+
+def certificate(folder, name, address="127.0.0.1"):
+    """A self-signed certificate for ``address``; returns its file and its key's."""
+    key = ec.generate_private_key(ec.SECP256R1())
+    subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, name)])
+    names = x509.SubjectAlternativeName([x509.IPAddress(ipaddress.ip_address(address))])
+    begun = datetime.datetime.now(datetime.UTC) - datetime.timedelta(days=1)
+    signed = (
+        x509.CertificateBuilder()
+        .subject_name(subject)
+        .issuer_name(subject)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(begun)
+        .not_valid_after(begun + datetime.timedelta(days=10))
+        .add_extension(names, critical=False)
+        .sign(key, hashes.SHA256())
+    )
+    files = folder / f"{name}.pem", folder / f"{name}.key"
+    files[0].write_bytes(signed.public_bytes(serialization.Encoding.PEM))
+    files[1].write_bytes(
+        key.private_bytes(
+            serialization.Encoding.PEM,
+            serialization.PrivateFormat.PKCS8,
+            serialization.NoEncryption(),
+        )
+    )
+    return files
+
+
+@pytest.fixture
+def tls_bench(serve_bench, tmp_path):
+    def serve(address="127.0.0.1"):
+        file, key = certificate(tmp_path, "device", address)
+        context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+        context.load_cert_chain(file, key)
+        description = replace(read_device(DESCRIPTION), framing="tls")
+        return serve_bench(description=description, tls=context), file
+
+    return serve
+
+
+def check(bench, device, folder):
+    record = acquire(device, VOLTS, folder / "a.partial", FAST).record
+    index = record.device_index.values
+    assert index.size == VOLTS.size
+    assert np.array_equal(record.displacement_counts, bench.displacement[index])
+    assert np.array_equal(record.voltage_counts, bench.applied[index])
+    assert bench.player.applied == 0
+
+
+def test_over_tls(tls_bench, tmp_path):
+    bench, file = tls_bench()
+    check(bench, replace(bench.endpoint, tls=Tls(ca_file=str(file))), tmp_path)
+
+
+def test_rtu_over_tcp(serve_bench, tmp_path):
+    bench = serve_bench(description=replace(read_device(DESCRIPTION), framing="rtu_over_tcp"))
+    check(bench, bench.endpoint, tmp_path)
+
+
+@pytest.mark.parametrize("case", ["unknown authority", "other address", "other name"])
+def test_a_certificate_that_does_not_match(tls_bench, tmp_path, case):
+    bench, file = tls_bench("127.0.0.9" if case == "other address" else "127.0.0.1")
+    if case == "unknown authority":
+        file, _ = certificate(tmp_path, "other")
+    tls = Tls(ca_file=str(file), server_name="laser" if case == "other name" else None)
+    with pytest.raises(
+        InputError, match=r"certificate of virtual bench .* does not match"
+    ) as caught:
+        acquire(replace(bench.endpoint, tls=tls), VOLTS, tmp_path / "a.partial", FAST)
+    assert caught.value.field == "tls"
+    assert caught.value.file == DESCRIPTION
+    assert not bench.applied.size
+
+
+def test_a_certificate_file_that_is_missing(tls_bench, tmp_path):
+    bench, _ = tls_bench()
+    device = replace(bench.endpoint, tls=Tls(ca_file=str(tmp_path / "missing.pem")))
+    with pytest.raises(InputError, match="certificate file cannot be read"):
+        acquire(device, VOLTS, tmp_path / "a.partial", FAST)
+
+
+def test_a_plain_client_does_not_get_through_tls(tls_bench, tmp_path):
+    bench, _ = tls_bench()
+    with pytest.raises(InputError, match="does not answer"):
+        acquire(replace(bench.endpoint, framing="tcp"), VOLTS, tmp_path / "a.partial", FAST)
+    assert not bench.applied.size
