@@ -2,43 +2,56 @@
 
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 
 from dea.discrepancy.effects import Effect, Scales
-from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.problem import Problem
 
-_SCREEN_ITERATIONS = 4
-_FULL_ITERATIONS = 15
+_GLANCE_ITERATIONS, _SCREEN_ITERATIONS = 1, 4
 
 
-def extend(
-    before: Fit, effect: Effect, scales: Scales, start: tuple[float, ...]
-) -> tuple[ExtendedSimulation, np.ndarray]:
-    """Return the simulation with ``effect`` attached, and the coordinates to fit it from."""
-    extended = before.extended.attach(effect, scales)
-    return extended, extended.coordinates(np.concatenate([before.values, start]))
+@dataclass(frozen=True)
+class Offer:
+    """An effect, where it would attach, and the scales it is told."""
+
+    effect: Effect
+    scales: Scales
+    balance: int = 0
 
 
-def screen(problem: Problem, before: Fit, effect: Effect, scales: Scales) -> list[Fit]:
-    """Fit an effect from each of its starts with a few cheap steps; best first.
+def screen(problem: Problem, before: Fit, offer: Offer) -> Fit | None:
+    """Fit an effect by a few cheap steps; ``None`` if it has no start in this record.
 
-    The Jacobian of the parameters that are there already is kept as it was at their optimum.
+    One step from each of its starts tells the best of them, which goes on. The Jacobian of the
+    parameters that are there already is kept as it was at their optimum.
     """
-    fits = []
-    for start in effect.starts(scales):
-        extended, coordinates = extend(before, effect, scales, start)
-        fits.append(
-            fit(problem, extended, coordinates, iterations=_SCREEN_ITERATIONS, kept=before.jacobian)
+    extended = before.extended.attach(offer.effect, offer.scales, offer.balance)
+    glances = [
+        fit(
+            problem,
+            extended,
+            extended.coordinates(np.concatenate([before.values, start])),
+            iterations=_GLANCE_ITERATIONS,
+            kept=before.jacobian,
         )
-    return sorted(fits, key=lambda f: f.cost)
+        for start in offer.effect.starts(offer.scales)
+    ]
+    if not glances:
+        return None
+    best = min(glances, key=lambda f: f.cost)
+    return fit(
+        problem, extended, best.coordinates, iterations=_SCREEN_ITERATIONS, kept=before.jacobian
+    )
 
 
-def refine(problem: Problem, screened: Fit) -> Fit:
-    """Finish a screened fit with the exact Jacobian."""
-    return fit(problem, screened.extended, screened.coordinates, iterations=_FULL_ITERATIONS)
+def refine(problem: Problem, screened: Fit, iterations: int) -> Fit:
+    """Continue a screened fit with a Jacobian of all parameters."""
+    own = screened.extended.effect_slices[-1]
+    known = int(np.sum(screened.extended.free < own.start))
+    return fit(problem, screened.extended, screened.coordinates, iterations=iterations, slow=known)
 
 
 def in_parallel(task, items: Iterable, workers: int) -> list:

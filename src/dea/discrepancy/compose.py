@@ -5,12 +5,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dea.discrepancy.candidates import in_parallel, refine, screen
+from dea.discrepancy.candidates import Offer, in_parallel, refine, screen
 from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.hints import jumps, lines
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem, rmse, scales
+
+# Steps every finished candidate gets, and those that only candidates within a factor of the
+# leader's error go on to.
+_FIRST_STEPS, _LAST_STEPS, _NEAR = 4, 12, 1.6
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,11 @@ class Candidate:
     def names(self) -> tuple[str, ...]:
         """Names of all effects attached."""
         return tuple(a.effect.name for a in self.fit.extended.attached)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of all effects attached, with their balance where there are several."""
+        return tuple(self.fit.extended.label(a) for a in self.fit.extended.attached)
 
     @property
     def effect(self) -> Effect:
@@ -80,17 +89,18 @@ def extend_by_each(
     workers: int,
 ) -> Round:
     """Fit each effect on top of ``before``: all from all their starts, the best to the end."""
-    around = scales(
-        problem, before.extended, before.values, units, lines(problem, before.gap),
-        jumps(problem, before.gap),
-    )  # fmt: skip
-    there = {a.effect.name for a in before.extended.attached}
-    offered = [e for e in effects if e.name not in there and _attachable(e, before)]
-    screened = in_parallel(lambda effect: screen(problem, before, effect, around), offered, workers)
+    offers = _offers(problem, before, effects, units)
+    screened = in_parallel(lambda offer: screen(problem, before, offer), offers, workers)
     stable = sorted(
-        (fits[0] for fits in screened if fits and fits[0].stable), key=lambda fit: fit.cost
+        (fit for fit in screened if fit is not None and fit.stable), key=lambda fit: fit.cost
     )
-    finished = in_parallel(lambda fit: refine(problem, fit), stable[: budget.finished], workers)
+    ahead = in_parallel(
+        lambda fit: refine(problem, fit, _FIRST_STEPS), stable[: budget.finished], workers
+    )
+    leader = min((fit.cost for fit in ahead), default=0.0)
+    near = [fit for fit in ahead if fit.cost <= _NEAR**2 * leader]
+    finished = in_parallel(lambda fit: refine(problem, fit, _LAST_STEPS), near, workers)
+    finished += [fit for fit in ahead if fit.cost > _NEAR**2 * leader]
     candidates = [judge(problem, fit) for fit in finished]
     candidates += [judge(problem, fit, finished=False) for fit in stable[budget.finished :]]
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
@@ -103,8 +113,29 @@ def noise_floor(problem: Problem, rounds: Sequence[Round], blocks: Sequence[slic
     return min(white_level(gap, list(blocks)) for gap in gaps)
 
 
-def _attachable(effect: Effect, before: Fit) -> bool:
-    if effect.force is None:
-        return True
-    balance = before.extended.simulation.balance
-    return balance is not None and (balance.position is not None or not effect.uses_position)
+def _offers(
+    problem: Problem, before: Fit, effects: Sequence[Effect], units: tuple[str, str]
+) -> list[Offer]:
+    """Return every effect at every port it can attach to and is not attached to yet."""
+    balances = before.extended.simulation.balances
+    hints = lines(problem, before.gap), jumps(problem, before.gap)
+    told = [
+        scales(problem, before.extended, before.values, units, i, *hints)
+        for i in range(max(1, len(balances)))
+    ]
+    there = {(a.effect.name, a.balance) for a in before.extended.attached}
+    offers = []
+    for effect in effects:
+        places = [0]
+        if effect.force is not None:
+            places = [
+                i
+                for i, b in enumerate(balances)
+                if b.position is not None or not effect.uses_position
+            ]
+        offers += [
+            Offer(effect, told[place], place)
+            for place in places
+            if (effect.name, place) not in there
+        ]
+    return offers

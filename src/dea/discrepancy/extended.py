@@ -1,7 +1,7 @@
 """A simulation with effects attached: the thing that is fitted, saved and simulated."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -32,10 +32,11 @@ class Frame:
 
 @dataclass(frozen=True)
 class Attached:
-    """An effect on a record of these scales."""
+    """An effect on a record of these scales; a force acts on the simulation's ``balance``."""
 
     effect: Effect
     scales: Scales
+    balance: int = 0
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -49,7 +50,7 @@ class ExtendedSimulation:
 
     simulation: Simulation
     attached: tuple[Attached, ...] = ()
-    frame: Frame = Frame()
+    frames: tuple[Frame, ...] = ()
     substeps: int = 1
 
     @cached_property
@@ -62,9 +63,7 @@ class ExtendedSimulation:
             Parameter(OUTPUT_OFFSET, own.output_unit, 0.0, own.output_offset_spread),
         )
         laws = (
-            Parameter(
-                f"{a.effect.name}.{p.name}", p.unit, p.nominal, p.spread, p.low, p.high, p.log
-            )
+            replace(p, name=f"{self.label(a)}.{p.name}")
             for a in self.attached
             for p in a.parameters
         )
@@ -107,11 +106,16 @@ class ExtendedSimulation:
         """Return the free coordinates of parameter ``values``."""
         return np.array([self.parameters[i].coordinate(values[i]) for i in self.free])
 
-    def attach(self, effect: Effect, scales: Scales) -> "ExtendedSimulation":
+    def label(self, attached: Attached) -> str:
+        """Return an effect's name, with its balance where the simulation has several."""
+        balances = self.simulation.balances
+        if attached.effect.force is None or len(balances) < 2:
+            return attached.effect.name
+        return f"{attached.effect.name}@{balances[attached.balance].equation}"
+
+    def attach(self, effect: Effect, scales: Scales, balance: int = 0) -> "ExtendedSimulation":
         """Return this simulation with one effect more."""
-        return ExtendedSimulation(
-            self.simulation, (*self.attached, Attached(effect, scales)), self.frame, self.substeps
-        )
+        return replace(self, attached=(*self.attached, Attached(effect, scales, balance)))
 
     def simulate(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
         """Return the free-run output, shape (n,); NaN from where the simulation runs away."""
@@ -132,13 +136,22 @@ class ExtendedSimulation:
                 v = effect.shape_input(v, q, interval)
             if effect.scale_drive is not None:
                 drive_scale = drive_scale * effect.scale_drive(t, q)
-        forces = [(effect, q) for effect, q in laws if effect.force is not None]
+        forces = [
+            (a, q)
+            for a, (_, q) in zip(self.attached, laws, strict=True)
+            if a.effect.force is not None
+        ]
+        ports, frames = np.full((SLOTS + 1, 3), -1), np.ones((SLOTS + 1, 3))
+        if own.balances:
+            ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
         slots: list[Any] = []
         memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
         for slot in range(SLOTS):
             if slot < len(forces):
-                effect, q = forces[slot]
+                a, q = forces[slot]
+                effect = a.effect
                 slots += [effect.force, effect.update]
+                ports[slot], frames[slot] = self._ports[a.balance], self._frames[a.balance]
                 parameters[slot, : q.size] = q
                 if effect.memory is not None:
                     memory[slot] = effect.memory(q)
@@ -157,9 +170,9 @@ class ExtendedSimulation:
             np.concatenate([np.full(lead, drive_scale[0]), drive_scale]),
             values[p_count : p_count + x_count].copy(),
             interval,
-            self.substeps * max([1, *(effect.refine for effect, _ in forces)]),
-            *self._port,
-            np.array([self.frame.rest, self.frame.scale, self.frame.unit_force]),
+            self.substeps * max([1, *(a.effect.refine for a, _ in forces)]),
+            ports,
+            frames,
             memory,
             parameters,
         )[:, lead:]
@@ -171,16 +184,19 @@ class ExtendedSimulation:
         return np.stack([y, result[1]])
 
     @cached_property
-    def _port(self) -> tuple[int, int, int]:
-        balance = self.simulation.balance
-        if balance is None:
-            return 0, -1, 0
-        index = self.simulation.state_names.index
-        return (
-            index(balance.equation),
-            -1 if balance.position is None else index(balance.position),
-            -1 if balance.velocity is None else index(balance.velocity),
+    def _ports(self) -> np.ndarray:
+        names = (None, *self.simulation.state_names)
+        return np.array(
+            [
+                [names.index(name) - 1 for name in (b.equation, b.position, b.velocity)]
+                for b in self.simulation.balances
+            ]
         )
+
+    @cached_property
+    def _frames(self) -> np.ndarray:
+        frames = self.frames or (Frame(),) * len(self.simulation.balances)
+        return np.array([[f.rest, f.scale, f.unit_force] for f in frames])
 
     def save(self, values: np.ndarray, interval: float, path: Path) -> None:
         """Write the simulation, its effects and all parameter values as YAML."""
@@ -192,11 +208,14 @@ class ExtendedSimulation:
             "simulation": self.simulation.source or self.simulation.name,
             "interval": float(interval),
             "substeps": self.substeps,
-            "frame": {key: float(value) for key, value in asdict(self.frame).items()},
+            "frames": [
+                {key: float(value) for key, value in asdict(frame).items()} for frame in self.frames
+            ],
             "effects": [
                 {
                     "name": a.effect.name,
                     "port": str(a.effect.port),
+                    "balance": a.balance,
                     "scales": _plain(asdict(a.scales)),
                 }
                 for a in self.attached
@@ -235,12 +254,13 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
                 remedy=f"Known are {', '.join(catalogue())}",
             )
         attached = tuple(
-            Attached(catalogue()[e["name"]], Scales(**_tuples(e["scales"]))) for e in effects
+            Attached(catalogue()[e["name"]], Scales(**_tuples(e["scales"])), e["balance"])
+            for e in effects
         )
         extended = ExtendedSimulation(
             load_simulation(content["simulation"]),
             attached,
-            Frame(**content["frame"]),
+            tuple(Frame(**frame) for frame in content["frames"]),
             content["substeps"],
         )
         values = np.array([content["parameters"][name]["value"] for name in extended.names])

@@ -12,6 +12,7 @@ from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.problem import Problem
 
 _STEP = 1e-3
+_REFRESH = 3
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,7 @@ def fit(
     *,
     iterations: int = 20,
     kept: np.ndarray | None = None,
+    slow: int = 0,
     tolerance: float = 1e-4,
 ) -> Fit:
     """Fit the free parameters from ``start`` on the samples the problem allows.
@@ -96,6 +98,9 @@ def fit(
     kept : (n, m), optional
         Columns of the Jacobian for the first m coordinates that are taken as they are, which
         makes a step cheaper; exact ones are computed otherwise.
+    slow
+        How many of the first coordinates have columns that are computed anew only every third
+        step; the others change faster.
     tolerance
         Stop when an accepted step lowers the cost by less than this part of it.
     """
@@ -104,14 +109,16 @@ def fit(
     gap = problem.gap(extended, extended.values(coordinates))
     cost = cost_of(gap, coordinates, problem)
     size = coordinates.size
-    moving = np.arange(0 if kept is None else kept.shape[1], size)
     J = np.zeros((problem.u.size, size))
     damping = 1e-3
-    for _ in range(iterations):
+    stalled = False
+    for iteration in range(iterations):
         if not np.isfinite(cost) or not np.isfinite(gap).all():
             break
-        fresh = columns(problem, extended, coordinates, gap, moving)
-        J = fresh if kept is None else np.hstack([kept, fresh])
+        whole = kept is None and (slow == 0 or iteration % _REFRESH == 0 or stalled)
+        first = 0 if whole else slow if kept is None else kept.shape[1]
+        fresh = columns(problem, extended, coordinates, gap, np.arange(first, size))
+        J = np.hstack([J[:, :first] if kept is None else kept, fresh])
         chosen = J[problem.fit] / problem.noise
         A = chosen.T @ chosen + np.eye(size)
         g = chosen.T @ (gap[problem.fit] / problem.noise) + coordinates
@@ -129,10 +136,11 @@ def fit(
                 damping = max(damping / 5.0, 1e-9)
                 break
             damping *= 8.0
-        if not improved:
+        gain = (cost - trial_cost) / cost if improved else 0.0
+        if improved:
+            coordinates, gap, cost = trial, trial_gap, trial_cost
+        # Before giving up, old columns are computed anew: they may be what holds it up.
+        if gain < tolerance and (whole or kept is not None):
             break
-        gain = (cost - trial_cost) / cost
-        coordinates, gap, cost = trial, trial_gap, trial_cost
-        if gain < tolerance:
-            break
+        stalled = gain < tolerance
     return Fit(extended, coordinates, gap, J, cost)

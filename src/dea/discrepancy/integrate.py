@@ -17,6 +17,7 @@ warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 _VECTOR = types.Array(float64, 1, "C")
 _MATRIX = types.Array(float64, 2, "C")
+_INDEX = types.Array(int64, 2, "C")
 DERIVATIVE = types.void(_VECTOR, float64, _VECTOR, _VECTOR)
 OUTPUT = float64(_VECTOR, float64, _VECTOR)
 FORCE = float64(float64, float64, _VECTOR, _VECTOR)
@@ -44,6 +45,14 @@ def no_update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarr
     """Fill the slot of a force without memory."""
 
 
+@njit(types.void(_VECTOR, _INDEX, _MATRIX, _VECTOR), cache=True)
+def _positions(x, ports, frames, z):
+    """Write the normalised position of each port that has one."""
+    for e in range(SLOTS + 1):
+        if ports[e, 1] >= 0:
+            z[e] = (x[ports[e, 1]] - frames[e, 0]) / frames[e, 1]
+
+
 _F, _U = types.FunctionType(FORCE), types.FunctionType(UPDATE)
 
 
@@ -51,7 +60,7 @@ _F, _U = types.FunctionType(FORCE), types.FunctionType(UPDATE)
     _MATRIX(
         types.FunctionType(DERIVATIVE), types.FunctionType(OUTPUT), _F, _U, _F, _U, _F, _U, int64,
         _VECTOR, int64, _VECTOR, int64, _VECTOR, _VECTOR, float64, int64,
-        int64, int64, int64, _VECTOR, _MATRIX, _MATRIX,
+        _INDEX, _MATRIX, _MATRIX, _MATRIX,
     ),
     cache=True,
     nogil=True,
@@ -74,10 +83,8 @@ def integrate(
     x0,
     interval,
     substeps,
-    equation,
-    position,
-    velocity,
-    frame,
+    ports,
+    frames,
     memory,
     q,
 ):
@@ -92,8 +99,11 @@ def integrate(
         Input; held over each interval, or interpolated if ``linear_hold``.
     drive, drive_scale : int, (n,)
         Index of the parameter that is multiplied by ``drive_scale`` at each sample.
-    frame : (3,)
-        Rest position and scale of the motion, and the acceleration per unit of force.
+    ports : (SLOTS + 1, 3)
+        States that are balance, position and velocity of each force (-1: there is none); the last
+        row is the port whose position is returned.
+    frames : (SLOTS + 1, 3)
+        Rest position and scale of each port's motion, and the balance's change per unit of force.
     memory, q : (SLOTS, MEMORY), (SLOTS, parameters)
         Memory (changed in place) and parameters of each force.
 
@@ -108,13 +118,14 @@ def integrate(
     k1, k2, k3, k4 = np.empty(states), np.empty(states), np.empty(states), np.empty(states)
     p = p.copy()
     p_drive = p[drive]
+    pushes = np.zeros(SLOTS)
     h = interval / substeps
-    rest, scale, unit_force = frame[0], frame[1], frame[2]
+    z, z_next, travelled = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
     for i in range(n):
         p[drive] = p_drive * drive_scale[i]
-        z = (x[position] - rest) / scale if position >= 0 else 0.0
+        _positions(x, ports, frames, z)
         result[0, i] = output(x, u[i], p)
-        result[1, i] = z
+        result[1, i] = z[SLOTS]
         slope = (u[i + 1] - u[i]) / interval if linear_hold and i + 1 < n else 0.0
         for s in range(substeps):
             for order in range(4):
@@ -124,29 +135,37 @@ def integrate(
                     before = k1[j] if order == 1 else k2[j] if order == 2 else k3[j]
                     stage[j] = x[j] + (ahead * before if order else 0.0)
                 derivative(stage, u[i] + slope * (s * h + ahead), p, k)
-                if forces:
-                    z_stage = (stage[position] - rest) / scale if position >= 0 else 0.0
+                for e in range(forces):
+                    position, velocity = ports[e, 1], ports[e, 2]
+                    rest, scale = frames[e, 0], frames[e, 1]
+                    at = (stage[position] - rest) / scale if position >= 0 else z[e]
                     w = (stage[velocity] if velocity >= 0 else k[position]) / scale
-                    force = force_1(z_stage, w, memory[0], q[0])
-                    if forces > 1:
-                        force += force_2(z_stage, w, memory[1], q[1])
-                    if forces > 2:
-                        force += force_3(z_stage, w, memory[2], q[2])
-                    k[equation] += unit_force * force
-            travelled = 0.0
+                    if e == 0:
+                        force = force_1(at, w, memory[0], q[0])
+                    elif e == 1:
+                        force = force_2(at, w, memory[1], q[1])
+                    else:
+                        force = force_3(at, w, memory[2], q[2])
+                    pushes[e] = frames[e, 2] * force
+                for e in range(forces):
+                    k[ports[e, 0]] += pushes[e]
             for j in range(states):
                 step = h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
-                if j == velocity and position < 0:
-                    travelled = h * (x[j] + 0.5 * step) / scale
+                for e in range(forces):
+                    if ports[e, 1] < 0 and ports[e, 2] == j:
+                        travelled[e] += h * (x[j] + 0.5 * step) / frames[e, 1]
                 x[j] += step
             if forces:
-                z_next = (x[position] - rest) / scale if position >= 0 else z + travelled
-                update_1(z, z_next, h, memory[0], q[0])
+                _positions(x, ports, frames, z_next)
+                for e in range(forces):
+                    if ports[e, 1] < 0:
+                        z_next[e] = travelled[e]
+                update_1(z[0], z_next[0], h, memory[0], q[0])
                 if forces > 1:
-                    update_2(z, z_next, h, memory[1], q[1])
+                    update_2(z[1], z_next[1], h, memory[1], q[1])
                 if forces > 2:
-                    update_3(z, z_next, h, memory[2], q[2])
-                z = z_next
+                    update_3(z[2], z_next[2], h, memory[2], q[2])
+                z[:] = z_next
         for j in range(states):
             if not abs(x[j]) < 1e12:
                 return result

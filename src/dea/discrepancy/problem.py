@@ -6,7 +6,7 @@ import numpy as np
 
 from dea.discrepancy.effects import Scales
 from dea.discrepancy.extended import ExtendedSimulation, Frame
-from dea.discrepancy.simulation import Simulation
+from dea.discrepancy.simulation import Balance, Simulation
 from dea.errors import InputError
 
 _FINEST = 256
@@ -91,22 +91,40 @@ def base(
                 remedy="Correct the nominal values, or the units of the record's input",
             )
         extended, coarse = finer, fine
-    return replace(extended, frame=_frame(extended, values, u, interval))
+    frames = tuple(
+        _frame(extended, balance, values, u, interval) for balance in simulation.balances
+    )
+    return replace(extended, frames=frames)
+
+
+def deflection(
+    extended: ExtendedSimulation,
+    balance: Balance,
+    values: np.ndarray,
+    u: np.ndarray,
+    interval: float,
+) -> np.ndarray:
+    """Return what moves at a balance, from rest and in its own unit, without any effect."""
+    own = extended.simulation
+    bare = ExtendedSimulation(
+        replace(own, balances=(balance,)), (), (Frame(balance.rest),), extended.substeps
+    )
+    output, position = bare.run(values[: len(bare.parameters)], u, interval)
+    return output if balance.position is None else position
 
 
 def _frame(
-    extended: ExtendedSimulation, values: np.ndarray, u: np.ndarray, interval: float
+    extended: ExtendedSimulation,
+    balance: Balance,
+    values: np.ndarray,
+    u: np.ndarray,
+    interval: float,
 ) -> Frame:
-    balance = extended.simulation.balance
-    if balance is None:
-        return Frame()
     own = extended.simulation
     moving = own.state_names.index(balance.position or balance.velocity or "")
     equation = own.state_names.index(balance.equation)
     p, x = values[: len(own.parameters)], np.array([s.initial for s in own.states])
-    raw = replace(extended, frame=Frame(balance.rest, 1.0, 0.0)).run(values, u, interval)
-    excursion = float(np.max(np.abs(raw[1]))) if balance.position else float(np.ptp(raw[0]))
-    excursion = excursion or 1.0
+    excursion = float(np.max(np.abs(deflection(extended, balance, values, u, interval)))) or 1.0
     low, high = np.empty(x.size), np.empty(x.size)
     for sign, slope in ((0.6, low), (0.8, high)):
         x[moving] = balance.rest + sign * excursion
@@ -120,11 +138,16 @@ def scales(
     extended: ExtendedSimulation,
     values: np.ndarray,
     units: tuple[str, str],
+    balance: int = 0,
     frequencies: tuple[float, ...] = (),
     jumps: tuple[float, ...] = (),
 ) -> Scales:
     """Return how large things are in this record and in its simulation."""
-    _, z = extended.run(values, problem.u, problem.interval)
+    z = np.zeros(2)
+    if extended.simulation.balances:
+        port = extended.simulation.balances[balance]
+        z = deflection(extended, port, values, problem.u, problem.interval)
+        z = z / extended.frames[balance].scale
     rate = np.abs(np.diff(problem.u)) / problem.interval
     return Scales(
         u_unit=units[0],

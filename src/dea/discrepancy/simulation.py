@@ -62,8 +62,8 @@ class Simulation:
         ``output(x, u, p)`` returns the simulated output.
     drive
         Name of the parameter that scales the action of the input: the port for its drift.
-    balance
-        The port for forces, or ``None`` if no equation is a balance.
+    balances
+        The ports for forces, one for each equation that is a balance; none where no equation is.
     output_gain_spread
         Prior standard deviation of the sensor's gain about one.
     output_offset_spread
@@ -83,7 +83,7 @@ class Simulation:
     derivative: Callable[..., Any]
     output: Callable[..., float]
     drive: str
-    balance: Balance | None
+    balances: tuple[Balance, ...]
     output_gain_spread: float = 0.0
     output_offset_spread: float = 0.0
     lead_in: float = 0.0
@@ -101,23 +101,8 @@ class Simulation:
                 "drive",
                 f"Name the parameter that scales the input: {', '.join(self.parameter_names)}",
             )
-        if self.balance is not None:
-            for role in ("equation", "position", "velocity"):
-                name = getattr(self.balance, role)
-                if name is None and role != "equation":
-                    continue
-                if name not in self.state_names:
-                    raise self._error(
-                        f"the force-balance port names {name!r}, which is no state",
-                        f"balance.{role}",
-                        f"Name one of the states {', '.join(self.state_names)}",
-                    )
-            if self.balance.position is None and self.balance.velocity is None:
-                raise self._error(
-                    "the force-balance port has neither position nor velocity",
-                    "balance",
-                    "Name the state that moves",
-                )
+        for balance in self.balances:
+            self._check_balance(balance)
         dx = np.full(len(self.states), np.nan)
         x = np.array([state.initial for state in self.states])
         p = self.nominal
@@ -132,6 +117,22 @@ class Simulation:
                 f"{'of ' + ', '.join(bad) + ' ' if bad else ''}is not a number",
                 "derivative" if bad else "output",
                 "Check its equations and the nominal values",
+            )
+
+    def _check_balance(self, balance: Balance) -> None:
+        for role in ("equation", "position", "velocity"):
+            name = getattr(balance, role)
+            if name not in self.state_names and not (name is None and role != "equation"):
+                raise self._error(
+                    f"a force-balance port names {name!r}, which is no state",
+                    f"balances.{role}",
+                    f"Name one of the states {', '.join(self.state_names)}",
+                )
+        if balance.position is None and balance.velocity is None:
+            raise self._error(
+                "a force-balance port has neither position nor velocity",
+                "balances",
+                "Name the state that moves",
             )
 
     @property

@@ -1,6 +1,7 @@
 """Split a record into contiguous blocks: to fit on, to choose by, and to certify on, once."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,7 @@ _PATTERNS = (
     (("fit", 3), ("select", 2), ("certify", 2), ("fit", 3)),
 )  # fmt: skip
 _GAP_IN_TIME_CONSTANTS = 3.0
-_SHORTEST_BLOCK_IN_GAPS = 2.0
+_SHORTEST_BLOCK_IN_GAPS = 1.0
 
 
 @dataclass(frozen=True)
@@ -26,14 +27,14 @@ class Split:
     certify: np.ndarray
     gap: int
 
-    def blocks(self, mask: np.ndarray, length: int) -> list[slice]:
+    def blocks(self, mask: np.ndarray, length: float) -> list[slice]:
         """Cut the contiguous runs of ``mask`` into blocks of about ``length`` samples."""
         edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
         result = []
         for start, stop in zip(edges[::2], edges[1::2], strict=True):
             parts = max(1, round((stop - start) / length))
             cuts = np.linspace(start, stop, parts + 1).astype(int)
-            result += [slice(a, b) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
+            result += [slice(a, b) for a, b in pairwise(cuts)]
         return result
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.effects._laws import sampled_lag
+from dea.discrepancy.effects import sampled_lag
 from dea.discrepancy.problem import Problem, rmse
 
 _RIDGES = np.logspace(-4, 2, 7)

@@ -16,7 +16,7 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     for k in range(u.size):
         limit = threshold if u[k] >= 0 else threshold * ratio
         rest = knee(abs(u[k]) - limit, width)
-        opened = min(1.0, max(0.0, 0.5 + (abs(u[k]) - limit) / (2.0 * width)))
+        opened = 1.0 / (1.0 + np.exp(-2.0 * (abs(u[k]) - limit) / width))
         result[k] = np.sign(u[k]) * ((1.0 - gate) * rest + gate * abs(u[k]) * opened)
     return result
 
@@ -35,8 +35,15 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return thresholds through the range of the input, with both kinds of gate."""
     low = max(scales.u_low, 0.0)
     return tuple(
-        (low + part * (scales.u_high - low), 0.05 * scales.u_peak, gate, 1.0)
-        for part, gate in ((0.05, 0.0), (0.15, 1.0), (0.25, 0.0), (0.35, 1.0), (0.5, 0.0))
+        (low + part * (scales.u_high - low), width * scales.u_peak, gate, 1.0)
+        for part, width, gate in (
+            (0.05, 0.02, 0.0),
+            (0.15, 0.1, 1.0),
+            (0.25, 0.05, 0.0),
+            (0.35, 0.02, 1.0),
+            (0.35, 0.15, 1.0),
+            (0.5, 0.05, 0.0),
+        )
     )
 
 

@@ -12,19 +12,19 @@ from dea.discrepancy.parameter import Parameter
 def force(z, w, memory, q):
     """Stiff contact beyond the upper stop, or the lower one, with a soft corner."""
     upper, lower = knee(z - q[0], q[3]), knee(q[1] - z, q[3])
-    contact = q[4] * w * ((1.0 if upper > 0 else 0.0) + (1.0 if lower > 0 else 0.0))
-    return q[2] * (lower - upper - contact)
+    return q[2] * ((lower / q[5]) ** q[4] - (upper / q[5]) ** q[4]) * q[5]
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return upper and lower stop, stiffness, corner width and damping of the contact."""
+    """Return upper and lower stop, stiffness, corner width and exponent of the contact."""
     span = scales.z_span
     return (
         Parameter("upper_stop", "1", scales.z_high - 0.1 * span, 0.3 * span),
         Parameter("lower_stop", "1", scales.z_low - 0.2 * span, 0.3 * span),
         Parameter("stiffness", "1", 5.0, 1.0, 0.05, 30.0, log=True),
         Parameter("corner_width", "1", 0.01 * span, 1.0, 1e-3 * span, 0.5 * span, log=True),
-        Parameter("contact_damping", "s", 0.0, 0.0),
+        Parameter("exponent", "1", 1.0, 0.3, 1.0, 3.0, log=True),
+        Parameter("reference", "1", 0.1 * span, 0.0),
     )
 
 
@@ -32,10 +32,10 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return a stop near the upper end, deeper in, and at the lower end."""
     low, high, span = scales.z_low, scales.z_high, scales.z_span
     return (
-        (high - 0.1 * span, low - 0.3 * span, 5.0, 0.02 * span, 0.0),
-        (high - 0.3 * span, low - 0.3 * span, 5.0, 0.02 * span, 0.0),
-        (high - 0.5 * span, low - 0.3 * span, 2.0, 0.05 * span, 0.0),
-        (high + 0.3 * span, low + 0.1 * span, 5.0, 0.02 * span, 0.0),
+        (high - 0.1 * span, low - 0.3 * span, 5.0, 0.02 * span, 1.0, 0.1 * span),
+        (high - 0.3 * span, low - 0.3 * span, 5.0, 0.02 * span, 1.0, 0.1 * span),
+        (high - 0.5 * span, low - 0.3 * span, 2.0, 0.05 * span, 1.0, 0.1 * span),
+        (high + 0.3 * span, low + 0.1 * span, 5.0, 0.02 * span, 1.0, 0.1 * span),
     )
 
 

@@ -40,6 +40,9 @@ simulation = Simulation(
     derivative=derivative,
     output=output,
     drive="pump_gain",
-    balance=Balance(equation="upper_level", position="upper_level", velocity=None),
+    balances=(
+        Balance(equation="upper_level", position="upper_level", velocity=None),
+        Balance(equation="lower_level", position="lower_level", velocity=None),
+    ),
     output_offset_spread=0.5,
 )

@@ -63,7 +63,7 @@ simulation = Simulation(
     derivative=derivative,
     output=output,
     drive="permittivity",
-    balance=Balance(equation="velocity", position="position", velocity="velocity", rest=0.0),
+    balances=(Balance(equation="velocity", position="position", velocity="velocity", rest=0.0),),
     output_offset_spread=0.5,
     lead_in=2.0,
 )

@@ -44,6 +44,6 @@ simulation = Simulation(
     derivative=derivative,
     output=output,
     drive="speed_gain",
-    balance=Balance(equation="motor_speed", position=None, velocity="motor_speed"),
+    balances=(Balance(equation="motor_speed", position=None, velocity="motor_speed"),),
     output_offset_spread=0.5,
 )

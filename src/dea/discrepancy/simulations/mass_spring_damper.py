@@ -25,7 +25,7 @@ simulation = Simulation(
     name="mass_spring_damper",
     input_unit="V",
     output_unit="V",
-    states=(State("position", "V", 0.0), State("velocity", "V/s", 0.0)),
+    states=(State("position", "V", 0.0, 0.1), State("velocity", "V/s", 0.0, 30.0)),
     parameters=(
         Parameter("natural_frequency", "Hz", 70.0, 0.5, 1e-2, 1e4, log=True),
         Parameter("damping_ratio", "1", 0.1, 1.0, 1e-4, 20.0, log=True),
@@ -34,7 +34,7 @@ simulation = Simulation(
     derivative=derivative,
     output=output,
     drive="static_gain",
-    balance=Balance(equation="velocity", position="position", velocity="velocity"),
+    balances=(Balance(equation="velocity", position="position", velocity="velocity"),),
     output_offset_spread=0.05,
     hold="linear",
 )
