@@ -170,7 +170,11 @@ def gfrf(seed: int) -> xr.Dataset:
                 "H2": over(("time_h2", "frequency_1", "frequency_2", "part"), parts(h2), "mm/V^2"),
                 "y0": over("time", 1 + 0.1 * t / 1800, "mm"),
                 "input_spectrum": over("frequency", spectrum, "V^2/Hz"),
-                "excited": over("frequency", f <= 1.0),
+                "excited": over("frequency", (f <= 1.0).astype(np.int8)),
+                "excited_h2": over(
+                    ("frequency_1", "frequency_2"),
+                    ((f2[:, None] <= 1.0) & (f2 <= 1.0)).astype(np.int8),
+                ),
             },
             coords={
                 "time": over("time", t, "s"), "frequency": over("frequency", f, "Hz"),

@@ -16,7 +16,7 @@ from dea.figures.fig1 import fig1
 from dea.figures.fig2 import fig2
 from dea.figures.fig3 import fig3
 from dea.figures.fig4_h2 import fig4_h2
-from dea.figures.frequency_maps import as_complex, excited_at
+from dea.figures.frequency_maps import as_complex
 from dea.figures.link import link
 from dea.figures.residual_tests import residual_tests
 from dea.figures.tracked_parameters import tracked_parameters
@@ -165,15 +165,20 @@ def test_what_was_not_excited_is_hatched_and_only_that():
     assert area.contains_point((1.5, 1.5))
     assert area.contains_point((0.5, 1.5))
     assert not area.contains_point((0.5, 0.5))
-    everywhere = gfrf.assign(excited=gfrf["excited"] * 0 + 1)
+    everywhere = gfrf.assign(excited_h2=gfrf["excited_h2"] * 0 + 1)
     bare = fig4_h2({"dea1": everywhere}).axes[0]
     assert not [c for c in bare.collections if getattr(c, "hatches", None)]
 
 
-def test_a_frequency_counts_as_excited_by_its_magnitude():
+def test_a_time_without_a_steady_state_is_left_white_and_explained():
     gfrf = made.gfrf(1)
-    frequency = gfrf["frequency_1"] * 0 + np.linspace(-2, 2, gfrf["frequency_1"].size)
-    assert np.array_equal(excited_at(gfrf, frequency), np.abs(frequency.values) <= 1.0)
+    gfrf["H1"].values[100:] = np.nan
+    figure = fig3({"dea1": made.record(1)}, {"dea1": gfrf})
+    mesh = next(c for ax in figure.axes for c in ax.collections if c.get_array() is not None)
+    shown = np.ma.getmaskarray(mesh.get_array()).reshape(gfrf["H1"].shape[1::-1])
+    assert not shown[:, :100].any()
+    assert shown[:, 100:].all()
+    assert any("no steady state" in text for text, _ in texts(figure))
 
 
 def test_the_first_row_of_residual_tests_holds_the_correlations_and_the_band():

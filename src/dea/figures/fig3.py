@@ -12,7 +12,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex, excited_at, hatch, hatch_legend, log_bar
+from dea.figures.frequency_maps import as_complex, explain, hatch, log_bar
 from dea.store import signals
 
 _MINUTE = 60.0
@@ -56,7 +56,7 @@ def fig3(
         log_bar(figure, mesh, axes, label)
     else:
         figure.colorbar(mesh, ax=axes, label=label, aspect=45, pad=0.01)
-    figure.legend(handles=[hatch_legend()], loc="outside lower center")
+    explain(figure, maps)
     return figure
 
 
@@ -74,7 +74,7 @@ def _scale(
     """One scale for all, set by what lies where the excitation held power."""
     candidates = np.concatenate(
         [
-            each.values[:, excited_at(responses[name], each["frequency"])].ravel()
+            each.transpose("frequency", "time").values[_excited(responses[name])].ravel()
             for name, each in maps.items()
         ]
     )
@@ -85,6 +85,10 @@ def _scale(
         return logarithmic, style.GAIN_MAP, style.quantity(r"gain $|H_1(f, t)|$", units)
     linear = Normalize(trusted.min(), trusted.max())
     return linear, style.PHASE_MAP, r"phase $\angle H_1(f, t)$ (degrees)"
+
+
+def _excited(response: xr.Dataset) -> np.ndarray:
+    return response["excited"].values.astype(bool)
 
 
 def _series(ax: Axes, record: xr.Dataset) -> None:
@@ -106,6 +110,6 @@ def _panel(
         ax.set_yscale("log")
         ax.yaxis.set_major_formatter("{x:g}")
     ax.set_ylim(frequency[0], frequency[-1])
-    doubtful = ~excited_at(response, values["frequency"])
+    doubtful = ~_excited(response)
     hatch(ax, minutes, frequency, np.repeat(doubtful[:, None], minutes.size, axis=1))
     return mesh

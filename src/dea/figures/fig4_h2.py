@@ -10,7 +10,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex, excited_at, hatch, hatch_legend, log_bar
+from dea.figures.frequency_maps import as_complex, explain, hatch, log_bar
 
 _MINUTE = 60.0
 _MARGIN, _LARGEST_PANEL = 30.0, 48.0  # mm
@@ -34,21 +34,20 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     units = next(iter(responses.values()))["H2"].attrs["units"]
     label = style.quantity(r"$|H_2(f_1, f_2)|$", units)
     log_bar(figure, mesh, axes, label)
-    figure.legend(handles=[hatch_legend()], loc="outside lower center")
+    explain(figure, maps)
     return figure
 
 
-def _doubtful(response: xr.Dataset, values: xr.DataArray) -> np.ndarray:
+def _doubtful(response: xr.Dataset) -> np.ndarray:
     """Where either frequency was not excited, shape (f2, f1)."""
-    first, second = (excited_at(response, values[f"frequency_{i}"]) for i in (1, 2))
-    return ~(second[:, None] & first)
+    return response["excited_h2"].transpose("frequency_2", "frequency_1").values == 0
 
 
 def _scale(maps: Mapping[str, xr.DataArray], responses: Mapping[str, xr.Dataset]) -> Normalize:
     trusted = np.concatenate(
         [
             each.transpose("frequency_2", "frequency_1", "time_h2")
-            .values[~_doubtful(responses[name], each)].ravel()
+            .values[~_doubtful(responses[name])].ravel()
             for name, each in maps.items()
         ]
     )  # fmt: skip
@@ -63,5 +62,5 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize
         cmap=style.GAIN_MAP, shading="nearest", rasterized=True,
     )  # fmt: skip
     ax.set(xlim=f1[[0, -1]], ylim=f2[[0, -1]], box_aspect=1)
-    hatch(ax, f1, f2, _doubtful(response, values))
+    hatch(ax, f1, f2, _doubtful(response))
     return mesh

@@ -1,5 +1,7 @@
 """What the maps of frequency responses share: complex values, and where to doubt them."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -18,12 +20,6 @@ def as_complex(response: xr.DataArray) -> xr.DataArray:
     return values.drop_vars("part", errors="ignore").assign_attrs(response.attrs)
 
 
-def excited_at(gfrf: xr.Dataset, frequency: xr.DataArray) -> np.ndarray:
-    """Return where the excitation held power, at the nearest frequency stored, as booleans."""
-    nearest = gfrf["excited"].sel(frequency=np.abs(frequency.values), method="nearest")
-    return nearest.values.astype(bool)
-
-
 def hatch(ax: Axes, x: np.ndarray, y: np.ndarray, where: np.ndarray) -> None:
     """Grey and hatch the cells ``where`` (shape (y, x)) the response is extrapolated."""
     if not where.any():
@@ -35,12 +31,20 @@ def hatch(ax: Axes, x: np.ndarray, y: np.ndarray, where: np.ndarray) -> None:
         ax.contour(x, y, cells, [0.5], colors=[style.BLACK], linewidths=0.6)
 
 
-def hatch_legend() -> Patch:
-    """Legend entry of what :func:`hatch` marks."""
-    return Patch(
-        facecolor=_VEIL, edgecolor="black", hatch="////", lw=0.4,
-        label="the excitation holds no power here: the model extrapolates",
-    )  # fmt: skip
+def explain(figure: Figure, maps: Mapping[str, xr.DataArray]) -> None:
+    """Legend of what :func:`hatch` marks and, where there are any, of missing values."""
+    handles = [
+        Patch(
+            facecolor=_VEIL, edgecolor=style.BLACK, hatch="////", lw=0.4,
+            label="the excitation holds no power here: the model extrapolates",
+        )
+    ]  # fmt: skip
+    if any(bool(values.isnull().any()) for values in maps.values()):
+        handles.append(
+            Patch(facecolor="white", edgecolor=style.BLACK, lw=0.4,
+                  label="the model of that time has no steady state")
+        )  # fmt: skip
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
 
 
 def log_bar(figure: Figure, mesh: QuadMesh, axes: np.ndarray, label: str) -> None:

@@ -149,6 +149,7 @@ CONTRACTS: Mapping[str, Contract] = {
             "y0": _plain("time"),
             "input_spectrum": _plain("frequency"),
             "excited": _plain("frequency", units="1"),
+            "excited_h2": _plain("frequency_1", "frequency_2", units="1"),
         }
     ),
 }
