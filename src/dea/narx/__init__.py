@@ -1,13 +1,17 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
 from dea.narx.estimation import estimate, scaling_of
+from dea.narx.inclusion import inclusion_frequency
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel, Scaling
+from dea.narx.orders import compare_orders, linear_model
 from dea.narx.refinement import refine
 from dea.narx.regressors import regressor_matrix
+from dea.narx.residuals import correlation_tests
 from dea.narx.selection import SelectedModel, select_terms
 from dea.narx.simulation import simulate, simulate_varying
 from dea.narx.terms import Term, candidate_terms, linear_terms, max_lag
+from dea.narx.validation import validate
 
 __all__ = [
     "NarxModel",
@@ -15,9 +19,13 @@ __all__ = [
     "SelectedModel",
     "Term",
     "candidate_terms",
+    "compare_orders",
+    "correlation_tests",
     "estimate",
     "fit",
     "fpe",
+    "inclusion_frequency",
+    "linear_model",
     "linear_terms",
     "max_lag",
     "nmse",
@@ -28,4 +36,5 @@ __all__ = [
     "select_terms",
     "simulate",
     "simulate_varying",
+    "validate",
 ]

@@ -17,13 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from dea.narx.checks import Array
-from dea.narx.refinement import Refined, linearise, minimise
+from dea.narx.refinement import Refined, column_norms, linearise, minimise
 from dea.narx.terms import Term
 from dea.narx.trace import Trace, gain
 from dea.narx.trials import Segment, Subset
 
 _FITTED = 4  # the most promising additions, and removals, that are fitted in a round
-_TRIAL_ITERATIONS = 8
+_EFFORT = (8, 1e-4)  # iterations and relative tolerance of a trial's fit
 _LEAST_FALL = 0.01  # of the price
 _DEPENDENT = 1e-10  # of a slope's energy: less than this is rounding
 
@@ -107,7 +107,7 @@ class Exchange:
         if len(subset) == 1:
             return []
         slope = linearise(self._terms(subset), fit.parameters, self._segments).slope
-        norms = _norms(slope)
+        norms = column_norms(slope)
         inverse = np.linalg.pinv((slope / norms).T @ (slope / norms), hermitian=True)
         scaled = fit.parameters * norms
         rise = scaled**2 / np.maximum(np.diag(inverse), np.finfo(float).tiny)
@@ -126,7 +126,7 @@ class Exchange:
         full[list(subset)] = fit.parameters
         point = linearise(self._candidates, full, self._segments)
         present = point.slope[:, list(subset)]
-        basis, _ = np.linalg.qr(present / _norms(present))
+        basis, _ = np.linalg.qr(present / column_norms(present))
         off = point.slope - basis @ (basis.T @ point.slope)
         energy = np.sum(off**2, axis=0)
         usable = energy > _DEPENDENT * np.sum(point.slope**2, axis=0)
@@ -144,7 +144,7 @@ class Exchange:
     def _fit(self, subset: Subset, start: Array) -> Refined:
         if subset not in self._fits:
             terms = self._terms(subset)
-            self._fits[subset] = minimise(terms, start, self._segments, _TRIAL_ITERATIONS)
+            self._fits[subset] = minimise(terms, start, self._segments, *_EFFORT)
         return self._fits[subset]
 
     def _cost(self, subset: Subset, fit: Refined) -> float:
@@ -152,8 +152,3 @@ class Exchange:
 
     def _terms(self, subset: Subset) -> tuple[Term, ...]:
         return tuple(self._candidates[j] for j in subset)
-
-
-def _norms(slope: Array) -> Array:
-    norms = np.linalg.norm(slope, axis=0)
-    return np.where(norms > 0.0, norms, 1.0)

@@ -1,6 +1,6 @@
 """Parameters that minimise the simulated error: Levenberg-Marquardt on exact sensitivities."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -8,21 +8,19 @@ from numba import njit
 
 from dea.errors import InputError
 from dea.narx.checks import Array
-from dea.narx.estimation import Segment, Signals, as_segments, normalised
-from dea.narx.model import NarxModel
+from dea.narx.estimation import Segment, Signals, as_segments, estimate, normalised
+from dea.narx.model import NarxModel, Scaling
 from dea.narx.simulation import BOUND, simulate, structure
 from dea.narx.terms import Term
 
 _NONE = -1
-_SMALLEST_FALL = 1e-10  # relative fall of the error below which a step changes nothing
-_MOST_DAMPING = 1e12
+_LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e12  # of the regressors' unit energy
 
 
 class Refined(NamedTuple):
     """Parameters at a minimum of the simulated error."""
 
     parameters: Array  # (terms,)
-    covariance: Array  # (terms, terms)
     msse: float  # mean squared simulated error (6), normalised units
 
 
@@ -58,45 +56,61 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
             field="model",
             remedy="Start from parameters with which it is stable, or choose other terms.",
         )
-    return model.with_parameters(refined.parameters, refined.covariance)
+    covariance = robust_covariance(model.terms, refined.parameters, segments)
+    return model.with_parameters(refined.parameters, covariance)
+
+
+def estimate_refined(
+    terms: Iterable[Term], u: Signals, y: Signals, *, scaling: Scaling | None = None
+) -> NarxModel:
+    """Return :func:`dea.narx.estimate` of the parameters, refined where its free run is stable.
+
+    An unstable estimate is returned as it is: its simulations and errors are infinite.
+    """
+    model = estimate(terms, u, y, scaling=scaling)
+    segments = normalised(as_segments(u, y), model.scaling)
+    stable = np.isfinite(squared_error(model.terms, model.parameters, segments))
+    return refine(model, u, y) if stable else model
 
 
 def minimise(
-    terms: tuple[Term, ...], start: Array, segments: Sequence[Segment], iterations: int = 30
+    terms: tuple[Term, ...],
+    start: Array,
+    segments: Sequence[Segment],
+    iterations: int = 30,
+    tolerance: float = 1e-10,
 ) -> Refined:
     """Minimise the simulated error over normalised segments from the parameters ``start``.
 
-    A start from which the run diverges comes back with an infinite error.
+    Ends after ``iterations`` or when a step lowers the error by less than ``tolerance`` of it. A
+    start from which the run diverges comes back with an infinite error.
     """
     theta = start.copy()
     point = linearise(terms, theta, segments)
+    if not np.isfinite(point.error):
+        return Refined(theta, np.inf)
     damping = 1e-3
     for _ in range(iterations):
-        if not np.isfinite(point.error):
-            return Refined(theta, np.full((theta.size, theta.size), np.inf), np.inf)
-        norms = np.linalg.norm(point.slope, axis=0)
-        norms[norms == 0.0] = 1.0  # a term the run never meets
-        both = np.column_stack([point.slope / norms, point.residual])
-        triangle: Array = np.linalg.qr(both, mode="r")  # type: ignore[assignment]
-        left, singular, right = np.linalg.svd(triangle[:-1, :-1])
-        projected = left.T @ triangle[:-1, -1]
+        norms = column_norms(point.slope)
+        scaled = point.slope / norms
+        energy, directions = np.linalg.eigh(scaled.T @ scaled)
+        energy = np.maximum(energy, 0.0)  # rounding may carry a vanishing one below
+        projected = directions.T @ (scaled.T @ point.residual)
         fall = 0.0
         while damping < _MOST_DAMPING:
-            step = (right.T @ (singular / (singular**2 + damping) * projected)) / norms
+            step = (directions @ (projected / (energy + damping))) / norms
             trial = squared_error(terms, theta + step, segments)
             if trial < point.error:
                 fall = point.error - trial
-                theta += step
-                damping = max(damping / 10.0, 1e-15)
                 break
             damping *= 10.0
-        enough = fall <= _SMALLEST_FALL * point.error
         if fall > 0.0:
-            point = linearise(terms, theta, segments)
-        if enough:
+            theta += step
+            damping = max(damping / 10.0, _LEAST_DAMPING)
+        if fall <= tolerance * point.error:
             break
-    covariance = robust_covariance(point.slope, point.residual)
-    return Refined(theta, covariance, point.error / point.residual.size)
+        point = linearise(terms, theta, segments)
+    return Refined(theta, squared_error(terms, theta, segments) / point.residual.size)
 
 
 def squared_error(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> float:
@@ -133,14 +147,14 @@ def sensitivities(
     return y, slope
 
 
-def robust_covariance(slope: Array, residual: Array) -> Array:
-    """Covariance of a least-squares minimum whose residuals are correlated in time.
+def robust_covariance(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> Array:
+    """Covariance at a minimum of the simulated error whose residuals are correlated in time.
 
     Newey and West (1987) with Bartlett weights over the first 4 (n/100)^(2/9) lags or, where that
-    is longer, until the residual's autocorrelation has fallen to 1/e ten times over.
+    is longer, over ten times the lag at which the residual's autocorrelation has fallen to 1/e.
     """
-    norms = np.linalg.norm(slope, axis=0)
-    norms[norms == 0.0] = 1.0
+    _, residual, slope = linearise(terms, theta, segments)
+    norms = column_norms(slope)
     scaled = slope / norms
     inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-14, hermitian=True)
     score = scaled * residual[:, None]
@@ -152,6 +166,12 @@ def robust_covariance(slope: Array, residual: Array) -> Array:
         meat += (1.0 - lag / (reach + 1.0)) * (cross + cross.T)
     freedom = count / max(count - norms.size, 1)
     return freedom * (inverse @ meat @ inverse) / np.outer(norms, norms)
+
+
+def column_norms(matrix: Array) -> Array:
+    """Norm of each column, 1 for a column of zeros: a term that the run never meets."""
+    norms = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
+    return np.where(norms > 0.0, norms, 1.0)
 
 
 def _memory(residual: Array) -> int:

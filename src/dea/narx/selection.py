@@ -16,7 +16,7 @@ from dea.narx.estimation import (
 )
 from dea.narx.exchange import Exchange
 from dea.narx.model import NarxModel, Scaling
-from dea.narx.refinement import minimise
+from dea.narx.refinement import minimise, robust_covariance
 from dea.narx.terms import candidate_terms, max_lag
 from dea.narx.trace import Trace, gain
 from dea.narx.trials import Subset, Trials
@@ -110,7 +110,8 @@ def select_terms(
         subset, theta = exchange.search(subset, theta, rounds, most, trace)
     terms = tuple(candidates[j] for j in subset)
     if refine:
-        theta, covariance, error = minimise(terms, theta, segments)
+        theta, error = minimise(terms, theta, segments)
+        covariance = robust_covariance(terms, theta, segments)
     else:
         _, covariance = least_squares(terms, segments)
         error = trials([subset])[0].msse

@@ -1,0 +1,65 @@
+"""How sure each selected term is: how often selection on resampled records finds it again."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from dea.errors import InputError
+from dea.narx.checks import Array
+from dea.narx.estimation import Signals, as_segments, scaling_of
+from dea.narx.selection import select_terms
+from dea.narx.terms import Term
+
+
+def inclusion_frequency(
+    terms: Iterable[Term],
+    u: Signals,
+    y: Signals,
+    *,
+    rng: np.random.Generator,
+    resamples: int = 20,
+    blocks: int = 10,
+    **selection: Any,
+) -> Array:
+    """Share of bootstrap resamples whose selection contains each of ``terms``.
+
+    The records are cut into contiguous blocks, which keeps the dynamics inside them; each resample
+    draws as many blocks with replacement and selects terms on them anew. A low share says that
+    the data hold other, equally good terms: neighbouring lags of a smooth signal often do.
+
+    Parameters
+    ----------
+    u, y
+        Records as for :func:`dea.narx.select_terms`.
+    rng
+        Draws the blocks.
+    resamples, blocks
+        Number of selections, and of blocks that each record is cut into.
+    selection
+        Further arguments of :func:`dea.narx.select_terms`. The scaling is by default that of the
+        whole records, so that every resample speaks of the same terms.
+
+    Returns
+    -------
+    ndarray
+        Shape (terms,), each 0 to 1.
+    """
+    if resamples < 1 or blocks < 2:
+        raise InputError(
+            f"{resamples} resamples of {blocks} blocks",
+            field="resamples",
+            remedy="Use at least 1 resample of at least 2 blocks.",
+        )
+    records = as_segments(u, y)
+    settings = {"scaling": scaling_of(records)} | selection
+    pieces = [
+        piece
+        for one, other in records
+        for piece in zip(np.array_split(one, blocks), np.array_split(other, blocks), strict=True)
+    ]
+    found = []
+    for _ in range(resamples):
+        drawn = [pieces[i] for i in rng.integers(0, len(pieces), len(pieces))]
+        found.append(select_terms(*map(list, zip(*drawn, strict=True)), **settings).terms)
+    return np.array([np.mean([term in each for each in found]) for term in terms])

@@ -1,0 +1,93 @@
+"""Choice of orders: how the error on independent data falls with dynamic and polynomial order."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from dea.narx.checks import as_record
+from dea.narx.estimation import Signals
+from dea.narx.metrics import fpe, nmse, squared
+from dea.narx.model import NarxModel
+from dea.narx.refinement import estimate_refined
+from dea.narx.selection import select_terms
+from dea.narx.terms import linear_terms
+
+
+def linear_model(u: Signals, y: Signals, order: int) -> NarxModel:
+    """Return the linear model with a constant and ``order`` lags of output and input.
+
+    Its parameters minimise the simulated error, as do those of the selected models that it is
+    compared with.
+    """
+    return estimate_refined(linear_terms(order, order), u, y)
+
+
+def compare_orders(
+    u: Signals,
+    y: Signals,
+    u_test: ArrayLike,
+    y_test: ArrayLike,
+    *,
+    dynamic: int = 5,
+    polynomial: int = 5,
+    lags: int = 2,
+    y_units: str = "1",
+    **selection: Any,
+) -> xr.Dataset:
+    """Compare linear models of rising dynamic order and models of rising polynomial order.
+
+    Parameters
+    ----------
+    u, y
+        Records to identify from, as for :func:`dea.narx.select_terms`.
+    u_test, y_test
+        Independent record on which every model is simulated freely from its first outputs.
+    dynamic, polynomial
+        Highest orders; all from 1 are tried.
+    lags
+        Dynamic order of the models of rising polynomial order.
+    y_units
+        Units of the output, for those of the final prediction error.
+    selection
+        Further arguments of :func:`dea.narx.select_terms`.
+
+    Returns
+    -------
+    Dataset
+        As ``orders.nc`` holds it; an order whose model diverges has infinite errors.
+    """
+    inputs, outputs = as_record(u_test, y_test, max(dynamic, lags), 2)
+
+    def nonlinear(order: int) -> NarxModel:
+        return select_terms(u, y, y_lags=lags, u_lags=lags, degree=order, **selection)
+
+    kinds: dict[str, tuple[int, Callable[[int], NarxModel]]] = {
+        "dynamic": (dynamic, lambda order: linear_model(u, y, order)),
+        "polynomial": (polynomial, nonlinear),
+    }
+    dataset = xr.Dataset()
+    for kind, (highest, identify) in kinds.items():
+        dimension = f"{kind}_order"
+        orders = np.arange(1, highest + 1)
+        models = [identify(int(order)) for order in orders]
+        # All are scored on the samples that the longest memory leaves, so that they compare.
+        start = max(model.max_lag for model in models)
+        pairs = [(outputs[start:], each.simulate(inputs, outputs)[start:]) for each in models]
+        sizes = [len(model.terms) for model in models]
+        columns = {
+            "nmse": ([nmse(*pair) for pair in pairs], "1", "SSE/SST in free run"),
+            "fpe": (
+                [fpe(*pair, size) for pair, size in zip(pairs, sizes, strict=True)],
+                squared(y_units),
+                "final prediction error in free run",
+            ),
+            "terms": (sizes, "1", "number of terms"),
+        }
+        dataset[dimension] = (dimension, orders, {"units": "1", "long_name": f"{kind} order"})
+        for name, (values, units, label) in columns.items():
+            attributes = {"units": units, "long_name": label}
+            dataset[f"{kind}_{name}"] = (dimension, np.array(values), attributes)
+    return dataset

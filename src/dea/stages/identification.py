@@ -1,0 +1,35 @@
+"""What the stages of identification share: the segment of a record that models come from."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea import store
+from dea.errors import InputError
+
+
+def segment(signals: store.Signals, start: float, length: float, file: Path) -> slice:
+    """Return the samples of ``length`` s from ``start`` s on.
+
+    Raises
+    ------
+    InputError
+        If the record ends before.
+    """
+    first = round(start * signals.sampling_rate)
+    last = first + round(length * signals.sampling_rate)
+    if last > signals.u.size:
+        raise InputError(
+            f"the segment from {start:g} s, {length:g} s long, ends after the record, which is "
+            f"{signals.u.size / signals.sampling_rate:g} s long",
+            file=file,
+            field="identification.start, identification.length",
+            remedy="Choose a segment inside the record.",
+        )
+    return slice(first, last)
+
+
+def selection_arguments(identification: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of the section that :func:`dea.select_terms` takes."""
+    names = ("y_lags", "u_lags", "degree", "add_threshold", "prune_threshold", "refine", "rounds")
+    return {name: identification[name] for name in names}

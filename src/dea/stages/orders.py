@@ -1,0 +1,46 @@
+"""Compare dynamic and polynomial orders on independent data."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
+    """Write ``orders.nc`` of one system."""
+    from dea import store
+    from dea.narx import compare_orders
+    from dea.stages.identification import segment, selection_arguments
+
+    identification, choice = settings["identification"], settings["orders"]
+    signals = store.signals(store.read_record(record))
+    start, length = identification["start"], identification["length"]
+    part = segment(signals, start, length, record)
+    later = segment(signals, start + length, choice["length"], record)
+    selection = selection_arguments(identification)
+    for name in ("y_lags", "u_lags", "degree"):
+        del selection[name]
+    dataset = compare_orders(
+        signals.u[part],
+        signals.y[part],
+        signals.u[later],
+        signals.y[later],
+        dynamic=choice["dynamic"],
+        polynomial=choice["polynomial"],
+        lags=choice["lags"],
+        y_units=signals.y_units,
+        **selection,
+    )
+    store.write(
+        dataset,
+        orders,
+        title=f"Orders of {settings['system']}",
+        inputs={"record": record},
+        settings=settings,
+        seed=settings["seed"],
+    )
+
+
+if __name__ == "__main__":
+    run(orders, inputs=("record",), outputs=("orders",))

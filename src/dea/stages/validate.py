@@ -1,0 +1,44 @@
+"""Validate one system's linear and NARX models on the windows of its record."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def validate(settings: Mapping[str, Any], record: Path, model: Path, validation: Path) -> None:
+    """Write ``validation.nc`` of one system."""
+    from dea import store
+    from dea.narx import NarxModel, linear_model
+    from dea.narx import validate as validate_models
+    from dea.stages.identification import segment
+
+    identification, choice = settings["identification"], settings["validation"]
+    signals = store.signals(store.read_record(record))
+    part = segment(signals, identification["start"], identification["length"], record)
+    narx = NarxModel.load(model)
+    linear = linear_model(signals.u[part], signals.y[part], max(narx.max_lag, 1))
+    dataset = validate_models(
+        {"linear": linear, "narx": narx},
+        signals.u,
+        signals.y,
+        signals.sampling_rate,
+        windows=choice["windows"],
+        before=choice["before"],
+        max_lag=choice["max_lag"],
+        u_units=signals.u_units,
+        y_units=signals.y_units,
+    )
+    store.write(
+        dataset,
+        validation,
+        title=f"Validation of {settings['system']}",
+        inputs={"record": record, "model": model},
+        settings=settings,
+        seed=settings["seed"],
+    )
+
+
+if __name__ == "__main__":
+    run(validate, inputs=("record", "model"), outputs=("validation",))

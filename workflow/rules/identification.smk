@@ -1,0 +1,51 @@
+# One system's models: which orders, which terms, and how they hold on unseen windows.
+rule orders:
+    input:
+        record="results/{system}/record.nc",
+        code=modules("dea.stages.orders"),
+    output:
+        orders="results/{system}/orders.nc",
+    log:
+        "results/{system}/log/orders.log",
+    benchmark:
+        "results/{system}/benchmark/orders.tsv"
+    params:
+        settings=settings("identification", "orders"),
+    shell:
+        "python -m dea.stages.orders --record {input.record:q} --settings {params.settings:q}"
+        " --orders {output.orders:q} 2> {log:q}"
+
+
+rule select:
+    input:
+        record="results/{system}/record.nc",
+        code=modules("dea.stages.select"),
+    output:
+        model="results/{system}/model.nc",
+    log:
+        "results/{system}/log/select.log",
+    benchmark:
+        "results/{system}/benchmark/select.tsv"
+    params:
+        settings=settings("identification"),
+    shell:
+        "python -m dea.stages.select --record {input.record:q} --settings {params.settings:q}"
+        " --model {output.model:q} 2> {log:q}"
+
+
+rule validate:
+    input:
+        record="results/{system}/record.nc",
+        model="results/{system}/model.nc",
+        code=modules("dea.stages.validate"),
+    output:
+        validation="results/{system}/validation.nc",
+    log:
+        "results/{system}/log/validate.log",
+    benchmark:
+        "results/{system}/benchmark/validate.tsv"
+    params:
+        settings=settings("identification", "validation"),
+    shell:
+        "python -m dea.stages.validate --record {input.record:q} --model {input.model:q}"
+        " --settings {params.settings:q} --validation {output.validation:q} 2> {log:q}"
