@@ -12,3 +12,5 @@ validate(config, "workflow/schemas/config.schema.yaml")
 include: "workflow/rules/common.smk"
 include: "workflow/rules/acquisition.smk"
 include: "workflow/rules/import.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/tables.smk"
