@@ -1,6 +1,7 @@
 """Fixtures of every room."""
 
 import pytest
+
 from served_bench import ServedBench
 
 

@@ -4,11 +4,12 @@ A repeated request must mean the same as the first, since the device may have ca
 whose reply was lost. The blocks of the buffered protocol carry sequence numbers for that.
 """
 
+import itertools
 import logging
 import struct
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,6 +23,8 @@ logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
 
 ACKNOWLEDGE, BUSY = 5, 6
 BUSY_PAUSE = 0.02  # s
+FIRST_PAUSE, LONGEST_PAUSE = 0.01, 0.5  # s, before a lost connection is made again
+_LOST = (ConnectionException, ConnectionError)
 _TRANSIENT = (ModbusException, OSError, struct.error, ValueError, IndexError)
 
 
@@ -84,7 +87,7 @@ class Link:
     def open(self) -> None:
         """Connect, trying for ``reconnect_time``; raises :class:`LinkError` or InputError."""
         deadline = time.monotonic() + self.settings.reconnect_time
-        pause = 0.01
+        pause = FIRST_PAUSE
         while True:
             self.close()
             try:
@@ -94,7 +97,7 @@ class Link:
                 if time.monotonic() + pause > deadline:
                     raise LinkError(f"{place(self.device)} does not answer: {error}") from error
             time.sleep(pause)
-            pause = min(2 * pause, 0.5)
+            pause = min(2 * pause, LONGEST_PAUSE)
 
     def close(self) -> None:
         """Drop the connection."""
@@ -134,39 +137,56 @@ class Link:
     def _exchange(
         self, request: str, *, retry: bool = True, expect: int | None = None, **arguments: Any
     ) -> list[int]:
-        """Registers of the reply to a request, repeated as often as the settings allow."""
-        attempts = self.settings.retries + 1 if retry else 1
+        """Registers of the reply to a request, repeated as the settings allow.
+
+        A request without a valid reply is repeated ``retries`` times. One whose connection was
+        lost is repeated for ``reconnect_time`` at least, since a gateway accepts connections and
+        drops them again while its device starts.
+        """
         sent = time.monotonic()
-        for attempt in range(attempts):
+        patient_until, pause = sent + self.settings.reconnect_time, FIRST_PAUSE
+        for attempt in itertools.count():
             try:
                 if self.client is None:
                     self._reconnect()
                     sent = time.monotonic()
-                reply = getattr(self.client, request)(device_id=self.device.unit_id, **arguments)
-            except _TRANSIENT as error:
-                self._failed(_kind(error))
-                last: Exception = error
-                continue
-            if reply.isError():
-                self.log.errors[f"exception {reply.exception_code}"] += 1
-                last = DeviceRefusedError(reply.exception_code, request)
-                if reply.exception_code in (ACKNOWLEDGE, BUSY):
-                    time.sleep(BUSY_PAUSE)
-                continue
-            if expect is not None and len(reply.registers) != expect:
-                self._failed("short reply")
-                last = LinkError(f"{len(reply.registers)} registers instead of {expect}")
-                continue
-            self.log.send_time.append(sent - self.log.started)
-            self.log.receive_time.append(time.monotonic() - self.log.started)
-            self.log.retries.append(attempt)
-            self.log.samples.append(0)
-            return list(reply.registers)
+                registers = self._attempt(request, expect, arguments)
+            except (DeviceRefusedError, *_TRANSIENT) as error:
+                last, lost = error, isinstance(error, _LOST)
+                self._failed(error)
+            else:
+                self.log.send_time.append(sent - self.log.started)
+                self.log.receive_time.append(time.monotonic() - self.log.started)
+                self.log.retries.append(attempt)
+                self.log.samples.append(0)
+                return registers
+            spent = attempt >= self.settings.retries
+            if not retry or (spent and not (lost and time.monotonic() < patient_until)):
+                break
+            if lost:
+                time.sleep(pause)
+                pause = min(2 * pause, LONGEST_PAUSE)
         if isinstance(last, DeviceRefusedError | LinkError):
             raise last
         raise LinkError(
-            f"{place(self.device)}: no valid reply after {attempts} attempts ({last})"
+            f"{place(self.device)}: no valid reply after {attempt + 1} attempts ({last})"
         ) from last
+
+    def _attempt(self, request: str, expect: int | None, arguments: Mapping[str, Any]) -> list[int]:
+        """Registers of one reply, ``expect`` of them, or an echo of what was written."""
+        reply = getattr(self.client, request)(device_id=self.device.unit_id, **arguments)
+        if reply.isError():
+            raise DeviceRefusedError(reply.exception_code, request)
+        if expect is not None:
+            valid = len(reply.registers) == expect
+        elif "value" in arguments:
+            valid = (reply.address, reply.registers) == (arguments["address"], [arguments["value"]])
+        else:
+            echo = arguments["address"], len(arguments["values"])
+            valid = (reply.address, reply.count) == echo
+        if not valid:
+            raise ValueError("a reply that does not answer the request")
+        return list(reply.registers)
 
     def _reconnect(self) -> None:
         self.open()
@@ -178,15 +198,20 @@ class Link:
             finally:
                 self.on_connect = resume
 
-    def _failed(self, kind: str) -> None:
+    def _failed(self, error: Exception) -> None:
         """Count, and drop the connection: what still arrives on it belongs to no request."""
-        self.log.errors[kind] += 1
-        self.close()
+        if isinstance(error, DeviceRefusedError):
+            self.log.errors[f"exception {error.code}"] += 1
+            if error.code in (ACKNOWLEDGE, BUSY):
+                time.sleep(BUSY_PAUSE)
+        else:
+            self.log.errors[_kind(error)] += 1
+            self.close()
 
 
 def _kind(error: Exception) -> str:
     """Class of a failure, as it is counted."""
-    if isinstance(error, ConnectionException | ConnectionError):
+    if isinstance(error, _LOST):
         return "connection lost"
     if isinstance(error, ModbusException) and "No response" in str(error):
         return "no reply"

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from dea.acquisition.link import LinkError
-from dea.acquisition.panel import Panel, Window
+from dea.acquisition.panel import Panel
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
-from dea.modbus import Register, encode
+from dea.modbus import Register, Window, encode
 
 START = 1  # command
 BLOCK_TIME = 0.2  # s of samples handed on, and synced to the disk, at a time

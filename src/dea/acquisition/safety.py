@@ -174,7 +174,7 @@ class SafeOutput:
         """
         try:
             if "claim" in self.panel:
-                self._reclaim()  # the watchdog takes the outputs from a silent owner
+                self._reclaim(retry=True)  # the watchdog takes the outputs from a silent owner
             if "command" in self.device:
                 self._stop()
             else:
@@ -229,10 +229,10 @@ class SafeOutput:
                 remedy="End it, or wait until the device's watchdog has released them.",
             ) from None
 
-    def _reclaim(self) -> None:
-        """Claim again on another connection; the request that needed it repeats this too."""
+    def _reclaim(self, *, retry: bool = False) -> None:
+        """Claim again, on another connection; the request that needs that repeats this too."""
         try:
-            self._claim(retry=False)
+            self._claim(retry=retry)
         except (InputError, DeviceRefusedError) as error:
             raise LinkError(str(error)) from error
 

@@ -1,0 +1,170 @@
+"""One acquisition under faults, and the laws its outcome must keep whatever happened."""
+
+import signal
+import time
+from collections.abc import Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from fault_proxy import TIMEOUT, Fault, FaultProxy
+
+from dea.acquisition import (
+    AcquisitionSettings,
+    BrokenRecordError,
+    DeviceRefusedError,
+    LinkError,
+    Quality,
+    Samples,
+    ZeroNotVerifiedError,
+    acquire,
+    recover,
+)
+from dea.acquisition.safety import ramp
+from dea.errors import InputError
+from dea.modbus import limit_counts, to_counts
+from served_bench import ServedBench
+
+PATIENCE = 30.0  # s, after which an acquisition is taken to hang
+# Every sample asks for another voltage, so that none can stand in another's place unnoticed.
+VOLTS = np.random.default_rng(6).permutation(np.linspace(1.1, 3.7, 300))
+SETTINGS = AcquisitionSettings(
+    ramp_rate=60.0, timeout=TIMEOUT, retries=6, reconnect_time=1.0, paced=False
+)
+FAILURES = (
+    BrokenRecordError, LinkError, DeviceRefusedError, ZeroNotVerifiedError, InputError,
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What came of an acquisition: a record or a failure, and the samples on the disk."""
+
+    bench: ServedBench
+    sequence: np.ndarray
+    record: xr.Dataset | None
+    failure: Exception | None
+    samples: Samples
+    happened: Sequence[Fault]
+
+
+def run_trial(
+    bench: ServedBench,
+    faults: Sequence[Fault],
+    folder: Path,
+    settings: AcquisitionSettings = SETTINGS,
+) -> Trial:
+    """Acquire ``VOLTS`` from ``bench`` through a proxy with ``faults``."""
+    partial = folder / f"{len(list(folder.iterdir()))}.partial"
+    record = failure = None
+    with FaultProxy(("127.0.0.1", bench.endpoint.port), faults, bench.restart) as proxy:
+        device = replace(bench.endpoint, port=proxy.port)
+        with _ends_within(PATIENCE):
+            try:
+                record = acquire(device, VOLTS, partial, settings).record
+            except FAILURES as error:
+                failure = error
+    output = to_counts(device["output"], VOLTS)
+    lead = ramp(device, 0.0, VOLTS[0], settings.ramp_rate)
+    tail = ramp(device, VOLTS[-1], 0.0, settings.ramp_rate)
+    sequence = np.concatenate([lead, output, tail, [0]])
+    return Trial(bench, sequence, record, failure, recover(partial).samples, proxy.done)
+
+
+def check(trial: Trial) -> None:
+    """Stop the bench and fail where the outcome breaks a law."""
+    _ends_at_zero(trial)
+    trial.bench.stop()
+    _voltage_within_limits(trial)
+    _every_sample_is_what_the_bench_measured(trial)
+    _in_order(trial.samples)
+    if trial.record is not None:
+        _record_is_complete(trial)
+    else:
+        _says_what_is_missing(trial)
+
+
+def _voltage_within_limits(trial: Trial) -> None:
+    low, high = limit_counts(trial.bench.description, "output")
+    assert np.all((trial.bench.applied >= low) & (trial.bench.applied <= high))
+
+
+def _every_sample_is_what_the_bench_measured(trial: Trial) -> None:
+    s = trial.samples
+    have = (s.quality & Quality.LOST) == 0
+    index = s.device_index[have]
+    assert any(
+        index.size == 0
+        or (
+            index.max() < applied.size
+            and np.array_equal(s.applied[have], applied[index])
+            and np.array_equal(s.displacement[have], displacement[index])
+        )
+        for applied, displacement in trial.bench.boots()
+    ), "the samples are not what the bench applied and measured"
+
+
+def _in_order(s: Samples) -> None:
+    assert np.all(np.diff(s.device_index) == 1), "samples are missing and not marked"
+    good = (s.quality & ~Quality.LATE) == Quality.GOOD
+    assert np.array_equal(s.applied[good], s.requested[good]), "a sample is out of its place"
+    driven = s.position[(s.quality & Quality.HELD) == 0]
+    assert np.array_equal(driven, np.arange(driven.size)), "a position is missing or repeated"
+
+
+def _record_is_complete(trial: Trial) -> None:
+    s = trial.samples
+    played = (s.quality & ~Quality.LATE) == Quality.GOOD
+    assert np.array_equal(s.requested[played], trial.sequence)
+    held = ~played
+    assert np.all(s.quality[held] == Quality.HELD)
+    assert np.array_equal(s.applied[1:][held[1:]], s.applied[:-1][held[1:]])
+    record = trial.record
+    assert record is not None
+    kept = (record.quality.values & Quality.HELD) == 0
+    counts = to_counts(trial.bench.description["output"], VOLTS)
+    assert np.array_equal(record.voltage_counts.values[kept], counts)
+    assert np.isfinite(record.displacement).all()
+
+
+def _says_what_is_missing(trial: Trial) -> None:
+    """Nothing before the first sample named is missing, and nothing from there on passes as good.
+
+    Where a failure to read back zero has overtaken the reason, that is its context.
+    """
+    s, failure = trial.samples, trial.failure
+    assert failure is not None
+    assert str(failure)
+    if isinstance(failure, InputError):
+        assert not trial.bench.applied.any(), "refused, and yet there was voltage"
+    broken = failure if isinstance(failure, BrokenRecordError) else failure.__context__
+    if isinstance(broken, BrokenRecordError):
+        assert broken.count > 0
+        good = (s.quality & (Quality.LOST | Quality.UNDRIVEN)) == 0
+        assert np.array_equal(np.unique(s.position[good]), np.arange(broken.first))
+
+
+def _ends_at_zero(trial: Trial) -> None:
+    bench, failure = trial.bench, trial.failure
+    if isinstance(failure, ZeroNotVerifiedError | LinkError):
+        # The client has said that it could not see to it: the device does.
+        deadline = time.monotonic() + bench.player.watchdog_time + 2.0
+        while bench.player.driven and time.monotonic() < deadline:
+            time.sleep(0.01)
+    assert not bench.player.driven, "the output is not at zero"
+
+
+@contextmanager
+def _ends_within(seconds: float):
+    def hangs(*_: object) -> None:
+        raise TimeoutError("the acquisition hangs")
+
+    before = signal.signal(signal.SIGALRM, hangs)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
