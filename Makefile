@@ -10,7 +10,7 @@ export OMP_NUM_THREADS := 1
 SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 
 .DEFAULT_GOAL := help
-.PHONY: help study report discrepancy trials records faults check test benchmark clean
+.PHONY: help study case report discrepancy trials records faults check test benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -25,6 +25,9 @@ env: $(VENV)/installed ## create the pinned environment in .venv
 
 study: $(VENV)/installed ## regenerate every figure and table
 	$(SNAKEMAKE) study
+
+case: $(VENV)/installed ## identify and follow a record made elsewhere: make case NAME=mine
+	$(SNAKEMAKE) case_$(NAME)
 
 report: study ## write results/report.html with captions
 	$(SNAKEMAKE) study --report results/report.html

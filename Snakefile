@@ -12,5 +12,24 @@ validate(config, "workflow/schemas/config.schema.yaml")
 include: "workflow/rules/common.smk"
 include: "workflow/rules/acquisition.smk"
 include: "workflow/rules/import.smk"
+include: "workflow/rules/identification.smk"
+include: "workflow/rules/tracking.smk"
+include: "workflow/rules/frequency.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/tables.smk"
+
+
+rule study:
+    default_target: True
+    input:
+        EVERY_FIGURE,
+        EVERY_TABLE,
+
+
+for name in CASES:
+
+    rule:
+        name:
+            f"case_{name}"
+        input:
+            expand(FIGURES_OF_CASE, case=name),
