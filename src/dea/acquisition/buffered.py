@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from dea.acquisition.link import DeviceRefusedError, LinkError
-from dea.acquisition.panel import Panel, Window
+from dea.acquisition.panel import Panel
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
-from dea.modbus import checksum, encode
+from dea.modbus import Window
 
 PLAYED, HELD, REST = 1, 2, 3  # reply_origin
 STATE_TRIPPED = 3  # reply_state
@@ -39,12 +39,10 @@ class BlockExchange:
     """The block registers of a device: one call sends a block and fetches samples."""
 
     def __init__(self, panel: Panel) -> None:
-        named = panel.device.registers
         self.link, self.errors = panel.link, panel.link.log.errors
-        self.ask = Window(r for n, r in named.items() if n.startswith("block_"))
-        self.answer = Window(r for n, r in named.items() if n.startswith("reply_"))
+        self.ask = Window.of_block(panel.device, "block_")
+        self.answer = Window.of_block(panel.device, "reply_")
         self.capacity = panel.device["block_samples"].count
-        self._crc = panel.device["block_crc"]
 
     def __call__(self, sequence: int, counts: np.ndarray, read_index: int) -> Reply:
         """Send block ``sequence`` (0 sends none) and read samples from ``read_index`` on."""
@@ -58,15 +56,13 @@ class BlockExchange:
                 "block_samples": padded.tolist(),
             }
         )
-        crc = self.ask.places["block_crc"]
-        words[crc] = encode(self._crc, checksum(words[crc.stop :]))
         for _ in range(self.link.settings.retries + 1):
             reply = self.link.read_write(
                 self.answer.address, self.answer.size, self.ask.address, words
             )
-            value = self.answer.decode(reply)
-            if value["reply_crc"] == checksum(reply[self.answer.places["reply_crc"].stop :]):
-                self.link.log.samples[-1] = int(value["reply_count"])  # type: ignore[arg-type]
+            if self.answer.intact(reply):
+                value = self.answer.decode(reply)
+                self.link.log.samples[-1] = value["reply_count"]
                 return _reply(value)
             self.errors["checksum"] += 1
         raise LinkError("no reply with a valid checksum")

@@ -1,10 +1,8 @@
 """A device's registers by name."""
 
-from collections.abc import Iterable
-
 from dea.acquisition.link import Link
 from dea.errors import InputError
-from dea.modbus import Register, Value, decode, encode
+from dea.modbus import Value, decode, encode
 
 MAX_READ = 125
 
@@ -49,30 +47,3 @@ class Panel:
         """Write a raw value."""
         register = self.device[name]
         self.link.write(register.address, encode(register, value), retry=retry)
-
-
-class Window:
-    """Neighbouring registers read or written in one request.
-
-    ``places`` says where each register lies in the window's words.
-    """
-
-    def __init__(self, registers: Iterable[Register]) -> None:
-        self.registers = sorted(registers, key=lambda r: r.address)
-        self.address, end = self.registers[0].address, self.registers[-1].end
-        self.size, self.table = end - self.address, self.registers[0].table
-        self.places = {
-            r.name: slice(r.address - self.address, r.end - self.address) for r in self.registers
-        }
-
-    def decode(self, words: list[int]) -> dict[str, Value]:
-        """Raw values of the window's registers."""
-        return {r.name: decode(r, words[self.places[r.name]]) for r in self.registers}
-
-    def encode(self, values: dict[str, Value]) -> list[int]:
-        """Words that hold ``values``; registers not named hold zero."""
-        words = [0] * self.size
-        for register in self.registers:
-            if register.name in values:
-                words[self.places[register.name]] = encode(register, values[register.name])
-        return words

@@ -47,7 +47,7 @@ class Poll:
             values |= window.decode(self.link.read(window.address, window.size, window.table))
         applied = values[self.echo] if self.echo else count
         self.link.log.samples[-1] = 1
-        return values.get("device_index", number), applied, values["displacement"]  # type: ignore[return-value]
+        return values.get("device_index", number), applied, values["displacement"]
 
 
 def drive(

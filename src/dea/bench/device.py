@@ -1,17 +1,14 @@
 """The register map of the bench: what a master may read and write, and what that does."""
 
-import itertools
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from dea.bench.player import Player, State
-from dea.modbus import Device, Register, checksum, decode, encode
+from dea.modbus import Device, Register, Value, Window, decode, encode
 
 START, STOP, RESET, CLEAR = 1, 2, 3, 4
 SILENCE = 1
-
-_tokens = itertools.count(1)
 
 
 class RefusedError(Exception):
@@ -33,7 +30,6 @@ class Session:
 
     token: int = 0
     read_index: int = 0
-    serial: int = field(default_factory=lambda: next(_tokens))
 
 
 class BenchDevice:
@@ -69,18 +65,15 @@ class BenchDevice:
             for address in range(register.address, register.end):
                 self._by_address[address] = register
         self._end = max(self._by_address) + 1
-        self._block = [r for r in description.registers.values() if r.name.startswith("block_")]
-        self._block.sort(key=lambda r: r.address)
-        reply = [r for r in description.registers.values() if r.name.startswith("reply_")]
-        self._reply = sorted(reply, key=lambda r: r.address)
-        self._reply_start, self._reply_end = self._reply[0].address, self._reply[-1].end
+        self._block = Window.of_block(description, "block_")
+        self._reply = Window.of_block(description, "reply_")
 
     def read(self, session: Session, address: int, count: int) -> list[int]:
         """Registers ``address`` to ``address + count - 1``; gaps in the map read as zero."""
         if address + count > self._end:
             raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
-        if self._reply_start <= address and address + count <= self._reply_end:
-            start = address - self._reply_start
+        start = address - self._reply.address
+        if start >= 0 and start + count <= self._reply.size:
             return self._answer(session)[start : start + count]
         words: list[int] = []
         while len(words) < count:
@@ -97,10 +90,11 @@ class BenchDevice:
         register = self._by_address.get(address)
         if register is None or register.access == "read":
             raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
-        if address == self._block[0].address and len(words) == self._block_size:
+        if address == self._block.address and len(words) == self._block.size:
             self._write_block(session, words)
             return
-        if register.address != address or register.size != len(words) or register in self._block:
+        part = register in self._block.registers
+        if part or register.address != address or register.size != len(words):
             raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
         value = decode(register, words)
         if not isinstance(value, int):
@@ -142,10 +136,6 @@ class BenchDevice:
         self.player.watch(now)
         if silent and self.owner and not self.player.driven:
             self.owner = 0
-
-    @property
-    def _block_size(self) -> int:
-        return self._block[-1].end - self._block[0].address
 
     def _only_the_owner(self, session: Session) -> None:
         if not self.owner or session.token != self.owner:
@@ -190,29 +180,20 @@ class BenchDevice:
         self._due = time.monotonic() + 1.5 * self.period
 
     def _write_block(self, session: Session, words: Sequence[int]) -> None:
-        start = self._block[0].address
-        value = {
-            r.name: decode(r, words[r.address - start : r.end - start])
-            for r in self._block
-        }  # fmt: skip
-        crc_words = self.description["block_crc"].size
-        if value["block_crc"] != checksum(words[crc_words:]):
+        if not self._block.intact(words):
             # Not an exception: the echoed sequence tells the host that the block did not arrive.
             self.player.refused += 1
             return
-        session.read_index = int(value["block_read_index"])  # type: ignore[arg-type]
-        sequence, count = value["block_sequence"], value["block_count"]
-        samples = value["block_samples"]
-        assert isinstance(sequence, int)
-        assert isinstance(count, int)
-        assert isinstance(samples, list)
+        block = self._block.decode(words)
+        sequence, count = block["block_sequence"], block["block_count"]
+        samples, session.read_index = block["block_samples"], block["block_read_index"]
         if self.owner and session.token == self.owner:
             self.player.collected = max(self.player.collected, session.read_index)
         if sequence:
             self._only_the_owner(session)
             if not 0 < count <= len(samples):
                 raise RefusedError(RefusedError.ILLEGAL_VALUE)
-            self.player.load(sequence, samples[:count])  # type: ignore[arg-type]
+            self.player.load(sequence, samples[:count])
 
     def _answer(self, session: Session) -> list[int]:
         player = self.player
@@ -221,7 +202,7 @@ class BenchDevice:
         pairs = [0] * samples.count
         pairs[0 : 2 * run.applied.size : 2] = run.applied.tolist()
         pairs[1 : 2 * run.applied.size : 2] = run.displacement.tolist()
-        value: dict[str, int | list[int]] = {
+        values: dict[str, Value] = {
             "reply_sequence": player.sequence,
             "reply_index": run.index,
             "reply_position": run.position,
@@ -232,21 +213,14 @@ class BenchDevice:
             "reply_fifo": player.fifo_level,
             "reply_samples": pairs,
         }
-        words = [0] * (self._reply_end - self._reply_start)
-        for name, content in value.items():
-            register = self.description[name]
-            place = register.address - self._reply_start
-            words[place : place + register.size] = encode(register, content)
-        crc = self.description["reply_crc"]
-        words[: crc.size] = encode(crc, checksum(words[crc.size :]))
-        return words
+        return self._reply.encode(values)
 
     def _words(self, session: Session, register: Register) -> list[int]:
         name = register.name
         if name in self._constants:
             return self._constants[name]
         if name.startswith("reply_"):
-            place = register.address - self._reply_start
+            place = register.address - self._reply.address
             return self._answer(session)[place : place + register.size]
         if name.startswith("block_"):
             return [0] * register.size

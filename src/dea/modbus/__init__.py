@@ -2,6 +2,7 @@
 
 from dea.modbus.codec import Value, checksum, decode, encode, limit_counts, to_counts, to_physical
 from dea.modbus.description import Device, Register, Serial, Tls, parse_device, read_device
+from dea.modbus.window import Window
 
 __all__ = [
     "Device",
@@ -9,6 +10,7 @@ __all__ = [
     "Serial",
     "Tls",
     "Value",
+    "Window",
     "checksum",
     "decode",
     "encode",

@@ -1,0 +1,65 @@
+"""Neighbouring registers that travel in one request."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from dea.modbus.codec import Value, checksum, decode, encode
+from dea.modbus.description import Device, Register
+
+
+class Window:
+    """Registers of one table, read or written together.
+
+    Parameters
+    ----------
+    registers
+        At least one; addresses between them that nobody describes travel as zero.
+    seal
+        The register among them that holds the checksum of all the others, if there is one.
+    """
+
+    def __init__(self, registers: Iterable[Register], seal: Register | None = None) -> None:
+        self.registers = sorted(registers, key=lambda r: r.address)
+        self.address, end = self.registers[0].address, self.registers[-1].end
+        self.size, self.table, self.seal = end - self.address, self.registers[0].table, seal
+        self._named = {r.name: (r, self._place(r)) for r in self.registers}
+
+    @classmethod
+    def of_block(cls, device: Device, prefix: str) -> "Window":
+        """The sealed window of the registers called ``prefix``..., with ``prefix``crc as seal.
+
+        Raises
+        ------
+        InputError
+            Where the device does not describe them.
+        """
+        seal = device[f"{prefix}crc"]
+        return cls((r for r in device.registers.values() if r.name.startswith(prefix)), seal)
+
+    def decode(self, words: Sequence[int]) -> dict[str, Any]:
+        """Raw values of the registers, by name."""
+        return {name: decode(r, words[place]) for name, (r, place) in self._named.items()}
+
+    def encode(self, values: Mapping[str, Value]) -> list[int]:
+        """Words that hold ``values``, sealed; registers not named hold zero."""
+        words = [0] * self.size
+        for name, value in values.items():
+            register, place = self._named[name]
+            words[place] = encode(register, value)
+        if self.seal is not None:
+            words[self._place(self.seal)] = encode(self.seal, self._checksum(words))
+        return words
+
+    def intact(self, words: Sequence[int]) -> bool:
+        """Whether the words are as they were sealed."""
+        return self.seal is None or (
+            decode(self.seal, words[self._place(self.seal)]) == self._checksum(words)
+        )
+
+    def _checksum(self, words: Sequence[int]) -> int:
+        assert self.seal is not None
+        place = self._place(self.seal)
+        return checksum([*words[: place.start], *words[place.stop :]])
+
+    def _place(self, register: Register) -> slice:
+        return slice(register.address - self.address, register.end - self.address)
