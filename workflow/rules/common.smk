@@ -33,10 +33,10 @@ def of_every_actuator(pattern):
     return expand(pattern, actuator=ACTUATORS)
 
 
-def settings(*sections):
+def settings(*sections, **own_leaves):
     """The seed, the system's name and these sections of the config, as JSON for a stage.
 
-    A case's own sections override the config's, key by key.
+    A case's own sections override the config's, key by key; ``own_leaves`` are the job's.
     """
 
     def resolve(wildcards):
@@ -58,7 +58,8 @@ def settings(*sections):
             for section in sections
         }
         return json.dumps(
-            {"seed": config["seed"], "system": name} | leaves, sort_keys=True
+            {"seed": config["seed"], "system": name} | leaves | own_leaves,
+            sort_keys=True,
         )
 
     return resolve

@@ -1,42 +1,24 @@
 # Every figure as PNG and PDF. Those of one system carry its name; those of all compare actuators.
 FIRST = next(iter(ACTUATORS))
+KINDS = ["png", "pdf"]
 OWN_FIGURES = ["fig1", "fig2", "tracked_parameters", "residual_tests"]
 COMMON_FIGURES = ["fig3", "fig3_phase", "fig4_h2", "link"]
 CASE_FIGURES = ["fig2", "tracked_parameters", "residual_tests", "fig3", "fig4_h2"]
+EVERY_FIGURE = expand(
+    "results/figures/{name}.{kind}", name=OWN_FIGURES + COMMON_FIGURES, kind=KINDS
+) + expand(
+    "results/figures/actuators/{name}_{actuator}.{kind}",
+    name=OWN_FIGURES,
+    actuator=ACTUATORS,
+    kind=KINDS,
+)
+FIGURES_OF_CASE = expand(
+    "results/figures/cases/{name}_{{case}}.{kind}", name=CASE_FIGURES, kind=KINDS
+)
 
 
 wildcard_constraints:
     group="actuators|cases",
-
-
-def figure_settings(**own):
-    """The leaves a figure is drawn with and its own choices, as JSON."""
-    return lambda wildcards: json.dumps(
-        {"system": wildcards.get("system"), "figures": config["figures"]} | own,
-        sort_keys=True,
-    )
-
-
-def figure_files(folder, names, **wildcards):
-    return expand(
-        f"results/figures/{folder}{{name}}.{{kind}}",
-        name=names,
-        kind=["png", "pdf"],
-        **wildcards,
-    )
-
-
-def every_figure():
-    """The study's figures."""
-    return figure_files("", OWN_FIGURES + COMMON_FIGURES) + figure_files(
-        "actuators/",
-        [f"{name}_{actuator}" for name in OWN_FIGURES for actuator in ACTUATORS],
-    )
-
-
-def case_figures(case):
-    """The figures of a record made elsewhere."""
-    return figure_files("cases/", [f"{name}_{case}" for name in CASE_FIGURES])
 
 
 rule fig1:
@@ -56,7 +38,7 @@ rule fig1:
     benchmark:
         "results/figures/benchmark/fig1_{system}.tsv"
     params:
-        settings=figure_settings(),
+        settings=settings("figures"),
     shell:
         "python -m dea.stages.fig1 --settings {params.settings:q} --record {input.record:q}"
         " --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
@@ -80,7 +62,7 @@ rule fig2:
     benchmark:
         "results/figures/benchmark/{group}_fig2_{system}.tsv"
     params:
-        settings=figure_settings(),
+        settings=settings("figures"),
     shell:
         "python -m dea.stages.fig2 --settings {params.settings:q} --orders {input.orders:q}"
         " --validation {input.validation:q}"
@@ -104,7 +86,7 @@ rule residual_tests:
     benchmark:
         "results/figures/benchmark/{group}_residual_tests_{system}.tsv"
     params:
-        settings=figure_settings(),
+        settings=settings("figures"),
     shell:
         "python -m dea.stages.residual_tests --settings {params.settings:q}"
         " --validation {input.validation:q}"
@@ -129,7 +111,7 @@ rule tracked_parameters:
     benchmark:
         "results/figures/benchmark/{group}_tracked_parameters_{system}.tsv"
     params:
-        settings=figure_settings(),
+        settings=settings("figures"),
     shell:
         "python -m dea.stages.tracked_parameters --settings {params.settings:q}"
         " --record {input.record:q} --track {input.track:q}"
@@ -171,7 +153,7 @@ rule fig3:
     benchmark:
         "results/figures/benchmark/fig3.tsv"
     params:
-        settings=figure_settings(quantity="gain"),
+        settings=settings("figures", quantity="gain"),
     shell:
         "python -m dea.stages.fig3 --settings {params.settings:q} --record {input.record:q}"
         " --gfrf {input.gfrf:q} --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
@@ -191,7 +173,7 @@ use rule fig3 as fig3_phase with:
     benchmark:
         "results/figures/benchmark/fig3_phase.tsv"
     params:
-        settings=figure_settings(quantity="phase"),
+        settings=settings("figures", quantity="phase"),
 
 
 use rule fig3 as fig3_case with:
@@ -230,7 +212,7 @@ rule fig4_h2:
     benchmark:
         "results/figures/benchmark/fig4_h2.tsv"
     params:
-        settings=figure_settings(),
+        settings=settings("figures"),
     shell:
         "python -m dea.stages.fig4_h2 --settings {params.settings:q} --gfrf {input.gfrf:q}"
         " --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
@@ -271,7 +253,7 @@ rule link_quality:
     benchmark:
         "results/figures/benchmark/link.tsv"
     params:
-        settings=figure_settings(),
+        settings=settings("figures"),
     shell:
         "python -m dea.stages.link_quality --settings {params.settings:q} --link {input.link:q}"
         " --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
