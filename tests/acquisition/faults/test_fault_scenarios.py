@@ -1,14 +1,14 @@
 """Named faults, one at a time, at every stage of an acquisition."""
 
-import time
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from fault_proxy import FAULTS, Fault
+from fault_proxy import FAULTS, TIMEOUT, Fault
 from fault_trial import SETTINGS, check, run_trial
 
-from dea.acquisition import BrokenRecordError, Quality, ZeroNotVerifiedError
+from dea.acquisition import BrokenRecordError, Quality
 
 pytestmark = pytest.mark.faults
 
@@ -27,3 +27,97 @@ def test_one_fault_costs_no_sample(serve_bench, tmp_path, kind, way):
         assert [fault.kind for fault in trial.happened] == [kind]
         assert trial.failure is None, (number, trial.failure)
         assert bench.player.trips == 0
+
+
+@pytest.mark.parametrize("way", ["request", "reply"])
+def test_a_connection_cut_at_every_second_frame_plays_every_block_once(serve_bench, tmp_path, way):
+    bench = serve_bench(watchdog_time=1.0)
+    faults = [Fault(way, number, "cut after") for number in range(3, 200, 3)]
+    trial = run_trial(bench, faults, tmp_path)
+    check(trial)
+    assert trial.failure is None
+    assert len(trial.happened) > 10
+    assert np.array_equal(bench.applied[: trial.sequence.size], trial.sequence)
+    assert not bench.applied[trial.sequence.size :].any()
+
+
+@pytest.mark.parametrize("way", ["request", "reply"])
+def test_a_block_garbled_anywhere_is_noticed_and_sent_again(serve_bench, tmp_path, way):
+    for place in range(8, 256, 31):  # the length of a block's request and reply, in bytes
+        bench = serve_bench(watchdog_time=1.0)
+        trial = run_trial(bench, [Fault(way, 22, "garble", place / 256)], tmp_path)
+        check(trial)
+        assert len(trial.happened) == 1
+        assert trial.failure is None
+
+
+def test_a_device_restarted_while_it_plays_breaks_the_record(serve_bench, tmp_path):
+    trial = run_trial(serve_bench(watchdog_time=1.0), [Fault("request", 22, "restart")], tmp_path)
+    check(trial)
+    assert isinstance(trial.failure, BrokenRecordError)
+    assert "has been restarted" in str(trial.failure)
+
+
+def test_a_device_restarted_is_driven_again_from_the_start_where_so_configured(
+    serve_bench, tmp_path
+):
+    bench = serve_bench(watchdog_time=1.0)
+    settings = replace(SETTINGS, on_break="restart")
+    trial = run_trial(bench, [Fault("request", 22, "restart")], tmp_path, settings)
+    check(trial)
+    assert trial.record is not None
+    assert not trial.record.quality.any()
+    assert np.array_equal(bench.boots()[-1][0][: trial.sequence.size], trial.sequence)
+
+
+def outlast(seconds):
+    """A freeze of that many seconds while blocks are played."""
+    return Fault("reply", 25, "freeze", seconds / (8 * TIMEOUT))
+
+
+def test_a_host_cut_off_longer_than_the_watchdog_waits_finds_the_film_undriven(
+    serve_bench, tmp_path
+):
+    bench = serve_bench(watchdog_time=0.2, virtual_clock=False, sampling_rate=200.0)
+    trial = run_trial(bench, [outlast(0.5)], tmp_path)
+    check(trial)
+    assert isinstance(trial.failure, BrokenRecordError)
+    assert "undriven" in str(trial.failure)
+    assert bench.player.latched
+    assert bench.player.trips == 1
+
+
+def test_samples_that_the_device_held_are_flagged_and_none_is_lost(serve_bench, tmp_path):
+    bench = serve_bench(
+        watchdog_time=1.0, virtual_clock=False, sampling_rate=500.0, fifo_length=128
+    )
+    trial = run_trial(bench, [outlast(0.5)], tmp_path)
+    check(trial)
+    assert trial.failure is None
+    assert bench.player.underruns > 50
+    assert np.count_nonzero(trial.samples.quality == Quality.HELD) == bench.player.underruns
+
+
+def test_samples_that_the_device_overwrote_are_named(serve_bench, tmp_path):
+    bench = serve_bench(
+        watchdog_time=1.0, virtual_clock=False, sampling_rate=500.0,
+        fifo_length=128, ring_length=128,
+    )  # fmt: skip
+    trial = run_trial(bench, [outlast(0.6)], tmp_path)
+    check(trial)
+    assert isinstance(trial.failure, BrokenRecordError)
+    assert "overwritten" in str(trial.failure)
+    lost = trial.samples.position[trial.samples.quality == Quality.LOST]
+    assert lost[0] == trial.failure.first
+    assert bench.player.overruns > 0
+
+
+@pytest.mark.parametrize("kind", ["cut after", "lose", "half-open", "wrong transaction"])
+def test_a_polled_sample_without_its_reply_is_named(serve_bench, tmp_path, kind):
+    settings = replace(SETTINGS, mode="polled")
+    bench = serve_bench(watchdog_time=1.0)
+    trial = run_trial(bench, [Fault("request", 100, kind)], tmp_path, settings)
+    check(trial)
+    assert isinstance(trial.failure, BrokenRecordError)
+    assert trial.samples.quality[-1] == Quality.LOST
+    assert 50 < trial.failure.first < 100
