@@ -140,7 +140,11 @@ CONTRACTS: Mapping[str, Contract] = {
             "simulated": _plain("simulation", "time"),
             "nmse": _plain("simulation", units="1"),
             "rmse": _plain("simulation"),
-        }
+        },
+        optional={
+            "nmse_frozen": _plain("simulation", units="1"),
+            "noise_ratio": _plain("tracker", "term", units="1"),
+        },
     ),
     "gfrf": Contract(
         required={
@@ -150,6 +154,10 @@ CONTRACTS: Mapping[str, Contract] = {
             "input_spectrum": _plain("frequency"),
             "excited": _plain("frequency", units="1"),
             "excited_h2": _plain("frequency_1", "frequency_2", units="1"),
-        }
+        },
+        optional={
+            "H3": _plain("time_h2", "frequency_1", "frequency_2", "part"),
+            "frequency_3": _plain(units="Hz"),
+        },
     ),
 }

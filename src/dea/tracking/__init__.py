@@ -2,6 +2,7 @@
 
 from dea.tracking.kalman import fit_noise_ratio, log_likelihood, smooth
 from dea.tracking.rls import recursive_least_squares
+from dea.tracking.structure import with_constant
 from dea.tracking.success import compare_free_runs
 from dea.tracking.track import METHODS, track_parameters
 
@@ -13,4 +14,5 @@ __all__ = [
     "recursive_least_squares",
     "smooth",
     "track_parameters",
+    "with_constant",
 ]

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
 from dea.narx import NarxModel, simulate, simulate_varying
+from dea.tracking.structure import with_constant
 
 Array = NDArray[np.float64]
 FIXED = "fixed"
@@ -26,7 +27,7 @@ def compare_free_runs(
     A tracked free run is given no output but the first few, yet its parameters have seen the
     record. ``nmse_frozen`` therefore adds a harder figure: each stretch of ``window`` samples is
     simulated with the parameters of its middle held constant, so that parameters which chase the
-    output within a stretch gain nothing.
+    output within a stretch gain nothing. It is the median over the stretches.
 
     Parameters
     ----------
@@ -35,7 +36,7 @@ def compare_free_runs(
     u, y
         The record in physical units, shape (samples,).
     window
-        Samples of a stretch.
+        Samples of a stretch; a shorter record is one stretch.
 
     Returns
     -------
@@ -45,24 +46,27 @@ def compare_free_runs(
         that of the mean. A run that diverges is ``inf`` from there on and so is its error.
     """
     inputs, outputs = normalised_record(model, u, y)
-    if not model.max_lag < window <= inputs.size:
+    if window <= model.max_lag:
         raise InputError(
-            f"it is {window} samples",
+            f"a stretch of {window} samples",
             field="window",
-            remedy=f"It lies between the largest lag and the {inputs.size} samples of the record",
+            remedy=f"It is longer than the largest lag, {model.max_lag}",
         )
-    trajectories = {FIXED: np.broadcast_to(model.parameters, (inputs.size, len(model.terms)))}
-    trajectories |= {name: track["parameter"].values for name, track in tracks.items()}
-    runs = {
-        name: simulate_varying(model.terms, np.asarray(theta, dtype=float), inputs, outputs)
-        for name, theta in trajectories.items()
+    stretch = min(window, inputs.size)
+    tracked = with_constant(model)
+    fixed = np.broadcast_to(tracked.parameters, (inputs.size, len(tracked.terms)))
+    trajectories = {FIXED: fixed} | {
+        name: track["parameter"].values.astype(float) for name, track in tracks.items()
     }
+    runs = [
+        simulate_varying(tracked.terms, theta, inputs, outputs) for theta in trajectories.values()
+    ]
     frozen = [
-        _frozen_error(model, theta, inputs, outputs, window) for theta in trajectories.values()
+        _frozen_error(tracked, theta, inputs, outputs, stretch) for theta in trajectories.values()
     ]
     spread = np.var(outputs)
-    error = np.array([np.mean((run - outputs) ** 2) for run in runs.values()])
-    simulated = model.scaling.restore_output(np.stack(list(runs.values())))
+    error = np.array([np.mean((run - outputs) ** 2) for run in runs])
+    simulated = model.scaling.restore_output(np.stack(runs))
     return xr.Dataset(
         {
             "simulated": (
@@ -92,7 +96,7 @@ def compare_free_runs(
         coords={
             "simulation": (
                 "simulation",
-                list(runs),
+                list(trajectories),
                 {"units": "1", "long_name": "where the parameters come from"},
             )
         },
@@ -115,12 +119,11 @@ def normalised_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> tuple[Arr
 
 
 def _frozen_error(model: NarxModel, theta: Array, u: Array, y: Array, window: int) -> float:
-    """Mean squared error of free runs over stretches, each with its middle parameters."""
-    total, count = 0.0, 0
+    """Median over stretches of the mean squared error with each stretch's middle parameters."""
+    errors = []
     for first in range(0, u.size - window + 1, window):
         stretch = slice(first, first + window)
-        parameters = np.ascontiguousarray(theta[first + window // 2], dtype=float)
+        parameters = np.ascontiguousarray(theta[first + window // 2])
         run = simulate(model.terms, parameters, u[stretch], y[stretch])
-        total += float(np.sum((run[model.max_lag :] - y[stretch][model.max_lag :]) ** 2))
-        count += window - model.max_lag
-    return total / count
+        errors.append(np.mean((run[model.max_lag :] - y[stretch][model.max_lag :]) ** 2))
+    return float(np.median(errors))

@@ -11,6 +11,7 @@ from dea.narx import NarxModel, regressor_matrix, simulate_varying
 from dea.tracking.output_error import smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursive_least_squares
+from dea.tracking.structure import with_constant
 from dea.tracking.success import normalised_record
 
 Array = NDArray[np.float64]
@@ -32,7 +33,8 @@ def track_parameters(
 ) -> xr.Dataset:
     """Let the parameters of ``model`` change with time, (10), and follow them through a record.
 
-    Regressors are scaled to a root mean square of one, so that one number serves for all terms.
+    Regressors are scaled to a root mean square of one, so that one number serves for all terms. A
+    constant is tracked too where the model has none; see :func:`dea.tracking.with_constant`.
 
     Parameters
     ----------
@@ -73,6 +75,7 @@ def track_parameters(
         raise InputError(f"{method!r} is unknown", field="method", remedy=f"One of {METHODS}")
     if not delta > 0.0:
         raise InputError(f"it is {delta}", field="delta", remedy="It is more than zero")
+    model = with_constant(model)
     inputs, outputs = normalised_record(model, u, y)
     Phi = regressor_matrix(model.terms, inputs, outputs)
     target = outputs[model.max_lag :]

@@ -1,0 +1,26 @@
+"""Where an input holds power, and so where a response found from it can be trusted."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+_SEGMENTS = 16  # of the record; half overlapping, so that 31 periodograms are averaged
+
+
+def input_spectrum(u: ArrayLike, sampling_rate: float, frequencies: ArrayLike) -> Array:
+    """Return the one-sided power spectral density of ``u`` at ``frequencies`` (Hz), by Welch.
+
+    In input units squared per Hz; the mean of the input is not part of it.
+    """
+    from scipy.signal import welch
+
+    signal = np.asarray(u, dtype=float)
+    length = max(signal.size // _SEGMENTS, min(signal.size, 16))
+    lines, density = welch(signal, sampling_rate, nperseg=length)
+    return np.interp(np.abs(frequencies), lines, density)
+
+
+def excited(density: ArrayLike, threshold: float) -> NDArray[np.bool_]:
+    """Return where a power spectral density exceeds ``threshold``."""
+    return np.asarray(density) > threshold

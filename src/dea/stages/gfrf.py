@@ -1,0 +1,40 @@
+"""Frequency responses of a tracked model over the whole record."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gfrf: Path) -> None:
+    """Compute H1 over time, and H2 and H3 at chosen times, around the middle input."""
+    from dea import store
+    from dea.gfrf import response_over_time
+    from dea.narx import NarxModel
+    from dea.tracking import with_constant
+
+    chosen = settings["gfrf"]
+    signals = store.signals(store.read_record(record))
+    result = response_over_time(
+        with_constant(NarxModel.load(model)),
+        store.read(track)["parameter"].sel(tracker=chosen["tracker"]),
+        signals.u,
+        signals.sampling_rate,
+        **{name: value for name, value in chosen.items() if name != "tracker"},
+    )
+    y, u = signals.y_units, signals.u_units
+    units = {"y0": y, "input_spectrum": f"{u}^2/Hz", "H1": f"{y}/{u}", "H2": f"{y}/{u}^2"}
+    for name, unit in (units | {"H3": f"{y}/{u}^3"}).items():
+        result[name].attrs["units"] = unit
+    store.write(
+        result,
+        gfrf,
+        title=f"Frequency responses of {settings['system']} over time",
+        inputs={"record": record, "model": model, "track": track},
+        settings=settings,
+    )
+
+
+if __name__ == "__main__":
+    run(gfrf, inputs=("record", "model", "track"), outputs=("gfrf",))

@@ -1,0 +1,56 @@
+"""Follow the parameters of a model through the whole record."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -> None:
+    """Track with every method of the settings and simulate freely with each."""
+    import xarray as xr
+
+    from dea import store
+    from dea.narx import NarxModel
+    from dea.tracking import compare_free_runs, track_parameters
+
+    chosen = settings["tracking"]
+    signals = store.signals(store.read_record(record))
+    narx = NarxModel.load(model)
+    tracks = {
+        method: track_parameters(
+            narx,
+            signals.u,
+            signals.y,
+            method=method,
+            sampling_rate=signals.sampling_rate,
+            **options,
+        )
+        for method, options in chosen["trackers"].items()
+    }
+    runs = compare_free_runs(narx, tracks, signals.u, signals.y, window=chosen["frozen_window"])
+    together = xr.concat(
+        [found.assign_coords(tracker=method) for method, found in tracks.items()],
+        dim="tracker",
+        join="exact",
+        combine_attrs="drop_conflicts",
+        data_vars="all",
+    )
+    result = xr.merge([together.drop_attrs(deep=False), runs], join="exact")
+    result["tracker"].attrs = {"units": "1", "long_name": "method of tracking"}
+    for name in ("innovation", "simulated", "rmse"):
+        result[name].attrs["units"] = signals.y_units
+    # Seven digits exceed what any tracker knows and halve the file.
+    narrow = ("parameter", "parameter_std", "innovation", "simulated")
+    store.write(
+        result.assign({name: result[name].astype("float32") for name in narrow}),
+        track,
+        title=f"Tracked parameters of {settings['system']}",
+        inputs={"record": record, "model": model},
+        settings=settings,
+    )
+
+
+if __name__ == "__main__":
+    run(track, inputs=("record", "model"), outputs=("track",))
