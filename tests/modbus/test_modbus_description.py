@@ -1,4 +1,5 @@
 import copy
+import re
 from pathlib import Path
 
 import pytest
@@ -131,3 +132,12 @@ def test_unreadable_files_are_named(tmp_path):
         read_device(tmp_path / "bad.yaml")
     (tmp_path / "good.yaml").write_text(yaml.safe_dump(GOOD))
     assert read_device(tmp_path / "good.yaml")["output"].scale == pytest.approx(10 / 65535)
+
+
+def test_the_manual_lists_every_register_of_the_bench():
+    device = read_device(next(path for path in DEVICES if path.stem == "virtual_bench"))
+    manual = (DEVICES[0].parents[2] / "docs/acquisition.md").read_text()
+    listed = re.findall(r"^\| (\d+)(?:–(\d+))? \| `(\w+)` \|", manual, re.MULTILINE)
+    assert {(name, int(first), int(last or first) + 1) for first, last, name in listed} == {
+        (register.name, register.address, register.end) for register in device.registers.values()
+    }
