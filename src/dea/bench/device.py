@@ -9,6 +9,7 @@ from dea.modbus import Device, Register, Value, Window, decode, encode
 
 START, STOP, RESET, CLEAR = 1, 2, 3, 4
 SILENCE = 1
+TRIGGER_PATIENCE = 5  # periods that the next polled sample may take
 
 
 class RefusedError(Exception):
@@ -174,10 +175,10 @@ class BenchDevice:
     def _hold(self, count: int) -> None:
         if not self.player.hold(count):
             raise RefusedError(RefusedError.NOT_ALLOWED)
-        # The master paces a polled device: its write is the trigger. Half a period late is still
-        # in time; after that the device's own clock goes on with the output held.
+        # The master paces a polled device: its write is the trigger, and a late one a late sample.
+        # After that the device's own clock goes on with the output held.
         self.player.advance(1)
-        self._due = time.monotonic() + 1.5 * self.period
+        self._due = time.monotonic() + TRIGGER_PATIENCE * self.period
 
     def _write_block(self, session: Session, words: Sequence[int]) -> None:
         if not self._block.intact(words):
