@@ -4,6 +4,7 @@ Two approaches are told apart by colour everywhere: *re-estimated* (the referenc
 parameters are fitted on the very window that is shown) and *honest* (fitted before the window).
 """
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from dea.figures import style
 from dea.figures.symbols import number
 
+_HEADROOM = 1.45  # above the largest value, where the legend fits
 _COLOUR = {"re-estimated": style.RE_ESTIMATED, "honest": style.HONEST}
 _LABEL = {"re-estimated": "re-estimated on the window shown", "honest": "honest: fitted before it"}
 
@@ -52,7 +54,7 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
         lines += side.plot(order, values, color=colour, label=criterion, **look)
         side.set_ylabel(style.quantity(criterion, values.attrs["units"]), color=colour)
         side.tick_params(axis="y", colors=colour)
-        side.set_ylim(bottom=0)
+        side.set_ylim(0, _HEADROOM * float(values.where(np.isfinite(values)).max()))
     ax.set_xticks(order.values)
     ax.set_xlabel(f"{kind} order")
     ax.legend(handles=lines, loc="upper right")
@@ -69,7 +71,7 @@ def _predicted(ax: Axes, validation: xr.Dataset) -> None:
             color=colour, label=label, rasterized=True,
         )  # fmt: skip
     ends = _around(measured)
-    ax.plot(ends, ends, color=style.GREY, lw=0.6)
+    ax.plot(ends, ends, color=style.GREY, lw=0.6, zorder=1)
     ax.set(xlim=ends, ylim=ends)
     units = measured.attrs["units"]
     ax.set_xlabel(style.quantity("measured $y$", units))
@@ -79,11 +81,11 @@ def _predicted(ax: Axes, validation: xr.Dataset) -> None:
 
 def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
     part = validation.isel(window=window).sel(model=model)
-    ax.plot(part["time"], part["measured"], color=style.MEASURED, lw=1.4, label="measured")
-    for approach, dashes in (("re-estimated", (0, (3, 1))), ("honest", "-")):
+    ax.plot(part["time"], part["measured"], color=style.MEASURED, lw=2.6, label="measured")
+    for approach, dashes in (("honest", "-"), ("re-estimated", (0, (4, 2)))):
         chosen = part.sel(approach=approach)
         ax.plot(
-            part["time"], chosen["simulated"], color=_COLOUR[approach], ls=dashes, lw=0.9,
+            part["time"], chosen["simulated"], color=_COLOUR[approach], ls=dashes, lw=0.8,
             label=_LABEL[approach],
         )  # fmt: skip
     name = {"linear": "linear model", "narx": "NARX model"}[model]
@@ -91,7 +93,8 @@ def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
         f"{approach} {number(float(part['nmse'].sel(approach=approach)))}" for approach in _COLOUR
     )
     ax.set_title(f"{name}; nmse: {scores}", loc="right")
-    ax.set_xlim(float(part["time"][0]), float(part["time"][-1]))
+    time = part["time"].values
+    ax.set_xlim(time[0], 2 * time[-1] - time[-2])
     ax.set_ylim(_around(part["measured"]))
     ax.set_ylabel(style.quantity("$y$", part["measured"].attrs["units"]))
 
@@ -99,5 +102,5 @@ def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
 def _around(measured: xr.DataArray) -> tuple[float, float]:
     """Limits of an axis on which a simulation that runs away does not hide the measurement."""
     low, high = float(measured.min()), float(measured.max())
-    margin = 0.15 * (high - low)
+    margin = 0.25 * (high - low)
     return low - margin, high + margin

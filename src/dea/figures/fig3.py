@@ -93,7 +93,7 @@ def _excited(response: xr.Dataset) -> np.ndarray:
 
 def _series(ax: Axes, record: xr.Dataset) -> None:
     whole = signals(record)
-    ax.plot(whole.time / _MINUTE, whole.y, lw=0.15, color=style.MEASURED, rasterized=True)
+    ax.plot(whole.time / _MINUTE, whole.y, lw=0.15, color=style.BLACK, rasterized=True)
     ax.set_ylabel(style.quantity("$y$", whole.y_units))
     ax.set_xlim(whole.time[0] / _MINUTE, (whole.time[-1] + whole.time[1]) / _MINUTE)
 

@@ -35,9 +35,9 @@ PALE = "#D9D9D9"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
 # One meaning, one colour, in every figure.
-MEASURED = BLACK
+MEASURED = "#A6A6A6"  # drawn wide, so that a model that is right shows on top of it
 HONEST = VERMILION
-RE_ESTIMATED = SKY
+RE_ESTIMATED = BLUE
 LINEAR = BLUE
 NARX = VERMILION
 

@@ -14,6 +14,7 @@ from dea.store import atomic
 
 _TERM_COUNT = "number of terms"
 _SCORES = ("nmse", "fit", "fpe", "rmse")
+_SCIENTIFIC = re.compile(r"(-?[\d.]+)e([+-]\d+)")
 _FACTOR = re.compile(r"[a-z]\(t-\d+\)(?:\^(\d+))?")
 
 
@@ -118,7 +119,9 @@ def _scores(validations: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, pd.Dat
             }
             label = {"term": f"{_header(next(iter(values.values())))}, {approach}"}
             exact.append(label | {name: float(value) for name, value in values.items()})
-            shown.append(label | {name: number(float(value)) for name, value in values.items()})
+            shown.append(
+                label | {name: _score(score, float(value)) for name, value in values.items()}
+            )
     return pd.DataFrame(exact, dtype=object), pd.DataFrame(shown)
 
 
@@ -128,8 +131,16 @@ def _header(variable: xr.DataArray) -> str:
 
 
 def _rounded(exact: pd.DataFrame) -> Table:
-    shown = exact.apply(lambda column: column if column.dtype.kind in "OUT" else column.map(number))
-    return Table(exact, shown)
+    shown = {
+        name: [value if isinstance(value, str) else _score(str(name), value) for value in column]
+        for name, column in exact.items()
+    }
+    return Table(exact, pd.DataFrame(shown))
+
+
+def _score(name: str, value: float) -> str:
+    """A score as text: a fit is near one, so that it takes fixed decimals."""
+    return f"{value:.4f}" if name == "fit" and isfinite(value) else number(value)
 
 
 def _estimate(value: float | None, error: float | None) -> str:
@@ -150,6 +161,8 @@ def _latex(shown: pd.DataFrame) -> str:
 def _latex_text(text: str) -> str:
     if _FACTOR.search(text) or text == "1":
         return term_as_mathematics(text)
+    if scientific := _SCIENTIFIC.fullmatch(text):
+        return rf"${scientific[1]} \times 10^{{{int(scientific[2])}}}$"
     if "±" in text or text.startswith("-"):
         return "$" + text.replace("±", r"\pm") + "$"
     for plain, command in ((DASH, "--"), ("_", r"\_"), ("^2", r"\textsuperscript{2}")):
