@@ -15,7 +15,8 @@ Array = NDArray[np.float64]
 _FREE = ("permittivity", "yeoh_1", "damping")
 _STEP = 1e-3  # relative, of the finite differences
 _LONGEST = 0.7  # largest change of a parameter's logarithm in one Gauss-Newton step
-_ROUNDS = 6
+_DAMPING = 1e-4  # at first, relative to the squared sensitivities
+_ROUNDS = 8
 _ENOUGH = 0.02  # relative gain below which the refit has converged
 _SETTLING = 100  # samples at the first value before the record begins
 
@@ -80,25 +81,38 @@ class Yardstick:
         return reading if inside.all() and not rig.fault else None
 
     def _refit(self, reading: Array) -> float:
-        """Return the RMS of what Gauss and Newton's method leaves of ``reading``."""
-        shift, response, basis = self._origin, self._plain, self._basis
-        _, left = _project(basis[:, -2:], reading)
-        least = _rms(left)
+        """Return the RMS of what the best refit leaves of ``reading``.
+
+        Levenberg and Marquardt's method with scale and offset projected out (Kaufman, BIT 15,
+        1975): gain, stiffness and scale nearly replace one another, which defeats plain
+        Gauss-Newton steps.
+        """
+        shift, basis = self._origin, self._basis
+        linear = basis[:, len(_FREE) :]
+        _, left = _project(linear, reading)
+        damping, least = _DAMPING, _rms(left)
         for _ in range(_ROUNDS):
-            step, _ = _project(basis, reading - response)
-            step = step[: len(_FREE)]
-            step /= max(1.0, np.abs(step).max() / _LONGEST)
+            (scale, _), _ = _project(linear, reading)
+            slopes = scale * basis[:, : len(_FREE)]
+            slopes = slopes - linear @ np.linalg.lstsq(linear, slopes, rcond=None)[0]
+            size = np.linalg.norm(slopes, axis=0)
+            normal = (slopes / size).T @ (slopes / size)
             before = least
-            for share in (1.0, 0.3, 0.1):
-                tried = shift + share * step
-                tried_response = self._respond(tried)
-                _, left = _project(_with_scale_and_offset(tried_response), reading)
-                if _rms(left) < least:
-                    least, shift, response = _rms(left), tried, tried_response
+            for _ in range(_ROUNDS):
+                damped = normal + damping * np.eye(len(_FREE))
+                step = np.linalg.solve(damped, (slopes / size).T @ left) / size
+                step /= max(1.0, np.abs(step).max() / _LONGEST)
+                tried = self._respond(shift + step)
+                _, tried_left = _project(_with_scale_and_offset(tried), reading)
+                if _rms(tried_left) < least:
+                    damping *= 0.1
+                    shift, left, least = shift + step, tried_left, _rms(tried_left)
                     break
+                damping *= 10.0
             if before - least < _ENOUGH * before:
                 break
-            response, basis = self._linearised(shift)
+            _, basis = self._linearised(shift)
+            linear = basis[:, len(_FREE) :]
         return least
 
     def _linearised(self, shift: Array) -> tuple[Array, Array]:
