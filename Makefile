@@ -10,7 +10,8 @@ export OMP_NUM_THREADS := 1
 SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 
 .DEFAULT_GOAL := help
-.PHONY: help study case report discrepancy trials records faults check test benchmark clean
+.PHONY: help study case report discrepancy trials records faults peers interoperability \
+	soak check test benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -41,8 +42,18 @@ trials: $(VENV)/installed ## blind trials: hide an effect, name it, open the sea
 records: $(VENV)/installed ## fetch the public measured records into data/ (FROM=folder copies them)
 	python -m dea.public_records $(if $(FROM),--from $(FROM))
 
-faults: $(VENV)/installed ## a thousand random faults against the acquisition
-	pytest tests/acquisition -m faults --fault-schedules 1000
+faults: $(VENV)/installed ## a thousand schedules of faults and 100,000 malformed frames
+	pytest tests/acquisition tests/bench -m faults --fault-schedules 1000 --fuzz-frames 100000
+
+peers: ## install the foreign Modbus programs that tests talk to (Debian, as root)
+	command -v mbpoll && test -e /usr/include/modbus/modbus.h || \
+	{ apt-get update --quiet && apt-get install --yes --quiet gcc libc6-dev libmodbus-dev mbpoll; }
+
+interoperability: peers $(VENV)/installed ## client and bench against libmodbus, mbpoll, pyModbusTCP
+	pytest tests/acquisition/test_interoperability.py
+
+soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
+	python -m benchmarks.acquisition --soak
 
 check: $(VENV)/installed ## linters, formatters and the type checker
 	ruff check .

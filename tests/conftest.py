@@ -10,6 +10,10 @@ def pytest_addoption(parser):
         "--fault-schedules", type=int, default=100, metavar="N",
         help="random schedules of faults to put the acquisition through",
     )  # fmt: skip
+    parser.addoption(
+        "--fuzz-frames", type=int, default=5000, metavar="N",
+        help="malformed frames to send to the bench",
+    )  # fmt: skip
 
 
 @pytest.fixture

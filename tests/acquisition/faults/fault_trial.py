@@ -22,7 +22,7 @@ from dea.acquisition import (
     acquire,
     recover,
 )
-from dea.acquisition.safety import ramp
+from dea.acquisition.excitation import ramp
 from dea.errors import InputError
 from dea.modbus import limit_counts, to_counts
 from served_bench import ServedBench
