@@ -112,9 +112,9 @@ def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
         if offer and reply.sequence == offer:
             sequence, sent = offer, sent + block.size
         elif reply.sequence != sequence or reply.next < wanted:
-            yield Samples.lost(done, wanted, counts[done:sent])
+            yield Samples.lost(done, wanted, counts[done:])
             again = " and has been restarted" if panel.get("boot") != boot else ""
-            raise BrokenRecordError(f"the device lost its place{again}", done, sent - done)
+            raise BrokenRecordError(f"the device lost its place{again}", done, counts.size - done)
         if not started and (reply.fifo + exchange.capacity > room or sent == counts.size):
             panel.set("command", START)
             started = True
