@@ -1,10 +1,12 @@
 """The Modbus client that drives an actuator and records it."""
 
-from dea.acquisition.acquire import Acquisition, AcquisitionSettings, acquire
+from dea.acquisition.acquire import Acquisition, acquire
+from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.link import DeviceRefusedError, Link, LinkError, LinkSettings
 from dea.acquisition.partial import Recovered, recover
-from dea.acquisition.safety import Interrupted, ZeroNotVerifiedError
+from dea.acquisition.safety import ZeroNotVerifiedError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+from dea.acquisition.settings import AcquisitionSettings
 
 __all__ = [
     "Acquisition",

@@ -9,14 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from dea import signals, store
-from dea.acquisition.acquire import AcquisitionSettings, acquire, plan_sequence
+from dea.acquisition.acquire import acquire
+from dea.acquisition.excitation import plan_sequence
+from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.link import DeviceRefusedError, Link, LinkError, LinkSettings
 from dea.acquisition.monitor import Monitor
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
 from dea.acquisition.record import record_dataset
-from dea.acquisition.safety import Interrupted, ZeroNotVerifiedError, verify_device
+from dea.acquisition.safety import ZeroNotVerifiedError
 from dea.acquisition.samples import BrokenRecordError, Quality
+from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.verify import verify_device
 from dea.errors import InputError
 from dea.modbus import Device, read_device
 

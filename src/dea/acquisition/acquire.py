@@ -1,65 +1,27 @@
 """One acquisition: excitation in, record out, and the film at zero volts whatever happens."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dea.acquisition import buffered, polled
+from dea.acquisition.excitation import plan_sequence
+from dea.acquisition.interrupts import Interruption
 from dea.acquisition.link import Link, LinkLog, LinkSettings
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import PartialFile, set_aside
 from dea.acquisition.record import link_dataset, record_dataset
-from dea.acquisition.safety import SafeOutput, check_excitation, ended_by_signals, ramp
+from dea.acquisition.safety import SafeOutput
 from dea.acquisition.samples import BrokenRecordError, Samples
+from dea.acquisition.settings import AcquisitionSettings
 from dea.errors import InputError
-from dea.modbus import Device, to_counts
+from dea.modbus import Device
 
 Watcher = Callable[[Samples, LinkLog], None]
-
-
-@dataclass(frozen=True)
-class AcquisitionSettings:
-    """How to drive: see ``acquisition`` in config/config.yaml for the meaning and units."""
-
-    mode: Literal["buffered", "polled"] = "buffered"
-    ramp_rate: float = 1.0  # V/s
-    on_break: Literal["stop", "restart"] = "stop"
-    restarts: int = 2
-    timeout: float = 2.0  # s
-    retries: int = 5
-    reconnect_time: float = 10.0  # s
-    late_after: float = 5e-3  # s
-    paced: bool = True
-
-    @classmethod
-    def from_mapping(cls, values: dict[str, Any]) -> "AcquisitionSettings":
-        """Check settings read from a file; raises InputError for a misspelt key or bad value."""
-        known = {f.name for f in fields(cls)}
-        for key in values:
-            if key not in known:
-                raise InputError(
-                    "unknown key", field=f"acquisition.{key}", remedy=f"Known: {sorted(known)}."
-                )
-        settings = cls(**values)
-        for key, allowed in {
-            "mode": ("buffered", "polled"),
-            "on_break": ("stop", "restart"),
-        }.items():
-            if getattr(settings, key) not in allowed:
-                raise InputError(
-                    f"{getattr(settings, key)!r}", field=f"acquisition.{key}",
-                    remedy=f"Use {' or '.join(allowed)}.",
-                )  # fmt: skip
-        for key in ("ramp_rate", "timeout", "reconnect_time", "late_after"):
-            if not getattr(settings, key) > 0:
-                raise InputError(
-                    "not positive", field=f"acquisition.{key}", remedy="Use a positive number."
-                )
-        return settings
 
 
 class Acquisition(NamedTuple):
@@ -67,32 +29,6 @@ class Acquisition(NamedTuple):
 
     record: xr.Dataset
     link: xr.Dataset
-
-
-class Plan(NamedTuple):
-    """Output counts from zero to zero: ``lead`` samples of ramp, ``length`` of excitation, ramp."""
-
-    counts: np.ndarray
-    lead: int
-    length: int
-
-
-def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> Plan:
-    """Put ramps at ``ramp_rate`` V/s before and after an excitation in V.
-
-    Raises
-    ------
-    InputError
-        Where the excitation leaves the device's limits, or is empty.
-    """
-    volts = np.asarray(excitation, float)
-    if volts.ndim != 1 or not volts.size:
-        raise InputError("the excitation holds no samples", remedy="Give at least one voltage.")
-    counts = check_excitation(device, volts)
-    lead = ramp(device, 0.0, float(volts[0]), ramp_rate)
-    tail = ramp(device, float(volts[-1]), 0.0, ramp_rate)
-    zero = to_counts(device["output"], np.zeros(1))
-    return Plan(np.concatenate([lead, counts, tail, zero]), lead.size, counts.size)
 
 
 def acquire(
@@ -168,14 +104,16 @@ def _run(
     reset: bool,
 ) -> Samples:
     blocks = []
-    with ended_by_signals(), SafeOutput(
-        link, ramp_rate=settings.ramp_rate, reset=reset
-    ) as panel:  # fmt: skip
+    interruption = Interruption()
+    output = SafeOutput(link, ramp_rate=settings.ramp_rate, reset=reset)
+    with interruption, output as panel:
+        link.check = interruption.check
         for samples in _drive(panel, sequence, settings):
             file.samples(samples)
             blocks.append(samples)
             if watch is not None:
                 watch(samples, link.log)
+            interruption.check()
     return Samples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
 
 

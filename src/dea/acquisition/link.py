@@ -16,6 +16,7 @@ from typing import Any
 from pymodbus.exceptions import ConnectionException, ModbusException
 
 from dea.acquisition.connection import Client, connect, place
+from dea.errors import InputError
 from dea.modbus import Device
 
 # Every failure is counted and reported here; pymodbus would print each one to the terminal.
@@ -65,15 +66,12 @@ class LinkLog:
     jitter: list[float] = field(default_factory=list)
     reconnects: int = 0
 
-    def round_trip(self) -> float:
-        """Duration of the latest exchange, s; 0 before the first."""
-        return self.receive_time[-1] - self.send_time[-1] if self.send_time else 0.0
-
 
 class Link:
     """A repaired connection to ``device``.
 
     ``on_connect`` is called after every reconnection; the session claims its ownership there.
+    ``check`` is called before each attempt and may raise, to end the patience.
     """
 
     def __init__(
@@ -82,6 +80,7 @@ class Link:
         self.device, self.settings = device, settings or LinkSettings()
         self.log = log or LinkLog()
         self.on_connect: Callable[[], None] | None = None
+        self.check: Callable[[], None] | None = None
         self.client: Client | None = None
 
     def open(self) -> None:
@@ -90,6 +89,8 @@ class Link:
         pause = FIRST_PAUSE
         while True:
             self.close()
+            if self.check is not None:
+                self.check()
             try:
                 self.client = connect(self.device, self.settings.timeout)
                 return
@@ -146,6 +147,8 @@ class Link:
         sent = time.monotonic()
         patient_until, pause = sent + self.settings.reconnect_time, FIRST_PAUSE
         for attempt in itertools.count():
+            if self.check is not None:
+                self.check()
             try:
                 if self.client is None:
                     self._reconnect()
@@ -189,7 +192,10 @@ class Link:
         return list(reply.registers)
 
     def _reconnect(self) -> None:
-        self.open()
+        try:
+            self.open()
+        except InputError as error:
+            raise LinkError(str(error)) from error
         self.log.reconnects += 1
         if self.on_connect is not None:
             resume, self.on_connect = self.on_connect, None  # whose own requests may fail too

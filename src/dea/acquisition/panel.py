@@ -1,10 +1,10 @@
 """A device's registers by name."""
 
-from dea.acquisition.link import Link
+from dea.acquisition.link import Link, LinkError
 from dea.errors import InputError
 from dea.modbus import Value, decode, encode
 
-MAX_READ = 125
+CONFIRMATIONS = 20  # readings, for two in a row that agree
 
 
 class Panel:
@@ -36,6 +36,21 @@ class Panel:
                 remedy="Use an integer type and count 1.",
             )
         return value
+
+    def confirmed(self, name: str) -> int:
+        """Raw value of an integer register, read alike twice running: Modbus has no checksum.
+
+        Raises
+        ------
+        LinkError
+            Where it never reads alike.
+        """
+        last = self.whole(name)
+        for _ in range(CONFIRMATIONS):
+            last, before = self.whole(name), last
+            if last == before:
+                return last
+        raise LinkError(f"{name} reads differently each time")
 
     def number(self, name: str) -> float:
         """Physical value of a numeric register."""

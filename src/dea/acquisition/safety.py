@@ -1,119 +1,22 @@
-"""What must hold before, while and after a film is at three kilovolts."""
+"""The right to drive an output, from a verified zero volts to a verified zero volts."""
 
-import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from secrets import randbits
-from types import FrameType
 
-import numpy as np
-
+from dea.acquisition.excitation import ramp
 from dea.acquisition.link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.panel import Panel
+from dea.acquisition.verify import verify_device
 from dea.errors import InputError
-from dea.modbus import Device, limit_counts, to_counts, to_physical
+from dea.modbus import to_counts, to_physical
 
 IDLE, TRIPPED = 0, 3  # state
 STOP, RESET = 2, 3  # command
 NOT_ALLOWED = 7  # Modbus exception code
-RANGE_TOLERANCE = 1e-5  # of the range; float32 registers hold seven digits
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class ZeroNotVerifiedError(RuntimeError):
     """The output could not be read back as zero."""
-
-
-class Interrupted(KeyboardInterrupt):
-    """A signal asked the acquisition to end."""
-
-
-def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:
-    """Output counts of an excitation in V, checked against the device's limits.
-
-    Raises
-    ------
-    InputError
-        Naming the first sample outside the limits, before anything is written.
-    """
-    low, high = limit_counts(device, "output")
-    register = device["output"]
-    if not np.all(np.isfinite(volts)):
-        raise InputError("the excitation holds NaN or infinity", remedy="Give finite voltages.")
-    counts = to_counts(register, volts)
-    outside = np.flatnonzero((counts < low) | (counts > high))
-    if outside.size:
-        first, limits = int(outside[0]), register.limits or (0.0, 0.0)
-        raise InputError(
-            f"sample {first} of the excitation asks for {volts[first]:g} V, outside "
-            f"{limits[0]:g} to {limits[1]:g} V",
-            file=device.source,
-            field="registers.output.limits",
-            remedy="Lower the excitation, or raise the limits if film and amplifier bear it.",
-        )
-    return counts
-
-
-def ramp(device: Device, start: float, end: float, rate: float) -> np.ndarray:
-    """Counts from ``start`` V towards ``end`` V at ``rate`` V/s, both ends left out."""
-    steps = int(np.ceil(abs(end - start) / rate * device.sampling_rate))
-    return to_counts(device["output"], np.linspace(start, end, steps + 1)[1:-1])
-
-
-def verify_device(panel: Panel) -> None:
-    """Read back identity, ranges and limits, and compare them with the description.
-
-    Raises
-    ------
-    InputError
-        Naming the register that does not match.
-    """
-    device = panel.device
-    for name, register in device.registers.items():
-        if register.expect is not None:
-            found = panel.get(name) if register.type == "string" else panel.number(name)
-            _compare(device, name, found, register.expect)
-        if register.range is not None:
-            for end, expected in zip(("low", "high"), register.range, strict=True):
-                if f"{name}_range_{end}" in panel:
-                    found = panel.number(f"{name}_range_{end}")
-                    span = register.range[1] - register.range[0]
-                    _compare(device, f"{name}_range_{end}", found, expected, span)
-    _verify_limits(panel)
-
-
-def _verify_limits(panel: Panel) -> None:
-    """The device must not clamp inside the limits described; one count is rounding."""
-    output = panel.device["output"]
-    if output.limits is None:
-        return
-    for end, limit, sign in zip(("low", "high"), output.limits, (1, -1), strict=True):
-        if f"output_{end}_limit" in panel:
-            found = panel.number(f"output_{end}_limit")
-            if sign * (found - limit) > abs(output.scale):
-                raise InputError(
-                    f"the device clamps at {found:g} {output.unit}, inside the limit {limit:g}",
-                    file=panel.device.source,
-                    field="registers.output.limits",
-                    remedy="Narrow the limits, or widen the device's.",
-                )
-
-
-def _compare(
-    device: Device, name: str, found: object, expected: object, span: float | None = None
-) -> None:
-    if isinstance(found, float) and isinstance(expected, int | float):
-        same = abs(found - expected) <= RANGE_TOLERANCE * (span or abs(expected))
-    else:
-        same = found == expected
-    if not same:
-        raise InputError(
-            f"the device says {found!r}, the description {expected!r}",
-            file=device.source,
-            field=f"registers.{name}",
-            remedy="Point the endpoint at the device described, or correct the register map.",
-        )
 
 
 class SafeOutput:
@@ -154,15 +57,15 @@ class SafeOutput:
         return self.panel
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        with _signals_deferred():
-            try:
-                if kind is not None:
-                    # A reply may still be under way that belongs to no later request.
-                    self.link.close()
-                self.to_zero()
-            finally:
-                self.link.on_connect = None
+        self.link.check = None
+        try:
+            if kind is not None:
+                # A reply may still be under way that belongs to no later request.
                 self.link.close()
+            self.to_zero()
+        finally:
+            self.link.on_connect = None
+            self.link.close()
 
     def to_zero(self) -> None:
         """Ramp the output to zero and read it back; give up the outputs.
@@ -262,7 +165,7 @@ class SafeOutput:
         """Read-back of the output, or None where the device has none."""
         for name in ("applied_output", "output"):
             if name in self.panel and self.device[name].access != "write":
-                return self.panel.whole(name)
+                return self.panel.confirmed(name)
         return None
 
     def _stop(self) -> None:
@@ -270,7 +173,7 @@ class SafeOutput:
             self.panel.set("command", STOP)
         limits = self.device["output"].limits or (0.0, 0.0)
         deadline = time.monotonic() + 2 * max(map(abs, limits)) / self.ramp_rate + 2
-        while self.panel.get("state") not in (IDLE, TRIPPED):
+        while self.panel.confirmed("state") not in (IDLE, TRIPPED):
             if time.monotonic() > deadline:
                 raise ZeroNotVerifiedError("the device does not end its ramp to zero")
             time.sleep(0.01)
@@ -283,38 +186,3 @@ class SafeOutput:
             self.panel.set("output", count)
             time.sleep(1 / self.device.sampling_rate)
         self.panel.set("output", self.zero)
-
-
-@contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """Turn SIGINT, SIGTERM and SIGHUP into :class:`Interrupted` while inside."""
-
-    def end(number: int, _frame: FrameType | None) -> None:
-        raise Interrupted(signal.Signals(number).name)
-
-    with _handled(end):
-        yield
-
-
-@contextmanager
-def _signals_deferred() -> Iterator[None]:
-    """Keep signals waiting while the output goes to zero; deliver them afterwards."""
-    waiting: list[int] = []
-    with _handled(lambda number, _frame: waiting.append(number)):
-        yield
-    if waiting:
-        signal.raise_signal(waiting[0])
-
-
-@contextmanager
-def _handled(handler) -> Iterator[None]:
-    try:
-        before = [signal.signal(number, handler) for number in SIGNALS]
-    except ValueError:  # not in the main thread, which alone receives signals
-        yield
-        return
-    try:
-        yield
-    finally:
-        for number, old in zip(SIGNALS, before, strict=True):
-            signal.signal(number, old)

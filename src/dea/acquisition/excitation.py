@@ -1,0 +1,66 @@
+"""From an excitation in volts to the counts that are played, checked before any of them is."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dea.errors import InputError
+from dea.modbus import Device, limit_counts, to_counts
+
+
+class Plan(NamedTuple):
+    """Output counts from zero to zero: ``lead`` samples of ramp, ``length`` of excitation, ramp."""
+
+    counts: np.ndarray
+    lead: int
+    length: int
+
+
+def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> Plan:
+    """Put ramps at ``ramp_rate`` V/s before and after an excitation in V.
+
+    Raises
+    ------
+    InputError
+        Where the excitation leaves the device's limits, or is empty.
+    """
+    volts = np.asarray(excitation, float)
+    if volts.ndim != 1 or not volts.size:
+        raise InputError("the excitation holds no samples", remedy="Give at least one voltage.")
+    counts = check_excitation(device, volts)
+    lead = ramp(device, 0.0, float(volts[0]), ramp_rate)
+    tail = ramp(device, float(volts[-1]), 0.0, ramp_rate)
+    zero = to_counts(device["output"], np.zeros(1))
+    return Plan(np.concatenate([lead, counts, tail, zero]), lead.size, counts.size)
+
+
+def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:
+    """Output counts of an excitation in V, checked against the device's limits.
+
+    Raises
+    ------
+    InputError
+        Naming the first sample outside the limits, before anything is written.
+    """
+    low, high = limit_counts(device, "output")
+    register = device["output"]
+    if not np.all(np.isfinite(volts)):
+        raise InputError("the excitation holds NaN or infinity", remedy="Give finite voltages.")
+    counts = to_counts(register, volts)
+    outside = np.flatnonzero((counts < low) | (counts > high))
+    if outside.size:
+        first, limits = int(outside[0]), register.limits or (0.0, 0.0)
+        raise InputError(
+            f"sample {first} of the excitation asks for {volts[first]:g} V, outside "
+            f"{limits[0]:g} to {limits[1]:g} V",
+            file=device.source,
+            field="registers.output.limits",
+            remedy="Lower the excitation, or raise the limits if film and amplifier bear it.",
+        )
+    return counts
+
+
+def ramp(device: Device, start: float, end: float, rate: float) -> np.ndarray:
+    """Counts from ``start`` V towards ``end`` V at ``rate`` V/s, both ends left out."""
+    steps = int(np.ceil(abs(end - start) / rate * device.sampling_rate))
+    return to_counts(device["output"], np.linspace(start, end, steps + 1)[1:-1])

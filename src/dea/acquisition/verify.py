@@ -1,0 +1,62 @@
+"""Whether the device that answers is the one described, found out before any voltage."""
+
+from dea.acquisition.panel import Panel
+from dea.errors import InputError
+from dea.modbus import Device
+
+RANGE_TOLERANCE = 1e-5  # of the range; float32 registers hold seven digits
+
+
+def verify_device(panel: Panel) -> None:
+    """Read back identity, ranges and limits, and compare them with the description.
+
+    Raises
+    ------
+    InputError
+        Naming the register that does not match.
+    """
+    device = panel.device
+    for name, register in device.registers.items():
+        if register.expect is not None:
+            found = panel.get(name) if register.type == "string" else panel.number(name)
+            _compare(device, name, found, register.expect)
+        if register.range is not None:
+            for end, expected in zip(("low", "high"), register.range, strict=True):
+                if f"{name}_range_{end}" in panel:
+                    found = panel.number(f"{name}_range_{end}")
+                    span = register.range[1] - register.range[0]
+                    _compare(device, f"{name}_range_{end}", found, expected, span)
+    _verify_limits(panel)
+
+
+def _verify_limits(panel: Panel) -> None:
+    """The device must not clamp inside the limits described; one count is rounding."""
+    output = panel.device["output"]
+    if output.limits is None:
+        return
+    for end, limit, sign in zip(("low", "high"), output.limits, (1, -1), strict=True):
+        if f"output_{end}_limit" in panel:
+            found = panel.number(f"output_{end}_limit")
+            if sign * (found - limit) > abs(output.scale):
+                raise InputError(
+                    f"the device clamps at {found:g} {output.unit}, inside the limit {limit:g}",
+                    file=panel.device.source,
+                    field="registers.output.limits",
+                    remedy="Narrow the limits, or widen the device's.",
+                )
+
+
+def _compare(
+    device: Device, name: str, found: object, expected: object, span: float | None = None
+) -> None:
+    if isinstance(found, float) and isinstance(expected, int | float):
+        same = abs(found - expected) <= RANGE_TOLERANCE * (span or abs(expected))
+    else:
+        same = found == expected
+    if not same:
+        raise InputError(
+            f"the device says {found!r}, the description {expected!r}",
+            file=device.source,
+            field=f"registers.{name}",
+            remedy="Point the endpoint at the device described, or correct the register map.",
+        )
