@@ -9,6 +9,7 @@ from typing import Any, Literal, get_args
 import yaml
 
 from dea.errors import InputError
+from dea.modbus.section import Section
 
 Table = Literal["holding", "input"]
 Order = Literal["big", "little"]
@@ -149,7 +150,7 @@ def read_device(path: str | Path) -> Device:
 
 def parse_device(content: Any, source: Path | None = None) -> Device:
     """Check a description given as the mapping its YAML holds; see :func:`read_device`."""
-    top = _Section(content, source, "")
+    top = Section(content, source, "")
     top.allow(
         "name", "endpoint", "unit_id", "framing", "tls", "serial", "sampling_rate",
         "read_write_multiple", "word_order", "byte_order", "registers",
@@ -183,7 +184,7 @@ def parse_device(content: Any, source: Path | None = None) -> Device:
     )
 
 
-def _register(name: str, parent: "_Section", orders: Mapping[str, str]) -> Register:
+def _register(name: str, parent: Section, orders: Mapping[str, str]) -> Register:
     section = parent.section(name)
     section.allow(*(f.name for f in fields(Register) if f.name != "name"))
     kind = section.choice("type", RegisterType, "uint16")
@@ -237,7 +238,7 @@ def _scaling(kind: str, span: tuple[float, float] | None) -> tuple[float, float]
     return scale, span[0] + scale * 2 ** (bits - 1) * signed
 
 
-def _refuse_overlaps(registers: Mapping[str, Register], top: "_Section") -> None:
+def _refuse_overlaps(registers: Mapping[str, Register], top: Section) -> None:
     for table in get_args(Table):
         ordered = sorted(
             (r for r in registers.values() if r.table == table), key=lambda r: r.address
@@ -252,98 +253,17 @@ def _refuse_overlaps(registers: Mapping[str, Register], top: "_Section") -> None
                 )
 
 
-def _serial(top: "_Section") -> Serial:
+def _serial(top: Section) -> Serial:
     serial = _plain(Serial, top, "serial")
     if serial.parity not in ("N", "E", "O"):
         raise top.error("serial.parity", f"{serial.parity!r}", "Use N, E or O.")
     return serial
 
 
-def _plain(kind: Any, top: "_Section", key: str) -> Any:
+def _plain(kind: Any, top: Section, key: str) -> Any:
     section = top.section(key)
     section.allow(*(f.name for f in fields(kind)))
     try:
         return kind(**section.values)
     except TypeError as error:
         raise top.error(key, str(error), "Complete the section.") from None
-
-
-class _Section:
-    """A mapping of the description, read key by key with errors that name the key."""
-
-    def __init__(self, values: Any, source: Path | None, path: str) -> None:
-        self.source, self.path = source, path
-        if not isinstance(values, Mapping):
-            raise InputError(
-                f"expected a mapping, found {type(values).__name__}",
-                file=source,
-                field=path or None,
-                remedy="Write it as `key: value` lines.",
-            )
-        self.values = values
-
-    def error(self, key: str, problem: str, remedy: str) -> InputError:
-        where = ".".join(part for part in (self.path, key) if part)
-        return InputError(problem, file=self.source, field=where, remedy=remedy)
-
-    def allow(self, *keys: str) -> None:
-        for key in self.values:
-            if key not in keys:
-                raise self.error(str(key), "unknown key", f"Known here: {', '.join(keys)}.")
-
-    def get(self, key: str, default: Any) -> Any:
-        value = self.values.get(key, default)
-        if value is None:
-            raise self.error(key, "missing", "Give it.")
-        return value
-
-    def section(self, key: str) -> "_Section":
-        where = ".".join(part for part in (self.path, key) if part)
-        return _Section(self.get(key, None), self.source, where)
-
-    def text(self, key: str, default: str | None = None) -> str:
-        value = self.get(key, default)
-        if not isinstance(value, str):
-            raise self.error(key, f"{value!r} is not text", "Put it in quotes.")
-        return value
-
-    def boolean(self, key: str, default: bool) -> bool:
-        value = self.get(key, default)
-        if not isinstance(value, bool):
-            raise self.error(key, f"{value!r} is neither true nor false", "Use true or false.")
-        return value
-
-    def integer(self, key: str, low: int, high: int, default: int | None = None) -> int:
-        value = self.get(key, default)
-        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
-            raise self.error(key, f"{value!r}", f"Use a whole number from {low} to {high}.")
-        return value
-
-    def number(self, key: str, default: float | None = None, positive: bool = False) -> float:
-        value = self.get(key, default)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.error(key, f"{value!r} is not a number", "Use a number.")
-        if value != value or abs(value) == float("inf") or (positive and value <= 0):
-            raise self.error(key, f"{value!r}", "Use a finite, positive number.")
-        return float(value)
-
-    def choice(self, key: str, allowed: Any, default: str) -> str:
-        value = self.get(key, default)
-        if value not in get_args(allowed):
-            raise self.error(
-                key, f"unknown {key} {value!r}", f"Use {', '.join(get_args(allowed))}."
-            )
-        return value
-
-    def interval(self, key: str) -> tuple[float, float] | None:
-        value = self.values.get(key)
-        if value is None:
-            return None
-        if not isinstance(value, list | tuple) or len(value) != 2:
-            raise self.error(key, f"{value!r}", "Give [low, high].")
-        if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in value):
-            raise self.error(key, f"{value!r}", "Give two numbers, [low, high].")
-        low, high = float(value[0]), float(value[1])
-        if not low < high:
-            raise self.error(key, f"{low:g} and {high:g} cross", "Give the lower one first.")
-        return low, high
