@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex, explain, hatch, log_bar
+from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, magnitude_scale
 from dea.store import signals
 
 _MINUTE = 60.0
@@ -52,10 +52,7 @@ def fig3(
             ax.set_visible(False)
     for ax in axes[-1]:
         ax.set_xlabel("time (min)")
-    if quantity == "gain":
-        log_bar(figure, mesh, axes, label)
-    else:
-        figure.colorbar(mesh, ax=axes, label=label, aspect=45, pad=0.01)
+    colour_bar(figure, mesh, axes, label)
     explain(figure, maps)
     return figure
 
@@ -72,19 +69,18 @@ def _scale(
     maps: Mapping[str, xr.DataArray], responses: Mapping[str, xr.Dataset], quantity: str
 ) -> tuple[Normalize, str, str]:
     """One scale for all, set by what lies where the excitation held power."""
-    candidates = np.concatenate(
+    trusted = np.concatenate(
         [
             each.transpose("frequency", "time").values[_excited(responses[name])].ravel()
             for name, each in maps.items()
         ]
     )
-    trusted = candidates[np.isfinite(candidates)]
     if quantity == "gain":
         units = next(iter(responses.values()))["H1"].attrs["units"]
-        logarithmic = LogNorm(trusted.min(), trusted.max())
-        return logarithmic, style.GAIN_MAP, style.quantity(r"gain $|H_1(f, t)|$", units)
-    linear = Normalize(trusted.min(), trusted.max())
-    return linear, style.PHASE_MAP, r"phase $\angle H_1(f, t)$ (degrees)"
+        label = style.quantity(r"gain $|H_1(f, t)|$", units)
+        return magnitude_scale(trusted), style.GAIN_MAP, label
+    degrees = Normalize(np.nanmin(trusted), np.nanmax(trusted))
+    return degrees, style.PHASE_MAP, r"phase $\angle H_1(f, t)$ (degrees)"
 
 
 def _excited(response: xr.Dataset) -> np.ndarray:
@@ -111,5 +107,5 @@ def _panel(
         ax.yaxis.set_major_formatter("{x:g}")
     ax.set_ylim(frequency[0], frequency[-1])
     doubtful = ~_excited(response)
-    hatch(ax, minutes, frequency, np.repeat(doubtful[:, None], minutes.size, axis=1))
+    hatch(ax, np.array(ax.get_xlim()), frequency, np.column_stack([doubtful, doubtful]))
     return mesh

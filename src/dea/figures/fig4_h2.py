@@ -6,14 +6,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex, explain, hatch, log_bar
+from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, magnitude_scale
 
 _MINUTE = 60.0
-_MARGIN, _LARGEST_PANEL = 30.0, 48.0  # mm
+_MARGIN, _LARGEST_PANEL = 30.0, 56.0  # mm
 
 
 @style.styled
@@ -33,7 +33,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
         axes[-1, column].set_xlabel("$f_1$ (Hz)")
     units = next(iter(responses.values()))["H2"].attrs["units"]
     label = style.quantity(r"$|H_2(f_1, f_2)|$", units)
-    log_bar(figure, mesh, axes, label)
+    colour_bar(figure, mesh, axes, label)
     explain(figure, maps)
     return figure
 
@@ -51,8 +51,7 @@ def _scale(maps: Mapping[str, xr.DataArray], responses: Mapping[str, xr.Dataset]
             for name, each in maps.items()
         ]
     )  # fmt: skip
-    positive = trusted[np.isfinite(trusted) & (trusted > 0)]
-    return LogNorm(positive.min(), positive.max())
+    return magnitude_scale(trusted)
 
 
 def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize) -> QuadMesh:

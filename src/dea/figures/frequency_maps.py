@@ -6,11 +6,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from dea.figures import style
 
+_DECADE = 10.0
 _VEIL, _VEIL_ALPHA = "#C9C9C9", 0.65
 
 
@@ -47,7 +49,15 @@ def explain(figure: Figure, maps: Mapping[str, xr.DataArray]) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
 
 
-def log_bar(figure: Figure, mesh: QuadMesh, axes: np.ndarray, label: str) -> None:
-    """Colour bar of a logarithmic scale with plain numbers at 1, 2 and 5."""
+def magnitude_scale(trusted: np.ndarray) -> Normalize:
+    """Colour scale of the magnitudes to be trusted, logarithmic where they span a decade."""
+    positive = trusted[np.isfinite(trusted) & (trusted > 0)]
+    low, high = positive.min(), positive.max()
+    return LogNorm(low, high) if high > _DECADE * low else Normalize(low, high)
+
+
+def colour_bar(figure: Figure, mesh: QuadMesh, axes: np.ndarray, label: str) -> None:
+    """One colour bar beside all maps."""
     bar = figure.colorbar(mesh, ax=axes, label=label, aspect=45, pad=0.01)
-    style.plain_log_ticks(bar.ax.yaxis)
+    if isinstance(mesh.norm, LogNorm):
+        style.plain_log_ticks(bar.ax.yaxis)

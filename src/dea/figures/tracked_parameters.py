@@ -37,9 +37,11 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     above, below = 10 + 17 * track["simulation"].size, 12 + 34 * rows
     figure = style.page_figure(style.FULL_WIDTH, min(above + below, style.PAGE_HEIGHT))
     upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=[above, below]).ravel()
-    errors = upper.subplots(track["simulation"].size, 1, sharex=True, sharey=True)
+    errors = upper.subplots(track["simulation"].size, 1, sharex=True)
     _errors(np.atleast_1d(errors), record, track)
-    upper.suptitle(f"{name}: what free-run simulation leaves unexplained", fontsize=7)
+    upper.suptitle(
+        f"{name}: what free-run simulation leaves unexplained (each on its own scale)", fontsize=7
+    )
     upper.supylabel(
         style.quantity("measured − simulated", track["rmse"].attrs["units"]), fontsize=7
     )
@@ -52,23 +54,27 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     for panel in panels[max(0, terms.size - _COLUMNS) : terms.size]:
         panel.tick_params(labelbottom=True)
         panel.set_xlabel("time (min)")
-    for panel in panels[::_COLUMNS]:
-        panel.set_ylabel("parameter (normalised)")
+    lower.supylabel("parameter (normalised)", fontsize=7)
     handles, labels = panels[0].get_legend_handles_labels()
     lower.legend(handles, labels, loc="outside upper center", ncols=len(handles))
     return figure
 
 
+def _in_order(names: xr.DataArray) -> list[str]:
+    return sorted(map(str, names.values), key=list(_SIMULATION).index)
+
+
 def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
     whole = signals(record)
     time = track["time"].values
-    worst = 0.0
     measured = np.interp(time, whole.time, whole.y)
-    for ax, simulation in zip(axes, track["simulation"].values, strict=True):
-        label, colour = _SIMULATION[str(simulation)]
+    for ax, simulation in zip(axes, _in_order(track["simulation"]), strict=True):
+        label, colour = _SIMULATION[simulation]
         chosen = track.sel(simulation=simulation)
         error = measured - chosen["simulated"].values
-        worst = max(worst, float(np.abs(error[np.isfinite(error)]).max(initial=0.0)))
+        worst = float(np.abs(error[np.isfinite(error)]).max(initial=0.0))
+        reach = min(worst, float(np.ptp(whole.y)))  # a simulation may run away
+        ax.set_ylim(-1.1 * reach, 1.1 * reach)
         ax.plot(time / _MINUTE, error, lw=0.2, color=colour, rasterized=True)
         ax.axhline(0, color=style.BLACK, lw=0.4)
         units = track["rmse"].attrs["units"]
@@ -77,16 +83,14 @@ def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
             f"rmse {number(float(chosen['rmse']))} {units}",
             loc="right", pad=2,
         )  # fmt: skip
-    reach = min(worst, float(np.ptp(whole.y)))  # a simulation may run away
-    axes[-1].set_ylim(-1.05 * reach, 1.05 * reach)
     axes[-1].set_xlim(time[0] / _MINUTE, (2 * time[-1] - time[-2]) / _MINUTE)
     axes[-1].set_xlabel("time (min)")
 
 
 def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
     minutes = track["time"].values / _MINUTE
-    for tracker in track["tracker"].values:
-        label, colour = _TRACKER[str(tracker)]
+    for tracker in _in_order(track["tracker"]):
+        label, colour = _TRACKER[tracker]
         theta = track["parameter"].sel(tracker=tracker).values
         reach = _BAND * track["parameter_std"].sel(tracker=tracker).values
         ax.plot(minutes, theta, color=colour, lw=0.8, label=label)
