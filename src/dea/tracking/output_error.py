@@ -10,9 +10,11 @@ so the random-walk smoother applies with psi in the place of phi and z in the pl
 around its own result this is the Gauss-Newton iteration for the parameters whose free run comes
 closest to the measured output, penalised by how fast they walk: an iterated Kalman smoother,
 B. M. Bell, SIAM Journal on Optimization 4 (1994).
-"""
 
-from typing import NamedTuple
+psi_t takes theta to have been theta_t for as long as the system remembers. Where a pole lies so
+close to one that parameters walk within that time, the step leads nowhere; only steps that lower
+the error of the free run are taken, so the result is then the start itself.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,26 +28,19 @@ Array = NDArray[np.float64]
 
 _ITERATIONS = 5
 _SMALLEST_STEP = 1.0 / 64.0
-_SMALLEST_FALL = 0.01  # of the mean squared error, below which another iteration is not worth it
-
-
-class _Run(NamedTuple):
-    """Parameters of every sample, their free run and its mean squared error."""
-
-    theta: Array
-    y: Array
-    error: float
+_SMALLEST_FALL = 0.01  # of the squared error, below which another iteration is not worth it
 
 
 def smooth_simulation(
-    model: NarxModel, start: Array, u: Array, y: Array, walk: RandomWalk
+    model: NarxModel, start: Smoothed, u: Array, y: Array, walk: RandomWalk
 ) -> Smoothed:
     """Return the parameters whose free run fits the record.
 
     Parameters
     ----------
     start
-        Parameters to linearise around at first, shape (samples, terms); their free run is bounded.
+        Parameters to linearise around at first, of the samples after the largest lag; their free
+        run is bounded.
     u, y
         Normalised record, shape (samples,).
     walk
@@ -56,30 +51,28 @@ def smooth_simulation(
     Smoothed
         Of the samples after the largest lag.
     """
-    run = _simulate(model, start, u, y)
+    best, lag = start, model.max_lag
+    run, error = free_run(model, best.theta, u, y)
     for _ in range(_ITERATIONS):
-        found = _smooth_around(model, run, u, y, walk)
-        towards = lead_in(found.theta, model.max_lag)
-        step = 1.0
-        better = _simulate(model, towards, u, y)
-        while not better.error < run.error and step > _SMALLEST_STEP:
+        psi = sensitivity(model.terms, lead_in(best.theta, lag), u, run)
+        z = y[lag:] - run[lag:] + np.sum(psi * best.theta, axis=1)
+        found = walk.smooth(psi, z, model.parameters)
+        step, before = 1.0, error
+        while step >= _SMALLEST_STEP:
+            trial = best.theta + step * (found.theta - best.theta)
+            trial_run, error = free_run(model, trial, u, y)
+            if error < before:
+                break
             step /= 2.0
-            better = _simulate(model, run.theta + step * (towards - run.theta), u, y)
-        if not better.error < run.error:
+        else:
+            return best
+        best, run = found._replace(theta=trial), trial_run
+        if error > (1.0 - _SMALLEST_FALL) * before:
             break
-        fall, run = 1.0 - better.error / run.error, better
-        if fall < _SMALLEST_FALL:
-            break
-    return found._replace(theta=run.theta[model.max_lag :])
+    return best
 
 
-def _smooth_around(model: NarxModel, run: _Run, u: Array, y: Array, walk: RandomWalk) -> Smoothed:
-    psi = sensitivity(model.terms, run.theta, u, run.y)
-    first = model.max_lag
-    z = y[first:] - run.y[first:] + np.sum(psi * run.theta[first:], axis=1)
-    return walk.smooth(psi, z, model.parameters)
-
-
-def _simulate(model: NarxModel, theta: Array, u: Array, y: Array) -> _Run:
-    simulated = simulate_varying(model.terms, theta, u, y)
-    return _Run(theta, simulated, float(np.mean((simulated - y) ** 2)))
+def free_run(model: NarxModel, theta: Array, u: Array, y: Array) -> tuple[Array, float]:
+    """Return the free run with ``theta`` after the largest lag, and its mean squared error."""
+    run = simulate_varying(model.terms, lead_in(theta, model.max_lag), u, y)
+    return run, float(np.mean((run - y) ** 2))

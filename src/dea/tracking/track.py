@@ -7,8 +7,9 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
-from dea.narx import NarxModel, regressor_matrix, simulate_varying
-from dea.tracking.output_error import smooth_simulation
+from dea.narx import NarxModel, regressor_matrix
+from dea.tracking.kalman import Smoothed
+from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursive_least_squares
 from dea.tracking.structure import with_constant
@@ -44,7 +45,8 @@ def track_parameters(
         ``rls``: recursive least squares (11)-(16) with forgetting and leakage towards the model's
         own parameters; uses the past alone. ``kalman``: random-walk Kalman filter and smoother;
         each estimate uses the whole record. ``output_error``: the same smoother on the free run
-        instead of the one-step prediction; unbiased where the output is noisy.
+        instead of the one-step prediction, starting from ``kalman``; unbiased where the output is
+        noisy.
     forgetting, leakage
         lambda and alpha of ``rls``; the memory is 1/(1 - lambda) samples.
     delta
@@ -104,7 +106,9 @@ def track_parameters(
     )
     smoothed = walk.smooth(Phi, target, model.parameters)
     if method == "output_error":
-        start = _bounded_start(model, smoothed.theta, inputs, outputs)
+        fixed = RandomWalk(np.zeros(len(model.terms)), prior_variance=0.0)
+        starts = [smoothed, fixed.smooth(Phi, target, model.parameters)]
+        start = _bounded(model, starts, inputs, outputs)
         smoothed = smooth_simulation(model, start, inputs, outputs, walk)
     track = _labelled(
         model,
@@ -123,13 +127,9 @@ def track_parameters(
     )
 
 
-def _bounded_start(model: NarxModel, tracked: Array, u: Array, y: Array) -> Array:
-    """Of the fixed and the one-step tracked parameters, those with the better free run."""
-    fixed = np.tile(model.parameters, (u.size, 1))
-    candidates = [fixed, lead_in(tracked, model.max_lag)]
-    errors = [
-        np.mean((simulate_varying(model.terms, theta, u, y) - y) ** 2) for theta in candidates
-    ]
+def _bounded(model: NarxModel, starts: list[Smoothed], u: Array, y: Array) -> Smoothed:
+    """The one of ``starts`` with the best free run."""
+    errors = [free_run(model, start.theta, u, y)[1] for start in starts]
     best = int(np.argmin(errors))
     if not np.isfinite(errors[best]):
         raise InputError(
@@ -137,7 +137,7 @@ def _bounded_start(model: NarxModel, tracked: Array, u: Array, y: Array) -> Arra
             field="model",
             remedy="Take a model that is stable on this record, or another method",
         )
-    return candidates[best]
+    return starts[best]
 
 
 def _labelled(
