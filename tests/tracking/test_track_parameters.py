@@ -6,7 +6,7 @@ import pytest
 from dea.errors import InputError
 from dea.gfrf import frequency_response
 from dea.narx import NarxModel, Scaling, simulate_varying
-from dea.tracking import METHODS, compare_free_runs, track_parameters
+from dea.tracking import METHODS, compare_free_runs, track_parameters, with_constant
 from dea.tracking.sensitivity import sensitivity
 
 RATE = 50.0
@@ -150,3 +150,28 @@ def test_bad_requests_are_refused(change, field):
     with pytest.raises(InputError) as caught:
         track_parameters(PLANT, **options)
     assert caught.value.field == field
+
+
+def test_a_constant_is_tracked_where_the_model_has_none_and_carries_the_level():
+    u, y, theta = record(9, noise=1e-3, drift=1.0)
+    bare = NarxModel(PLANT.terms[1:], PLANT.parameters[1:], PLANT.scaling)
+    track = track_parameters(bare, u, y, method="kalman", sampling_rate=RATE)
+    assert track["term"].values.tolist() == [str(term) for term in PLANT.terms]
+    np.testing.assert_allclose(
+        gain(track["parameter"].values[3000:-1000:500]), gain(theta[3000:-1000:500]), rtol=0.08
+    )
+    assert with_constant(PLANT) is PLANT
+
+
+def test_a_step_that_leads_nowhere_leaves_the_kalman_track():
+    """A pole at 0.9999 remembers 10,000 samples, in which the parameters walk."""
+    slow = NarxModel.from_terms({"1": 0.0, "y(t-1)": 0.9999, "u(t-1)": 0.05, "u(t-2)": -0.049})
+    u = slow_input(10)
+    rng = np.random.default_rng(11)
+    theta = np.tile(slow.parameters, (SAMPLES, 1))
+    theta[:, 0] += np.cumsum(2e-6 * rng.standard_normal(SAMPLES))
+    y = simulate_varying(slow.terms, theta, u, np.zeros(2))
+    y += 1e-3 * rng.standard_normal(SAMPLES)
+    tracks = {m: track_parameters(slow, u, y, method=m) for m in ("kalman", "output_error")}
+    nmse = compare_free_runs(slow, tracks, u, y, window=1000)["nmse"].to_series()
+    assert nmse["output_error"] <= nmse["kalman"]

@@ -1,0 +1,119 @@
+"""The two stages on a short record: files in, files out, and what they refuse."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea import store
+from dea.gfrf import frequency_response
+from dea.narx import NarxModel, Scaling
+from dea.stages.gfrf import gfrf
+from dea.stages.track import track
+
+RATE, SAMPLES = 50.0, 6000
+MODEL = NarxModel.from_terms(
+    {"y(t-1)": 0.9, "u(t-1)": 0.05, "u(t-2)": 0.04, "y(t-1)u(t-1)": 0.02, "u(t-1)^2": 0.01},
+    scaling=Scaling(u_offset=2.4, u_scale=1.3, y_offset=0.7, y_scale=0.4),
+)
+SETTINGS = {
+    "seed": 1,
+    "system": "dea1",
+    "tracking": {
+        "trackers": {
+            "rls": {"forgetting": 0.999, "leakage": 1e-4},
+            "output_error": {"thinning": 10},
+        },
+        "frozen_window": 500,
+    },
+    "gfrf": {"tracker": "output_error", "instants": 12, "count": 20, "plane_count": 8},
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A record of MODEL with a slow input, and the two datasets made from it."""
+    folder = tmp_path_factory.mktemp("dea1")
+    rng = np.random.default_rng(1)
+    spectrum = np.fft.rfft(rng.standard_normal(SAMPLES))
+    spectrum[np.fft.rfftfreq(SAMPLES, 1.0 / RATE) > 1.0] = 0.0
+    u = np.fft.irfft(spectrum, SAMPLES)
+    u = 2.4 + 0.6 * u / u.std()
+    y = MODEL.simulate(u) + 1e-4 * rng.standard_normal(SAMPLES)
+
+    def over_time(values, units):
+        return ("time", values, {"units": units, "long_name": "made"})
+
+    record = xr.Dataset(
+        {
+            "voltage": over_time(u, "V"),
+            "displacement": over_time(y, "mm"),
+            "device_index": over_time(np.arange(SAMPLES), "1"),
+            "quality": over_time(np.zeros(SAMPLES, np.int8), "1"),
+        },
+        coords={"time": over_time(np.arange(SAMPLES) / RATE, "s")},
+    )
+    store.write(record, folder / "record.nc", title="made")
+    MODEL.save(folder / "model.nc", u_units="V", y_units="mm")
+    files = {name: folder / f"{name}.nc" for name in ("record", "model", "track")}
+    track(SETTINGS, **files)
+    gfrf(SETTINGS, **files, gfrf=folder / "gfrf.nc")
+    return folder
+
+
+def test_the_track_holds_every_tracker_and_its_free_run(folder):
+    found = store.read(folder / "track.nc")
+    assert found["tracker"].values.tolist() == ["rls", "output_error"]
+    assert found["simulation"].values.tolist() == ["fixed", "rls", "output_error"]
+    assert found["term"].values[0] == "1"
+    assert found["simulated"].attrs["units"] == "mm"
+    assert float(found["nmse"].max()) < 1e-4
+    assert np.isnan(found["noise_ratio"].sel(tracker="rls")).all()
+
+
+def test_the_responses_are_those_of_the_plant(folder):
+    found = store.read(folder / "gfrf.nc")
+    exact = frequency_response(MODEL, 1, found["frequency"].values, RATE)
+    H1 = found["H1"].values @ [1.0, 1.0j]
+    trusted = found["excited"].values.astype(bool)
+    np.testing.assert_allclose(
+        H1[:, trusted], np.broadcast_to(exact[trusted], H1[:, trusted].shape), rtol=0.02
+    )
+    f = found["frequency_1"].values
+    exact = frequency_response(MODEL, 2, (f[:, None], f), RATE)
+    H2 = found["H2"].values @ [1.0, 1.0j]
+    both = found["excited_h2"].values.astype(bool)
+    np.testing.assert_allclose(H2[0][both], exact[both], rtol=0.1)
+    assert found["H2"].attrs["units"] == "mm/V^2"
+
+
+def test_where_the_excitation_ends_the_mask_does(folder):
+    found = store.read(folder / "gfrf.nc")
+    f, mask = found["frequency"].values, found["excited"].values.astype(bool)
+    assert mask[f < 0.9].all()
+    assert not mask[f > 1.3].any()
+    # Parseval: the density's integral is the variance of the input.
+    u = store.read(folder / "record.nc")["voltage"].values
+    power = np.trapezoid(found["input_spectrum"].values, f)
+    assert power == pytest.approx(u.var(), rel=0.15)
+
+
+def test_responses_of_another_model_are_refused(folder, tmp_path):
+    NarxModel.from_terms({"1": 0.0, "y(t-1)": 0.5, "u(t-1)": 0.1}).save(tmp_path / "model.nc")
+    command = [sys.executable, "-m", "dea.stages.gfrf", "--settings", json.dumps(SETTINGS)]
+    for name in ("record", "track"):
+        command += [f"--{name}", str(folder / f"{name}.nc")]
+    command += ["--model", str(tmp_path / "model.nc"), "--gfrf", str(tmp_path / "gfrf.nc")]
+    run = subprocess.run(command, capture_output=True, text=True)
+    assert run.returncode == 2
+    assert "terms" in run.stderr
+    assert not (tmp_path / "gfrf.nc").exists()
+
+
+def test_the_same_files_give_the_same_bytes(folder, tmp_path):
+    files = {name: folder / f"{name}.nc" for name in ("record", "model")}
+    track(SETTINGS, **files, track=tmp_path / "track.nc")
+    assert (tmp_path / "track.nc").read_bytes() == (folder / "track.nc").read_bytes()
