@@ -1,5 +1,5 @@
 # Every table as CSV (exact numbers), Markdown and LaTeX (rounded).
-TABLES = ["table1", "validation", "tracking"]
+TABLES = ["table1", "validation", "tracking", "recovery"]
 EVERY_TABLE = expand(
     "results/tables/{name}.{kind}", name=TABLES, kind=["csv", "md", "tex"]
 )

@@ -5,6 +5,8 @@ from dea.narx.inclusion import inclusion_frequency
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel, Scaling
 from dea.narx.orders import compare_orders, linear_model
+from dea.narx.published import load_published
+from dea.narx.recovery import score_recovery
 from dea.narx.refinement import refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
@@ -27,12 +29,14 @@ __all__ = [
     "inclusion_frequency",
     "linear_model",
     "linear_terms",
+    "load_published",
     "max_lag",
     "nmse",
     "refine",
     "regressor_matrix",
     "rmse",
     "scaling_of",
+    "score_recovery",
     "select_terms",
     "simulate",
     "simulate_varying",

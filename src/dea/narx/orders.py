@@ -8,10 +8,9 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from dea.narx.checks import as_record
-from dea.narx.estimation import Signals
+from dea.narx.estimation import Signals, estimate
 from dea.narx.metrics import fpe, nmse, squared
 from dea.narx.model import NarxModel
-from dea.narx.refinement import estimate_refined
 from dea.narx.selection import select_terms
 from dea.narx.terms import linear_terms
 
@@ -19,10 +18,9 @@ from dea.narx.terms import linear_terms
 def linear_model(u: Signals, y: Signals, order: int) -> NarxModel:
     """Return the linear model with a constant and ``order`` lags of output and input.
 
-    Its parameters minimise the simulated error, as do those of the selected models that it is
-    compared with.
+    Its parameters are the least-squares estimate (4), as published.
     """
-    return estimate_refined(linear_terms(order, order), u, y)
+    return estimate(linear_terms(order, order), u, y)
 
 
 def compare_orders(

@@ -1,0 +1,64 @@
+"""How well an identified model gives back a plant that is known."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dea.narx.metrics import nmse
+from dea.narx.model import NarxModel
+
+_LINES = 25  # frequencies on each axis at which responses are compared
+
+
+def score_recovery(
+    plant: NarxModel, found: NarxModel, u: ArrayLike, sampling_rate: float, band: float
+) -> dict[str, float]:
+    """Compare a model with the plant that its record came from.
+
+    Terms are the weakest measure: neighbouring lags of a smooth signal replace each other with
+    little loss. The simulated output and the frequency responses are what must agree.
+
+    Parameters
+    ----------
+    u
+        Input of an independent record in physical units, shape (samples,); both models simulate
+        it from rest, free of noise.
+    sampling_rate, band
+        In Hz; responses are compared up to ``band``.
+
+    Returns
+    -------
+    dict
+        ``nmse`` of the simulated output; ``h1_error`` and ``h2_error``, the root mean square
+        difference of the frequency responses over the root mean square of the plant's;
+        ``terms_common``, how many of the plant's terms the model has, and ``terms_foreign``, how
+        many it has beside them. Infinite where the model diverges or has no rest.
+    """
+    frequencies = band * np.arange(1, _LINES + 1) / _LINES
+    plane = (frequencies[:, None], frequencies[None, :])
+    known = set(plant.terms) & set(found.terms)
+    # Both begin at zero, but the plant's rest is elsewhere: what follows from that is not scored.
+    settled = len(np.asarray(u)) // 10
+    return {
+        "nmse": nmse(plant.simulate(u)[settled:], found.simulate(u)[settled:]),
+        "h1_error": _difference(plant, found, 1, frequencies, sampling_rate),
+        "h2_error": _difference(plant, found, 2, plane, sampling_rate),
+        "terms_common": len(known),
+        "terms_foreign": len(found.terms) - len(known),
+    }
+
+
+def _difference(
+    plant: NarxModel,
+    found: NarxModel,
+    order: int,
+    frequencies: NDArray | tuple[NDArray, NDArray],
+    sampling_rate: float,
+) -> float:
+    expected, actual = (
+        model.frequency_response(
+            order, frequencies=frequencies, sampling_rate=sampling_rate, allow_missing=True
+        )
+        for model in (plant, found)
+    )
+    error = np.linalg.norm(actual - expected) / np.linalg.norm(expected)
+    return float(error) if np.isfinite(error) else np.inf

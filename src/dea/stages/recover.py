@@ -1,0 +1,95 @@
+"""Known answers: identify published models from their simulated records and score what returns."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+_SCORES = {
+    "nmse": "SSE/SST of the simulated output on an independent record",
+    "h1_error": "relative root mean square error of H1",
+    "h2_error": "relative root mean square error of H2",
+    "terms_common": "number of the plant's terms that were found",
+    "terms_foreign": "number of terms found that the plant does not have",
+}
+
+
+def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
+    """Write ``recovery.nc``: every plant, excitation and search."""
+    import numpy as np
+    import xarray as xr
+
+    from dea import store
+    from dea.narx import Scaling, load_published, score_recovery, select_terms
+    from dea.seeds import generator
+    from dea.signals import design
+    from dea.stages.identification import selection_arguments
+
+    choice = settings["recovery"]
+    rate = choice["sampling_rate"]
+    plants = load_published(models)
+    # White is the same Gaussian input whose band reaches (almost) half the sampling rate.
+    bands = {"coloured": choice["band"], "white": 0.499 * rate}
+    excitations = choice["excitation"]
+    searches = {"forward": False, "refined": True}
+    shape = (len(plants), len(excitations), len(searches))
+    scores = {name: np.empty(shape) for name in _SCORES}
+    for i, (name, plant) in enumerate(plants.items()):
+        for j, excitation in enumerate(excitations):
+
+            def excite(purpose: str, band: float, plant: str = name) -> np.ndarray:
+                number = generator(settings["seed"], "recover", plant, purpose).integers(2**31)
+                return design(
+                    "gaussian",
+                    duration=choice["length"],
+                    sampling_rate=rate,
+                    low=-1.0,
+                    high=1.0,
+                    seed=int(number),
+                    band=band,
+                )
+
+            u = excite(f"identify {excitation}", bands[excitation])
+            y = plant.simulate(u)
+            noise = generator(settings["seed"], "recover", name, excitation, "noise")
+            y += choice["noise"] * y.std() * noise.standard_normal(y.size)
+            test = excite("test", choice["band"])
+            threshold = choice["threshold"]
+            arguments = selection_arguments(settings["identification"]) | {
+                "add_threshold": threshold,
+                "prune_threshold": threshold,
+            }
+            for k, refine in enumerate(searches.values()):
+                found = select_terms(u, y, scaling=Scaling(), **arguments | {"refine": refine})
+                result = score_recovery(plant, found, test, rate, choice["band"])
+                for score, value in result.items():
+                    scores[score][i, j, k] = value
+    dimensions = ("plant", "excitation", "search")
+    dataset = xr.Dataset(
+        {
+            name: (dimensions, values, {"units": "1", "long_name": _SCORES[name]})
+            for name, values in scores.items()
+        },
+        coords={
+            "plant": list(plants),
+            "excitation": list(excitations),
+            "search": list(searches),
+            "plant_terms": ("plant", [len(plant.terms) for plant in plants.values()]),
+        },
+    )
+    for coordinate in dataset.coords:
+        label = str(coordinate).replace("_", " ")
+        dataset[coordinate].attrs.update(units="1", long_name=label)
+    store.write(
+        dataset,
+        recovery,
+        title="Published models identified from their own simulated records",
+        inputs={"models": models},
+        settings=settings,
+        seed=settings["seed"],
+    )
+
+
+if __name__ == "__main__":
+    run(recover, inputs=("models",), outputs=("recovery",))
