@@ -38,7 +38,7 @@ def explain(figure: Figure, maps: Mapping[str, xr.DataArray]) -> None:
     handles = [
         Patch(
             facecolor=_VEIL, edgecolor=style.BLACK, hatch="////", lw=0.4,
-            label="the excitation holds no power here: the model extrapolates",
+            label="no excitation here: the model extrapolates",
         )
     ]  # fmt: skip
     if any(bool(values.isnull().any()) for values in maps.values()):

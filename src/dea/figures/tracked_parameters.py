@@ -16,11 +16,11 @@ _COLUMNS = 3
 _POINTS = 1200  # a panel is 600 pixels wide: more cannot be seen
 _BAND = 1.96  # standard deviations either side of the estimate: 95 %
 _TRACKER = {
-    "rls": ("recursive least squares", style.BLUE),
-    "kalman": ("Kalman smoother", style.VERMILION),
-    "output_error": ("output-error smoother", style.GREEN),
+    "rls": ("recursive least squares", style.BLUE, "-"),
+    "kalman": ("Kalman smoother", style.VERMILION, "-"),
+    "output_error": ("output-error smoother", style.GREEN, "--"),
 }
-_SIMULATION = {"fixed": ("fixed parameters", style.GREY), **_TRACKER}
+_SIMULATION = {"fixed": ("fixed parameters", style.GREY, "-"), **_TRACKER}
 
 
 @style.styled
@@ -49,6 +49,7 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     thin = track.isel(time=slice(None, None, max(1, track["time"].size // _POINTS)))
     for panel, term in zip(panels, terms, strict=False):
         _parameter(panel, thin.sel(term=term), str(term))
+        panel.set_xlim(float(track["time"][0]) / _MINUTE, _end(track["time"].values))
     for panel in panels[terms.size :]:
         panel.set_visible(False)
     for panel in panels[max(0, terms.size - _COLUMNS) : terms.size]:
@@ -60,6 +61,11 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     return figure
 
 
+def _end(time: np.ndarray) -> float:
+    """Where the last sample ends, minutes."""
+    return float(2 * time[-1] - time[-2]) / _MINUTE
+
+
 def _in_order(names: xr.DataArray) -> list[str]:
     return sorted(map(str, names.values), key=list(_SIMULATION).index)
 
@@ -69,7 +75,7 @@ def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
     time = track["time"].values
     measured = np.interp(time, whole.time, whole.y)
     for ax, simulation in zip(axes, _in_order(track["simulation"]), strict=True):
-        label, colour = _SIMULATION[simulation]
+        label, colour, _ = _SIMULATION[simulation]
         chosen = track.sel(simulation=simulation)
         error = measured - chosen["simulated"].values
         worst = float(np.abs(error[np.isfinite(error)]).max(initial=0.0))
@@ -83,20 +89,19 @@ def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
             f"rmse {number(float(chosen['rmse']))} {units}",
             loc="right", pad=2,
         )  # fmt: skip
-    axes[-1].set_xlim(time[0] / _MINUTE, (2 * time[-1] - time[-2]) / _MINUTE)
+    axes[-1].set_xlim(time[0] / _MINUTE, _end(time))
     axes[-1].set_xlabel("time (min)")
 
 
 def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
     minutes = track["time"].values / _MINUTE
     for tracker in _in_order(track["tracker"]):
-        label, colour = _TRACKER[tracker]
+        label, colour, dashes = _TRACKER[tracker]
         theta = track["parameter"].sel(tracker=tracker).values
         reach = _BAND * track["parameter_std"].sel(tracker=tracker).values
-        ax.plot(minutes, theta, color=colour, lw=0.8, label=label)
+        ax.plot(minutes, theta, color=colour, ls=dashes, lw=0.8, label=label)
         ax.fill_between(
             minutes, theta - reach, theta + reach, color=colour, alpha=0.22, lw=0,
             label="95 % band", rasterized=True,
         )  # fmt: skip
     ax.set_title(term_as_mathematics(term))
-    ax.set_xlim(minutes[0], minutes[-1])
