@@ -174,7 +174,7 @@ class _Connection(ServerRequestHandler):
     def _work(self) -> None:
         """Answer a few frames; with more waiting, let the other masters have their turn first."""
         for _ in range(MAX_BURST):
-            if self.transport.is_closing():
+            if self.transport is None or self.transport.is_closing():
                 return
             if isinstance(self.framer, FramerSocket) and _malformed(self.pending):
                 break
