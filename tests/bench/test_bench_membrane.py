@@ -102,6 +102,7 @@ def test_field_capacitance_and_resonance_are_those_of_such_films():
     "changes",
     [
         {"electrode_resistance": 1e7, "leak_resistance": 5e7, "prestretch": 2.8},
+        {"electrode_resistance": 1e7, "damping": 40.0},
         {
             "electrode_resistance": 1e6,
             "leak_resistance": 1e9,

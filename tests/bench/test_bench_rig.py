@@ -13,7 +13,7 @@ from scipy import signal
 from dea import signals
 from dea.bench import Rig
 from dea.bench.amplifier import Amplifier, amplify
-from dea.bench.configuration import read_parameters
+from dea.bench.configuration import read_parameters, read_plain
 from dea.bench.converter import Converter
 from dea.bench.sensor import butterworth, low_pass, settled
 from dea.errors import InputError
@@ -197,6 +197,31 @@ def test_a_wrong_configuration_is_named(tmp_path, keys, value, field):
     assert error.value.field == field
     assert error.value.file == path
     assert error.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "field"),
+    [
+        (["plain", "film", "dampin"], 3.0, "plain.film.dampin"),
+        (["plain", "film", "damping"], -3.0, "plain.film.damping"),
+        (["plain", "lens"], {}, "plain"),
+        (["plain", "sensor"], 3.0, "plain.sensor"),
+        (["plain"], None, "the bench configuration"),
+    ],
+)
+def test_a_wrong_plain_actuator_is_named(tmp_path, keys, value, field):
+    with pytest.raises(InputError) as error:
+        read_plain(changed(tmp_path, keys, value))
+    assert error.value.field == field
+
+
+def test_the_plain_actuator_has_ideal_instruments():
+    plain = Rig(read_plain(CONFIG), seed=1)
+    displacement = plain.respond(np.full(500, 3.0 * VOLT, np.uint16))
+    plain.advance(np.full(500, 3.0 * VOLT, np.uint16))
+    truth = plain.history.samples()
+    assert displacement[-1] == pytest.approx(truth["displacement"][-1], rel=1e-6)
+    assert truth["film_voltage"][1] == pytest.approx(800.0 * int(3.0 * VOLT) / VOLT, rel=1e-9)
 
 
 def test_an_unreadable_configuration_is_named(tmp_path):
