@@ -1,0 +1,61 @@
+"""Recursive least squares against SysIdentPy's, over half an hour of ten regressors."""
+
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dea.tracking import recursive_least_squares
+
+SAMPLES, TERMS, FORGETTING, REPEATS = 90_000, 10, 0.999, 5
+TARGET = 20.0
+
+PEER = """
+import sys, time
+import numpy as np
+from sysidentpy.parameter_estimation import RecursiveLeastSquares
+problem = np.load(sys.argv[1])
+estimator = RecursiveLeastSquares(lam=float(sys.argv[2]))
+seconds = []
+for _ in range(2):
+    start = time.perf_counter()
+    theta = estimator.optimize(problem["Phi"], problem["y"][:, None])
+    seconds.append(time.perf_counter() - start)
+print(min(seconds), *theta.ravel())
+"""
+
+
+def run(peers_python: Path) -> list[dict[str, Any]]:
+    """Time both on the same numbers; the best of several runs, compilation apart.
+
+    ``peers_python`` is the interpreter of an environment that holds SysIdentPy. Both must find the
+    same parameters, or the comparison is void.
+    """
+    rng = np.random.default_rng(0)
+    Phi = rng.standard_normal((SAMPLES, TERMS))
+    y = Phi @ rng.standard_normal(TERMS) + 0.1 * rng.standard_normal(SAMPLES)
+    recursive_least_squares(Phi[:10], y[:10], forgetting=FORGETTING)
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        found = recursive_least_squares(Phi, y, forgetting=FORGETTING)
+        seconds.append(time.perf_counter() - start)
+    with tempfile.TemporaryDirectory() as folder:
+        problem = Path(folder, "problem.npz")
+        np.savez(problem, Phi=Phi, y=y)
+        command = [str(peers_python), "-c", PEER, str(problem), str(FORGETTING)]
+        output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    peer, *theta = map(float, output.split())
+    np.testing.assert_allclose(found.theta[-1], theta, rtol=1e-6)
+    return [
+        {
+            "name": f"recursive least squares, {SAMPLES} x {TERMS}, against SysIdentPy",
+            "ours_s": min(seconds),
+            "peer_s": peer,
+            "ratio": peer / min(seconds),
+            "target": TARGET,
+        }
+    ]
