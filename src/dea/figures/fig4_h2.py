@@ -13,7 +13,7 @@ from dea.figures import style
 from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, magnitude_scale
 
 _MINUTE = 60.0
-_MARGIN, _LARGEST_PANEL = 30.0, 56.0  # mm
+_MARGIN, _LARGEST_PANEL = 36.0, 52.0  # mm
 
 
 @style.styled
