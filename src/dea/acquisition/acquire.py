@@ -81,6 +81,7 @@ def acquire(
         try:
             samples = _run(link, plan.counts, settings, file, watch, reset or attempt > 0)
         except BrokenRecordError as error:
+            file.samples(error.samples)
             file.note({"broken": str(error)})
             if attempt + 1 == attempts:
                 raise

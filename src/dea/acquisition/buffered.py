@@ -18,6 +18,7 @@ from dea.modbus import Window
 PLAYED, HELD, REST = 1, 2, 3  # reply_origin
 STATE_TRIPPED = 3  # reply_state
 START, CLEAR = 1, 4  # command
+UNDRIVEN = "undriven, the device took its output to zero"
 
 
 @dataclass(frozen=True)
@@ -81,65 +82,94 @@ def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
     """Start the device, play ``counts`` and yield what it measured, in order and whole.
 
     Samples the device added by holding its output are yielded with the position of the sample
-    held, flagged. Lost or undriven ones are yielded flagged, then :class:`BrokenRecordError`
-    is raised.
+    held, flagged.
+
+    Raises
+    ------
+    BrokenRecordError
+        Where samples are lost or undriven; it brings them, flagged.
     """
-    exchange, rate = BlockExchange(panel), panel.device.sampling_rate
-    room = panel.whole("fifo_length") - exchange.capacity
-    patience = min(exchange.capacity / rate, panel.number("watchdog_time") / 4) / 2
-    boot = panel.get("boot")
-    panel.set("command", CLEAR)
-    wanted = exchange(0, counts[:0], 0).next
-    sequence = sent = done = 0
-    started, moved = False, time.monotonic()
-    refusal: DeviceRefusedError | None = None
-    while done < counts.size:
-        block = counts[sent : sent + exchange.capacity] if refusal is None else counts[:0]
-        offer = sequence + 1 if block.size else 0
+    playback = _Playback(panel, counts)
+    while playback.done < counts.size:
+        reply = playback.feed()
+        if reply is not None:
+            samples = playback.collect(reply)
+            if samples is not None:
+                yield samples
+            playback.rest(reply)
+
+
+class _Playback:
+    """How far a sequence of counts has been fed to the device and its samples collected."""
+
+    def __init__(self, panel: Panel, counts: np.ndarray) -> None:
+        self.panel, self.counts, self.exchange = panel, counts, BlockExchange(panel)
+        capacity, period = self.exchange.capacity, 1.0 / panel.device.sampling_rate
+        self.high_water = panel.whole("fifo_length") - 2 * capacity
+        self.pause = min(capacity * period, panel.number("watchdog_time") / 4) / 2
+        self.boot = panel.get("boot")
+        panel.set("command", CLEAR)
+        self.wanted = self.exchange(0, counts[:0], 0).next
+        self.sequence = self.sent = self.done = 0
+        self.started, self.moved = False, time.monotonic()
+        self.refusal: DeviceRefusedError | None = None
+
+    def feed(self) -> Reply | None:
+        """Offer the next block, if one is left; None where the device refuses it."""
+        block = self.counts[self.sent :][: self.exchange.capacity * (self.refusal is None)]
+        offer = self.sequence + 1 if block.size else 0
         try:
-            reply = exchange(offer, block, wanted)
+            reply = self.exchange(offer, block, self.wanted)
         except DeviceRefusedError as error:
             if not offer:
                 raise
-            # What was played until the refusal can still be read.
-            refusal = error
-            continue
-        if reply.applied.size or (offer and reply.sequence == offer):
-            moved = time.monotonic()
-        elif time.monotonic() - moved > panel.link.settings.reconnect_time:
-            yield Samples.lost(done, wanted, counts[done:])
-            raise BrokenRecordError("the device stands still", done, counts.size - done)
+            self.refusal = error  # what was played until now can still be read
+            return None
         if offer and reply.sequence == offer:
-            sequence, sent = offer, sent + block.size
-        elif reply.sequence != sequence or reply.next < wanted:
-            yield Samples.lost(done, wanted, counts[done:])
-            again = " and has been restarted" if panel.get("boot") != boot else ""
-            raise BrokenRecordError(f"the device lost its place{again}", done, counts.size - done)
-        if not started and (reply.fifo + exchange.capacity > room or sent == counts.size):
-            panel.set("command", START)
-            started = True
-            continue
-        if reply.index < wanted:  # a new connection, which has not yet said what it wants
-            continue
-        if reply.index > wanted:
-            missing = reply.index - wanted
-            yield Samples.lost(done, wanted, counts[done : done + missing])
-            raise BrokenRecordError("overwritten before they were read", done, missing)
-        samples = _samples(reply, counts)
-        wanted += reply.applied.size
-        if samples is not None:
-            yield samples
-            done = int(samples.position[-1]) + 1
-        if refusal is not None and not reply.applied.size and reply.state != STATE_TRIPPED:
-            yield Samples.lost(done, wanted, counts[done:sent])
-            raise BrokenRecordError(str(refusal), done, counts.size - done)
-        undriven = samples is not None and reply.origin not in (PLAYED, HELD)
-        if undriven or (reply.state == STATE_TRIPPED and not reply.applied.size):
-            raise BrokenRecordError(
-                "undriven, the device took its output to zero", done, counts.size - done
-            )
-        if reply.fifo >= room - exchange.capacity and reply.next - wanted < exchange.capacity:
-            time.sleep(patience)
+            self.sequence, self.sent = offer, self.sent + block.size
+            self.moved = time.monotonic()
+        elif reply.sequence != self.sequence or reply.next < self.wanted:
+            again = " and has been restarted" if self.panel.get("boot") != self.boot else ""
+            raise self._broken(f"the device lost its place{again}")
+        return reply
+
+    def collect(self, reply: Reply) -> Samples | None:
+        """Samples of a reply that were driven; None where there are none."""
+        if reply.index < self.wanted:  # a new connection, which has not yet said what it wants
+            return None
+        if reply.index > self.wanted:
+            raise self._broken("overwritten before they were read", reply.index - self.wanted)
+        if reply.applied.size:
+            self.moved = time.monotonic()
+        elif reply.state == STATE_TRIPPED:
+            raise self._broken(UNDRIVEN)
+        elif self.refusal is not None:
+            raise self._broken(str(self.refusal))
+        elif time.monotonic() - self.moved > self.panel.link.settings.reconnect_time:
+            raise self._broken("the device stands still")
+        samples = _samples(reply, self.counts)
+        self.wanted += reply.applied.size
+        if samples is None:
+            return None
+        if reply.origin not in (PLAYED, HELD):
+            raise BrokenRecordError(UNDRIVEN, self.done, self.counts.size - self.done, samples)
+        self.done = int(samples.position[-1]) + 1
+        return samples
+
+    def rest(self, reply: Reply) -> None:
+        """Start once the FIFO is well filled; wait where it is and nothing is left to read."""
+        full = reply.fifo >= self.high_water or self.sent == self.counts.size
+        if not self.started and full:
+            self.panel.set("command", START)
+            self.started = True
+        elif reply.fifo >= self.high_water and reply.next - self.wanted < self.exchange.capacity:
+            time.sleep(self.pause)
+
+    def _broken(self, reason: str, count: int | None = None) -> BrokenRecordError:
+        """The next ``count`` samples, or all that are left, will never be had."""
+        missing = self.counts[self.done :][:count]
+        lost = Samples.lost(self.done, self.wanted, missing)
+        return BrokenRecordError(reason, self.done, missing.size, lost)
 
 
 def _samples(reply: Reply, counts: np.ndarray) -> Samples | None:

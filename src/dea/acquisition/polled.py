@@ -58,38 +58,33 @@ def drive(
     Sample k is written at its deadline k/sampling_rate after the first; one written more than
     ``late_after`` s behind is flagged. Without pace, for a device whose clock waits for the host,
     each follows the last at once. Jitter is kept in the link's log.
+
+    Raises
+    ------
+    BrokenRecordError
+        Where an exchange failed, or the device's index says that samples were missed.
     """
     if "command" in panel:
         panel.set("command", START)
     poll, period = Poll(panel), 1.0 / panel.device.sampling_rate
     rows: list[tuple[int, int, int, int, int, int]] = []
     started = time.monotonic() + (period if paced else 0.0)
-    expected: int | None = None
-    handed_on = started
+    handed_on, expected = started, None
     for number, count in enumerate(counts.tolist()):
-        lateness = 0.0
+        lateness = _wait(started + number * period) if paced else 0.0
         if paced:
-            deadline = started + number * period
-            while (pause := deadline - time.monotonic()) > 0:
-                time.sleep(pause)
-            lateness = -pause
             panel.link.log.jitter.append(lateness)
         try:
             index, applied, displacement = poll(count, number)
         except LinkError as error:
             yield from _block(rows)
-            index = number if expected is None else expected
-            yield Samples.lost(number, index, counts[number : number + 1])
-            raise BrokenRecordError(f"never answered ({error})", number, 1) from error
+            place = number if expected is None else expected
+            raise _broken(f"never answered ({error})", number, place, counts, 1) from error
         if expected is not None and index != expected:
             yield from _block(rows)
             missing = index - expected
-            if missing > 0:
-                yield Samples.lost(number, expected, np.repeat(counts[number], missing))
-            what = f"the device measured {missing} more than was read" if missing > 0 else (
-                "the device measured nothing new"
-            )  # fmt: skip
-            raise BrokenRecordError(what, number, max(missing, 1))
+            what = f"the device measured {missing} more" if missing > 0 else "nothing new measured"
+            raise _broken(what, number, expected, counts, max(missing, 1))
         expected = index + 1
         flag = Quality.LATE if lateness > late_after else Quality.GOOD
         rows.append((number, index, count, applied, displacement, flag))
@@ -97,6 +92,22 @@ def drive(
             yield from _block(rows)
             rows, handed_on = [], time.monotonic()
     yield from _block(rows)
+
+
+def _wait(deadline: float) -> float:
+    """Sleep until ``deadline``; return how many seconds late it is then."""
+    while (early := deadline - time.monotonic()) > 0:
+        time.sleep(early)
+    return -early
+
+
+def _broken(
+    reason: str, number: int, device_index: int, counts: np.ndarray, missing: int
+) -> BrokenRecordError:
+    """``missing`` samples from sample ``number`` on were measured without being read, or never."""
+    requested = np.repeat(counts[number], missing)
+    lost = Samples.lost(number, device_index, requested)._replace(position=np.full(missing, number))
+    return BrokenRecordError(reason, number, missing, lost)
 
 
 def _block(rows: list[tuple[int, int, int, int, int, int]]) -> Iterator[Samples]:

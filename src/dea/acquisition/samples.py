@@ -36,8 +36,11 @@ class Samples(NamedTuple):
 
 
 class BrokenRecordError(RuntimeError):
-    """Samples are missing or were not driven as asked; says which and why."""
+    """Samples are missing or were not driven as asked; says which and why.
 
-    def __init__(self, reason: str, first: int, count: int) -> None:
-        self.reason, self.first, self.count = reason, first, count
+    ``samples`` are the ones concerned, flagged, as far as their places are known.
+    """
+
+    def __init__(self, reason: str, first: int, count: int, samples: Samples) -> None:
+        self.reason, self.first, self.count, self.samples = reason, first, count, samples
         super().__init__(f"samples {first} to {first + count - 1}: {reason}")
