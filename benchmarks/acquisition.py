@@ -1,0 +1,171 @@
+"""Speed and punctuality of the acquisition against the bare calls and the bench's own physics.
+
+``python -m benchmarks.acquisition --soak`` polls for ten minutes at wall time, twice: on the
+machine as it is, and with one core kept busy.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dea.acquisition import Acquisition, AcquisitionSettings, Link, acquire
+from dea.acquisition.panel import Panel
+from dea.acquisition.polled import Poll
+from dea.bench import Rig
+from dea.modbus import Device, read_device, to_counts
+
+CONFIG, DESCRIPTION = Path("config/bench.yaml"), Path("config/devices/virtual_bench.yaml")
+POLLED_SAMPLES, BUFFERED_SAMPLES, REPEATS = 4000, 90_000, 3
+IN_BENCHMARK, IN_SOAK = 30.0, 600.0  # s at wall time
+START, STOP = 1, 2  # command
+
+
+def run(peers_python: Path | None = None) -> list[dict[str, Any]]:
+    """Polled and buffered speed, and lateness at wall time; needs no peer's environment."""
+    return [polled_speed(), buffered_speed(), punctuality(IN_BENCHMARK, busy=False)]
+
+
+def polled_speed() -> dict[str, Any]:
+    """Samples driven one by one, against the bare pymodbus call with the same registers."""
+    volts = _volts(POLLED_SAMPLES)
+    settings = AcquisitionSettings(mode="polled", ramp_rate=100.0, paced=False)
+    with _bench("virtual") as device:
+        bare, ours = [], []
+        for _ in range(REPEATS):
+            bare.append(_bare_round_trips(device, volts))
+            ours.append(_seconds(device, volts, settings))
+    return {
+        "name": f"{POLLED_SAMPLES} polled samples, against bare function code 23",
+        "ours_s": min(ours),
+        "peer_s": min(bare),
+        "ratio": min(bare) / min(ours),
+        "target": 0.8,
+    }
+
+
+def buffered_speed() -> dict[str, Any]:
+    """Half an hour of samples through the FIFOs, against computing the same film directly."""
+    volts = _volts(BUFFERED_SAMPLES)
+    counts = to_counts(read_device(DESCRIPTION)["output"], volts).astype(np.uint16)
+    Rig.from_config(CONFIG, "dea1", seed=0).advance(counts[:1])
+    physics, ours = [], []
+    for _ in range(REPEATS):
+        rig = Rig.from_config(CONFIG, "dea1", seed=0)
+        start = time.perf_counter()
+        rig.advance(counts)
+        physics.append(time.perf_counter() - start)
+        with _bench("virtual") as device:
+            ours.append(_seconds(device, volts, AcquisitionSettings()))
+    return {
+        "name": f"{BUFFERED_SAMPLES} buffered samples, against the bench's physics alone",
+        "ours_s": min(ours),
+        "peer_s": min(physics),
+        "ratio": min(physics) / min(ours),
+        "target": 0.5,
+    }
+
+
+def punctuality(seconds: float, *, busy: bool) -> dict[str, Any]:
+    """Share of samples driven in time at 50 Hz; times are the worst lateness and the limit."""
+    settings = AcquisitionSettings(mode="polled", ramp_rate=2.0)
+    with _bench("wall") as device, _busy_core() if busy else nullcontext():
+        link = _acquire(device, _volts(round(seconds * device.sampling_rate)), settings).link
+    jitter = link.jitter.values
+    return {
+        "name": f"samples in time at 50 Hz, {seconds:g} s, {'a busy core' if busy else 'idle'}",
+        "ours_s": float(jitter.max()),
+        "peer_s": settings.late_after,
+        "ratio": float(np.mean(jitter <= settings.late_after)),
+        "target": 0.999 if busy else 1.0,
+    }
+
+
+def _volts(samples: int) -> np.ndarray:
+    return 2.4 + 1.2 * np.sin(np.arange(samples) * 0.05)
+
+
+def _seconds(device: Device, volts: np.ndarray, settings: AcquisitionSettings) -> float:
+    start = time.perf_counter()
+    _acquire(device, volts, settings)
+    return time.perf_counter() - start
+
+
+def _acquire(device: Device, volts: np.ndarray, settings: AcquisitionSettings) -> Acquisition:
+    with tempfile.TemporaryDirectory() as folder:
+        return acquire(device, volts, Path(folder, "record.partial"), settings)
+
+
+def _bare_round_trips(device: Device, volts: np.ndarray) -> float:
+    """Seconds that pymodbus's own client needs for the call that polls one sample."""
+    counts = to_counts(device["output"], volts).tolist()
+    link = Link(device)
+    link.open()
+    panel = Panel(link)
+    panel.set("claim", 1)
+    panel.set("command", START)
+    window, output = Poll(panel).windows[0], device["output"]
+    start = time.perf_counter()
+    for count in counts:
+        link.client.readwrite_registers(  # type: ignore[union-attr]
+            read_address=window.address, read_count=window.size,
+            write_address=output.address, values=[count], device_id=device.unit_id,
+        )  # fmt: skip
+    seconds = time.perf_counter() - start
+    panel.set("command", STOP)
+    while panel.get("state") or panel.get("applied_output"):
+        time.sleep(0.01)
+    panel.set("claim", 0)
+    link.close()
+    return seconds
+
+
+@contextmanager
+def _bench(clock: str) -> Iterator[Device]:
+    """The virtual bench in a process of its own."""
+    command = [
+        sys.executable, "-m", "dea.bench", "--actuator", "dea1", "--config", str(CONFIG),
+        "--device", str(DESCRIPTION), "--port", "0", "--clock", clock, "--until-stdin-closes",
+    ]  # fmt: skip
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        port = json.loads(process.stdout.readline())["port"]
+        yield replace(read_device(DESCRIPTION), port=port)
+        process.terminate()
+
+
+@contextmanager
+def _busy_core() -> Iterator[None]:
+    with subprocess.Popen([sys.executable, "-c", "while True: pass"]) as process:
+        yield
+        process.terminate()
+
+
+def main() -> None:
+    """Print each row; with ``--soak`` only the punctuality, over ten minutes."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--soak", action="store_true", help="ten minutes at wall time, twice")
+    soak = parser.parse_args().soak
+    rows = [punctuality(IN_SOAK, busy=busy) for busy in (False, True)] if soak else run()
+    for row in rows:
+        print(
+            f"{row['name']:<65} {row['ours_s']:.4f} s  {row['peer_s']:.4f} s  "
+            f"ratio {row['ratio']:.4f} (target {row['target']:g})"
+        )
+    if any(row["ratio"] < row["target"] for row in rows):
+        raise SystemExit("a target is missed")
+
+
+if __name__ == "__main__":
+    main()
