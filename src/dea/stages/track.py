@@ -13,7 +13,7 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
 
     from dea import store
     from dea.narx import NarxModel
-    from dea.tracking import compare_free_runs, track_parameters
+    from dea.tracking import METHODS, compare_free_runs, track_parameters
 
     chosen = settings["tracking"]
     signals = store.signals(store.read_record(record))
@@ -25,9 +25,10 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
             signals.y,
             method=method,
             sampling_rate=signals.sampling_rate,
-            **options,
+            **chosen["trackers"][method],
         )
-        for method, options in chosen["trackers"].items()
+        for method in METHODS
+        if method in chosen["trackers"]
     }
     runs = compare_free_runs(narx, tracks, signals.u, signals.y, window=chosen["frozen_window"])
     together = xr.concat(
