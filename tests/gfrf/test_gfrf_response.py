@@ -2,9 +2,11 @@
 
 from itertools import permutations
 from math import factorial
+from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.signal import freqz
@@ -14,18 +16,8 @@ from dea.gfrf import frequency_response, zero_input_response
 from dea.narx import NarxModel, Scaling
 
 RATE = 50.0
-DEA2 = {
-    "1": 0.0242,
-    "y(t-1)": 1.2128,
-    "y(t-2)": -0.3024,
-    "u(t-1)": 0.1057,
-    "u(t-2)": -0.0513,
-    "u(t-3)": -0.0360,
-    "y(t-1)u(t-1)^2": 0.2712,
-    "y(t-1)u(t-2)u(t-3)": -0.1900,
-    "y(t-1)u(t-3)^2": 0.0254,
-    "y(t-2)u(t-1)^2": -0.0459,
-}
+PUBLISHED = Path(__file__).parents[2] / "config" / "published_models.yaml"
+DEA2 = yaml.safe_load(PUBLISHED.read_text())["models"]["DEA2"]
 
 
 def random_model(seed: int) -> NarxModel:

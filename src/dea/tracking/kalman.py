@@ -16,10 +16,10 @@ for time series models in state space form, Biometrika 79 (1992).
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from dea.errors import InputError
+from dea.tracking.kalman_passes import run_filter, run_smoother, score
 
 Array = NDArray[np.float64]
 
@@ -56,9 +56,10 @@ def smooth(
         units of sigma^2.
     """
     Phi, y, q, theta_0, prior = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
-    predicted, P, gain, innovation, S = _filter(Phi, y, q, theta_0, prior)
+    passes = run_filter(Phi, y, q, theta_0, prior, True)
+    gain, innovation, S, predicted, _ = passes
     _, sigma2 = _concentrated(innovation, S)
-    theta, variance = _smoother(Phi, predicted, P, gain, innovation, S)
+    theta, variance = run_smoother(Phi, *passes)
     filtered = predicted + gain * np.nan_to_num(innovation)[:, None]
     return Smoothed(theta, sigma2 * variance, filtered, innovation, q, sigma2)
 
@@ -71,9 +72,9 @@ def log_likelihood(
     Parameters are those of :func:`smooth`; constants that do not depend on q are left out.
     """
     arrays = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
-    gain, innovation, S = _innovations(*arrays)
+    gain, innovation, S, _, _ = run_filter(*arrays, False)
     value, sigma2 = _concentrated(innovation, S)
-    return value, _score(arrays[0], gain, innovation, S, sigma2)
+    return value, score(arrays[0], gain, innovation, S, sigma2)
 
 
 def fit_noise_ratio(
@@ -115,7 +116,7 @@ def fit_noise_ratio(
 
     def common_cost(log_q: float) -> float:
         arrays = _arrays(Phi, y, np.full(p, np.exp(log_q)), theta_0, prior_variance)
-        _, innovation, S = _innovations(*arrays)
+        _, innovation, S, _, _ = run_filter(*arrays, False)
         return -_concentrated(innovation, S)[0] / count
 
     bounds = (np.log(thinning * lowest), np.log(thinning * highest))
@@ -148,126 +149,3 @@ def _arrays(
     if np.any(q < 0.0) or np.any(prior < 0.0):
         raise InputError("a variance is negative", field="noise_ratio or prior_variance")
     return Phi, y, q, np.array(theta_0, dtype=float), prior
-
-
-@njit(cache=True)
-def _step(phi: Array, y: float, theta: Array, P: Array, K: Array) -> tuple[float, float]:
-    """Condition theta and P on one output; write the gain and return innovation and its variance.
-
-    Only a sum and a product in the same order make P[i, k] and P[k, i], so P stays symmetric.
-    """
-    p = phi.size
-    if np.isnan(y):
-        K[:] = 0.0
-        return np.nan, 1.0
-    S, innovation = 1.0, y
-    for i in range(p):
-        total = 0.0
-        for k in range(p):
-            total += P[i, k] * phi[k]
-        K[i] = total
-        S += phi[i] * total
-        innovation -= phi[i] * theta[i]
-    for i in range(p):
-        for k in range(i + 1):
-            P[i, k] -= K[i] * K[k] / S
-            P[k, i] = P[i, k]
-    for i in range(p):
-        K[i] /= S
-        theta[i] += K[i] * innovation
-    return innovation, S
-
-
-@njit(cache=True)
-def _innovations(
-    Phi: Array, y: Array, q: Array, theta_0: Array, prior: Array
-) -> tuple[Array, Array, Array]:
-    """Run the filter; keep gains, innovations and their variances."""
-    n, p = Phi.shape
-    gain, innovation, S = np.empty((n, p)), np.empty(n), np.empty(n)
-    theta, P = theta_0.copy(), np.diag(prior)
-    for t in range(n):
-        for i in range(p):
-            P[i, i] += q[i]
-        innovation[t], S[t] = _step(Phi[t], y[t], theta, P, gain[t])
-    return gain, innovation, S
-
-
-@njit(cache=True)
-def _filter(
-    Phi: Array, y: Array, q: Array, theta_0: Array, prior: Array
-) -> tuple[Array, Array, Array, Array, Array]:
-    """Run the filter; keep the predicted means and covariances as well."""
-    n, p = Phi.shape
-    predicted, covariance = np.empty((n, p)), np.empty((n, p, p))
-    gain, innovation, S = np.empty((n, p)), np.empty(n), np.empty(n)
-    theta, P = theta_0.copy(), np.diag(prior)
-    for t in range(n):
-        for i in range(p):
-            P[i, i] += q[i]
-        predicted[t] = theta
-        covariance[t] = P
-        innovation[t], S[t] = _step(Phi[t], y[t], theta, P, gain[t])
-    return predicted, covariance, gain, innovation, S
-
-
-@njit(cache=True)
-def _adjoint_step(
-    phi: Array, K: Array, innovation: float, S: float, r: Array, N: Array, NK: Array
-) -> None:
-    """Take r_t, N_t to r_{t-1}, N_{t-1}: r = phi v/S + L^T r, N = phi phi^T/S + L^T N L.
-
-    L = I - K phi^T; K is zero and nothing changes where the output is missing.
-    """
-    if np.isnan(innovation):
-        return
-    p = phi.size
-    Kr, KNK = 0.0, 0.0
-    for i in range(p):
-        total = 0.0
-        for k in range(p):
-            total += N[i, k] * K[k]
-        NK[i] = total
-        KNK += K[i] * total
-        Kr += K[i] * r[i]
-    for i in range(p):
-        r[i] += phi[i] * (innovation / S - Kr)
-        for k in range(i + 1):
-            N[i, k] += phi[i] * phi[k] * (1.0 / S + KNK) - phi[i] * NK[k] - NK[i] * phi[k]
-            N[k, i] = N[i, k]
-
-
-@njit(cache=True)
-def _smoother(
-    Phi: Array, predicted: Array, P: Array, gain: Array, innovation: Array, S: Array
-) -> tuple[Array, Array]:
-    """theta_{t|N} = theta_{t|t-1} + P r and var_{t|N} = diag(P - P N P), P = P_{t|t-1}."""
-    n, p = Phi.shape
-    theta, variance = np.empty((n, p)), np.empty((n, p))
-    r, N, NK = np.zeros(p), np.zeros((p, p)), np.empty(p)
-    for t in range(n - 1, -1, -1):
-        _adjoint_step(Phi[t], gain[t], innovation[t], S[t], r, N, NK)
-        for i in range(p):
-            shift, fall = 0.0, 0.0
-            for k in range(p):
-                shift += P[t, i, k] * r[k]
-                total = 0.0
-                for m in range(p):
-                    total += N[k, m] * P[t, i, m]
-                fall += P[t, i, k] * total
-            theta[t, i] = predicted[t, i] + shift
-            variance[t, i] = P[t, i, i] - fall
-    return theta, variance
-
-
-@njit(cache=True)
-def _score(Phi: Array, gain: Array, innovation: Array, S: Array, sigma2: float) -> Array:
-    """d log L/dq_i = 1/2 sum_t (r_{t-1,i}^2/sigma^2 - N_{t-1,ii})."""
-    n, p = Phi.shape
-    score = np.zeros(p)
-    r, N, NK = np.zeros(p), np.zeros((p, p)), np.empty(p)
-    for t in range(n - 1, -1, -1):
-        _adjoint_step(Phi[t], gain[t], innovation[t], S[t], r, N, NK)
-        for i in range(p):
-            score[i] += 0.5 * (r[i] * r[i] / sigma2 - N[i, i])
-    return score

@@ -1,0 +1,128 @@
+"""The passes of the Kalman smoother over a record, compiled: forward, and backward in adjoints.
+
+Covariances are in units of the noise variance. A sample whose output is NaN is passed over.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@njit(cache=True)
+def _step(phi: Array, y: float, theta: Array, P: Array, K: Array) -> tuple[float, float]:
+    """Condition theta and P on one output; write the gain and return innovation and its variance.
+
+    Only a sum and a product in the same order make P[i, k] and P[k, i], so P stays symmetric.
+    """
+    p = phi.size
+    if np.isnan(y):
+        K[:] = 0.0
+        return np.nan, 1.0
+    S, innovation = 1.0, y
+    for i in range(p):
+        total = 0.0
+        for k in range(p):
+            total += P[i, k] * phi[k]
+        K[i] = total
+        S += phi[i] * total
+        innovation -= phi[i] * theta[i]
+    for i in range(p):
+        for k in range(i + 1):
+            P[i, k] -= K[i] * K[k] / S
+            P[k, i] = P[i, k]
+    for i in range(p):
+        K[i] /= S
+        theta[i] += K[i] * innovation
+    return innovation, S
+
+
+@njit(cache=True)
+def run_filter(
+    Phi: Array, y: Array, q: Array, theta_0: Array, prior: Array, keep: bool
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Run the filter forward.
+
+    Returns
+    -------
+    tuple
+        Gains (n, p), innovations (n,) and their variances (n,), and with ``keep`` the predicted
+        means (n, p) and covariances (n, p, p), which are empty otherwise: a likelihood does not
+        need them, and they are large.
+    """
+    n, p = Phi.shape
+    rows = n if keep else 0
+    predicted, covariance = np.empty((rows, p)), np.empty((rows, p, p))
+    gain, innovation, S = np.empty((n, p)), np.empty(n), np.empty(n)
+    theta, P = theta_0.copy(), np.diag(prior)
+    for t in range(n):
+        for i in range(p):
+            P[i, i] += q[i]
+        if keep:
+            predicted[t] = theta
+            covariance[t] = P
+        innovation[t], S[t] = _step(Phi[t], y[t], theta, P, gain[t])
+    return gain, innovation, S, predicted, covariance
+
+
+@njit(cache=True)
+def _adjoint_step(
+    phi: Array, K: Array, innovation: float, S: float, r: Array, N: Array, NK: Array
+) -> None:
+    """Take r_t, N_t to r_{t-1}, N_{t-1}: r = phi v/S + L^T r, N = phi phi^T/S + L^T N L.
+
+    L = I - K phi^T; K is zero and nothing changes where the output is missing.
+    """
+    if np.isnan(innovation):
+        return
+    p = phi.size
+    Kr, KNK = 0.0, 0.0
+    for i in range(p):
+        total = 0.0
+        for k in range(p):
+            total += N[i, k] * K[k]
+        NK[i] = total
+        KNK += K[i] * total
+        Kr += K[i] * r[i]
+    for i in range(p):
+        r[i] += phi[i] * (innovation / S - Kr)
+        for k in range(i + 1):
+            N[i, k] += phi[i] * phi[k] * (1.0 / S + KNK) - phi[i] * NK[k] - NK[i] * phi[k]
+            N[k, i] = N[i, k]
+
+
+@njit(cache=True)
+def run_smoother(
+    Phi: Array, gain: Array, innovation: Array, S: Array, predicted: Array, P: Array
+) -> tuple[Array, Array]:
+    """theta_{t|N} = theta_{t|t-1} + P r and var_{t|N} = diag(P - P N P), P = P_{t|t-1}."""
+    n, p = Phi.shape
+    theta, variance = np.empty((n, p)), np.empty((n, p))
+    r, N, NK = np.zeros(p), np.zeros((p, p)), np.empty(p)
+    for t in range(n - 1, -1, -1):
+        _adjoint_step(Phi[t], gain[t], innovation[t], S[t], r, N, NK)
+        for i in range(p):
+            shift, fall = 0.0, 0.0
+            for k in range(p):
+                shift += P[t, i, k] * r[k]
+                total = 0.0
+                for m in range(p):
+                    total += N[k, m] * P[t, i, m]
+                fall += P[t, i, k] * total
+            theta[t, i] = predicted[t, i] + shift
+            variance[t, i] = P[t, i, i] - fall
+    return theta, variance
+
+
+@njit(cache=True)
+def score(Phi: Array, gain: Array, innovation: Array, S: Array, sigma2: float) -> Array:
+    """d log L/dq_i = 1/2 sum_t (r_{t-1,i}^2/sigma^2 - N_{t-1,ii})."""
+    n, p = Phi.shape
+    total = np.zeros(p)
+    r, N, NK = np.zeros(p), np.zeros((p, p)), np.empty(p)
+    for t in range(n - 1, -1, -1):
+        _adjoint_step(Phi[t], gain[t], innovation[t], S[t], r, N, NK)
+        for i in range(p):
+            total[i] += 0.5 * (r[i] * r[i] / sigma2 - N[i, i])
+    return total
