@@ -1,6 +1,11 @@
 """Find, name and prove the effect a simulation is missing."""
 
 from dea.discrepancy.compose import Budget
+from dea.discrepancy.datasets import (
+    candidates_dataset,
+    certificate_dataset,
+    localisation_dataset,
+)
 from dea.discrepancy.decide import Rules
 from dea.discrepancy.diagnose import Diagnosis, Settings, diagnose
 from dea.discrepancy.effects import Effect, Family, Port, catalogue
@@ -25,9 +30,12 @@ __all__ = [
     "Simulation",
     "State",
     "Verdict",
+    "candidates_dataset",
     "catalogue",
+    "certificate_dataset",
     "diagnose",
     "load_extended",
     "load_simulation",
+    "localisation_dataset",
     "read_verdict",
 ]

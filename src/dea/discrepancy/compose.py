@@ -1,7 +1,7 @@
 """Build the extension step by step: effects come alone, in twos and in threes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,13 +21,28 @@ _FIRST_STEPS, _LAST_STEPS, _NEAR = 4, 12, 1.6
 class Budget:
     """How much is spent, the same for every candidate of a round.
 
-    ``finished`` candidates of a round are fitted to the end, the rest only screened; from the
-    ``beam`` best, the next round goes on; at most ``effects`` are attached.
+    The nominal simulation is fitted from ``starts``; ``finished`` candidates of a round are
+    fitted to the end, the rest only screened; from the ``beam`` best, the next round goes on; at
+    most ``effects`` are attached. A record of more than ``long_record`` samples has half of each.
     """
 
-    finished: int = 7
+    starts: int = 4
+    finished: int = 6
     beam: int = 2
     effects: int = 2
+    long_record: int = 30_000
+
+    def of(self, samples: int) -> "Budget":
+        """Return the budget for a record of this length."""
+        if samples <= self.long_record:
+            return self
+
+        def half(count: int) -> int:
+            return max(1, count // 2)
+
+        return replace(
+            self, starts=half(self.starts), finished=half(self.finished), beam=half(self.beam)
+        )
 
 
 @dataclass(frozen=True)

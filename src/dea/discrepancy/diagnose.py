@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 _BLOCKS = 24
 _NOISE_MARGIN = 1.5
+# Error of integration, in noise deviations; the refit takes up most of it.
+_STEP_ERROR = 0.5
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,21 @@ class Settings:
     rules: Rules = field(default_factory=Rules)
     seed: int = 0
     name: str = "case"
+
+    @classmethod
+    def of(cls, leaves: Mapping[str, Any]) -> "Settings":
+        """Return the settings that the config's ``discrepancy`` and a case's ``split`` hold."""
+        own, parts = leaves["discrepancy"], leaves.get("split", {})
+        return cls(
+            effects=tuple(own["effects"]),
+            slowest_time=parts.get("slowest_time"),
+            warm_up=parts.get("warm_up", own["warm_up"]),
+            workers=own["workers"],
+            budget=Budget(**own["budget"]),
+            rules=Rules(**own["rules"]),
+            seed=leaves["seed"],
+            name=leaves["system"],
+        )
 
 
 @dataclass(frozen=True)
@@ -120,13 +137,14 @@ def diagnose(
     units = (own.input_unit, own.output_unit)
     offered = _offered(settings.effects)
 
+    budget = settings.budget.of(u.size)
     problem, parts, extended = _prepare(u, y, interval, own, settings)
-    nominal = fit_nominal(problem, extended, rng, settings.workers)
+    nominal = fit_nominal(problem, extended, budget.starts, rng, settings.workers)
     blocks = parts.blocks(problem.fit | problem.select, problem.u.size / _BLOCKS)
     select = parts.blocks(problem.select, problem.u.size / _BLOCKS / 2)
     counted = problem.fit | problem.select
 
-    rounds = _rounds(problem, nominal, offered, units, settings)
+    rounds = _rounds(problem, nominal, offered, units, budget, settings)
     floor = noise_floor(problem, rounds, blocks)
     singles = list(rounds[0].candidates)
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
@@ -150,7 +168,7 @@ def diagnose(
     elsewhere = proof.certify_elsewhere(
         others if proof.transferable(final.extended) else {}, nominal, final
     )
-    signatures = {c.effect.name: signature(noisy, nominal, c.fit) for c in singles}
+    signatures = {"+".join(c.labels): signature(noisy, nominal, c.fit) for c in singles}
     verdict = verdict_of(
         problem=problem, nominal=nominal, decision=decision, first=rounds[0], gained=gained,
         before=before, after=after, floor=floor, unexplained=unexplained, experiment=experiment,
@@ -203,7 +221,9 @@ def _prepare(
 ) -> tuple[Problem, Split, ExtendedSimulation]:
     """Split the record, estimate its noise, and choose the integration step to match."""
     noise = white_level(y, [slice(0, y.size)])
-    extended = base(simulation, u, interval, tolerance=max(0.1 * noise, 1e-4 * float(np.std(y))))
+    extended = base(
+        simulation, u, interval, tolerance=max(_STEP_ERROR * noise, 1e-4 * float(np.std(y)))
+    )
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)
@@ -219,10 +239,11 @@ def _rounds(
     nominal: Fit,
     offered: Sequence[Effect],
     units: tuple[str, str],
+    budget: Budget,
     settings: Settings,
 ) -> list[Round]:
     """Offer every effect to the nominal simulation, then to its best extensions, and so on."""
-    budget, rules = settings.budget, settings.rules
+    rules = settings.rules
     rounds = [extend_by_each(problem, nominal, offered, units, budget, settings.workers)]
     blocks = [slice(0, problem.u.size)]
     beam = [c for c in rounds[0].candidates if c.finished][: budget.beam]
@@ -257,7 +278,7 @@ def _choose(
     for size in sorted({len(c.names) for c in larger}):
         best = min((c for c in larger if len(c.names) == size), key=lambda c: c.error)
         if chosen is None:
-            gain, low = beaten(best.fit.gap, rounds[0].before.gap, blocks, rng)
+            _, low = beaten(best.fit.gap, rounds[0].before.gap, blocks, rng)
             if low > -np.log1p(-2 * rules.margin):
                 chosen = best
             continue

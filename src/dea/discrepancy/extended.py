@@ -158,7 +158,7 @@ class ExtendedSimulation:
             else:
                 slots += [no_force, no_update]
         p_count, x_count = len(own.parameters), len(own.states)
-        result = integrate(
+        result = integrate(  # type: ignore[call-arg]
             own.compiled_derivative,
             own.compiled_output,
             *slots,

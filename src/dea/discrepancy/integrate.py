@@ -118,6 +118,9 @@ def integrate(
     k1, k2, k3, k4 = np.empty(states), np.empty(states), np.empty(states), np.empty(states)
     p = p.copy()
     p_drive = p[drive]
+    # Rows are cut out once: cutting them in the loop costs more than the forces do.
+    memory_1, memory_2, memory_3 = memory[0], memory[1], memory[2]
+    q_1, q_2, q_3 = q[0], q[1], q[2]
     pushes = np.zeros(SLOTS)
     h = interval / substeps
     z, z_next, travelled = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
@@ -141,11 +144,11 @@ def integrate(
                     at = (stage[position] - rest) / scale if position >= 0 else z[e]
                     w = (stage[velocity] if velocity >= 0 else k[position]) / scale
                     if e == 0:
-                        force = force_1(at, w, memory[0], q[0])
+                        force = force_1(at, w, memory_1, q_1)
                     elif e == 1:
-                        force = force_2(at, w, memory[1], q[1])
+                        force = force_2(at, w, memory_2, q_2)
                     else:
-                        force = force_3(at, w, memory[2], q[2])
+                        force = force_3(at, w, memory_3, q_3)
                     pushes[e] = frames[e, 2] * force
                 for e in range(forces):
                     k[ports[e, 0]] += pushes[e]
@@ -160,11 +163,11 @@ def integrate(
                 for e in range(forces):
                     if ports[e, 1] < 0:
                         z_next[e] = travelled[e]
-                update_1(z[0], z_next[0], h, memory[0], q[0])
+                update_1(z[0], z_next[0], h, memory_1, q_1)
                 if forces > 1:
-                    update_2(z[1], z_next[1], h, memory[1], q[1])
+                    update_2(z[1], z_next[1], h, memory_2, q_2)
                 if forces > 2:
-                    update_3(z[2], z_next[2], h, memory[2], q[2])
+                    update_3(z[2], z_next[2], h, memory_3, q_3)
                 z[:] = z_next
         for j in range(states):
             if not abs(x[j]) < 1e12:

@@ -1,6 +1,6 @@
 """Where a simulation and a record disagree, against what chance would make of the same gap."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,10 +80,8 @@ def localise(
     }
     rms = {name: np.sqrt(mean) for name, mean in measured.items()}
     overall = float(np.sqrt(energy.mean()))
-    strongest = max(scores, key=lambda name: _contrast(measured[name], energy.mean()))
-    if probability[strongest] > _LEVEL:
-        found = [name for name in scores if probability[name] <= _LEVEL]
-        strongest = max(found, key=lambda n: scores[n].max()) if found else None
+    found = [name for name in scores if probability[name] <= _LEVEL]
+    strongest = max(found, key=lambda name: measured[name].max()) if found else None
     segment = min(where.size, max(64, problem.u.size // 16))
     u, e = problem.u[where], gap[where]
     frequency, coherent = coherence(u, e, 1.0 / problem.interval, nperseg=segment)
@@ -152,10 +150,6 @@ def _shuffle(energy: np.ndarray, length: int, rng: np.random.Generator) -> np.nd
     return np.concatenate([blocks[i] for i in rng.permutation(len(blocks))])
 
 
-def _contrast(mean: np.ndarray, overall: float) -> float:
-    return float(mean.max() / overall) if overall > 0 else 1.0
-
-
 def _band(gap: np.ndarray, interval: float) -> tuple[tuple[float, float], float]:
     """Return the octave-wide band (Hz) that holds most of the gap, and the part it holds."""
     power = np.abs(np.fft.rfft(gap - gap.mean())) ** 2
@@ -189,7 +183,7 @@ def _sentence(
         unit=quantities[strongest][1],
         name=_DIRECTIONS[bin_] if strongest == "direction" else "",
     )
-    others: Sequence[float] = np.delete(rms[strongest], bin_)
+    others = np.delete(rms[strongest], bin_)
     return (
         f"the gap is {rms[strongest][bin_]:.3g} {unit} (RMS) {place}, "
         f"{np.sqrt(np.mean(np.square(others))):.3g} {unit} elsewhere; {spectrum}"

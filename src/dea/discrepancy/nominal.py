@@ -8,7 +8,6 @@ from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.errors import InputError
 
-_STARTS = 4
 _ITERATIONS = 30
 
 
@@ -31,9 +30,13 @@ def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
 
 
 def fit_nominal(
-    problem: Problem, extended: ExtendedSimulation, rng: np.random.Generator, workers: int
+    problem: Problem,
+    extended: ExtendedSimulation,
+    count: int,
+    rng: np.random.Generator,
+    workers: int,
 ) -> Fit:
-    """Refit the simulation from its prior and from several draws of it; return the best.
+    """Refit the simulation from ``count`` starts, its prior and draws of it; return the best.
 
     Raises
     ------
@@ -41,7 +44,7 @@ def fit_nominal(
         If the simulation is unstable wherever it is started from.
     """
     size = extended.free.size
-    starts = [np.zeros(size), *(0.7 * rng.standard_normal((_STARTS - 1, size)))]
+    starts = [np.zeros(size), *(0.7 * rng.standard_normal((count - 1, size)))]
     fits = in_parallel(
         lambda start: fit(problem, extended, start, iterations=_ITERATIONS), starts, workers
     )

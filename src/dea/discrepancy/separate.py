@@ -52,12 +52,13 @@ def separating_experiment(problem: Problem, first: Fit, second: Fit, seed: int) 
             key: value * pace if key == "band" else value if key == "levels" else value / pace
             for key, value in settings.items()
         }
+        duration = samples / rate
         u = design(
-            kind, duration=samples / rate, sampling_rate=rate, low=low, high=high, seed=seed, **scaled
-        )  # fmt: skip
+            kind, duration=duration, sampling_rate=rate, low=low, high=high, seed=seed, **scaled
+        )
         distance = _apart(problem, u, first, second)
         if best is None or distance > best.separation:
-            best = Experiment(kind, samples / rate, low, high, scaled, distance, present)
+            best = Experiment(kind, duration, low, high, scaled, distance, present)
     assert best is not None
     return best
 

@@ -27,7 +27,7 @@ def run(
     parser.add_argument("--settings", type=json.loads, default={}, metavar="JSON")
     for name in (*inputs, *outputs):
         option = "--" + name.rstrip("*").replace("_", "-")
-        count = "+" if name.endswith("*") else None
+        count = "*" if name.endswith("*") else None
         parser.add_argument(option, type=Path, required=True, metavar="PATH", nargs=count)
     values: dict[str, Any] = vars(parser.parse_args(arguments))
     try:

@@ -23,12 +23,13 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return threshold, corner width, gate and the ratio of the negative threshold."""
+    unit, peak = scales.u_unit, scales.u_peak
     return (
-        Parameter("threshold", scales.u_unit, 0.5 * scales.u_peak, 0.3 * scales.u_peak, 0.0, scales.u_peak),
-        Parameter("corner_width", scales.u_unit, 0.02 * scales.u_peak, 1.5, 1e-3 * scales.u_peak, scales.u_peak, log=True),
+        Parameter("threshold", unit, 0.5 * peak, 0.3 * peak, 0.0, peak),
+        Parameter("corner_width", unit, 0.02 * peak, 1.5, 1e-3 * peak, peak, log=True),
         Parameter("gate", "1", 0.0, 0.5, 0.0, 1.0),
         Parameter("negative_ratio", "1", 1.0, 0.5 if scales.bipolar else 0.0, 0.0, 5.0),
-    )  # fmt: skip
+    )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:

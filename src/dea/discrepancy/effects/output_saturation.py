@@ -20,13 +20,13 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return upper and lower end, corner width and remaining slope."""
-    span = scales.y_span
+    unit, span = scales.y_unit, scales.y_span
     return (
-        Parameter("upper_end", scales.y_unit, scales.y_high, 0.3 * span),
-        Parameter("lower_end", scales.y_unit, scales.y_low - 0.2 * span, 0.3 * span),
-        Parameter("corner_width", scales.y_unit, 5e-3 * span, 1.5, 1e-4 * span, 0.5 * span, log=True),
+        Parameter("upper_end", unit, scales.y_high, 0.3 * span),
+        Parameter("lower_end", unit, scales.y_low - 0.2 * span, 0.3 * span),
+        Parameter("corner_width", unit, 5e-3 * span, 1.5, 1e-4 * span, 0.5 * span, log=True),
         Parameter("remaining_slope", "1", 0.0, 0.1, 0.0, 0.6),
-    )  # fmt: skip
+    )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:

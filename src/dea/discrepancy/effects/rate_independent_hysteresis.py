@@ -39,12 +39,13 @@ def memory(q: np.ndarray) -> np.ndarray:
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return stiffness, largest radius, weight of the larger radii, and the position at start."""
+    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
     return (
         Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 10.0, log=True),
-        Parameter("largest_radius", "1", 0.5 * scales.z_span, 1.0, 0.05 * scales.z_span, 5 * scales.z_span, log=True),
+        Parameter("largest_radius", "1", 0.5 * span, 1.0, 0.02 * span, 5 * span, log=True),
         Parameter("weight_exponent", "1", 0.0, 0.7, -3.0, 3.0),
-        Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
-    )  # fmt: skip
+        Parameter("start_position", "1", middle, 0.0),
+    )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:

@@ -29,12 +29,12 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the rising rate, the ratio of the falling one and the lag near the target."""
-    rate = max(scales.u_rate, 1e-9)
+    rate, dt = max(scales.u_rate, 1e-9), scales.interval
     return (
         Parameter("rate", f"{scales.u_unit}/s", 0.5 * rate, 1.0, 1e-4 * rate, 1e3 * rate, log=True),
         Parameter("falling_ratio", "1", 1.0, 0.3, 0.1, 10.0, log=True),
-        Parameter("lag", "s", 0.2 * scales.interval, 1.0, 0.02 * scales.interval, 30 * scales.interval, log=True),
-    )  # fmt: skip
+        Parameter("lag", "s", 0.2 * dt, 1.0, 0.02 * dt, 30 * dt, log=True),
+    )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:

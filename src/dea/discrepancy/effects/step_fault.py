@@ -22,13 +22,13 @@ def offset(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.n
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the instant, the steps of gain and of offset, and how long they take."""
-    dt = scales.interval
+    dt, duration = scales.interval, scales.duration
     return (
-        Parameter("instant", "s", 0.5 * scales.duration, 0.05 * scales.duration, 0.0, scales.duration),
+        Parameter("instant", "s", 0.5 * duration, 0.05 * duration, 0.0, duration),
         Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
         Parameter("offset_step", scales.y_unit, 0.0, 0.1 * scales.y_span),
-        Parameter("rise_time", "s", 4 * dt, 1.0, 0.5 * dt, 0.05 * scales.duration, log=True),
-    )  # fmt: skip
+        Parameter("rise_time", "s", 4 * dt, 1.0, 0.5 * dt, 0.05 * duration, log=True),
+    )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:

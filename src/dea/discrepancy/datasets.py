@@ -1,0 +1,107 @@
+"""A diagnosis as labelled datasets: where, which candidates, and the certificate."""
+
+import numpy as np
+import xarray as xr
+
+from dea.discrepancy.diagnose import Diagnosis
+
+
+def localisation_dataset(diagnosis: Diagnosis) -> xr.Dataset:
+    """Return where the gap is, before and after, along each quantity."""
+    pieces = [diagnosis.before.dataset, diagnosis.after.dataset]
+    renamed = [
+        piece.rename({d: f"{d}_{when}" for d in piece.dims}).rename(
+            {name: f"{name}_{when}" for name in piece.variables if name not in piece.dims}
+        )
+        for piece, when in zip(pieces, ("before", "after"), strict=True)
+    ]
+    return xr.merge(renamed).assign_attrs(
+        sentence_before=diagnosis.before.sentence,
+        sentence_after=diagnosis.after.sentence,
+        units=diagnosis.units[1],
+        input_units=diagnosis.units[0],
+    )
+
+
+def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
+    """Return every effect's gain with its interval, what could be seen of it, and rivals."""
+    unit = diagnosis.units[1]
+    singles = diagnosis.first.candidates
+    signatures = [diagnosis.signatures["+".join(c.labels)] for c in singles]
+    sets = diagnosis.pool
+    gained = diagnosis.gains
+
+    def column(values: list[float] | np.ndarray, units: str, meaning: str) -> tuple:
+        return ("candidate", np.asarray(values, float), _attributes(units, meaning))
+
+    rivals = np.array(["+".join(c.labels) for c in diagnosis.confusion_of], dtype=object)
+    data = xr.Dataset(
+        {
+            "gain": column(gained.gain, "1", "log ratio of held-out RMSE without and with it"),
+            "gain_low": column(gained.low, "1", "lower end of the 95 % interval over all effects"),
+            "gain_high": column(gained.high, "1", "upper end of the 95 % interval"),
+            "error": column([c.held_out for c in singles], unit, "held-out RMSE"),
+            "finished": column([c.finished for c in singles], "1", "whether fitted to the end"),
+            "visible": column([s[0] for s in signatures], "1", "signature left over the noise"),
+            "independent": column([s[1] for s in signatures], "1", "part of the signature left"),
+            "null_gain": ((), gained.null, _attributes("1", "gain that chance exceeds in 5 %")),
+            "set_error": (
+                "set", [c.held_out for c in sets], _attributes(unit, "held-out RMSE of the set"),
+            ),
+            "confusion": (
+                ("present", "called"), diagnosis.confusion,
+                _attributes("1", "probability that one effect is called the other"),
+            ),
+        },
+        coords={
+            "candidate": ("candidate", np.array(["+".join(c.labels) for c in singles], object)),
+            "set": ("set", np.array(["+".join(c.labels) for c in sets], object)),
+            "present": ("present", rivals),
+            "called": ("called", rivals),
+        },
+    )  # fmt: skip
+    for name in data.coords:
+        data[name].attrs.update(_attributes("1", f"names of effects ({name})"))
+    return data
+
+
+def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
+    """Return the record, both simulations and the use of each sample; other records' errors."""
+    problem, unit = diagnosis.problem, diagnosis.units[1]
+    role = np.select([problem.fit, problem.select, problem.certify], [1, 2, 3], 0)
+    data = {
+        "input": ("time", problem.u, _attributes(diagnosis.units[0], "input")),
+        "measured": ("time", problem.y, _attributes(unit, "measured output")),
+        "nominal": (
+            "time",
+            problem.y - diagnosis.nominal.gap,
+            _attributes(unit, "output of the simulation as it was, refitted"),
+        ),
+        "extended": (
+            "time",
+            problem.y - diagnosis.extended.gap,
+            _attributes(unit, "output of the extended simulation"),
+        ),
+        "role": (
+            "time",
+            role.astype(np.int8),
+            {**_attributes("1", "use of the sample"), "flag_meanings": "gap fit select certify"},
+        ),
+        "noise_floor": ((), diagnosis.floor, _attributes(unit, "noise floor")),
+    }
+    names = list(diagnosis.elsewhere)
+    for key, meaning in (("before", "without"), ("after", "with")):
+        data[f"record_rmse_{key}"] = (
+            "record",
+            np.array([getattr(diagnosis.elsewhere[n][0], key) for n in names], float),
+            _attributes(unit, f"free-run RMSE on another record {meaning} the effects"),
+        )
+    coords = {
+        "time": ("time", problem.time, _attributes("s", "time since the start")),
+        "record": ("record", np.array(names, object), _attributes("1", "other record")),
+    }
+    return xr.Dataset(data, coords=coords)
+
+
+def _attributes(units: str, long_name: str) -> dict[str, str]:
+    return {"units": units, "long_name": long_name}

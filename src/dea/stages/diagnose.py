@@ -1,0 +1,69 @@
+"""Name what the simulation of a record is missing, and leave the proof beside it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def diagnose(
+    settings: Mapping[str, Any],
+    record: Path,
+    tests: list[Path],
+    localisation: Path,
+    candidates: Path,
+    verdict: Path,
+    extended: Path,
+    certificate: Path,
+) -> None:
+    """Diagnose a record with the simulation the settings name."""
+    from dea import store
+    from dea.discrepancy import (
+        Settings,
+        candidates_dataset,
+        certificate_dataset,
+        diagnose,
+        localisation_dataset,
+    )
+    from dea.errors import InputError
+
+    name = settings["system"]
+    try:
+        found = diagnose(
+            store.read_record(record),
+            settings["simulation"],
+            test_records={path.stem: store.read_record(path) for path in tests},
+            settings=Settings.of(settings),
+        )
+    except InputError as error:
+        raise InputError(
+            error.problem,
+            file=error.file or record,
+            field=error.field,
+            remedy=f"{error.remedy} (case {name})" if error.remedy else f"Case {name}",
+        ) from error
+    inputs = {"record": record, **{f"test_{path.stem}": path for path in tests}}
+    for dataset, path, title in (
+        (localisation_dataset(found), localisation, "Where simulation and record disagree"),
+        (candidates_dataset(found), candidates, "Effects that could be missing"),
+        (certificate_dataset(found), certificate, "Proof of the extension on unused samples"),
+    ):
+        store.write(
+            dataset,
+            path,
+            title=f"{title}: {name}",
+            inputs=inputs,
+            settings=settings,
+            seed=settings["seed"],
+        )
+    found.extended.extended.save(found.extended.values, found.problem.interval, extended)
+    found.verdict.write(verdict)
+
+
+if __name__ == "__main__":
+    run(
+        diagnose,
+        inputs=("record", "tests*"),
+        outputs=("localisation", "candidates", "verdict", "extended", "certificate"),
+    )
