@@ -217,3 +217,24 @@ def link(seed: int, *, polled: bool = False) -> xr.Dataset:
 
 
 NAMES = [f"dea{i}" for i in range(1, 7)]
+
+
+def recovery(seed: int) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    dims, shape = ("plant", "excitation", "search"), (6, 2, 2)
+    errors = {name: over(dims, 10 ** rng.uniform(-7, 0, shape)) for name in
+              ("nmse", "h1_error", "h2_error")}  # fmt: skip
+    errors["h2_error"][1][0, 0, 0] = np.inf
+    return xr.Dataset(
+        {
+            **errors,
+            "terms_common": over(dims, rng.integers(0, 10, shape)),
+            "terms_foreign": over(dims, rng.integers(0, 4, shape)),
+        },
+        coords={
+            "plant": [f"DEA{i}" for i in range(1, 7)],
+            "excitation": ["coloured", "white"],
+            "search": ["forward", "refined"],
+            "plant_terms": over("plant", np.full(6, 10)),
+        },
+    )

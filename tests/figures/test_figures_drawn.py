@@ -18,12 +18,14 @@ from dea.figures.fig3 import fig3
 from dea.figures.fig4_h2 import fig4_h2
 from dea.figures.frequency_maps import as_complex
 from dea.figures.link import link
+from dea.figures.recovery import recovery
 from dea.figures.residual_tests import residual_tests
 from dea.figures.tracked_parameters import tracked_parameters
 
 OF_ONE = {
     "fig1": lambda: fig1(made.record(1), "dea1", (100, 130)),
     "fig2": lambda: fig2(made.orders(1), made.validation(1), "dea1"),
+    "recovery": lambda: recovery(made.recovery(1)),
     "residual_tests": lambda: residual_tests(made.validation(1), "dea1"),
     "tracked_parameters": lambda: tracked_parameters(made.record(1), made.track(1), "dea1"),
 }
@@ -35,7 +37,8 @@ OF_ALL = {
     "link_polled": lambda each: link(each(made.link, polled=True)),
 }
 WITHOUT_UNITS = re.compile(
-    r"nmse|fpe|(dynamic|polynomial) order|exchanges per bin|share at least as late|\$\\phi_\{.*\}\$"
+    r"nmse( of the simulated output)?|fpe|relative error of .*|share of terms found"
+    r"|(dynamic|polynomial) order|exchanges per bin|share at least as late|\$\\phi_\{.*\}\$"
 )
 
 
@@ -189,3 +192,13 @@ def test_the_first_row_of_residual_tests_holds_the_correlations_and_the_band():
     assert [np.array_equal(a, b) for a, b in zip(lines, chosen.values, strict=True)] == [True, True]
     band = figure.axes[0].patches[0].get_extents().transformed(figure.axes[0].transData.inverted())
     assert band.y1 == pytest.approx(float(validation["band"][0]))
+
+
+def test_the_recovery_shows_every_error_that_is_finite():
+    scores = made.recovery(1)
+    axes = recovery(scores).axes
+    for ax, name in zip(axes, ("nmse", "h1_error", "h2_error"), strict=False):
+        drawn = np.sort(np.concatenate([line.get_xdata() for line in ax.lines]))
+        assert np.array_equal(drawn, np.sort(scores[name].values.ravel()))
+    share = np.concatenate([line.get_xdata() for line in axes[-1].lines])
+    assert np.array_equal(np.sort(share), np.sort(scores["terms_common"].values.ravel() / 10))

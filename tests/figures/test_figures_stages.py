@@ -15,6 +15,7 @@ SETTINGS = {"system": "dea1", "quantity": "gain", "figures": {"resolution": 50, 
 FIGURES = {
     "fig1": ["record"],
     "fig2": ["orders", "validation"],
+    "recovery_figure": ["recovery"],
     "residual_tests": ["validation"],
     "tracked_parameters": ["record", "track"],
     "fig3": ["record*", "gfrf*"],

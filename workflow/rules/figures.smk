@@ -2,7 +2,7 @@
 FIRST = next(iter(ACTUATORS))
 KINDS = ["png", "pdf"]
 OWN_FIGURES = ["fig1", "fig2", "tracked_parameters", "residual_tests"]
-COMMON_FIGURES = ["fig3", "fig3_phase", "fig4_h2", "link"]
+COMMON_FIGURES = ["fig3", "fig3_phase", "fig4_h2", "link", "recovery"]
 CASE_FIGURES = ["fig2", "tracked_parameters", "residual_tests", "fig3", "fig4_h2"]
 EVERY_FIGURE = expand(
     "results/figures/{name}.{kind}", name=OWN_FIGURES + COMMON_FIGURES, kind=KINDS
@@ -257,3 +257,26 @@ rule link_quality:
     shell:
         "python -m dea.stages.link_quality --settings {params.settings:q} --link {input.link:q}"
         " --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
+
+
+rule recovery_figure:
+    input:
+        recovery="results/recovery.nc",
+        code=modules("dea.stages.recovery_figure"),
+    output:
+        png=report(
+            "results/figures/recovery.png",
+            caption="../report/recovery.rst",
+            category="Identification",
+            labels={"figure": "published models recovered", "system": "all"},
+        ),
+        pdf="results/figures/recovery.pdf",
+    log:
+        "results/figures/log/recovery.log",
+    benchmark:
+        "results/figures/benchmark/recovery.tsv"
+    params:
+        settings=settings("figures"),
+    shell:
+        "python -m dea.stages.recovery_figure --settings {params.settings:q}"
+        " --recovery {input.recovery:q} --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
