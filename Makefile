@@ -9,6 +9,8 @@ export OMP_NUM_THREADS := 1
 
 SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 
+comma := ,
+
 .DEFAULT_GOAL := help
 .PHONY: help study case report discrepancy trials records faults peers interoperability \
 	soak check test benchmark clean
@@ -36,8 +38,8 @@ report: study ## write results/report.html with captions
 discrepancy: $(VENV)/installed ## name what the simulation of each actuator is missing
 	$(SNAKEMAKE) discrepancy
 
-trials: $(VENV)/installed ## blind trials: hide an effect, name it, open the seal, score
-	$(SNAKEMAKE) trials
+trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 SET=tuning)
+	$(SNAKEMAKE) trials --config 'trials={$(COUNT:%=count: %$(comma) )$(SET:%=set: %)}'
 
 records: $(VENV)/installed ## fetch the public measured records into data/ (FROM=folder copies them)
 	python -m dea.public_records $(if $(FROM),--from $(FROM))

@@ -18,6 +18,7 @@ include: "workflow/rules/tracking.smk"
 include: "workflow/rules/frequency.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/rules/trials.smk"
 
 
 rule study:

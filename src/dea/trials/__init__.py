@@ -1,0 +1,19 @@
+"""Scoring blind trials: opened labels against verdicts."""
+
+from dea.trials.outcome import KINDS, OUTCOMES, Label, Said, kind_of, outcome
+from dea.trials.proportion import Proportion, wilson
+from dea.trials.scores import scores
+from dea.trials.seals import open_seal
+
+__all__ = [
+    "KINDS",
+    "OUTCOMES",
+    "Label",
+    "Proportion",
+    "Said",
+    "kind_of",
+    "open_seal",
+    "outcome",
+    "scores",
+    "wilson",
+]

@@ -1,0 +1,100 @@
+"""What one verdict is worth, once the seal is open."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+KINDS = ("single", "pair", "outside", "null")
+OUTCOMES = (
+    "right name",  # named exactly what is hidden
+    "one of two",  # of two hidden effects one is named, and nothing else
+    "right class",  # another name of the same family
+    "abstained",  # several names, or none that it dares to give
+    "missed",  # said that nothing is missing
+    "wrong name",
+    "right none",  # nothing is hidden, and nothing is missing
+)
+
+
+@dataclass(frozen=True)
+class Label:
+    """What a trial hides.
+
+    Attributes
+    ----------
+    effects
+        Their names: none, one or two.
+    outside
+        Whether the effect is none of the catalogue.
+    strength
+        RMS residual of the refitted plain actuator over the RMS noise.
+    excitation
+        Its kind.
+    """
+
+    effects: frozenset[str]
+    outside: bool
+    strength: float
+    excitation: str
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a diagnosis says.
+
+    Attributes
+    ----------
+    status
+        ``named``, ``none``, ``ambiguous`` or ``unknown``.
+    effects
+        The names given, empty unless ``named`` or ``ambiguous``.
+    rivals
+        Sets of names that an ambiguous verdict offers instead.
+    ranking
+        Sets of names with their errors, the best explanation first, whatever the status.
+    error_before, error_after, noise_floor
+        Errors on the certified samples, in the output's unit.
+    """
+
+    status: str
+    effects: frozenset[str]
+    rivals: tuple[frozenset[str], ...]
+    ranking: tuple[tuple[frozenset[str], float], ...]
+    error_before: float
+    error_after: float
+    noise_floor: float
+
+
+def kind_of(label: Label) -> str:
+    """Return which of :data:`KINDS` a trial is."""
+    if not label.effects:
+        return "null"
+    if label.outside:
+        return "outside"
+    return "single" if len(label.effects) == 1 else "pair"
+
+
+def outcome(label: Label, said: Said, family: Mapping[str, str]) -> str:
+    """Return which of :data:`OUTCOMES` a verdict is.
+
+    ``family`` gives the class of each effect of the catalogue. An ambiguous verdict whose every
+    alternative is of the right class has found the class; any other is an abstention.
+    """
+    if said.status == "none":
+        return "missed" if label.effects else "right none"
+    if said.status == "unknown":
+        return "abstained"
+    if said.status == "ambiguous":
+        alternatives = (said.effects, *said.rivals)
+        same = all(_same_class(label, names, family) for names in alternatives)
+        return "right class" if same else "abstained"
+    if said.effects == label.effects:
+        return "right name"
+    if said.effects < label.effects:
+        return "one of two"
+    return "right class" if _same_class(label, said.effects, family) else "wrong name"
+
+
+def _same_class(label: Label, names: frozenset[str], family: Mapping[str, str]) -> bool:
+    if label.outside or not label.effects:
+        return False
+    return sorted(family[n] for n in names) == sorted(family[n] for n in label.effects)

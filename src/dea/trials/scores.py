@@ -1,0 +1,225 @@
+"""The scores of a campaign as one dataset: every trial, and what they amount to."""
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from dea.trials.confidence import acceptable, confidence, risk_coverage
+from dea.trials.outcome import OUTCOMES, Label, Said, kind_of, outcome
+from dea.trials.proportion import Proportion, wilson
+
+STRENGTH_EDGES = (3.0, 5.3, 9.5, 17.0, 30.0)  # equal ratios
+CLOSED = 1.3  # noise floors: a held-out gap as good as gone
+NOT_NAMED = ("none", "ambiguous", "unknown", "two effects")
+
+
+class Opened(NamedTuple):
+    """A trial with its seal open."""
+
+    name: str
+    label: Label
+    said: Said
+    kind: str
+    outcome: str
+
+    @property
+    def ratio(self) -> float:
+        """The certified error with the verdict's extension, in noise floors."""
+        return self.said.error_after / self.said.noise_floor
+
+
+def scores(
+    labels: Mapping[str, Label], verdicts: Mapping[str, Said], family: Mapping[str, str]
+) -> xr.Dataset:
+    """Score the verdicts on all trials.
+
+    Parameters
+    ----------
+    labels, verdicts
+        What each trial hides and what was said, by the trials' names.
+    family
+        The class of each effect of the catalogue, by name.
+
+    Returns
+    -------
+    xr.Dataset
+        Contract ``scores``.
+    """
+    trials = [
+        Opened(name, labels[name], said, kind_of(labels[name]), outcome(labels[name], said, family))
+        for name, said in verdicts.items()
+    ]
+    return xr.merge(
+        [
+            _every_trial(trials),
+            _confusion(trials, sorted(family)),
+            _rates(trials),
+            _groups(trials, "strength_bin", _strength_bin, _strength_bins()),
+            _groups(
+                trials, "excitation_kind", lambda t: t.label.excitation,
+                sorted({t.label.excitation for t in trials}),
+            ),
+            _risk_and_coverage(trials),
+        ]
+    )  # fmt: skip
+
+
+def _every_trial(trials: Sequence[Opened]) -> xr.Dataset:
+    def names(effects: frozenset[str]) -> str:
+        return " + ".join(sorted(effects))
+
+    texts: dict[str, tuple[str, Callable[[Opened], str]]] = {
+        "hidden": ("what was hidden", lambda t: names(t.label.effects) or "none"),
+        "kind": ("whether one, two, no or a foreign effect was hidden", lambda t: t.kind),
+        "excitation": ("kind of excitation", lambda t: t.label.excitation),
+        "status": ("status of the verdict", lambda t: t.said.status),
+        "said": ("names given", lambda t: names(t.said.effects)),
+        "rivals": ("names offered instead", lambda t: " or ".join(map(names, t.said.rivals))),
+        "outcome": ("what the verdict is worth", lambda t: t.outcome),
+    }
+    numbers: dict[str, tuple[str, str, Callable[[Opened], float]]] = {
+        "strength": ("strength of what is hidden, in noise RMS", "1", lambda t: t.label.strength),
+        "confidence": ("confidence in the best explanation", "1", lambda t: confidence(t.said)),
+        "error_before": ("certified error before", "mm", lambda t: t.said.error_before),
+        "error_after": ("certified error after", "mm", lambda t: t.said.error_after),
+        "noise_floor": ("noise floor", "mm", lambda t: t.said.noise_floor),
+    }
+    variables = {
+        key: ("trial", [value(t) for t in trials], {"units": "1", "long_name": long})
+        for key, (long, value) in texts.items()
+    } | {
+        key: ("trial", [float(value(t)) for t in trials], {"units": unit, "long_name": long})
+        for key, (long, unit, value) in numbers.items()
+    }
+    return xr.Dataset(variables, coords={"trial": [t.name for t in trials]})
+
+
+def _confusion(trials: Sequence[Opened], catalogue: Sequence[str]) -> xr.Dataset:
+    """Count trials by what was hidden and what was said; pairs have a row of their own."""
+
+    def row(t: Opened) -> str:
+        return {"pair": "two effects", "null": "none"}.get(t.kind) or next(iter(t.label.effects))
+
+    def column(t: Opened) -> str:
+        if t.said.status != "named":
+            return t.said.status
+        return next(iter(t.said.effects)) if len(t.said.effects) == 1 else "two effects"
+
+    outside = sorted({row(t) for t in trials if t.kind == "outside"})
+    rows, columns = [*catalogue, "two effects", "none", *outside], [*catalogue, *NOT_NAMED]
+    counts = np.zeros((len(rows), len(columns)), np.int64)
+    worth = np.zeros((len(rows), len(OUTCOMES)), np.int64)
+    for t in trials:
+        counts[rows.index(row(t)), columns.index(column(t))] += 1
+        worth[rows.index(row(t)), OUTCOMES.index(t.outcome)] += 1
+    return xr.Dataset(
+        {
+            "confusion": _counted(("hidden_effect", "said_effect"), counts),
+            "effect_outcomes": _counted(("hidden_effect", "possible_outcome"), worth),
+        },
+        coords={
+            "hidden_effect": rows, "said_effect": columns, "possible_outcome": list(OUTCOMES)
+        },
+    )  # fmt: skip
+
+
+def _rates(trials: Sequence[Opened]) -> xr.Dataset:
+    single, pair, outside, null = (
+        [t for t in trials if t.kind == kind] for kind in ("single", "pair", "outside", "null")
+    )
+    named = [t for t in trials if t.said.status == "named"]
+    right = [t for t in trials if t.outcome == "right name"]
+    of_single = {"right name"}
+    measures: dict[str, tuple[Proportion, float]] = {
+        "right name": (_share(single, of_single), 0.9),
+        "right class": (_share(single, of_single | {"right class"}), 0.97),
+        "wrong name": (_share(single, {"wrong name"}), np.nan),
+        "both of two": (_share(pair, {"right name"}), 0.8),
+        "name given on nothing": (_named(null), 0.05),
+        "no name on a foreign effect": (_share(outside, {"abstained"}), 0.8),
+        "name given on a foreign effect": (_named(outside), 0.1),
+        "names given that are right": (
+            wilson(sum(acceptable(t.label, t.said.effects) for t in named), len(named)), np.nan,
+        ),
+        "gap closed after a right name": (
+            wilson(sum(t.ratio <= CLOSED for t in right), len(right)), np.nan,
+        ),
+    }  # fmt: skip
+    found = [share for share, _ in measures.values()]
+    return xr.Dataset(
+        {
+            "rate": _share_of("measure", [p.value for p in found], "share of trials"),
+            "rate_low": _share_of("measure", [p.low for p in found], "lower end, 95 %"),
+            "rate_high": _share_of("measure", [p.high for p in found], "upper end, 95 %"),
+            "rate_trials": _counted(("measure",), [p.count for p in found]),
+            "rate_target": _share_of("measure", [to for _, to in measures.values()], "target"),
+            "median_ratio": ((), float(np.median([t.ratio for t in right])) if right else np.nan,
+                {"units": "1", "long_name": "certified error in noise floors after a right name"}),
+        },
+        coords={"measure": list(measures)},
+    )  # fmt: skip
+
+
+def _groups(
+    trials: Sequence[Opened], dim: str, group: Callable[[Opened], str], names: Sequence[str]
+) -> xr.Dataset:
+    """Count the outcomes of trials with one hidden effect of the catalogue, group by group."""
+    single = [t for t in trials if t.kind == "single"]
+    counts = np.zeros((len(names), len(OUTCOMES)), np.int64)
+    for t in single:
+        counts[list(names).index(group(t)), OUTCOMES.index(t.outcome)] += 1
+    right = [wilson(int(row[0]), int(row.sum())) for row in counts]
+    return xr.Dataset(
+        {
+            f"{dim}_outcomes": _counted((dim, "possible_outcome"), counts),
+            f"{dim}_right": _share_of(dim, [p.value for p in right], "right name"),
+            f"{dim}_right_low": _share_of(dim, [p.low for p in right], "lower end, 95 %"),
+            f"{dim}_right_high": _share_of(dim, [p.high for p in right], "upper end, 95 %"),
+        },
+        coords={dim: list(names), "possible_outcome": list(OUTCOMES)},
+    )
+
+
+def _risk_and_coverage(trials: Sequence[Opened]) -> xr.Dataset:
+    sureness, coverage, risk = risk_coverage([t.label for t in trials], [t.said for t in trials])
+    named = [t for t in trials if t.said.status == "named"]
+    wrong = sum(not acceptable(t.label, t.said.effects) for t in named)
+    return xr.Dataset(
+        {
+            "least_confidence": _share_of("rank", sureness, "confidence in the best explanation"),
+            "coverage": _share_of("rank", coverage, "share of trials answered"),
+            "risk": _share_of("rank", risk, "share of wrong answers"),
+            "coverage_of_names": ((), len(named) / len(trials),
+                {"units": "1", "long_name": "share of trials given a name"}),
+            "risk_of_names": ((), wrong / len(named) if named else np.nan,
+                {"units": "1", "long_name": "share of wrong names among those given"}),
+        }
+    )  # fmt: skip
+
+
+def _strength_bins() -> list[str]:
+    return [f"{a:g}-{b:g}" for a, b in pairwise(STRENGTH_EDGES)]
+
+
+def _strength_bin(trial: Opened) -> str:
+    place = int(np.searchsorted(STRENGTH_EDGES[1:-1], trial.label.strength, side="right"))
+    return _strength_bins()[place]
+
+
+def _share(trials: Sequence[Opened], outcomes: set[str]) -> Proportion:
+    return wilson(sum(t.outcome in outcomes for t in trials), len(trials))
+
+
+def _named(trials: Sequence[Opened]) -> Proportion:
+    return wilson(sum(t.said.status == "named" for t in trials), len(trials))
+
+
+def _counted(dims: tuple[str, ...], counts: object) -> tuple:
+    return dims, np.asarray(counts, np.int64), {"units": "1", "long_name": "number of trials"}
+
+
+def _share_of(dim: str, values: object, long_name: str) -> tuple:
+    return dim, np.asarray(values, float), {"units": "1", "long_name": long_name}
