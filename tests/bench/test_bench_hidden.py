@@ -123,6 +123,14 @@ def test_strength_agrees_with_an_independent_refit(name):
     assert YARDSTICK.strength([law(name)]) == pytest.approx(expected, rel=0.1)
 
 
+def test_what_a_strong_effect_hides_of_a_weak_one_does_not_count():
+    stop, clip = law("end_stop", 0.7), law("output_saturation", 0.2)
+    alone = YARDSTICK.linear_strength([clip])
+    both = [law("end_stop", 0.7), law("output_saturation", 0.2)]
+    assert alone > 3.0
+    assert YARDSTICK.linear_strength(both, [stop]) < 0.05 * alone
+
+
 def test_strength_is_infinite_where_the_film_is_pulled_in():
     assert YARDSTICK.strength([law("gain_drift", 5.0)]) == np.inf
 

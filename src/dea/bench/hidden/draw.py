@@ -7,7 +7,7 @@ import numpy as np
 
 from dea import signals
 from dea.bench.configuration import read_plain
-from dea.bench.hidden import EFFECTS, Effect
+from dea.bench.hidden import EFFECTS, Conditions, Effect, Law
 from dea.bench.hidden.outside import PORT as OUTSIDE
 from dea.bench.hidden.refit import Yardstick
 from dea.bench.hidden.trial import HiddenEffect, Trial
@@ -44,8 +44,8 @@ def draw(config: Path, seed: int, index: int) -> Trial:
     """Draw trial ``index`` of the campaign with ``seed`` for the configuration at ``config``.
 
     Effects are sized one by one for a strength drawn between 3 and 30, on a logarithmic scale.
-    Where an effect cannot be that strong on the drawn actuator under the drawn excitation, all are
-    drawn again.
+    Where an effect cannot be that strong on the drawn actuator under the drawn excitation, or one
+    of two hides the other, all are drawn again.
     """
     rng = generator(seed, "trials", str(index))
     names = schedule(seed, index + 1)[index]
@@ -74,8 +74,8 @@ def _attempt(
         if hidden is None:
             return None
         effects.append(hidden)
-    together = yardstick.strength([effect.law(conditions) for effect in effects])
-    if not np.isfinite(together):
+    together = yardstick.strength(_laws(effects, conditions))
+    if not np.isfinite(together) or _masked(effects, yardstick):
         return None
     return Trial(
         name=name,
@@ -86,6 +86,20 @@ def _attempt(
         strength=together,
         seed=int(rng.integers(2**31)),
     )
+
+
+def _masked(effects: list[HiddenEffect], yardstick: Yardstick) -> bool:
+    """Return whether one of two effects is too weak to be found in the presence of the other."""
+    conditions = yardstick.conditions()
+    return any(
+        yardstick.linear_strength(_laws(effects, conditions), _laws([other], conditions)) < WEAKEST
+        for other in effects
+        if len(effects) > 1
+    )
+
+
+def _laws(effects: list[HiddenEffect], conditions: Conditions) -> list[Law]:
+    return [effect.law(conditions) for effect in effects]
 
 
 def _sized(effect: Effect, yardstick: Yardstick, rng: np.random.Generator) -> HiddenEffect | None:

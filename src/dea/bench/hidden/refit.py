@@ -65,12 +65,16 @@ class Yardstick:
         reading = self._disturbed(laws)
         return np.inf if reading is None else self._refit(reading) / self._parameters.sensor.noise
 
-    def linear_strength(self, laws: list[Law]) -> float:
-        """Return :meth:`strength` for a refit by one linear step: quick, and rarely less."""
+    def linear_strength(self, laws: list[Law], without: list[Law] | None = None) -> float:
+        """Return :meth:`strength` for a refit by one linear step: quick, and rarely less.
+
+        ``without`` are laws in the place of the plain actuator: what ``laws`` add to them counts.
+        """
         reading = self._disturbed(laws)
-        if reading is None:
+        reference = self._plain if without is None else self._disturbed(without)
+        if reading is None or reference is None:
             return np.inf
-        _, left = _project(self._basis, reading - self._plain)
+        _, left = _project(self._basis, reading - reference)
         return _rms(left) / self._parameters.sensor.noise
 
     def _disturbed(self, laws: list[Law]) -> Array | None:
