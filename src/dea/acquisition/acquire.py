@@ -80,9 +80,7 @@ def acquire(
         file = PartialFile(partial, note | {"settings": asdict(settings)})
         try:
             samples = _run(link, plan.counts, settings, file, watch, reset or attempt > 0)
-        except BrokenRecordError as error:
-            file.samples(error.samples)
-            file.note({"broken": str(error)})
+        except BrokenRecordError:
             if attempt + 1 == attempts:
                 raise
             log.errors["restarted"] += 1
@@ -109,12 +107,17 @@ def _run(
     output = SafeOutput(link, ramp_rate=settings.ramp_rate, reset=reset)
     with interruption, output as panel:
         link.check = interruption.check
-        for samples in _drive(panel, sequence, settings):
-            file.samples(samples)
-            blocks.append(samples)
-            if watch is not None:
-                watch(samples, link.log)
-            interruption.check()
+        try:
+            for samples in _drive(panel, sequence, settings):
+                file.samples(samples)
+                blocks.append(samples)
+                if watch is not None:
+                    watch(samples, link.log)
+                interruption.check()
+        except BrokenRecordError as error:
+            file.samples(error.samples)
+            file.note({"broken": str(error)})
+            raise
     return Samples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
 
 

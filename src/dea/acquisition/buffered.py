@@ -125,6 +125,8 @@ class _Playback:
                 raise
             self.refusal = error  # what was played until now can still be read
             return None
+        except LinkError as error:
+            raise self._broken(f"never answered ({error})") from error
         if offer and reply.sequence == offer:
             self.sequence, self.sent = offer, self.sent + block.size
             self.moved = time.monotonic()

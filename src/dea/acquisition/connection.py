@@ -7,7 +7,7 @@ from pymodbus.client import ModbusSerialClient, ModbusTcpClient, ModbusTlsClient
 from pymodbus.framer import FramerType
 
 from dea.errors import InputError
-from dea.modbus import Device
+from dea.modbus import Device, ReadWriteResponse, RegistersResponse
 
 Client = ModbusTcpClient | ModbusTlsClient | ModbusSerialClient
 
@@ -36,6 +36,8 @@ def connect(device: Device, timeout: float) -> Client:
         client = ModbusTcpClient(
             device.host, port=device.port, framer=framer, timeout=timeout, retries=0
         )
+    for response in (RegistersResponse, ReadWriteResponse):
+        client.register(response)
     if not client.connect():
         raise OSError("connection refused or timed out")
     return client

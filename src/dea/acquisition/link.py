@@ -9,15 +9,21 @@ import logging
 import struct
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from pymodbus.exceptions import ConnectionException, ModbusException
+from pymodbus.pdu import ModbusPDU
+from pymodbus.pdu.register_message import (
+    ReadHoldingRegistersRequest,
+    ReadInputRegistersRequest,
+    WriteMultipleRegistersRequest,
+    WriteSingleRegisterRequest,
+)
 
 from dea.acquisition.connection import Client, connect, place
 from dea.errors import InputError
-from dea.modbus import Device
+from dea.modbus import Device, ReadWriteRequest
 
 # Every failure is counted and reported here; pymodbus would print each one to the terminal.
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
@@ -36,8 +42,8 @@ class LinkError(ConnectionError):
 class DeviceRefusedError(RuntimeError):
     """The device answered with a Modbus exception ``code``."""
 
-    def __init__(self, code: int, request: str) -> None:
-        super().__init__(f"the device refused {request} with Modbus exception {code}")
+    def __init__(self, code: int, function: int) -> None:
+        super().__init__(f"the device refused function {function} with Modbus exception {code}")
         self.code = code
 
 
@@ -108,18 +114,13 @@ class Link:
 
     def read(self, address: int, count: int, table: str = "holding") -> list[int]:
         """Registers of a table (function code 3 or 4)."""
-        if table == "input":
-            return self._exchange(
-                "read_input_registers", expect=count, address=address, count=count
-            )
-        return self._exchange("read_holding_registers", expect=count, address=address, count=count)
+        kind = ReadInputRegistersRequest if table == "input" else ReadHoldingRegistersRequest
+        return self._exchange(kind(address=address, count=count))
 
     def write(self, address: int, words: Sequence[int], *, retry: bool = True) -> None:
         """Write registers (function code 6 for one, 16 for more)."""
-        if len(words) == 1:
-            self._exchange("write_register", retry=retry, address=address, value=words[0])
-        else:
-            self._exchange("write_registers", retry=retry, address=address, values=list(words))
+        kind = WriteSingleRegisterRequest if len(words) == 1 else WriteMultipleRegistersRequest
+        self._exchange(kind(address=address, registers=list(words)), retry)
 
     def read_write(
         self, read_address: int, count: int, write_address: int, words: Sequence[int],
@@ -129,21 +130,16 @@ class Link:
         if not self.device.read_write_multiple:
             self.write(write_address, words, retry=retry)
             return self.read(read_address, count)
-        return self._exchange(
-            "readwrite_registers", retry=retry, expect=count,
-            read_address=read_address, read_count=count,
-            write_address=write_address, values=list(words),
-        )  # fmt: skip
+        return self._exchange(ReadWriteRequest(read_address, count, write_address, words), retry)
 
-    def _exchange(
-        self, request: str, *, retry: bool = True, expect: int | None = None, **arguments: Any
-    ) -> list[int]:
+    def _exchange(self, request: ModbusPDU, retry: bool = True) -> list[int]:
         """Registers of the reply to a request, repeated as the settings allow.
 
         A request without a valid reply is repeated ``retries`` times. One whose connection was
         lost is repeated for ``reconnect_time`` at least, since a gateway accepts connections and
         drops them again while its device starts.
         """
+        request.dev_id = self.device.unit_id
         sent = time.monotonic()
         patient_until, pause = sent + self.settings.reconnect_time, FIRST_PAUSE
         for attempt in itertools.count():
@@ -153,7 +149,7 @@ class Link:
                 if self.client is None:
                     self._reconnect()
                     sent = time.monotonic()
-                registers = self._attempt(request, expect, arguments)
+                registers = self._attempt(request)
             except (DeviceRefusedError, *_TRANSIENT) as error:
                 last, lost = error, isinstance(error, _LOST)
                 self._failed(error)
@@ -175,19 +171,13 @@ class Link:
             f"{place(self.device)}: no valid reply after {attempt + 1} attempts ({last})"
         ) from last
 
-    def _attempt(self, request: str, expect: int | None, arguments: Mapping[str, Any]) -> list[int]:
-        """Registers of one reply, ``expect`` of them, or an echo of what was written."""
-        reply = getattr(self.client, request)(device_id=self.device.unit_id, **arguments)
+    def _attempt(self, request: ModbusPDU) -> list[int]:
+        """Registers of one reply."""
+        assert self.client is not None
+        reply = self.client.execute(False, request)
         if reply.isError():
-            raise DeviceRefusedError(reply.exception_code, request)
-        if expect is not None:
-            valid = len(reply.registers) == expect
-        elif "value" in arguments:
-            valid = (reply.address, reply.registers) == (arguments["address"], [arguments["value"]])
-        else:
-            echo = arguments["address"], len(arguments["values"])
-            valid = (reply.address, reply.count) == echo
-        if not valid:
+            raise DeviceRefusedError(reply.exception_code, request.function_code)
+        if not _answers(reply, request):
             raise ValueError("a reply that does not answer the request")
         return list(reply.registers)
 
@@ -222,3 +212,17 @@ def _kind(error: Exception) -> str:
     if isinstance(error, ModbusException) and "No response" in str(error):
         return "no reply"
     return "invalid reply"
+
+
+def _answers(reply: ModbusPDU, request: ModbusPDU) -> bool:
+    """Whether a reply holds what was asked for, or echoes what was written."""
+    if reply.function_code != request.function_code:
+        return False
+    match request:
+        case ReadWriteRequest():
+            return len(reply.registers) == request.read_count
+        case WriteSingleRegisterRequest():
+            return (reply.address, reply.registers) == (request.address, request.registers)
+        case WriteMultipleRegistersRequest():
+            return (reply.address, reply.count) == (request.address, len(request.registers))
+    return len(reply.registers) == request.count

@@ -1,9 +1,11 @@
 """What the device does with time: plays its FIFO, measures, keeps watch, and ramps to zero."""
 
+from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Protocol
+from operator import attrgetter
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -44,6 +46,19 @@ class Run:
     origin: Origin
     applied: np.ndarray
     displacement: np.ndarray
+
+
+class Stretch(NamedTuple):
+    """Samples from index ``begin`` on have one origin and begin at ``position`` of what was fed."""
+
+    begin: int
+    position: int
+    origin: Origin
+
+    @property
+    def moves(self) -> bool:
+        """Whether each of its samples is one place further in what was fed."""
+        return self.origin == Origin.PLAYED
 
 
 class Player:
@@ -93,7 +108,8 @@ class Player:
         self.last_heard = 0.0
         self._polled = False
         self._fifo: deque[int] = deque()
-        self._ring = np.zeros((4, ring_length), np.int64)  # applied, displacement, origin, position
+        self._applied, self._measured = np.zeros((2, ring_length), np.uint16)
+        self._stretches = [Stretch(0, 0, Origin.REST)]
 
     @property
     def fifo_level(self) -> int:
@@ -186,17 +202,13 @@ class Player:
     def run(self, index: int, limit: int) -> Run:
         """Up to ``limit`` samples of one origin, from ``index`` or the oldest one still held."""
         first = min(max(index, self.index - self.ring_length, 0), self.index)
-        slots = np.arange(first, min(first + limit, self.index)) % self.ring_length
-        if not slots.size:
-            empty = np.empty(0, np.int64)
-            return Run(first, self.position, Origin.REST, empty, empty)
-        applied, displacement, origin, position = self._ring[:, slots]
-        step = np.diff(position) if origin[0] == Origin.PLAYED else np.ones(slots.size - 1)
-        same = (origin[1:] == origin[0]) & (step == 1)
-        length = slots.size if same.all() else int(np.argmin(same)) + 1
-        return Run(
-            first, int(position[0]), Origin(origin[0]), applied[:length], displacement[:length]
-        )
+        after = bisect_right(self._stretches, first, key=attrgetter("begin"))
+        stretch, end = self._stretches[after - 1], min(first + limit, self.index)
+        if after < len(self._stretches):
+            end = min(end, self._stretches[after].begin)
+        slots = np.arange(first, end) % self.ring_length
+        position = stretch.position + (first - stretch.begin) * stretch.moves
+        return Run(first, position, stretch.origin, self._applied[slots], self._measured[slots])
 
     def _next(self, count: int) -> tuple[list[int], Origin, int]:
         """What to apply now: at most ``count`` values of one origin."""
@@ -226,13 +238,21 @@ class Player:
         inside = np.clip(wanted, self.low, self.high)
         self.clamped += int(np.count_nonzero(inside != wanted))
         applied, displacement = self.plant.advance(inside.astype(np.uint16))
-        indices = np.arange(self.index, self.index + inside.size)
-        moves = np.arange(inside.size) if origin == Origin.PLAYED else np.zeros(inside.size, int)
-        self._ring[:, indices % self.ring_length] = np.stack(
-            [applied, displacement, np.full(inside.size, origin), position + moves]
-        )
+        slots = np.arange(self.index, self.index + inside.size) % self.ring_length
+        self._applied[slots], self._measured[slots] = applied, displacement
+        self._note(origin, position)
         self.index += inside.size
         self.applied, self.displacement = int(applied[-1]), int(displacement[-1])
         if self.state == State.RUNNING:
             oldest = self.index - self.ring_length
             self.overruns += max(0, oldest - max(self.collected, oldest - inside.size))
+
+    def _note(self, origin: Origin, position: int) -> None:
+        """Begin a stretch where what comes next does not continue the last one."""
+        last = self._stretches[-1]
+        expected = last.position + (self.index - last.begin) * last.moves
+        if (origin, position) != (last.origin, expected):
+            self._stretches.append(Stretch(self.index, position, origin))
+            oldest = self.index - self.ring_length
+            while len(self._stretches) > 1 and self._stretches[1].begin <= oldest:
+                del self._stretches[0]

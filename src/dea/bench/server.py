@@ -21,6 +21,7 @@ from pymodbus.server.requesthandler import ServerRequestHandler
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from dea.bench.device import BenchDevice, RefusedError, Session
+from dea.modbus import ReadWriteRequest, ReadWriteResponse
 
 FUNCTIONS = (3, 4, 6, 16, 23)
 MAX_FRAME = 260  # bytes, of a Modbus frame on TCP
@@ -28,6 +29,7 @@ MAX_BURST = 16  # frames of one master answered before the others have their tur
 MAX_CONNECTIONS = 64
 MAX_UNREAD = 64 * 1024  # bytes of replies a client may leave unread
 
+_PDUS: list[type[ModbusPDU]] = [ReadWriteRequest]
 _FRAMERS = {"tcp": FramerType.SOCKET, "rtu_over_tcp": FramerType.RTU, "tls": FramerType.TLS}
 
 
@@ -63,9 +65,11 @@ class BenchServer:
         )
         framer, address = _FRAMERS[description.framing], (self.host, self.port)
         if description.framing == "tls":
-            self._server = _TlsServer(table, framer=framer, address=address, sslctx=self._tls)
+            self._server = _TlsServer(
+                table, framer=framer, address=address, sslctx=self._tls, custom_pdu=_PDUS
+            )
         else:
-            self._server = _Server(table, framer=framer, address=address)
+            self._server = _Server(table, framer=framer, address=address, custom_pdu=_PDUS)
         self._server.bench = self
         if not await self._server.listen():
             raise OSError(f"cannot listen on {self.host}:{self.port}")
@@ -103,17 +107,30 @@ class BenchServer:
 
     def answer(self, session: Session, request: ModbusPDU) -> ModbusPDU:
         """Reply to one request of one master."""
-        device = self.device
+        device, self._session = self.device, session
         if request.dev_id != device.description.unit_id:
             return ExceptionResponse(request.function_code, ExcCodes.GATEWAY_NO_RESPONSE)
         if request.function_code not in FUNCTIONS:
             return ExceptionResponse(request.function_code, ExcCodes.ILLEGAL_FUNCTION)
-        assert self._server is not None
-        self._session = session
-        context = cast(ModbusServerContext, self._server.context)
-        reply = _finish(request.datastore_update(context, request.dev_id))
+        if isinstance(request, ReadWriteRequest):
+            reply = self._read_write(request)
+        else:
+            assert self._server is not None
+            context = cast(ModbusServerContext, self._server.context)
+            reply = _finish(request.datastore_update(context, request.dev_id))
         device.heard(session, time.monotonic())
         return reply
+
+    def _read_write(self, request: ReadWriteRequest) -> ModbusPDU:
+        """Function code 23, which carries the blocks, past pymodbus's check of each register."""
+        if not request.valid:
+            return ExceptionResponse(request.function_code, ExcCodes.ILLEGAL_VALUE)
+        try:
+            self.device.write(self._session, request.write_address, request.write_registers)
+            words = self.device.read(self._session, request.read_address, request.read_count)
+        except RefusedError as refusal:
+            return ExceptionResponse(request.function_code, refusal.code)
+        return ReadWriteResponse(registers=words)
 
     async def _action(
         self,

@@ -2,11 +2,15 @@
 
 from dea.modbus.codec import Value, checksum, decode, encode, limit_counts, to_counts, to_physical
 from dea.modbus.description import Device, Register, Serial, Tls, parse_device, read_device
+from dea.modbus.pdu import ReadWriteRequest, ReadWriteResponse, RegistersResponse
 from dea.modbus.window import Window
 
 __all__ = [
     "Device",
+    "ReadWriteRequest",
+    "ReadWriteResponse",
     "Register",
+    "RegistersResponse",
     "Serial",
     "Tls",
     "Value",
