@@ -1,0 +1,67 @@
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PARTS = ["Snakefile", "config", "src", "workflow", "pyproject.toml"]
+
+
+class Project:
+    """A copy of the project in a folder of its own, so that a test may run and edit it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        for part in PARTS:
+            source = ROOT / part
+            if source.is_dir():
+                shutil.copytree(source, folder / part)
+            else:
+                shutil.copy2(source, folder / part)
+        shutil.copy2(ROOT / "tests/workflow/small.yaml", folder)
+
+    def snakemake(
+        self, *arguments: str, cores: int = 2, small: bool = True
+    ) -> subprocess.CompletedProcess[str]:
+        """Run Snakemake in the copy; its source comes before the installed package."""
+        command = ["snakemake", "--cores", str(cores), "--profile", "workflow/profiles/default"]
+        config = ["--configfile", "config/config.yaml", "small.yaml"] if small else []
+        environment = os.environ | {
+            "PYTHONPATH": str(self.folder / "src"),
+            "OPENBLAS_NUM_THREADS": "1",
+        }
+        return subprocess.run(
+            [*command, *arguments, *config],
+            cwd=self.folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    def planned(self, *arguments: str, small: bool = True) -> dict[str, int]:
+        """How many jobs of each rule a dry run plans."""
+        run = self.snakemake("--dry-run", "--quiet", "rules", *arguments, small=small)
+        assert run.returncode == 0, run.stdout + run.stderr
+        jobs: dict[str, int] = {}
+        for line in (run.stdout + run.stderr).splitlines():
+            words = line.split()
+            if len(words) == 2 and words[1].isdigit() and words[0] != "total":
+                jobs[words[0]] = int(words[1])
+        return jobs
+
+
+@pytest.fixture
+def project(tmp_path):
+    return Project(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A copy in which the small study has run."""
+    project = Project(tmp_path_factory.mktemp("study"))
+    run = project.snakemake("study")
+    assert run.returncode == 0, run.stdout + run.stderr
+    return project

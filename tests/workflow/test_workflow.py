@@ -1,0 +1,100 @@
+"""The shape of the DAG, what an edit reruns, and a small study from end to end."""
+
+import hashlib
+import time
+
+import pytest
+
+PER_ACTUATOR = ["acquire", "orders", "select", "validate", "track", "gfrf"]
+
+
+def edit(file):
+    """Change a module's content and time, as an editor does."""
+    file.write_text(file.read_text() + "\n# edited\n")
+
+
+def digests(project, *kinds):
+    return {
+        str(file.relative_to(project.folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for kind in kinds
+        for file in (project.folder / "results").rglob(f"*.{kind}")
+        if "link" not in file.name
+    }
+
+
+def test_there_is_one_job_per_actuator_and_stage(project):
+    jobs = project.planned("study", small=False)
+    assert {rule: jobs[rule] for rule in PER_ACTUATOR} == dict.fromkeys(PER_ACTUATOR, 6)
+
+
+def test_the_number_of_actuators_is_the_length_of_a_list(project):
+    jobs = project.planned("study")
+    assert {rule: jobs[rule] for rule in PER_ACTUATOR} == dict.fromkeys(PER_ACTUATOR, 2)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "named"),
+    [
+        ("y_lags: 3", "y_lag: 3", "y_lag"),
+        ("y_lags: 3", "y_lags: -3", "y_lags"),
+        ("seed:", "sede:", "sede"),
+    ],
+)
+def test_a_wrong_key_or_value_stops_before_the_dag(project, right, wrong, named):
+    config = project.folder / "config" / "config.yaml"
+    config.write_text(config.read_text().replace(right, wrong, 1))
+    run = project.snakemake("study", "--dry-run", small=False)
+    assert run.returncode != 0
+    output = run.stdout + run.stderr
+    assert named in output
+    assert "Building DAG" not in output
+
+
+def test_the_small_study_makes_every_figure_and_table(finished):
+    results = finished.folder / "results"
+    for name in ["fig1", "fig2", "fig3", "fig3_phase", "fig4_h2", "tracked_parameters"]:
+        assert (results / "figures" / f"{name}.png").stat().st_size > 5_000
+        assert (results / "figures" / f"{name}.pdf").stat().st_size > 5_000
+    for name in ["table1", "validation", "recovery"]:
+        for kind in ["csv", "md", "tex"]:
+            assert (results / "tables" / f"{name}.{kind}").stat().st_size > 100
+    assert not list(results.rglob("*.partial"))
+
+
+def test_a_second_run_does_nothing_and_is_quick(finished):
+    before = digests(finished, "nc", "png", "csv")
+    start = time.monotonic()
+    run = finished.snakemake("study")
+    elapsed = time.monotonic() - start
+    assert run.returncode == 0
+    assert "Nothing to be done" in run.stdout + run.stderr
+    assert digests(finished, "nc", "png", "csv") == before
+    # Three seconds on an idle machine; the test allows a busy one.
+    assert elapsed < 9
+
+
+@pytest.mark.parametrize(
+    ("module", "rerun", "kept"),
+    [
+        ("gfrf/probing.py", {"gfrf", "fig3"}, {"acquire", "select", "track", "validate", "fig2"}),
+        ("figures/fig3.py", {"fig3"}, {"gfrf", "fig1", "fig2", "fig4_h2"}),
+        ("bench/membrane.py", {"acquire", "select", "fig1"}, set()),
+    ],
+)
+def test_an_edited_module_reruns_what_depends_on_it_and_nothing_else(finished, module, rerun, kept):
+    file = finished.folder / "src" / "dea" / module
+    content = file.read_text()
+    try:
+        edit(file)
+        jobs = finished.planned("study")
+    finally:
+        file.write_text(content)
+    assert rerun <= jobs.keys()
+    assert not kept & jobs.keys()
+
+
+def test_results_do_not_depend_on_the_number_of_cores(finished, project):
+    run = project.snakemake("study", cores=1)
+    assert run.returncode == 0, run.stdout + run.stderr
+    kinds = ("nc", "png", "pdf", "csv", "md", "tex")
+    assert digests(project, *kinds) == digests(finished, *kinds)
