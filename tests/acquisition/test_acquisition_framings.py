@@ -2,7 +2,14 @@
 
 import datetime
 import ipaddress
+import os
+import pty
+import select
+import socket
 import ssl
+import threading
+import tty
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +21,7 @@ from cryptography.x509.oid import NameOID
 
 from dea.acquisition import AcquisitionSettings, acquire
 from dea.errors import InputError
-from dea.modbus import Tls, read_device
+from dea.modbus import Serial, Tls, read_device
 from served_bench import DESCRIPTION
 
 FAST = AcquisitionSettings(ramp_rate=20.0, timeout=0.5, reconnect_time=1.0)
@@ -79,6 +86,48 @@ def test_over_tls(tls_bench, tmp_path):
 def test_rtu_over_tcp(serve_bench, tmp_path):
     bench = serve_bench(description=replace(read_device(DESCRIPTION), framing="rtu_over_tcp"))
     check(bench, bench.endpoint, tmp_path)
+
+
+@contextmanager
+def serial_line(port):
+    """A pseudo-terminal whose other end talks to a TCP port."""
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    plain = socket.create_connection(("127.0.0.1", port))
+    ended = threading.Event()
+
+    def pass_on():
+        while not ended.is_set():
+            ready, _, _ = select.select([master, plain], [], [], 0.05)
+            if master in ready:
+                plain.sendall(os.read(master, 512))
+            if plain in ready:
+                os.write(master, plain.recv(512))
+
+    thread = threading.Thread(target=pass_on)
+    thread.start()
+    try:
+        yield os.ttyname(slave)
+    finally:
+        ended.set()
+        thread.join()
+        plain.close()
+        os.close(master)
+        os.close(slave)
+
+
+def test_over_a_serial_line(serve_bench, tmp_path):
+    bench = serve_bench(description=replace(read_device(DESCRIPTION), framing="rtu_over_tcp"))
+    with serial_line(bench.endpoint.port) as name:
+        line = Serial(name, baudrate=115200, parity="N")
+        check(bench, replace(bench.endpoint, framing="serial", serial=line), tmp_path)
+
+
+def test_a_serial_line_that_does_not_exist(serve_bench, tmp_path):
+    line = Serial(str(tmp_path / "ttyS9"))
+    device = replace(serve_bench().endpoint, framing="serial", serial=line)
+    with pytest.raises(InputError, match="ttyS9 does not answer"):
+        acquire(device, VOLTS, tmp_path / "a.partial", FAST)
 
 
 @pytest.mark.parametrize("case", ["unknown authority", "other address", "other name"])

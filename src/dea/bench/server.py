@@ -228,7 +228,7 @@ class _Connection(ServerRequestHandler):
         reply.dev_id, reply.transaction_id = unit, transaction
         self.pdu_send(reply)
         # After the reply, so that the plant moves on while the host digests what it got.
-        self.loop.call_soon(self.bench.pump)
+        self.bench.pump()
 
 
 class _Server(ModbusTcpServer):
