@@ -126,7 +126,7 @@ class _Playback:
             self.refusal = error  # what was played until now can still be read
             return None
         except LinkError as error:
-            raise self._broken(f"never answered ({error})") from error
+            raise self._broken(f"never driven or read ({error})") from error
         if offer and reply.sequence == offer:
             self.sequence, self.sent = offer, self.sent + block.size
             self.moved = time.monotonic()

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dea.acquisition.link import LinkError
+from dea.acquisition.link import DeviceRefusedError, LinkError
 from dea.acquisition.panel import Panel
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.modbus import Register, Window, encode
@@ -76,10 +76,10 @@ def drive(
             panel.link.log.jitter.append(lateness)
         try:
             index, applied, displacement = poll(count, number)
-        except LinkError as error:
+        except (LinkError, DeviceRefusedError) as error:
             yield from _block(rows)
             place = number if expected is None else expected
-            raise _broken(f"never answered ({error})", number, place, counts, 1) from error
+            raise _broken(f"never driven or read ({error})", number, place, counts, 1) from error
         if expected is not None and index != expected:
             yield from _block(rows)
             missing = index - expected

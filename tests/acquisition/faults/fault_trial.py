@@ -136,18 +136,26 @@ def _record_is_complete(trial: Trial) -> None:
 def _says_what_is_missing(trial: Trial) -> None:
     """Nothing before the first sample named is missing, and nothing from there on passes as good.
 
-    Where a failure to read back zero has overtaken the reason, that is its context.
+    Where a failure to read back zero has overtaken the reason, that is in its context.
     """
     s, failure = trial.samples, trial.failure
     assert failure is not None
     assert str(failure)
     if isinstance(failure, InputError) and not trial.repeats:
         assert not trial.bench.applied.any(), "refused, and yet there was voltage"
-    broken = failure if isinstance(failure, BrokenRecordError) else failure.__context__
-    if isinstance(broken, BrokenRecordError):
+    broken = broken_record(failure)
+    if broken is not None:
         assert broken.count > 0
         good = (s.quality & (Quality.LOST | Quality.UNDRIVEN)) == 0
         assert np.array_equal(np.unique(s.position[good]), np.arange(broken.first))
+        assert s.quality[-1] & (Quality.LOST | Quality.UNDRIVEN)
+
+
+def broken_record(failure: BaseException | None) -> BrokenRecordError | None:
+    """The broken record that led to ``failure``, or is it."""
+    while failure is not None and not isinstance(failure, BrokenRecordError):
+        failure = failure.__context__
+    return failure
 
 
 def _ends_at_zero(trial: Trial) -> None:

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fault_proxy import FAULTS, TIMEOUT, Fault
-from fault_trial import SETTINGS, check, run_trial
+from fault_trial import SETTINGS, broken_record, check, run_trial
 
-from dea.acquisition import BrokenRecordError, Quality
+from dea.acquisition import BrokenRecordError, Quality, ZeroNotVerifiedError
 
 pytestmark = pytest.mark.faults
 
@@ -121,3 +121,14 @@ def test_a_polled_sample_without_its_reply_is_named(serve_bench, tmp_path, kind)
     assert isinstance(trial.failure, BrokenRecordError)
     assert trial.samples.quality[-1] == Quality.LOST
     assert 50 < trial.failure.first < 100
+
+
+@pytest.mark.parametrize("mode", ["buffered", "polled"])
+def test_a_connection_that_never_comes_back_names_what_is_missing(serve_bench, tmp_path, mode):
+    bench = serve_bench(watchdog_time=1.0)
+    faults = [Fault("request", number, "lose") for number in range(22, 60)]
+    trial = run_trial(bench, faults, tmp_path, replace(SETTINGS, mode=mode))
+    check(trial)
+    assert isinstance(trial.failure, ZeroNotVerifiedError)
+    assert "never driven or read" in str(broken_record(trial.failure))
+    assert bench.player.latched
