@@ -162,7 +162,7 @@ def test_the_colour_scale_is_set_where_the_excitation_held_power():
 def test_what_was_not_excited_is_hatched_and_only_that():
     gfrf = made.gfrf(1)
     ax = fig4_h2({"dea1": gfrf}).axes[0]
-    hatched = [c for c in ax.collections if getattr(c, "hatches", None) and any(c.hatches)]
+    hatched = [c for c in ax.collections if any(getattr(c, "hatches", ()))]
     assert len(hatched) == 1
     area = hatched[0].get_paths()[0]
     assert area.contains_point((1.5, 1.5))
@@ -170,7 +170,7 @@ def test_what_was_not_excited_is_hatched_and_only_that():
     assert not area.contains_point((0.5, 0.5))
     everywhere = gfrf.assign(excited_h2=gfrf["excited_h2"] * 0 + 1)
     bare = fig4_h2({"dea1": everywhere}).axes[0]
-    assert not [c for c in bare.collections if getattr(c, "hatches", None)]
+    assert not [c for c in bare.collections if any(getattr(c, "hatches", ()))]
 
 
 def test_a_time_without_a_steady_state_is_left_white_and_explained():

@@ -14,6 +14,8 @@ from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, m
 
 _MINUTE = 60.0
 _MARGIN, _LARGEST_PANEL = 36.0, 52.0  # mm
+_CONTOURS = 3
+_BEYOND = 1.4
 
 
 @style.styled
@@ -60,6 +62,29 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize
         f1, f2, values.transpose("frequency_2", "frequency_1").values, norm=norm,
         cmap=style.GAIN_MAP, shading="nearest", rasterized=True,
     )  # fmt: skip
-    ax.set(xlim=f1[[0, -1]], ylim=f2[[0, -1]], box_aspect=1)
-    hatch(ax, f1, f2, _doubtful(response))
+    doubtful = _doubtful(response)
+    ax.set_xlim(_view(f1, np.any(~doubtful, axis=0)))
+    ax.set_ylim(_view(f2, np.any(~doubtful, axis=1)))
+    ax.set_box_aspect(1)
+    _contours(ax, values.where(xr.DataArray(~doubtful, dims=("frequency_2", "frequency_1"))))
+    hatch(ax, f1, f2, doubtful)
     return mesh
+
+
+def _view(frequency: np.ndarray, excited: np.ndarray) -> tuple[float, float]:
+    """What was excited and a margin beyond it."""
+    highest = frequency[excited].max(initial=frequency[0])
+    return frequency[0], min(frequency[-1], _BEYOND * highest)
+
+
+def _contours(ax: Axes, trusted: xr.DataArray) -> None:
+    """A few lines of the panel's own: its shape shows even where the common scale is wide."""
+    low, high = float(trusted.min()), float(trusted.max())
+    if not low < high:
+        return
+    levels = np.linspace(low, high, _CONTOURS + 2)[1:-1]
+    lines = ax.contour(
+        trusted["frequency_1"], trusted["frequency_2"],
+        trusted.transpose("frequency_2", "frequency_1"), levels, colors="white", linewidths=0.5,
+    )  # fmt: skip
+    ax.clabel(lines, fmt="%.3g", fontsize=5)
