@@ -127,7 +127,7 @@ def test_a_request_in_single_bytes_is_answered(open_socket):
     [
         (bytes.fromhex("0300000000"), 3),  # no registers
         (bytes.fromhex("030000007e"), 3),  # 126 registers
-        (bytes.fromhex("0301fa0001"), 2),  # nothing there
+        (bytes.fromhex("0301fa0001"), 2),  # past the map
         (bytes.fromhex("03ffff0002"), 2),  # past the last address
         (bytes.fromhex("03"), 3),  # cut short
         (bytes.fromhex("0100000001"), 1),  # coils

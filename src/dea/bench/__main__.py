@@ -147,16 +147,24 @@ def _server(options: argparse.Namespace) -> BenchServer:
         rig, parameters, description,
         virtual_clock=options.clock == "virtual", watchdog=options.watchdog, actuator=name,
     )  # fmt: skip
-    tls = None
-    if description.framing == "tls":
-        if options.tls_certificate is None:
-            raise InputError(
-                "framing is tls", file=options.device, field="framing",
-                remedy="Give --tls-certificate and --tls-key.",
-            )  # fmt: skip
-        tls = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-        tls.load_cert_chain(options.tls_certificate, options.tls_key)
+    tls = _tls_context(options) if description.framing == "tls" else None
     return BenchServer(device, description.host, description.port, tls)
+
+
+def _tls_context(options: argparse.Namespace) -> ssl.SSLContext:
+    remedy = "Give --tls-certificate and --tls-key."
+    if options.tls_certificate is None:
+        raise InputError("framing is tls", file=options.device, field="framing", remedy=remedy)
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    try:
+        context.load_cert_chain(options.tls_certificate, options.tls_key)
+    except OSError as error:
+        raise InputError(
+            f"the certificate or its key cannot be read: {error}",
+            file=options.tls_certificate,
+            remedy=remedy,
+        ) from error
+    return context
 
 
 async def _run(server: BenchServer, until_stdin_closes: bool) -> None:

@@ -21,6 +21,7 @@ from pymodbus.server.requesthandler import ServerRequestHandler
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from dea.bench.device import BenchDevice, RefusedError, Session
+from dea.errors import InputError
 from dea.modbus import ReadWriteRequest, ReadWriteResponse
 
 FUNCTIONS = (3, 4, 6, 16, 23)
@@ -49,6 +50,14 @@ class BenchServer:
     def __init__(
         self, device: BenchDevice, host: str, port: int, tls: ssl.SSLContext | None = None
     ) -> None:
+        description = device.description
+        if description.framing not in _FRAMERS:
+            raise InputError(
+                f"the bench cannot be reached by {description.framing}",
+                file=description.source,
+                field="framing",
+                remedy=f"Use {', '.join(_FRAMERS)}.",
+            )
         self.device, self.host, self.port, self._tls = device, host, port, tls
         self.connections: set[_Connection] = set()
         self._session = Session()
