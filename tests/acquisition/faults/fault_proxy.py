@@ -3,6 +3,7 @@
 import asyncio
 import threading
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
@@ -87,7 +88,8 @@ class FaultProxy:
             return
         wires = Wire(self, "request", reader, to_bench), Wire(self, "reply", from_bench, writer)
         wires[0].other, wires[1].other = wires[1], wires[0]
-        await asyncio.gather(*(wire.pump() for wire in wires))
+        with suppress(asyncio.CancelledError):  # the proxy ends
+            await asyncio.gather(*(wire.pump() for wire in wires))
 
 
 class Wire:
