@@ -8,8 +8,6 @@ from dea.figures import style
 from dea.figures.bench_drawing import draw_bench, draw_cone
 from dea.store import Signals, signals
 
-_MINUTE = 60.0
-
 
 @style.styled
 def fig1(record: xr.Dataset, name: str, zoom: tuple[float, float]) -> Figure:
@@ -51,13 +49,15 @@ def fig1(record: xr.Dataset, name: str, zoom: tuple[float, float]) -> Figure:
 
 
 def _whole_record(top: Axes, bottom: Axes, whole: Signals, zoom: tuple[float, float]) -> None:
-    minutes = whole.time / _MINUTE
+    minutes = whole.time / style.MINUTE
     for ax, values, units, symbol, colour in (
         (top, whole.u, whole.u_units, "input $u$", style.BLUE),
         (bottom, whole.y, whole.y_units, "output $y$", style.BLACK),
     ):
         ax.plot(minutes, values, lw=0.2, color=colour, rasterized=True)
-        ax.axvspan(zoom[0] / _MINUTE, zoom[1] / _MINUTE, color=style.ORANGE, alpha=0.45, lw=0)
+        ax.axvspan(
+            zoom[0] / style.MINUTE, zoom[1] / style.MINUTE, color=style.ORANGE, alpha=0.45, lw=0
+        )
         ax.set_ylabel(style.quantity(symbol, units))
     bottom.set_xlim(0, minutes[-1] + minutes[1])
     bottom.set_xlabel("time (min)")
@@ -65,9 +65,15 @@ def _whole_record(top: Axes, bottom: Axes, whole: Signals, zoom: tuple[float, fl
 
 def _input_output(figure: Figure, ax: Axes, whole: Signals) -> None:
     points = ax.scatter(
-        whole.u, whole.y, c=whole.time / _MINUTE, s=0.25, lw=0, cmap=style.TIME_MAP, rasterized=True
+        whole.u,
+        whole.y,
+        c=whole.time / style.MINUTE,
+        s=0.25,
+        lw=0,
+        cmap=style.TIME_MAP,
+        rasterized=True,
     )
     ax.set_xlabel(style.quantity("input $u$", whole.u_units))
     ax.set_ylabel(style.quantity("output $y$", whole.y_units))
-    points.set_clim(0, (whole.time[-1] + whole.time[1]) / _MINUTE)
+    points.set_clim(0, (whole.time[-1] + whole.time[1]) / style.MINUTE)
     figure.colorbar(points, ax=ax, label="time (min)", pad=0.02, aspect=28)

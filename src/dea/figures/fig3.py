@@ -15,7 +15,6 @@ from dea.figures import style
 from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, magnitude_scale
 from dea.store import signals
 
-_MINUTE = 60.0
 _COLUMNS = 2
 
 
@@ -89,15 +88,15 @@ def _excited(response: xr.Dataset) -> np.ndarray:
 
 def _series(ax: Axes, record: xr.Dataset) -> None:
     whole = signals(record)
-    ax.plot(whole.time / _MINUTE, whole.y, lw=0.15, color=style.BLACK, rasterized=True)
+    ax.plot(whole.time / style.MINUTE, whole.y, lw=0.15, color=style.BLACK, rasterized=True)
     ax.set_ylabel(style.quantity("$y$", whole.y_units))
-    ax.set_xlim(whole.time[0] / _MINUTE, (whole.time[-1] + whole.time[1]) / _MINUTE)
+    ax.set_xlim(whole.time[0] / style.MINUTE, (whole.time[-1] + whole.time[1]) / style.MINUTE)
 
 
 def _panel(
     ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize, colours: str
 ) -> QuadMesh:
-    minutes, frequency = values["time"].values / _MINUTE, values["frequency"].values
+    minutes, frequency = values["time"].values / style.MINUTE, values["frequency"].values
     mesh = ax.pcolormesh(
         minutes, frequency, values.transpose("frequency", "time").values,
         norm=norm, cmap=colours, shading="nearest", rasterized=True,

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from dea.figures import style
 from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, magnitude_scale
 
-_MINUTE = 60.0
 _MARGIN, _LARGEST_PANEL = 36.0, 52.0  # mm
 _CONTOURS = 3
 _BEYOND = 1.4
@@ -30,7 +29,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     for column, (name, values) in enumerate(maps.items()):
         for row, time in enumerate(times):
             mesh = _panel(axes[row, column], responses[name], values.isel(time_h2=row), norm)
-            axes[row, 0].set_ylabel(f"at {time / _MINUTE:.3g} min\n$f_2$ (Hz)")
+            axes[row, 0].set_ylabel(f"at {time / style.MINUTE:.3g} min\n$f_2$ (Hz)")
         axes[0, column].set_title(name)
         axes[-1, column].set_xlabel("$f_1$ (Hz)")
     units = next(iter(responses.values()))["H2"].attrs["units"]

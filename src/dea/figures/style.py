@@ -26,6 +26,7 @@ SINGLE_COLUMN = 84.0
 FULL_WIDTH = 174.0
 PAGE_HEIGHT = 230.0
 _MM_PER_INCH = 25.4
+MINUTE = 60.0  # s
 
 # Okabe and Ito (2008): told apart with every common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"

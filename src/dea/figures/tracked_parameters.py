@@ -11,7 +11,6 @@ from dea.figures import style
 from dea.figures.symbols import number, term_as_mathematics
 from dea.store import signals
 
-_MINUTE = 60.0
 _COLUMNS = 3
 _POINTS = 1200  # a panel is 600 pixels wide: more cannot be seen
 _BAND = 1.96  # standard deviations either side of the estimate: 95 %
@@ -49,7 +48,7 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     thin = track.isel(time=slice(None, None, max(1, track["time"].size // _POINTS)))
     for panel, term in zip(panels, terms, strict=False):
         _parameter(panel, thin.sel(term=term), str(term))
-        panel.set_xlim(float(track["time"][0]) / _MINUTE, _end(track["time"].values))
+        panel.set_xlim(float(track["time"][0]) / style.MINUTE, _end(track["time"].values))
     for panel in panels[terms.size :]:
         panel.set_visible(False)
     for panel in panels[max(0, terms.size - _COLUMNS) : terms.size]:
@@ -63,7 +62,7 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
 
 def _end(time: np.ndarray) -> float:
     """Where the last sample ends, minutes."""
-    return float(2 * time[-1] - time[-2]) / _MINUTE
+    return float(2 * time[-1] - time[-2]) / style.MINUTE
 
 
 def _in_order(names: xr.DataArray) -> list[str]:
@@ -81,7 +80,7 @@ def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
         worst = float(np.abs(error[np.isfinite(error)]).max(initial=0.0))
         reach = min(worst, float(np.ptp(whole.y)))  # a simulation may run away
         ax.set_ylim(-1.1 * reach, 1.1 * reach)
-        ax.plot(time / _MINUTE, error, lw=0.2, color=colour, rasterized=True)
+        ax.plot(time / style.MINUTE, error, lw=0.2, color=colour, rasterized=True)
         ax.axhline(0, color=style.BLACK, lw=0.4)
         units = track["rmse"].attrs["units"]
         ax.set_title(
@@ -89,12 +88,12 @@ def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
             f"rmse {number(float(chosen['rmse']))} {units}",
             loc="right", pad=2,
         )  # fmt: skip
-    axes[-1].set_xlim(time[0] / _MINUTE, _end(time))
+    axes[-1].set_xlim(time[0] / style.MINUTE, _end(time))
     axes[-1].set_xlabel("time (min)")
 
 
 def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
-    minutes = track["time"].values / _MINUTE
+    minutes = track["time"].values / style.MINUTE
     for tracker in _in_order(track["tracker"]):
         label, colour, dashes = _TRACKER[tracker]
         theta = track["parameter"].sel(tracker=tracker).values
