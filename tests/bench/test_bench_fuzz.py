@@ -7,11 +7,13 @@ import struct
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from pyModbusTCP.utils import crc16
 
 from dea.acquisition import AcquisitionSettings, acquire
 from dea.modbus import read_device
@@ -164,6 +166,39 @@ def test_malformed_frames_neither_crash_nor_wedge_the_bench(bench, request, tmp_
     process.terminate()
     assert process.wait(10) == 0
     assert process.stderr.read() == ""
+
+
+def rtu_frame(pdu, unit=1):
+    data = bytes([unit]) + pdu
+    return data + crc16(data).to_bytes(2, "little")
+
+
+def rtu_nonsense(rng):
+    """Bytes that may be a frame of RTU, or wrong in content, unit, checksum, or altogether."""
+    pdu = request(rng)[:LARGEST]
+    return rng.choice(
+        [
+            rtu_frame(pdu),
+            rtu_frame(pdu, unit=rng.randrange(256)),
+            rtu_frame(bytes([rng.randrange(256)]) + pdu[1:]),
+            rtu_frame(pdu)[:-1],
+            rng.randbytes(rng.randrange(1, 300)),
+        ]
+    )
+
+
+def test_malformed_rtu_frames_neither_crash_nor_wedge_the_bench(serve_bench, request, caplog):
+    rtu = replace(read_device(DESCRIPTION), framing="rtu_over_tcp")
+    port, rng = serve_bench(description=rtu).endpoint.port, random.Random(6)
+    read_identity = rtu_frame(READ_IDENTITY[7:])
+    with connect(port) as patient:
+        for _ in range(request.config.getoption("--fuzz-frames") // 50):
+            with connect(port) as connection, suppress(ConnectionError):
+                for _ in range(rng.randrange(10)):
+                    connection.sendall(rtu_nonsense(rng))
+            patient.sendall(read_identity)
+            assert receive(patient, 21)[3:12] == b"dea-bench"
+    assert not [record for record in caplog.records if record.name == "asyncio"]
 
 
 def assert_drives(port, folder):
