@@ -45,7 +45,7 @@ def trial_acquire(
             records / f"{name}.nc",
             title=f"Record of blind trial {name}",
             inputs={"device": device},
-            settings={"excitation": trial["excitation"]} | settings,
+            settings={"excitation": trial["excitation"], **settings},
         )
         partial.unlink()
 

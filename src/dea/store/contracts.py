@@ -61,6 +61,7 @@ def _plain(*dims: str, units: str | None = None) -> Variable:
 
 
 _METRIC = ("model", "approach", "window")
+_TRIAL_TEXTS = ("hidden", "kind", "excitation", "status", "said", "rivals", "outcome")
 
 CONTRACTS: Mapping[str, Contract] = {
     "record": Contract(
@@ -159,5 +160,22 @@ CONTRACTS: Mapping[str, Contract] = {
             "H3": _plain("time_h2", "frequency_1", "frequency_2", "part"),
             "frequency_3": _plain(units="Hz"),
         },
+    ),
+    "scores": Contract(
+        required={
+            **{name: _plain("trial", units="1") for name in _TRIAL_TEXTS},
+            "strength": _plain("trial", units="1"),
+            "confidence": _plain("trial", units="1"),
+            "error_before": _plain("trial"),
+            "error_after": _plain("trial"),
+            "noise_floor": _plain("trial"),
+            "confusion": _plain("hidden_effect", "said_effect", units="1"),
+            "effect_outcomes": _plain("hidden_effect", "possible_outcome", units="1"),
+            "strength_bin_outcomes": _plain("strength_bin", "possible_outcome", units="1"),
+            "excitation_kind_outcomes": _plain("excitation_kind", "possible_outcome", units="1"),
+            "rate": _plain("measure", units="1"),
+            "coverage": _plain("rank", units="1"),
+            "risk": _plain("rank", units="1"),
+        }
     ),
 }

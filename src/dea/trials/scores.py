@@ -154,7 +154,7 @@ def _rates(trials: Sequence[Opened]) -> xr.Dataset:
             "rate": _share_of("measure", [p.value for p in found], "share of trials"),
             "rate_low": _share_of("measure", [p.low for p in found], "lower end, 95 %"),
             "rate_high": _share_of("measure", [p.high for p in found], "upper end, 95 %"),
-            "rate_trials": _counted(("measure",), [p.count for p in found]),
+            "rate_trials": _counted(("measure",), [p.trials for p in found]),
             "rate_target": _share_of("measure", [to for _, to in measures.values()], "target"),
             "median_ratio": ((), float(np.median([t.ratio for t in right])) if right else np.nan,
                 {"units": "1", "long_name": "certified error in noise floors after a right name"}),

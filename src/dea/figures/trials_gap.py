@@ -1,0 +1,47 @@
+"""How far the gap between simulation and record shrinks, against the noise floor."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dea.figures import style
+
+COLOURS = {
+    "right name": style.BLUE,
+    "one of two": style.SKY,
+    "right class": style.GREEN,
+    "abstained": style.PALE,
+    "missed": style.GREY,
+    "wrong name": style.VERMILION,
+    "right none": style.BLACK,
+}
+_CLOSED = 1.3  # noise floors
+
+
+@style.styled
+def trials_gap(scores: xr.Dataset) -> Figure:
+    """Draw certified errors after against before, in noise floors (contract ``scores``)."""
+    figure = style.page_figure(style.SINGLE_COLUMN, 92)
+    ax = figure.subplots()
+    before = (scores["error_before"] / scores["noise_floor"]).values
+    after = (scores["error_after"] / scores["noise_floor"]).values
+    for outcome, colour in COLOURS.items():
+        chosen = scores["outcome"].values == outcome
+        if chosen.any():
+            ax.plot(
+                before[chosen], after[chosen], "o", mfc=colour, mec="white", mew=0.3, ms=4,
+                label=f"{outcome} ({chosen.sum()})",
+            )  # fmt: skip
+    ends = np.array([0.8, 1.2 * np.max([before.max(), after.max(), 2.0])])
+    ax.plot(ends, ends, color=style.GREY, lw=0.6, ls=":")
+    ax.axhline(1.0, color=style.GREY, lw=0.6)
+    ax.axhline(_CLOSED, color=style.GREY, lw=0.6, ls="--")
+    ax.set(xscale="log", yscale="log", xlim=tuple(ends), ylim=tuple(ends))
+    ax.set(
+        xlabel="held-out error of the nominal simulation\n(noise floors)",
+        ylabel="held-out error after the verdict (noise floors)",
+    )
+    for axis in (ax.xaxis, ax.yaxis):
+        style.plain_log_ticks(axis)
+    figure.legend(loc="outside upper center", ncols=3)
+    return figure

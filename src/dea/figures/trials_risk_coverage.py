@@ -1,0 +1,28 @@
+"""How many names are wrong, against how many trials are given one."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.ticker import PercentFormatter
+
+from dea.figures import style
+
+
+@style.styled
+def trials_risk_coverage(scores: xr.Dataset) -> Figure:
+    """Draw the risk-coverage curve (contract ``scores``) and where the verdicts stand on it."""
+    figure = style.page_figure(style.SINGLE_COLUMN, 70)
+    ax = figure.subplots()
+    ax.step(
+        scores["coverage"], scores["risk"], where="post", color=style.BLUE,
+        label="best explanation, surest first",
+    )  # fmt: skip
+    ax.plot(
+        scores["coverage_of_names"], scores["risk_of_names"], "o", color=style.VERMILION, ms=5,
+        label="names as given",
+    )  # fmt: skip
+    ax.set(xlim=(0, 1), ylim=(0, None))
+    ax.set(xlabel="coverage: trials given a name (%)", ylabel="risk: names that are wrong (%)")
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter(PercentFormatter(1.0, symbol=""))
+    figure.legend(loc="outside upper center", ncols=2)
+    return figure

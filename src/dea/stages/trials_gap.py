@@ -1,0 +1,20 @@
+"""How far the gap between simulation and record shrinks, against the noise floor."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def trials_gap(settings: Mapping[str, Any], scores: Path, png: Path, pdf: Path) -> None:
+    """Draw it from a campaign's scores."""
+    from dea import store
+    from dea.figures import style
+    from dea.figures.trials_gap import trials_gap as draw
+
+    style.save(draw(store.read(scores)), (png, pdf), settings["figures"]["resolution"])
+
+
+if __name__ == "__main__":
+    run(trials_gap, inputs=("scores",), outputs=("png", "pdf"))

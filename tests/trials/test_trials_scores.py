@@ -1,0 +1,139 @@
+"""Scores of made-up campaigns against counts by hand and other implementations."""
+
+from math import inf, isnan, log
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from made_trials import FAMILY, campaign, label, said
+from scipy.stats import binomtest
+
+from dea import trials
+from dea.errors import InputError
+from dea.store import CONTRACTS
+from dea.trials.confidence import acceptable, confidence, risk_coverage
+
+
+@given(st.integers(1, 400).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))))
+def test_the_interval_is_wilsons(counts):
+    successes, count = counts
+    share = trials.wilson(successes, count)
+    expected = binomtest(successes, count).proportion_ci(method="wilson")
+    assert share.value == successes / count
+    assert share.low == pytest.approx(expected.low, abs=1e-12)
+    assert share.high == pytest.approx(expected.high, abs=1e-12)
+
+
+def test_no_trials_give_no_share():
+    share = trials.wilson(0, 0)
+    assert share.trials == 0
+    assert all(isnan(value) for value in share[:3])
+
+
+SINGLE, PAIR = label("sensor_lag"), label("dead_zone", "end_stop")
+NOTHING, FOREIGN = label(), label("sticking_sensor", outside=True)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "verdict", "expected"),
+    [
+        (SINGLE, said("named", "sensor_lag"), "right name"),
+        (SINGLE, said("named", "electrode_lag"), "right class"),
+        (SINGLE, said("named", "end_stop"), "wrong name"),
+        (SINGLE, said("named", "sensor_lag", "end_stop"), "wrong name"),
+        (SINGLE, said("ambiguous", "sensor_lag", rivals=[{"electrode_lag"}]), "right class"),
+        (SINGLE, said("ambiguous", "sensor_lag", rivals=[{"end_stop"}]), "abstained"),
+        (SINGLE, said("unknown"), "abstained"),
+        (SINGLE, said("none"), "missed"),
+        (PAIR, said("named", "dead_zone", "end_stop"), "right name"),
+        (PAIR, said("named", "dead_zone"), "one of two"),
+        (PAIR, said("named", "sensor_lag"), "wrong name"),
+        (NOTHING, said("none"), "right none"),
+        (NOTHING, said("named", "dead_zone"), "wrong name"),
+        (NOTHING, said("ambiguous", "dead_zone", rivals=[{"end_stop"}]), "abstained"),
+        (FOREIGN, said("unknown"), "abstained"),
+        (FOREIGN, said("named", "dead_zone"), "wrong name"),
+        (FOREIGN, said("none"), "missed"),
+    ],
+)
+def test_what_a_verdict_is_worth(hidden, verdict, expected):
+    assert trials.outcome(hidden, verdict, FAMILY) == expected
+
+
+def test_every_trial_is_of_one_kind():
+    kinds = [trials.kind_of(each) for each in (SINGLE, PAIR, FOREIGN, NOTHING)]
+    assert kinds == list(trials.KINDS)
+
+
+def test_confidence_compares_misfits_of_equally_many_effects():
+    one, other, both = (frozenset(names) for names in ("a", "b", "ab"))
+    ranking = ((one, 2.0), (both, 1.01), (other, 8.0))
+    verdict = said("unknown", ranking=ranking, floor=1.0)
+    assert confidence(verdict) == pytest.approx(0.5 * log(63 / 3))
+    assert confidence(said("none", ranking=(), floor=1.0)) == -inf
+    assert confidence(said("none", ranking=ranking[:2], floor=1.0)) == inf
+
+
+@given(st.integers(1, 60), st.integers(0, 1000))
+def test_the_risk_of_every_coverage_is_what_counting_gives(count, seed):
+    labels, verdicts = (list(each.values()) for each in campaign(count, seed))
+    sureness, coverage, risk = risk_coverage(labels, verdicts)
+    assert list(sureness) == sorted(sureness, reverse=True)
+    sure = [confidence(verdict) for verdict in verdicts]
+    for least in set(sure):
+        chosen = [i for i in range(count) if sure[i] >= least]
+        wrong = sum(not acceptable(labels[i], verdicts[i].ranking[0][0]) for i in chosen)
+        at = len(chosen) - 1
+        assert coverage[at] == pytest.approx(len(chosen) / count)
+        assert risk[at] == pytest.approx(wrong / len(chosen))
+
+
+@given(st.integers(1, 80), st.integers(0, 1000))
+def test_the_dataset_counts_every_trial_once(count, seed):
+    scores = trials.scores(*campaign(count, seed), FAMILY)
+    CONTRACTS["scores"].check(scores, Path("scores.nc"))
+    assert scores["confusion"].sum() == scores["effect_outcomes"].sum() == count
+    singles = int((scores["kind"] == "single").sum())
+    assert scores["strength_bin_outcomes"].sum() == singles
+    assert scores["excitation_kind_outcomes"].sum() == singles
+    right = int((scores["outcome"] == "right name").sum())
+    assert scores["effect_outcomes"].sel(possible_outcome="right name").sum() == right
+
+
+def test_rates_are_shares_of_their_own_kind():
+    labels = {"0": SINGLE, "1": SINGLE, "2": NOTHING, "3": FOREIGN, "4": PAIR, "5": FOREIGN}
+    verdicts = {
+        "0": said("named", "sensor_lag", after=0.0016),
+        "1": said("named", "electrode_lag"),
+        "2": said("none"),
+        "3": said("named", "end_stop"),
+        "4": said("named", "dead_zone", "end_stop", after=0.015),
+        "5": said("ambiguous", "end_stop", rivals=[{"dead_zone"}]),
+    }
+    scores = trials.scores(labels, verdicts, FAMILY)
+    rate = {str(m): float(scores["rate"].sel(measure=m)) for m in scores["measure"].values}
+    assert rate["right name"] == 0.5
+    assert rate["right class"] == 1.0
+    assert rate["both of two"] == 1.0
+    assert rate["name given on nothing"] == 0.0
+    assert rate["no name on a foreign effect"] == rate["name given on a foreign effect"] == 0.5
+    assert rate["names given that are right"] == 0.5
+    assert rate["gap closed after a right name"] == 0.5
+    assert float(scores["risk_of_names"]) == 0.5
+    assert float(scores["coverage_of_names"]) == pytest.approx(4 / 6)
+
+
+def test_a_seal_opens_on_what_was_committed_to_and_nothing_else(tmp_path):
+    import hashlib
+
+    sealed = tmp_path / "0001.json"
+    sealed.write_text("a label")
+    committed = hashlib.sha256(b"a label").hexdigest()
+    assert trials.open_seal(sealed, committed) == b"a label"
+    sealed.write_text("another label")
+    with pytest.raises(InputError, match="changed after it was sealed"):
+        trials.open_seal(sealed, committed)
+    sealed.unlink()
+    with pytest.raises(InputError, match="missing"):
+        trials.open_seal(sealed, committed)
