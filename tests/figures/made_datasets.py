@@ -12,7 +12,7 @@ TESTS = ["phi_ee", "phi_eu", "phi_e(eu)", "phi_u2e", "phi_u2e2"]
 WINDOWS = ["100-130 s", "900-930 s", "1700-1730 s"]
 MODELS, APPROACHES = ["linear", "narx"], ["re-estimated", "honest"]
 TRACKERS = ["rls", "kalman", "output_error"]
-RATE = 50.0
+RATE = 10.0
 
 
 def checked(dataset: xr.Dataset, contract: str) -> xr.Dataset:
@@ -28,7 +28,7 @@ def record(seed: int, duration: float = 1800.0) -> xr.Dataset:
     rng = np.random.default_rng(seed)
     t = np.arange(int(duration * RATE)) / RATE
     white = rng.standard_normal(t.size)
-    slow = np.convolve(white, np.hanning(60), "same")
+    slow = np.convolve(white, np.hanning(12), "same")
     u = 2.425 + 1.325 * np.tanh(slow / slow.std() / 1.5)
     y = 0.6 + 0.05 * u**2 * (1 + 0.2 * seed * t / 1800) + 0.2 * (-1) ** seed * t / 1800
     return checked(
@@ -127,8 +127,8 @@ def validation(seed: int) -> xr.Dataset:
 def track(seed: int) -> xr.Dataset:
     rng = np.random.default_rng(seed)
     found, whole = model(seed), record(seed)
-    t = whole["time"].values[::25]
-    y = whole["displacement"].values[::25]
+    t = whole["time"].values[::5]
+    y = whole["displacement"].values[::5]
     drift = 1 + 0.1 * np.sin(t / 300 + np.array([0.0, 0.1, 0.2])[:, None])[:, :, None]
     theta = found["parameter"].values * drift
     spread = np.array([0.3, 0.02, 0.03, 0.01])[:, None]
