@@ -16,6 +16,16 @@ FORBIDDEN = {
     "acquisition": {"bench", "discrepancy", "narx", "tracking", "gfrf", "stages", "figures"},
     "modbus": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "figures"},
     "store": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "figures"},
+    "trials": {
+        "bench",
+        "discrepancy",
+        "acquisition",
+        "narx",
+        "tracking",
+        "gfrf",
+        "stages",
+        "figures",
+    },
     "figures": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "stages"},
 }
 

@@ -65,3 +65,13 @@ def finished(tmp_path_factory):
     run = project.snakemake("study")
     assert run.returncode == 0, run.stdout + run.stderr
     return project
+
+
+@pytest.fixture(scope="module")
+def finished_campaign(tmp_path_factory):
+    """A copy in which a dozen blind trials of the tuning set have run."""
+    project = Project(tmp_path_factory.mktemp("trials"))
+    dozen = ["--config", "trials={count: 12, set: tuning}"]
+    run = project.snakemake("trials", *dozen, small=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return project

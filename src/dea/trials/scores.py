@@ -13,7 +13,7 @@ from dea.trials.proportion import Proportion, wilson
 
 STRENGTH_EDGES = (3.0, 5.3, 9.5, 17.0, 30.0)  # equal ratios
 CLOSED = 1.3  # noise floors: a held-out gap as good as gone
-NOT_NAMED = ("none", "ambiguous", "unknown", "two effects")
+NO_SINGLE_NAME = ("two effects", "none", "ambiguous", "unknown")
 
 
 class Opened(NamedTuple):
@@ -109,7 +109,7 @@ def _confusion(trials: Sequence[Opened], catalogue: Sequence[str]) -> xr.Dataset
         return next(iter(t.said.effects)) if len(t.said.effects) == 1 else "two effects"
 
     outside = sorted({row(t) for t in trials if t.kind == "outside"})
-    rows, columns = [*catalogue, "two effects", "none", *outside], [*catalogue, *NOT_NAMED]
+    rows, columns = [*catalogue, "two effects", "none", *outside], [*catalogue, *NO_SINGLE_NAME]
     counts = np.zeros((len(rows), len(columns)), np.int64)
     worth = np.zeros((len(rows), len(OUTCOMES)), np.int64)
     for t in trials:

@@ -1,0 +1,107 @@
+"""Blind trials are blind: what the diagnosis may read, and a campaign from end to end."""
+
+import json
+import re
+import subprocess
+
+import pytest
+
+from dea import store
+from dea.errors import InputError
+from dea.stages.trial_score import trial_score
+
+SCORES = "results/trials/tuning/scores.nc"
+DOZEN = ["--config", "trials={count: 12, set: tuning}"]
+
+
+@pytest.fixture
+def planned_jobs(project):
+    """Inputs and command of every job of a campaign, by rule."""
+    run = subprocess.run(
+        ["snakemake", "--dry-run", "--printshellcmds", "--cores", "1", SCORES, *DOZEN],
+        cwd=project.folder, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    jobs: dict[str, list[tuple[list[str], str]]] = {}
+    for block in re.split(r"^(?:local)?rule ", run.stdout + run.stderr, flags=re.MULTILINE)[1:]:
+        inputs = re.search(r"^ +input: (.*)$", block, re.MULTILINE)
+        command = re.search(r"^Shell command: (.*)$", block, re.MULTILINE)
+        if inputs and command:
+            jobs.setdefault(block.split(":")[0], []).append((inputs[1].split(", "), command[1]))
+    return jobs
+
+
+def test_the_diagnosis_reads_records_and_its_own_code_alone(planned_jobs, project):
+    config = (project.folder / "config" / "config.yaml").read_text()
+    seeds = re.search(r"seeds: \{tuning: (\d+), reporting: (\d+)\}", config).groups()
+    assert len(planned_jobs["trial_diagnose"]) == 2
+    for inputs, command in planned_jobs["trial_diagnose"]:
+        data = [name for name in inputs if not name.startswith("src/")]
+        assert data == [f"results/trials/tuning/{data[0].split('/')[3]}/records"]
+        assert not [name for name in inputs if name.startswith("src/dea/bench/")]
+        assert any(name.startswith("src/dea/discrepancy/") for name in inputs)
+        for secret in ("sealed", "commitment", *seeds):
+            assert secret not in command
+
+
+def test_the_seals_are_opened_after_every_verdict_and_by_one_rule(planned_jobs):
+    readers = {
+        rule
+        for rule, jobs in planned_jobs.items()
+        for inputs, _ in jobs
+        if any(name.endswith("/sealed") for name in inputs)
+    }
+    assert readers == {"trial_acquire", "trial_score"}
+    [(inputs, _)] = planned_jobs["trial_score"]
+    batches = [name.rsplit("/", 1)[0] for name in inputs if name.endswith("/sealed")]
+    assert [f"{batch}/verdicts" in inputs for batch in batches] == [True, True]
+
+
+@pytest.fixture(scope="module")
+def campaign(finished_campaign):
+    return finished_campaign.folder / "results" / "trials" / "tuning"
+
+
+@pytest.mark.slow
+def test_a_dozen_trials_are_drawn_recorded_diagnosed_and_scored(finished_campaign, campaign):
+    scores = store.read(campaign / "scores.nc")
+    assert scores["trial"].values.tolist() == [f"{index:04d}" for index in range(12)]
+    assert int(scores["confusion"].sum()) == 12
+    for name in ("confusion", "risk_coverage", "strength", "gap"):
+        figure = finished_campaign.folder / f"results/figures/trials_{name}_tuning.png"
+        assert figure.stat().st_size > 5_000
+    for kind in ("csv", "md", "tex"):
+        table = finished_campaign.folder / f"results/tables/trials_tuning.{kind}"
+        assert "right name" in table.read_text()
+
+
+@pytest.mark.slow
+def test_a_record_says_nothing_of_what_is_hidden(campaign):
+    for batch in campaign.glob("*-*"):
+        for sealed in (batch / "sealed").glob("*.json"):
+            trial = json.loads(sealed.read_text())
+            record = store.read_record(batch / "records" / f"{sealed.stem}.nc")
+            told = json.dumps({key: str(value) for key, value in record.attrs.items()})
+            for effect in trial["effects"]:
+                assert effect["name"] not in told
+                assert str(effect["size"]) not in told
+            assert str(trial["seed"]) not in told
+
+
+@pytest.mark.slow
+def test_a_label_changed_after_the_verdict_is_refused(campaign, tmp_path):
+    batch = sorted(campaign.glob("*-*"))[0]
+    sealed = next((batch / "sealed").glob("*.json"))
+    honest = sealed.read_text()
+    sealed.write_text(honest.replace('"strength": ', '"strength": 1'))
+    try:
+        with pytest.raises(InputError, match="sealed"):
+            trial_score(
+                {"set": "tuning", "seed": 1},
+                commitment=[batch / "commitment.json"],
+                sealed=[batch / "sealed"],
+                verdicts=[batch / "verdicts"],
+                scores=tmp_path / "scores.nc",
+            )
+    finally:
+        sealed.write_text(honest)
+    assert not (tmp_path / "scores.nc").exists()
