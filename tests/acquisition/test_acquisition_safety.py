@@ -58,6 +58,7 @@ def test_an_endpoint_that_does_not_answer(serve_bench, partial, mode):
     with pytest.raises(InputError, match=f"127.0.0.1:{port} does not answer") as caught:
         acquire(device, VOLTS, partial, replace(FAST, mode=mode))
     assert caught.value.field == "endpoint"
+    assert not partial.exists()
 
 
 def changed(device, name, **changes):
@@ -85,6 +86,7 @@ def test_a_register_map_that_does_not_match(serve_bench, partial, name, changes,
     assert caught.value.file == bench.endpoint.source
     assert caught.value.remedy
     assert not started(bench)
+    assert not partial.exists()
 
 
 def test_a_wrong_unit_id(serve_bench, partial):

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from dea.acquisition import buffered, polled
-from dea.acquisition.excitation import plan_sequence
+from dea.acquisition.excitation import Plan, plan_sequence
 from dea.acquisition.interrupts import Interruption
 from dea.acquisition.link import Link, LinkLog, LinkSettings
 from dea.acquisition.panel import Panel
@@ -75,49 +75,46 @@ def acquire(
     attempts = settings.restarts + 1 if settings.on_break == "restart" else 1
     for attempt in range(attempts):
         link = Link(device, patience, log)
-        set_aside(partial)
-        note = {"device": device.name, "lead": plan.lead, "length": plan.length}
-        file = PartialFile(partial, note | {"settings": asdict(settings)})
         try:
-            samples = _run(link, plan.counts, settings, file, watch, reset or attempt > 0)
+            samples = _attempt(link, plan, partial, settings, watch, reset or attempt > 0)
+            break
         except BrokenRecordError:
             if attempt + 1 == attempts:
                 raise
             log.errors["restarted"] += 1
-        else:
-            file.note({"complete": True})
-            return Acquisition(
-                record_dataset(device, samples, plan.lead, plan.length), link_dataset(log)
-            )
-        finally:
-            file.close()
-    raise AssertionError("unreachable: the last attempt returns or raises")
+    return Acquisition(record_dataset(device, samples, plan.lead, plan.length), link_dataset(log))
 
 
-def _run(
+def _attempt(
     link: Link,
-    sequence: np.ndarray,
+    plan: Plan,
+    partial: Path,
     settings: AcquisitionSettings,
-    file: PartialFile,
     watch: Watcher | None,
     reset: bool,
 ) -> Samples:
+    """Everything measured while the plan was driven, from a verified zero to a verified zero."""
     blocks = []
     interruption = Interruption()
     output = SafeOutput(link, ramp_rate=settings.ramp_rate, reset=reset)
+    note = {"device": link.device.name, "lead": plan.lead, "length": plan.length}
     with interruption, output as panel:
         link.check = interruption.check
-        try:
-            for samples in _drive(panel, sequence, settings):
-                file.samples(samples)
-                blocks.append(samples)
-                if watch is not None:
-                    watch(samples, link.log)
-                interruption.check()
-        except BrokenRecordError as error:
-            file.samples(error.samples)
-            file.note({"broken": str(error)})
-            raise
+        driven = _drive(panel, plan.counts, settings)
+        set_aside(partial)
+        with PartialFile(partial, note | {"settings": asdict(settings)}) as file:
+            try:
+                for samples in driven:
+                    file.samples(samples)
+                    blocks.append(samples)
+                    if watch is not None:
+                        watch(samples, link.log)
+                    interruption.check()
+            except BrokenRecordError as error:
+                file.samples(error.samples)
+                file.note({"broken": str(error)})
+                raise
+            file.note({"complete": True})
     return Samples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
 
 

@@ -12,7 +12,7 @@ import threading
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -54,6 +54,12 @@ class PartialFile:
         for name, column in zip(Samples._fields, samples, strict=True):
             rows[name] = column
         self._append(_SAMPLES + rows.tobytes())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def close(self) -> None:
         """Wait until everything is on the disk; raises OSError where that failed."""
