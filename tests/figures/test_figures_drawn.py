@@ -202,3 +202,12 @@ def test_the_recovery_shows_every_error_that_is_finite():
         assert np.array_equal(drawn, np.sort(scores[name].values.ravel()))
     share = np.concatenate([line.get_xdata() for line in axes[-1].lines])
     assert np.array_equal(np.sort(share), np.sort(scores["terms_common"].values.ravel() / 10))
+
+
+def test_a_fixed_model_that_diverges_is_said_to_have_and_keeps_its_axis():
+    track = made.track(1)
+    track["simulated"].values[0, 500:] = np.inf
+    track["nmse"].values[0] = track["rmse"].values[0] = np.inf
+    ax = tracked_parameters(made.record(1), track, "dea1").subfigs[0].axes[0]
+    assert ax.get_title(loc="right") == "fixed parameters: diverged"
+    assert np.isfinite(ax.get_ylim()).all()

@@ -82,14 +82,16 @@ def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
         ax.set_ylim(-1.1 * reach, 1.1 * reach)
         ax.plot(time / style.MINUTE, error, lw=0.2, color=colour, rasterized=True)
         ax.axhline(0, color=style.BLACK, lw=0.4)
-        units = track["rmse"].attrs["units"]
-        ax.set_title(
-            f"{label}: nmse {number(float(chosen['nmse']))}, "
-            f"rmse {number(float(chosen['rmse']))} {units}",
-            loc="right", pad=2,
-        )  # fmt: skip
+        ax.set_title(f"{label}: {_success(chosen)}", loc="right", pad=2)
     axes[-1].set_xlim(time[0] / style.MINUTE, _end(time))
     axes[-1].set_xlabel("time (min)")
+
+
+def _success(simulation: xr.Dataset) -> str:
+    nmse, rmse = float(simulation["nmse"]), float(simulation["rmse"])
+    if not np.isfinite(nmse):
+        return "diverged"
+    return f"nmse {number(nmse)}, rmse {number(rmse)} {simulation['rmse'].attrs['units']}"
 
 
 def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
