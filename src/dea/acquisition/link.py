@@ -6,12 +6,14 @@ whose reply was lost. The blocks of the buffered protocol carry sequence numbers
 
 import itertools
 import logging
+import select
 import struct
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ConnectionException, ModbusException
 from pymodbus.pdu import ModbusPDU
 from pymodbus.pdu.register_message import (
@@ -174,12 +176,22 @@ class Link:
     def _attempt(self, request: ModbusPDU) -> list[int]:
         """Registers of one reply."""
         assert self.client is not None
+        if self._stray_bytes():
+            raise ConnectionError("bytes have come that no request asked for")
         reply = self.client.execute(False, request)
         if reply.isError():
             raise DeviceRefusedError(reply.exception_code, request.function_code)
         if not _answers(reply, request):
             raise ValueError("a reply that does not answer the request")
         return list(reply.registers)
+
+    def _stray_bytes(self) -> bool:
+        """Whether a reply is there before its request: RTU has no number to tell them apart."""
+        if self.device.framing != "rtu_over_tcp":
+            return False
+        assert isinstance(self.client, ModbusTcpClient)
+        connection = self.client.socket
+        return connection is None or bool(select.select([connection], [], [], 0)[0])
 
     def _reconnect(self) -> None:
         try:

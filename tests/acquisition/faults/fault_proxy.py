@@ -27,14 +27,20 @@ class Fault:
 class FaultProxy:
     """Listens on a free loopback port, :attr:`port`, and passes frames on to ``target``.
 
-    ``restart`` is called where the schedule restarts the bench. :attr:`done` lists the faults that
+    ``restart`` is called where the schedule restarts the bench. ``rtu`` says that the frames are
+    RTU's, for which faults of Modbus TCP's header mean nothing. :attr:`done` lists the faults that
     came to pass.
     """
 
     def __init__(
-        self, target: tuple[str, int], faults: Sequence[Fault], restart: Callable[[], None]
+        self,
+        target: tuple[str, int],
+        faults: Sequence[Fault],
+        restart: Callable[[], None],
+        *,
+        rtu: bool = False,
     ) -> None:
-        self.target, self.restart = target, restart
+        self.target, self.restart, self.rtu = target, restart, rtu
         self.done: list[Fault] = []
         self.closed_until = self.frozen_until = 0.0  # s, the loop's time
         self._faults = {(fault.way, fault.number): fault for fault in faults}
@@ -111,8 +117,7 @@ class Wire:
         """Pass frames on until an end closes; what was delayed still arrives after that."""
         try:
             while True:
-                header = await self._reader.readexactly(6)
-                frame = header + await self._reader.readexactly(int.from_bytes(header[4:], "big"))
+                frame = await self._frame()
                 fault = self.proxy.next_fault(self.way)
                 await self.proxy.thaw()
                 if fault is None:
@@ -123,6 +128,16 @@ class Wire:
         except (asyncio.IncompleteReadError, ConnectionError):
             if not self.deaf:
                 self._writer.close()
+
+    async def _frame(self) -> bytes:
+        """The next frame; RTU's does not tell its length, but comes in one segment."""
+        if self.proxy.rtu:
+            frame = await self._reader.read(300)
+            if not frame:
+                raise asyncio.IncompleteReadError(frame, None)
+            return frame
+        header = await self._reader.readexactly(6)
+        return header + await self._reader.readexactly(int.from_bytes(header[4:], "big"))
 
     def send(self, data: bytes) -> None:
         """Pass bytes on, unless nothing passes any more."""
@@ -180,9 +195,13 @@ async def _lose(wire: Wire, frame: bytes, amount: float) -> None:
 
 
 async def _duplicate(wire: Wire, frame: bytes, amount: float) -> None:
-    wire.send(frame)
-    await asyncio.sleep(amount * 2e-3)
-    wire.send(frame)
+    """Send the frame twice, in one segment or one after the other."""
+    if amount < 0.5:
+        wire.send(frame + frame)
+    else:
+        wire.send(frame)
+        await asyncio.sleep((amount - 0.5) * 4e-3)
+        wire.send(frame)
 
 
 async def _merge(wire: Wire, frame: bytes, amount: float) -> None:

@@ -60,7 +60,8 @@ def run_trial(
     """Acquire ``VOLTS`` from ``bench`` through a proxy with ``faults``."""
     partial = folder / f"{len(list(folder.iterdir()))}.partial"
     record = failure = None
-    with FaultProxy(("127.0.0.1", bench.endpoint.port), faults, bench.restart) as proxy:
+    target, rtu = ("127.0.0.1", bench.endpoint.port), bench.description.framing == "rtu_over_tcp"
+    with FaultProxy(target, faults, bench.restart, rtu=rtu) as proxy:
         device = replace(bench.endpoint, port=proxy.port)
         with _ends_within(PATIENCE):
             try:
@@ -71,10 +72,10 @@ def run_trial(
     lead = ramp(device, 0.0, VOLTS[0], settings.ramp_rate)
     tail = ramp(device, VOLTS[-1], 0.0, settings.ramp_rate)
     sequence = np.concatenate([lead, output, tail, [0]])
-    return Trial(
-        bench, sequence, record, failure, recover(partial).samples, proxy.done,
-        settings.on_break == "restart",
-    )  # fmt: skip
+    nothing = Samples.lost(0, 0, np.empty(0, np.int64))
+    samples = recover(partial).samples if partial.exists() else nothing
+    repeats = settings.on_break == "restart"
+    return Trial(bench, sequence, record, failure, samples, proxy.done, repeats)
 
 
 def check(trial: Trial) -> None:

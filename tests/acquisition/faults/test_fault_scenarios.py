@@ -9,10 +9,13 @@ from fault_proxy import FAULTS, TIMEOUT, Fault
 from fault_trial import SETTINGS, broken_record, check, run_trial
 
 from dea.acquisition import BrokenRecordError, Quality, ZeroNotVerifiedError
+from dea.modbus import read_device
+from served_bench import DESCRIPTION
 
 pytestmark = pytest.mark.faults
 
 EXCHANGES = 33  # of a buffered acquisition: 18 to check and claim, 10 for blocks, 5 to stop
+PATIENTLY_POLLED = replace(SETTINGS, mode="polled", timeout=0.5)  # where nothing is repeated
 REPAIRED = [kind for kind in FAULTS if kind not in ("restart", "garble")]
 
 
@@ -114,9 +117,8 @@ def test_samples_that_the_device_overwrote_are_named(serve_bench, tmp_path):
 
 @pytest.mark.parametrize("kind", ["cut after", "lose", "half-open", "wrong transaction"])
 def test_a_polled_sample_without_its_reply_is_named(serve_bench, tmp_path, kind):
-    settings = replace(SETTINGS, mode="polled")
     bench = serve_bench(watchdog_time=1.0)
-    trial = run_trial(bench, [Fault("request", 100, kind)], tmp_path, settings)
+    trial = run_trial(bench, [Fault("request", 100, kind)], tmp_path, PATIENTLY_POLLED)
     check(trial)
     assert isinstance(trial.failure, BrokenRecordError)
     assert trial.samples.quality[-1] == Quality.LOST
@@ -132,3 +134,23 @@ def test_a_connection_that_never_comes_back_names_what_is_missing(serve_bench, t
     assert isinstance(trial.failure, ZeroNotVerifiedError)
     assert "never driven or read" in str(broken_record(trial.failure))
     assert bench.player.latched
+
+
+@pytest.mark.parametrize("kind", ["duplicate", "garble", "truncate", "cut after", "split"])
+def test_rtu_over_tcp_is_repaired_though_it_numbers_nothing(serve_bench, tmp_path, kind):
+    for number in range(0, 30, 4):
+        rtu = replace(read_device(DESCRIPTION), framing="rtu_over_tcp")
+        bench = serve_bench(watchdog_time=1.0, description=rtu)
+        trial = run_trial(bench, [Fault("reply", number, kind, amount=0.4)], tmp_path)
+        check(trial)
+        assert trial.failure is None, (number, trial.failure)
+
+
+@pytest.mark.parametrize("kind", ["garble", "truncate"])
+def test_a_garbled_polled_sample_is_named_where_frames_have_a_checksum(serve_bench, tmp_path, kind):
+    rtu = replace(read_device(DESCRIPTION), framing="rtu_over_tcp")
+    bench = serve_bench(watchdog_time=1.0, description=rtu)
+    trial = run_trial(bench, [Fault("reply", 100, kind)], tmp_path, PATIENTLY_POLLED)
+    check(trial)
+    assert isinstance(trial.failure, BrokenRecordError)
+    assert 50 < trial.failure.first < 100
