@@ -17,12 +17,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pymodbus.client import ModbusTcpClient
 
-from dea.acquisition import Acquisition, AcquisitionSettings, Link, acquire
-from dea.acquisition.panel import Panel
-from dea.acquisition.polled import Poll
+from dea.acquisition import Acquisition, AcquisitionSettings, acquire
 from dea.bench import Rig
-from dea.modbus import Device, read_device, to_counts
+from dea.modbus import Device, encode, read_device, to_counts
 
 CONFIG, DESCRIPTION = Path("config/bench.yaml"), Path("config/devices/virtual_bench.yaml")
 POLLED_SAMPLES, BUFFERED_SAMPLES, REPEATS = 4000, 90_000, 3
@@ -76,10 +75,16 @@ def buffered_speed() -> dict[str, Any]:
 
 
 def punctuality(seconds: float, *, busy: bool) -> dict[str, Any]:
-    """Share of samples driven in time at 50 Hz; times are the worst lateness and the limit."""
+    """Share of samples driven in time at 50 Hz; times are the worst lateness and the limit.
+
+    The bench is driven as a plain module, without its sample index, so that a late sample is
+    flagged and does not end the record.
+    """
     settings = AcquisitionSettings(mode="polled", ramp_rate=2.0)
     with _bench("wall") as device, _busy_core() if busy else nullcontext():
-        link = _acquire(device, _volts(round(seconds * device.sampling_rate)), settings).link
+        registers = {n: r for n, r in device.registers.items() if n != "device_index"}
+        volts = _volts(round(seconds * device.sampling_rate))
+        link = _acquire(replace(device, registers=registers), volts, settings).link
     jitter = link.jitter.values
     return {
         "name": f"samples in time at 50 Hz, {seconds:g} s, {'a busy core' if busy else 'idle'}",
@@ -107,25 +112,24 @@ def _acquire(device: Device, volts: np.ndarray, settings: AcquisitionSettings) -
 
 def _bare_round_trips(device: Device, volts: np.ndarray) -> float:
     """Seconds that pymodbus's own client needs for the call that polls one sample."""
-    counts = to_counts(device["output"], volts).tolist()
-    link = Link(device)
-    link.open()
-    panel = Panel(link)
-    panel.set("claim", 1)
-    panel.set("command", START)
-    window, output = Poll(panel).windows[0], device["output"]
+    client = ModbusTcpClient(device.host, port=device.port)
+    client.connect()
+    output, first, last = device["output"], device["applied_output"], device["device_index"]
+    counts = to_counts(output, volts).tolist()
+    client.write_registers(device["claim"].address, encode(device["claim"], 1))
+    client.write_register(device["command"].address, START)
     start = time.perf_counter()
     for count in counts:
-        link.client.readwrite_registers(  # type: ignore[union-attr]
-            read_address=window.address, read_count=window.size,
+        client.readwrite_registers(
+            read_address=first.address, read_count=last.end - first.address,
             write_address=output.address, values=[count], device_id=device.unit_id,
         )  # fmt: skip
     seconds = time.perf_counter() - start
-    panel.set("command", STOP)
-    while panel.get("state") or panel.get("applied_output"):
+    client.write_register(device["command"].address, STOP)
+    while any(client.read_holding_registers(first.address).registers):
         time.sleep(0.01)
-    panel.set("claim", 0)
-    link.close()
+    client.write_registers(device["claim"].address, encode(device["claim"], 0))
+    client.close()
     return seconds
 
 
