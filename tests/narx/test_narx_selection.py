@@ -177,6 +177,14 @@ def test_the_trace_retells_the_selection():
     assert kept == {str(term) for term in found.terms}
 
 
+def test_no_model_exceeds_the_most_terms_asked_for():
+    _, u, y = record(DEA2, 1500, noise=1e-2)
+    for refine in (False, True):
+        assert len(select_terms(u, y, refine=refine, max_terms=5).terms) <= 5
+    with pytest.raises(InputError, match="max_terms"):
+        select_terms(u, y, max_terms=0)
+
+
 def test_a_selected_model_is_stored_with_its_trace(tmp_path):
     _, u, y = record(SMALL, 400, noise=0.05)
     found = select_terms(u, y, y_lags=1, u_lags=2, degree=2)

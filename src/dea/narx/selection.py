@@ -82,7 +82,7 @@ def select_terms(
     rounds
         Most accepted steps of the refining search; 0 refines the parameters alone.
     max_terms
-        No model has more terms than this, the linear basis aside.
+        The model has at most this many terms; pruning goes on until it does.
     scaling
         By default mean and half-range of the records; ``Scaling()`` takes them as they are.
 
@@ -103,6 +103,8 @@ def select_terms(
     segments = normalised(records, scale)
     trials, trace = Trials(candidates, segments), Trace()
     most = len(candidates) if max_terms is None else max_terms
+    if most < 1:
+        raise InputError(f"it is {most}", field="max_terms", remedy="Allow at least one term.")
     subset = forward_and_prune(trials, linear, add_threshold, prune_threshold, most, trace)
     theta = trials([subset])[0].parameters
     if refine:
@@ -145,19 +147,23 @@ def forward_and_prune(
         removable = subset if len(subset) > 1 else ()
         return {names[j]: tuple(i for i in subset if i != j) for j in removable}
 
-    grown = _descend(trials, basis, grow, add_threshold, trace, ("forward", "added"))
-    return _descend(trials, grown, shrink, -prune_threshold, trace, ("pruning", "pruned"))
+    grown = _descend(trials, basis, grow, lambda _: add_threshold, trace, ("forward", "added"))
+
+    def dearest(subset: Subset) -> float:
+        return -prune_threshold if len(subset) <= most else -np.inf
+
+    return _descend(trials, grown, shrink, dearest, trace, ("pruning", "pruned"))
 
 
 def _descend(
     trials: Trials,
     subset: Subset,
     moves: Callable[[Subset], dict[str, Subset]],
-    least_gain: float,
+    least_gain: Callable[[Subset], float],
     trace: Trace,
     labels: tuple[str, str],
 ) -> Subset:
-    """Take the move of least simulated error for as long as its SERR (5) is ``least_gain``."""
+    """Take the move of least simulated error while its SERR (5) is at least ``least_gain``."""
     phase, status = labels
     error, step = trials([subset])[0].msse, 0
     while options := moves(subset):
@@ -165,7 +171,7 @@ def _descend(
         errors = [outcome.msse for outcome in trials(options.values())]
         gains = [gain(error, tried, trials.power) for tried in errors]
         best = int(np.argmin(errors))
-        accepted = gains[best] >= least_gain
+        accepted = gains[best] >= least_gain(subset)
         trace.add(phase, step, list(options), errors, gains, best if accepted else None, status)
         if not accepted:
             break

@@ -1,0 +1,53 @@
+"""Run every benchmark, print a table of ratios and write ``results/benchmark.json``."""
+
+import json
+import os
+import platform
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+from benchmarks import identification, tracking
+
+ROOT = Path(__file__).parents[1]
+REQUIREMENTS = ROOT / "benchmarks" / "peers.txt"
+PEERS = ROOT / ".venv-peers"
+RESULT = ROOT / "results" / "benchmark.json"
+
+
+def peers_python() -> Path:
+    """Return the interpreter of the peers' environment, made here where it is not there yet."""
+    python = PEERS / "bin" / "python"
+    stamp = PEERS / "installed"
+    if not stamp.exists() or stamp.read_text() != REQUIREMENTS.read_text():
+        venv.create(PEERS, with_pip=True, clear=True)
+        install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+        subprocess.run([*install, "--requirement", REQUIREMENTS], check=True)
+        stamp.write_text(REQUIREMENTS.read_text())
+    return python
+
+
+def main() -> int:
+    """Run, print and store; the status is 1 where a target is missed."""
+    python = peers_python()
+    rows = [row for module in (identification, tracking) for row in module.run(python)]
+    print(f"{'what':<66}{'ours':>11}{'peer':>11}{'ratio':>9}{'target':>9}")
+    for row in rows:
+        print(
+            f"{row['name']:<66}{row['ours_s']:>9.4f} s{row['peer_s']:>9.3f} s"
+            f"{row['ratio']:>8.0f}x{row['target']:>8.0f}x"
+        )
+        if "detail" in row:
+            print(f"    {row['detail']}")
+    RESULT.parent.mkdir(exist_ok=True)
+    machine = {"cores": os.cpu_count(), "machine": platform.machine()}
+    RESULT.write_text(json.dumps({"machine": machine, "rows": rows}, indent=1) + "\n")
+    missed = [row["name"] for row in rows if not row["ratio"] >= row["target"]]
+    if missed:
+        print("targets missed: " + "; ".join(missed), file=sys.stderr)
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
