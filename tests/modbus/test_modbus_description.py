@@ -88,11 +88,24 @@ def test_a_wrong_description_names_the_field_and_the_remedy(change, field, messa
     assert "device.yaml" in str(caught.value)
 
 
-def test_a_wrong_parity_is_refused():
-    content = broken(setter("framing", "serial"))
-    content["serial"] = {"port": "/dev/ttyS0", "parity": "X"}
-    with pytest.raises(InputError, match="Use N, E or O"):
+@pytest.mark.parametrize(
+    ("framing", "section", "field"),
+    [
+        ("serial", {"port": "/dev/ttyS0", "parity": "X"}, "serial.parity"),
+        ("serial", {"port": 3}, "serial.port"),
+        ("serial", {"port": "/dev/ttyS0", "baudrate": "fast"}, "serial.baudrate"),
+        ("serial", {"port": "/dev/ttyS0", "stopbits": 3}, "serial.stopbits"),
+        ("serial", {"baud": 9600}, "serial.baud"),
+        ("tls", {"ca_file": 3}, "tls.ca_file"),
+        ("tls", {"ca": "authority.pem"}, "tls.ca"),
+        ("tls", "authority.pem", "tls"),
+    ],
+)
+def test_a_wrong_line_or_certificate_is_refused(framing, section, field):
+    content = broken(setter("framing", framing)) | {framing: section}
+    with pytest.raises(InputError) as caught:
         parse_device(content)
+    assert caught.value.field == field
 
 
 @given(st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),

@@ -15,6 +15,7 @@ Table = Literal["holding", "input"]
 Order = Literal["big", "little"]
 Access = Literal["read", "write", "read_write"]
 Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
+Parity = Literal["N", "E", "O"]
 RegisterType = Literal[
     "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string"
 ]
@@ -85,8 +86,8 @@ class Serial:
 
     port: str
     baudrate: int = 19200
-    parity: Literal["N", "E", "O"] = "E"
-    stopbits: Literal[1, 2] = 1
+    parity: Parity = "E"
+    stopbits: int = 1
 
 
 @dataclass(frozen=True)
@@ -177,7 +178,7 @@ def parse_device(content: Any, source: Path | None = None) -> Device:
         host=endpoint.text("host") if endpoint else "",
         port=endpoint.integer("port", 0, 65535) if endpoint else 0,
         framing=framing,  # type: ignore[arg-type]
-        tls=_plain(Tls, top, "tls") if "tls" in top.values else Tls(),
+        tls=_tls(top),
         serial=_serial(top) if framing == "serial" else None,
         read_write_multiple=top.boolean("read_write_multiple", False),
         source=source,
@@ -253,17 +254,20 @@ def _refuse_overlaps(registers: Mapping[str, Register], top: Section) -> None:
                 )
 
 
+def _tls(top: Section) -> Tls:
+    if "tls" not in top.values:
+        return Tls()
+    section = top.section("tls")
+    section.allow(*(f.name for f in fields(Tls)))
+    return Tls(**{key: section.text(key) for key in section.values})
+
+
 def _serial(top: Section) -> Serial:
-    serial = _plain(Serial, top, "serial")
-    if serial.parity not in ("N", "E", "O"):
-        raise top.error("serial.parity", f"{serial.parity!r}", "Use N, E or O.")
-    return serial
-
-
-def _plain(kind: Any, top: Section, key: str) -> Any:
-    section = top.section(key)
-    section.allow(*(f.name for f in fields(kind)))
-    try:
-        return kind(**section.values)
-    except TypeError as error:
-        raise top.error(key, str(error), "Complete the section.") from None
+    section = top.section("serial")
+    section.allow(*(f.name for f in fields(Serial)))
+    return Serial(
+        port=section.text("port"),
+        baudrate=section.integer("baudrate", 300, 4_000_000, default=19200),
+        parity=section.choice("parity", Parity, "E"),  # type: ignore[arg-type]
+        stopbits=section.integer("stopbits", 1, 2, default=1),
+    )
