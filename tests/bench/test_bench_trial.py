@@ -26,6 +26,7 @@ def test_a_campaign_is_balanced():
     pairs = [drawn for drawn in names if len(drawn) == 2]
     assert len(pairs) == 30
     assert all(first != second for first, second in pairs)
+    assert not any(pair <= {"end_stop", "output_saturation"} for pair in map(set, pairs))
     assert {name for pair in pairs for name in pair} <= set(catalogue)
 
 

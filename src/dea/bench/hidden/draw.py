@@ -20,6 +20,11 @@ _OUTSIDE = [name for name, effect in EFFECTS.items() if effect.port == OUTSIDE]
 # In every thirty trials each effect of the catalogue comes once, beside these.
 _OUTSIDE_SHARE, _PAIR_SHARE, _NULL_SHARE = 4, 3, 3
 ROUND = len(_INSIDE) + _OUTSIDE_SHARE + _PAIR_SHARE + _NULL_SHARE
+# Two of a kind do one thing between them: the stronger leaves nothing of the other to be found.
+_ALIKE = (
+    {"input_saturation", "end_stop", "output_saturation", "strain_stiffening"},
+    {"slew_limit", "transport_delay", "electrode_lag", "sensor_lag"},
+)
 _SPREAD = {"prestretch": 0.015, "yeoh_1": 0.05, "damping": 0.3, "contact_radius": 0.05}
 _SEARCHES, _TOLERANCE = 9, 1.08
 _CORRECTIONS = 3
@@ -33,11 +38,18 @@ def schedule(seed: int, trials: int) -> list[tuple[str, ...]]:
     rng = generator(seed, "trials", "schedule")
     names: list[tuple[str, ...]] = []
     while len(names) < trials:
-        pairs = [tuple(rng.choice(_INSIDE, 2, replace=False)) for _ in range(_PAIR_SHARE)]
+        pairs = [_draw_pair(rng) for _ in range(_PAIR_SHARE)]
         outside = rng.choice(_OUTSIDE, _OUTSIDE_SHARE, replace=False)
         drawn = [(name,) for name in [*_INSIDE, *outside]] + pairs + [()] * _NULL_SHARE
         names += [drawn[k] for k in rng.permutation(len(drawn))]
     return [tuple(str(name) for name in drawn) for drawn in names[:trials]]
+
+
+def _draw_pair(rng: np.random.Generator) -> tuple[str, ...]:
+    while True:
+        pair = tuple(str(name) for name in rng.choice(_INSIDE, 2, replace=False))
+        if not any(kind.issuperset(pair) for kind in _ALIKE):
+            return pair
 
 
 def draw(config: Path, seed: int, index: int) -> Trial:
@@ -74,8 +86,10 @@ def _attempt(
         if hidden is None:
             return None
         effects.append(hidden)
+    if _masked(effects, yardstick):
+        return None
     together = yardstick.strength(_laws(effects, conditions))
-    if not np.isfinite(together) or _masked(effects, yardstick):
+    if not np.isfinite(together):
         return None
     return Trial(
         name=name,
