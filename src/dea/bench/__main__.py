@@ -5,6 +5,7 @@ Prints one JSON line with host, port, unit id and process id on standard output 
 
 import argparse
 import asyncio
+import copy
 import ipaddress
 import json
 import logging
@@ -143,6 +144,8 @@ def _server(options: argparse.Namespace) -> BenchServer:
     else:
         name, parameters = options.actuator, read_parameters(options.config, options.actuator)
         rig = Rig(parameters, options.seed)
+    # Compiles what is not compiled yet, which would keep the first master waiting.
+    copy.deepcopy(rig).respond(np.array([rig.zero_count], np.uint16))
     device = build(
         rig, parameters, description,
         virtual_clock=options.clock == "virtual", watchdog=options.watchdog, actuator=name,
