@@ -62,11 +62,34 @@ def test_nothing_in_the_library_imports_snakemake():
         assert not {name for name in imported(file) if name.split(".")[0] == "snakemake"}, file
 
 
+def exported(package: str) -> set[str]:
+    """Names in the ``__all__`` of a package, which may be those of its modules too."""
+    init = SOURCE.joinpath(*package.split(".")[1:], "__init__.py")
+    if not package.startswith("dea") or not init.exists():
+        return set()
+    for node in ast.parse(init.read_text()).body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            return set(ast.literal_eval(node.value))
+    return set()
+
+
+def entered(file: Path) -> set[str]:
+    """Everything imported that could be a module, but for what its package exports by name."""
+    names = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            hidden = {alias.name for alias in node.names} - exported(node.module)
+            names |= {node.module} | {f"{node.module}.{name}" for name in hidden}
+    return names
+
+
 def test_rooms_are_entered_by_their_public_surface():
     inner = {}
     for file in SOURCE.rglob("*.py"):
         room = file.relative_to(SOURCE).parts[0]
-        for name in imported(file):
+        for name in entered(file):
             parts = name.split(".")
             if parts[0] == "dea" and len(parts) > 2 and parts[1] not in {room, "stages", "figures"}:
                 package = SOURCE.joinpath(*parts[1:])
