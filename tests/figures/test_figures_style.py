@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 
 from dea.figures import style
@@ -67,3 +68,18 @@ def test_drawing_needs_no_window_system():
 )
 def test_a_label_holds_the_units(units, label):
     assert style.quantity("x", units) == label
+
+
+@pytest.mark.parametrize(
+    ("duration", "label", "ticks"),
+    [(1800, "time (min)", ["0", "5", "30"]), (10, "time (s)", ["0", "2", "10"])],
+)
+def test_a_record_is_read_in_minutes_where_it_is_long(duration, label, ticks):
+    figure = style.page_figure(style.FULL_WIDTH, 40)
+    ax = figure.subplots()
+    style.time_axis(ax, np.arange(0, duration, 0.5))
+    figure.draw_without_rendering()
+    shown = [text.get_text() for text in ax.get_xticklabels()]
+    assert ax.get_xlabel() == label
+    assert set(ticks) <= set(shown)
+    assert ax.get_xlim() == (0, duration)

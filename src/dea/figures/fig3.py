@@ -49,8 +49,9 @@ def fig3(
     for ax in axes.ravel()[len(records) * 2 :]:
         if not ax.has_data():
             ax.set_visible(False)
+    _, unit = style.clock(signals(next(iter(records.values()))).time)
     for ax in axes[-1]:
-        ax.set_xlabel("time (min)")
+        ax.set_xlabel(f"time ({unit})")
     colour_bar(figure, mesh, axes, label)
     explain(figure, maps)
     return figure
@@ -88,17 +89,18 @@ def _excited(response: xr.Dataset) -> np.ndarray:
 
 def _series(ax: Axes, record: xr.Dataset) -> None:
     whole = signals(record)
-    ax.plot(whole.time / style.MINUTE, whole.y, lw=0.15, color=style.BLACK, rasterized=True)
+    ax.plot(whole.time, whole.y, lw=0.15, color=style.BLACK, rasterized=True)
     ax.set_ylabel(style.quantity("$y$", whole.y_units))
-    ax.set_xlim(whole.time[0] / style.MINUTE, (whole.time[-1] + whole.time[1]) / style.MINUTE)
+    style.time_axis(ax, whole.time)
+    ax.set_xlabel("")
 
 
 def _panel(
     ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize, colours: str
 ) -> QuadMesh:
-    minutes, frequency = values["time"].values / style.MINUTE, values["frequency"].values
+    time, frequency = values["time"].values, values["frequency"].values
     mesh = ax.pcolormesh(
-        minutes, frequency, values.transpose("frequency", "time").values,
+        time, frequency, values.transpose("frequency", "time").values,
         norm=norm, cmap=colours, shading="nearest", rasterized=True,
     )  # fmt: skip
     if frequency[0] > 0 and frequency[-1] > 30 * frequency[0]:

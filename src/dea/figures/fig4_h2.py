@@ -22,6 +22,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     """Draw |H2| (contract ``gfrf``): a column per actuator, a row per time, one colour scale."""
     maps = {name: abs(as_complex(response["H2"])) for name, response in responses.items()}
     times = next(iter(maps.values()))["time_h2"].values
+    unit, unit_name = style.clock(times)
     panel = min((style.FULL_WIDTH - _MARGIN) / len(maps), _LARGEST_PANEL)
     figure = style.page_figure(panel * len(maps) + _MARGIN, panel * times.size + _MARGIN / 2)
     axes = figure.subplots(times.size, len(maps), squeeze=False, sharex=True, sharey=True)
@@ -29,7 +30,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     for column, (name, values) in enumerate(maps.items()):
         for row, time in enumerate(times):
             mesh = _panel(axes[row, column], responses[name], values.isel(time_h2=row), norm)
-            axes[row, 0].set_ylabel(f"at {time / style.MINUTE:.3g} min\n$f_2$ (Hz)")
+            axes[row, 0].set_ylabel(f"at {time / unit:.3g} {unit_name}\n$f_2$ (Hz)")
         axes[0, column].set_title(name)
         axes[-1, column].set_xlabel("$f_1$ (Hz)")
     units = next(iter(responses.values()))["H2"].attrs["units"]

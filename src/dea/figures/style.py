@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
+import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MultipleLocator, NullFormatter
 from matplotlib.typing import RcKeyType
 
 from dea.store import atomic
@@ -27,6 +28,8 @@ FULL_WIDTH = 174.0
 PAGE_HEIGHT = 230.0
 _MM_PER_INCH = 25.4
 MINUTE = 60.0  # s
+_LONG = 300.0  # s, from which a record is read in minutes
+_MOST_TICKS = 7
 
 # Okabe and Ito (2008): told apart with every common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -151,3 +154,20 @@ def plain_log_ticks(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
+
+
+def clock(time: np.ndarray) -> tuple[float, str]:
+    """Return the unit a record's times (s) are best read in: its length in s, and its name."""
+    return (MINUTE, "min") if time[-1] - time[0] > _LONG else (1.0, "s")
+
+
+def time_axis(ax: Axes, time: np.ndarray) -> None:
+    """Limit an axis of seconds to a record and number it in what the record is best read in."""
+    unit, name = clock(time)
+    end = 2 * time[-1] - time[-2]  # where the last sample ends
+    steps = (m * 10.0**e for e in range(-3, 6) for m in (1, 2, 5))
+    step = next(s for s in steps if (end - time[0]) / (s * unit) <= _MOST_TICKS)
+    ax.set_xlim(time[0], end)
+    ax.xaxis.set_major_locator(MultipleLocator(step * unit))
+    ax.xaxis.set_major_formatter(lambda seconds, _: f"{seconds / unit:g}")
+    ax.set_xlabel(f"time ({name})")

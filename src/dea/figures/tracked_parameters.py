@@ -48,21 +48,15 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     thin = track.isel(time=slice(None, None, max(1, track["time"].size // _POINTS)))
     for panel, term in zip(panels, terms, strict=False):
         _parameter(panel, thin.sel(term=term), str(term))
-        panel.set_xlim(float(track["time"][0]) / style.MINUTE, _end(track["time"].values))
     for panel in panels[terms.size :]:
         panel.set_visible(False)
     for panel in panels[max(0, terms.size - _COLUMNS) : terms.size]:
         panel.tick_params(labelbottom=True)
-        panel.set_xlabel("time (min)")
+        style.time_axis(panel, track["time"].values)
     lower.supylabel("parameter (normalised)", fontsize=7)
     handles, labels = panels[0].get_legend_handles_labels()
     lower.legend(handles, labels, loc="outside upper center", ncols=len(handles))
     return figure
-
-
-def _end(time: np.ndarray) -> float:
-    """Where the last sample ends, minutes."""
-    return float(2 * time[-1] - time[-2]) / style.MINUTE
 
 
 def _in_order(names: xr.DataArray) -> list[str]:
@@ -80,11 +74,10 @@ def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
         worst = float(np.abs(error[np.isfinite(error)]).max(initial=0.0))
         reach = min(worst, float(np.ptp(whole.y)))  # a simulation may run away
         ax.set_ylim(-1.1 * reach, 1.1 * reach)
-        ax.plot(time / style.MINUTE, error, lw=0.2, color=colour, rasterized=True)
+        ax.plot(time, error, lw=0.2, color=colour, rasterized=True)
         ax.axhline(0, color=style.BLACK, lw=0.4)
         ax.set_title(f"{label}: {_success(chosen)}", loc="right", pad=2)
-    axes[-1].set_xlim(time[0] / style.MINUTE, _end(time))
-    axes[-1].set_xlabel("time (min)")
+    style.time_axis(axes[-1], time)
 
 
 def _success(simulation: xr.Dataset) -> str:
@@ -95,14 +88,14 @@ def _success(simulation: xr.Dataset) -> str:
 
 
 def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
-    minutes = track["time"].values / style.MINUTE
+    time = track["time"].values
     for tracker in _in_order(track["tracker"]):
         label, colour, dashes = _TRACKER[tracker]
         theta = track["parameter"].sel(tracker=tracker).values
         reach = _BAND * track["parameter_std"].sel(tracker=tracker).values
-        ax.plot(minutes, theta, color=colour, ls=dashes, lw=0.8, label=label)
+        ax.plot(time, theta, color=colour, ls=dashes, lw=0.8, label=label)
         ax.fill_between(
-            minutes, theta - reach, theta + reach, color=colour, alpha=0.22, lw=0,
+            time, theta - reach, theta + reach, color=colour, alpha=0.22, lw=0,
             label="95 % band", rasterized=True,
         )  # fmt: skip
     ax.set_title(term_as_mathematics(term))
