@@ -63,6 +63,7 @@ class Monitor:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
     ) -> None:
+        self._bar.update(self._task, completed=self._done)
         self._screen.refresh()
         self._screen.stop()
 
@@ -84,7 +85,9 @@ class Monitor:
         self._signals.append(
             (
                 samples.device_index / device.sampling_rate,
-                to_physical(device["output"], samples.applied),
+                to_physical(
+                    device.registers.get("applied_output", device["output"]), samples.applied
+                ),
                 to_physical(device["displacement"], samples.displacement),
             )
         )

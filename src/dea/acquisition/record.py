@@ -29,6 +29,7 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
     time = (part.device_index - part.device_index[:1]) / device.sampling_rate
     have = (part.quality & Quality.LOST) == 0
     output, displacement = device["output"], device["displacement"]
+    echo = device.registers.get("applied_output", output)
     meanings = " ".join(flag.name.lower() for flag in Quality if flag.name)
 
     def variable(values: np.ndarray, units: str, long_name: str) -> tuple:
@@ -37,7 +38,7 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
     dataset = xr.Dataset(
         {
             "voltage": variable(
-                np.where(have, to_physical(output, part.applied), np.nan), output.unit,
+                np.where(have, to_physical(echo, part.applied), np.nan), echo.unit,
                 "applied output before the amplifier, as the device echoed it",
             ),
             "displacement": variable(

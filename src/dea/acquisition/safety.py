@@ -82,10 +82,10 @@ class SafeOutput:
                 self._stop()
             else:
                 self._ramp_down()
-            if (applied := self._applied()) not in (None, self.zero):
+            if driven := self._driven():
                 raise ZeroNotVerifiedError(
-                    f"the output reads {to_physical(self.device['output'], applied):g} V after the "
-                    "ramp to zero. Switch the amplifier off."
+                    f"the output reads {driven:g} V after the ramp to zero. "
+                    "Switch the amplifier off."
                 )
         except (LinkError, DeviceRefusedError) as error:
             watch = "watchdog_time" in self.device
@@ -154,19 +154,24 @@ class SafeOutput:
                     file=self.device.source,
                     remedy="Find out why, then start with --reset.",
                 )
-        elif (applied := self._applied()) not in (None, self.zero):
+        elif driven := self._driven():
             raise InputError(
-                f"the output is not zero: {to_physical(self.device['output'], applied):g} V",
+                f"the output is not zero: {driven:g} V",
                 file=self.device.source,
                 remedy="Bring it to zero first; no start from a driven output.",
             )
 
-    def _applied(self) -> int | None:
-        """Read-back of the output, or None where the device has none."""
+    def _applied(self) -> float | None:
+        """Read-back of the output, V, or None where the device has none."""
         for name in ("applied_output", "output"):
             if name in self.panel and self.device[name].access != "write":
-                return self.panel.confirmed(name)
+                return float(to_physical(self.device[name], self.panel.confirmed(name)))
         return None
+
+    def _driven(self) -> float:
+        """Read-back of the output, V; 0 within one count of it, or where there is none."""
+        applied = self._applied() or 0.0
+        return applied if abs(applied) > abs(self.device["output"].scale) else 0.0
 
     def _stop(self) -> None:
         if self.panel.get("state") != TRIPPED:
@@ -179,9 +184,10 @@ class SafeOutput:
             time.sleep(0.01)
 
     def _ramp_down(self) -> None:
-        applied = self._applied()
-        last = self.panel.last_output if applied is None else applied
-        start = float(to_physical(self.device["output"], self.zero if last is None else last))
+        start = self._applied()
+        if start is None:
+            last = self.panel.last_output
+            start = float(to_physical(self.device["output"], self.zero if last is None else last))
         for count in ramp(self.device, start, 0.0, self.ramp_rate).tolist():
             self.panel.set("output", count)
             time.sleep(1 / self.device.sampling_rate)
