@@ -2,7 +2,7 @@ import made_datasets as made
 import pytest
 
 
-@pytest.fixture(params=[1, 2, 6], ids=lambda n: f"{n} actuators")
+@pytest.fixture(params=[1, 3, 6], ids=lambda n: f"{n} actuators")
 def names(request):
     return made.NAMES[: request.param]
 

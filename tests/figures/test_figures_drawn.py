@@ -110,6 +110,7 @@ def test_a_figure_of_all_actuators_is_readable_and_says_its_units(name, each, na
     assert_readable(figure)
     shown = {text for text, _ in texts(figure)}
     assert set(names) <= shown
+    assert all(ax.has_data() or not ax.axison or ax.texts for ax in figure.axes if ax.get_visible())
 
 
 def test_fig1_shows_every_sample_of_the_record():

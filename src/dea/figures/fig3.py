@@ -46,12 +46,13 @@ def fig3(
         mesh = _panel(panel, responses[name], maps[name], norm, colours)
         series.set_title(name)
         panel.set_ylabel("frequency (Hz)" if column == 0 else "")
-    for ax in axes.ravel()[len(records) * 2 :]:
-        if not ax.has_data():
-            ax.set_visible(False)
-    _, unit = style.clock(signals(next(iter(records.values()))).time)
-    for ax in axes[-1]:
-        ax.set_xlabel(f"time ({unit})")
+        if number + columns >= len(records):  # the lowest of its column
+            style.time_axis(panel, signals(records[name]).time)
+            panel.tick_params(labelbottom=True)
+    for number in range(len(records), rows * columns):
+        row, column = divmod(number, columns)
+        axes[2 * row, column].set_visible(False)
+        axes[2 * row + 1, column].set_visible(False)
     colour_bar(figure, mesh, axes, label)
     explain(figure, maps)
     return figure
@@ -91,8 +92,7 @@ def _series(ax: Axes, record: xr.Dataset) -> None:
     whole = signals(record)
     ax.plot(whole.time, whole.y, lw=0.15, color=style.BLACK, rasterized=True)
     ax.set_ylabel(style.quantity("$y$", whole.y_units))
-    style.time_axis(ax, whole.time)
-    ax.set_xlabel("")
+    ax.set_xlim(whole.time[0], whole.time[-1])
 
 
 def _panel(
