@@ -1,6 +1,12 @@
 # What each record says its simulation is missing. Candidates are fitted on threads of one job: the
 # integrator releases the lock, and a job per candidate would import for longer than it fits.
 DIAGNOSED = [name for name in CASES if "simulation" in CASE[name]]
+# Effects and simulations are found by their files, not by import statements.
+CATALOGUE = [
+    f"dea.discrepancy.{path.parent.name}.{path.stem}"
+    for folder in ("effects", "simulations")
+    for path in sorted(Path("src/dea/discrepancy", folder).glob("*.py"))
+]
 
 
 def test_records(wildcards):
@@ -39,7 +45,7 @@ rule diagnose:
         record="results/{system}/record.nc",
         tests=test_records,
         simulation=simulation_file,
-        code=modules("dea.stages.diagnose"),
+        code=modules("dea.stages.diagnose", *CATALOGUE),
     output:
         localisation="results/discrepancy/{system}/localisation.nc",
         candidates="results/discrepancy/{system}/candidates.nc",

@@ -1,6 +1,6 @@
 """Fit every effect of the catalogue to a record, each with the same freedom and budget."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -22,29 +22,38 @@ class Offer:
     balance: int = 0
 
 
-def screen(problem: Problem, before: Fit, offer: Offer) -> Fit | None:
+def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> Fit | None:
     """Fit an effect by a few cheap steps; ``None`` if it has no start in this record.
 
-    One step from each of its starts tells the best of them, which goes on. The Jacobian of the
-    parameters that are there already is kept as it was at their optimum.
+    One step from each of its starts on each of the ``bases`` (fits of the same simulation) tells
+    the ``kept`` best of them, which go on until one is best. The Jacobian of the parameters that
+    are there already is kept as it was in its base.
     """
-    extended = before.extended.attach(offer.effect, offer.scales, offer.balance)
+    extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance)
     glances = [
-        fit(
-            problem,
-            extended,
-            extended.coordinates(np.concatenate([before.values, start])),
-            iterations=_GLANCE_ITERATIONS,
-            kept=before.jacobian,
+        (
+            fit(
+                problem,
+                extended,
+                extended.coordinates(np.concatenate([base.values, start])),
+                iterations=_GLANCE_ITERATIONS,
+                kept=base.jacobian,
+            ),
+            base,
         )
+        for base in bases
         for start in offer.effect.starts(offer.scales)
     ]
     if not glances:
         return None
-    best = min(glances, key=lambda f: f.cost)
-    return fit(
-        problem, extended, best.coordinates, iterations=_SCREEN_ITERATIONS, kept=before.jacobian
-    )
+    glances.sort(key=lambda glance: glance[0].cost)
+    further = [
+        fit(problem, extended, best.coordinates, iterations=_SCREEN_ITERATIONS, kept=base.jacobian)
+        for best, base in glances[:kept]
+    ]
+    if kept > 1:
+        further = [refine(problem, each, _SCREEN_ITERATIONS) for each in further]
+    return min(further, key=lambda f: f.cost)
 
 
 def refine(problem: Problem, screened: Fit, iterations: int) -> Fit:

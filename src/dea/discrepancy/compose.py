@@ -15,6 +15,8 @@ from dea.discrepancy.problem import Problem, rmse, scales
 # Steps every finished candidate gets, and those that only candidates within a factor of the
 # leader's error go on to.
 _FIRST_STEPS, _LAST_STEPS, _NEAR = 4, 12, 1.6
+# Samples up to which more than the best start of a law goes on: a short record affords it.
+_SHORT = 10_000
 
 
 @dataclass(frozen=True)
@@ -97,15 +99,20 @@ def judge(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
 
 def extend_by_each(
     problem: Problem,
-    before: Fit,
+    bases: Sequence[Fit],
     effects: Sequence[Effect],
     units: tuple[str, str],
     budget: Budget,
     workers: int,
 ) -> Round:
-    """Fit each effect on top of ``before``: all from all their starts, the best to the end."""
+    """Fit each effect on top of a simulation: all from all their starts, the best to the end.
+
+    ``bases`` are fits of that simulation to start from; the first is the one to beat.
+    """
+    before = bases[0]
+    kept = int(np.clip(_SHORT // problem.u.size, 1, 6))
     offers = _offers(problem, before, effects, units)
-    screened = in_parallel(lambda offer: screen(problem, before, offer), offers, workers)
+    screened = in_parallel(lambda offer: screen(problem, bases, offer, kept), offers, workers)
     stable = sorted(
         (fit for fit in screened if fit is not None and fit.stable), key=lambda fit: fit.cost
     )

@@ -16,7 +16,7 @@ from dea.discrepancy.gain import Gains, gains, null_gain
 from dea.discrepancy.identifiability import signature
 from dea.discrepancy.localise import Localisation, localise
 from dea.discrepancy.noise import white_level
-from dea.discrepancy.nominal import fit_near_prior, fit_nominal, slowest_time
+from dea.discrepancy.nominal import bases, fit_near_prior, fit_nominal, slowest_time
 from dea.discrepancy.problem import Problem, base
 from dea.discrepancy.rivals import beaten, confusion
 from dea.discrepancy.separate import Experiment, separating_experiment
@@ -140,12 +140,13 @@ def diagnose(
     budget = settings.budget.of(u.size)
     problem, parts, extended = _prepare(u, y, interval, own, settings)
     nominal = fit_nominal(problem, extended, budget.starts, rng, settings.workers)
+    near = fit_near_prior(problem, nominal)
     blocks = parts.blocks(problem.fit | problem.select, problem.u.size / _BLOCKS)
     select = parts.blocks(problem.select, problem.u.size / _BLOCKS / 2)
     counted = problem.fit | problem.select
 
-    rounds = _rounds(problem, nominal, offered, units, budget, settings)
-    floor = noise_floor(problem, rounds, blocks)
+    rounds = _rounds(problem, bases(problem, nominal, near, rng), offered, units, budget, settings)
+    floor = noise_floor(problem, rounds, parts.blocks(counted, max(problem.u.size / 8, 64)))
     singles = list(rounds[0].candidates)
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
     gained = gains(nominal.gap, [c.fit.gap for c in singles], select, null, rng)
@@ -160,7 +161,7 @@ def diagnose(
     )  # fmt: skip
     final = chosen.fit if chosen and decision.status in ("named", "ambiguous") else nominal
 
-    before = localise(problem, fit_near_prior(problem, nominal).gap, units, counted, rng)
+    before = localise(problem, near.gap, units, counted, rng)
     after = localise(problem, final.gap, units, counted, rng)
     rivals = _rivals_to_show(decision, pool)
     noisy = problem.with_noise(floor)
@@ -236,7 +237,7 @@ def _prepare(
 
 def _rounds(
     problem: Problem,
-    nominal: Fit,
+    nominals: Sequence[Fit],
     offered: Sequence[Effect],
     units: tuple[str, str],
     budget: Budget,
@@ -244,15 +245,15 @@ def _rounds(
 ) -> list[Round]:
     """Offer every effect to the nominal simulation, then to its best extensions, and so on."""
     rules = settings.rules
-    rounds = [extend_by_each(problem, nominal, offered, units, budget, settings.workers)]
+    rounds = [extend_by_each(problem, nominals, offered, units, budget, settings.workers)]
     blocks = [slice(0, problem.u.size)]
     beam = [c for c in rounds[0].candidates if c.finished][: budget.beam]
     for _ in range(1, budget.effects):
-        floor = min(white_level(c.fit.gap, blocks) for c in beam)
+        floor = min((white_level(c.fit.gap, blocks) for c in beam), default=0.0)
         if not beam or beam[0].error <= rules.clean * floor:
             break
         grown = [
-            extend_by_each(problem, c.fit, offered, units, budget, settings.workers) for c in beam
+            extend_by_each(problem, [c.fit], offered, units, budget, settings.workers) for c in beam
         ]
         rounds += grown
         beam = sorted(

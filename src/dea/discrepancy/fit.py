@@ -81,6 +81,15 @@ def columns(
     return result
 
 
+def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) -> Fit:
+    """Return the simulation as it is at ``coordinates``, with its Jacobian, unfitted."""
+    gap = problem.gap(extended, extended.values(coordinates))
+    J = np.zeros((problem.u.size, coordinates.size))
+    if np.isfinite(gap).all():
+        J = columns(problem, extended, coordinates, gap, np.arange(coordinates.size))
+    return Fit(extended, coordinates, gap, J, cost_of(gap, coordinates, problem))
+
+
 def fit(
     problem: Problem,
     extended: ExtendedSimulation,

@@ -4,11 +4,15 @@ import numpy as np
 
 from dea.discrepancy.candidates import in_parallel
 from dea.discrepancy.extended import ExtendedSimulation
-from dea.discrepancy.fit import Fit, fit
+from dea.discrepancy.fit import Fit, at, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.errors import InputError
 
 _ITERATIONS = 30
+# Prior spreads by which the two fits of the simulation must differ for both to be starts.
+_FAR = 1.0
+# Draws of the prior, at most, and how many samples are simulated for them.
+_DRAWS, _SHORT = 40, 25_000
 
 
 def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
@@ -67,3 +71,16 @@ def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
     trust = rmse(refitted.gap, problem.fit) * np.sqrt(problem.fit.sum()) / 3.0
     start = np.zeros(refitted.coordinates.size)
     return fit(problem.with_noise(max(trust, problem.noise)), refitted.extended, start)
+
+
+def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -> list[Fit]:
+    """Return the fits to start candidates from: the refit, and others where it is far from them.
+
+    A refit that has bent the parameters to make up for what is missing is a bad place to start;
+    the fit near the prior is another, and a short record affords draws of the prior as well.
+    """
+    size = nominal.coordinates.size
+    draws = int(min(_DRAWS, _SHORT // problem.u.size))
+    drawn = [at(problem, nominal.extended, x) for x in 0.7 * rng.standard_normal((draws, size))]
+    far = np.linalg.norm(nominal.coordinates - near.coordinates) > _FAR
+    return [nominal, *([near] if far else []), *drawn] if near.stable else [nominal, *drawn]

@@ -21,7 +21,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("upper_stop", "1", scales.z_high - 0.1 * span, 0.3 * span),
         Parameter("lower_stop", "1", scales.z_low - 0.2 * span, 0.3 * span),
-        Parameter("stiffness", "1", 5.0, 1.0, 0.05, 20.0, log=True),
+        Parameter("stiffness", "1", 5.0, 1.0, 0.05, 100.0, log=True),
         Parameter("corner_width", "1", 0.01 * span, 1.0, 1e-3 * span, 0.5 * span, log=True),
         Parameter("exponent", "1", 1.0, 0.3, 1.0, 3.0, log=True),
         Parameter("reference", "1", 0.1 * span, 0.0),
@@ -48,5 +48,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     force=force,
-    refine=3,
+    refine=6,
 )
