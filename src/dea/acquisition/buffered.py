@@ -127,12 +127,12 @@ class _Playback:
             return None
         except LinkError as error:
             raise self._broken(f"never driven or read ({error})") from error
-        if offer and reply.sequence == offer:
+        accepted = bool(offer) and reply.sequence == offer
+        if reply.next < self.wanted or not (accepted or reply.sequence == self.sequence):
+            raise self._misplaced()
+        if accepted:
             self.sequence, self.sent = offer, self.sent + block.size
             self.moved = time.monotonic()
-        elif reply.sequence != self.sequence or reply.next < self.wanted:
-            again = " and has been restarted" if self.panel.get("boot") != self.boot else ""
-            raise self._broken(f"the device lost its place{again}")
         return reply
 
     def collect(self, reply: Reply) -> Samples | None:
@@ -149,6 +149,8 @@ class _Playback:
             raise self._broken(str(self.refusal))
         elif time.monotonic() - self.moved > self.panel.link.settings.reconnect_time:
             raise self._broken("the device stands still")
+        if reply.origin == PLAYED and reply.applied.size and reply.position != self.done:
+            raise self._misplaced()
         samples = _samples(reply, self.counts)
         self.wanted += reply.applied.size
         if samples is None:
@@ -166,6 +168,10 @@ class _Playback:
             self.started = True
         elif reply.fifo >= self.high_water and reply.next - self.wanted < self.exchange.capacity:
             time.sleep(self.pause)
+
+    def _misplaced(self) -> BrokenRecordError:
+        again = " and has been restarted" if self.panel.get("boot") != self.boot else ""
+        return self._broken(f"the device lost its place{again}")
 
     def _broken(self, reason: str, count: int | None = None) -> BrokenRecordError:
         """The next ``count`` samples, or all that are left, will never be had."""

@@ -61,6 +61,16 @@ def test_a_device_restarted_while_it_plays_breaks_the_record(serve_bench, tmp_pa
     assert "has been restarted" in str(trial.failure)
 
 
+def test_a_restart_before_the_first_block_is_taken_loses_nothing_unnoticed(serve_bench, tmp_path):
+    for number in range(16, 26):  # about where the host asks for the first index and sends block 1
+        bench = serve_bench(
+            watchdog_time=1.0, virtual_clock=False, sampling_rate=500.0,
+            fifo_length=128, ring_length=256,
+        )  # fmt: skip
+        trial = run_trial(bench, [Fault("request", number, "restart")], tmp_path)
+        check(trial)
+
+
 def test_a_device_restarted_is_driven_again_from_the_start_where_so_configured(
     serve_bench, tmp_path
 ):
