@@ -44,6 +44,9 @@ trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 S
 records: $(VENV)/installed ## fetch the public measured records into data/ (FROM=folder copies them)
 	python -m dea.public_records $(if $(FROM),--from $(FROM))
 
+container: ## an Apptainer image of the pinned environment, for clusters (needs apptainer)
+	apptainer build --force workflow/container.sif workflow/container.def
+
 faults: $(VENV)/installed ## a thousand schedules of faults and 100,000 malformed frames
 	pytest tests/acquisition tests/bench -m faults --fault-schedules 1000 --fuzz-frames 100000
 

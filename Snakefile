@@ -9,7 +9,11 @@ configfile: "config/config.yaml"
 validate(config, "workflow/schemas/config.schema.yaml")
 
 
-include: "workflow/rules/common.smk"
+# Only for `--software-deployment-method apptainer`, after `make container`; else .venv serves.
+container: "workflow/container.sif"
+
+
+include: "workflow/functions/common.smk"
 include: "workflow/rules/acquisition.smk"
 include: "workflow/rules/import.smk"
 include: "workflow/rules/identification.smk"

@@ -1,29 +1,9 @@
+include: "../functions/acquisition.smk"
+
+
 # Every actuator is driven twice over Modbus: the study's record, and a second one with another
 # excitation that certifies what was learnt from the first.
 BENCH = "config/bench.yaml"
-
-
-def virtual(wildcards):
-    """The name in the bench's configuration of an actuator that is virtual, else None."""
-    return ACTUATORS[wildcards.actuator].get("bench")
-
-
-def acquisition_settings(excitation):
-    """The settings of the job that plays ``excitation``, as JSON."""
-
-    def resolve(wildcards):
-        leaves = {
-            "seed": config["seed"],
-            "system": wildcards.actuator,
-            "excitation": config["excitation"][excitation],
-            "excitation_name": excitation,
-            "acquisition": config["acquisition"],
-        }
-        if actuator := virtual(wildcards):
-            leaves["bench"] = config["bench"] | {"actuator": actuator, "config": BENCH}
-        return json.dumps(leaves, sort_keys=True)
-
-    return resolve
 
 
 rule acquire:

@@ -1,10 +1,7 @@
+include: "../functions/import.smk"
+
+
 # Records made elsewhere enter at the same door as those of the bench.
-def record_settings(wildcards):
-    case = CASE[wildcards.case]
-    part = wildcards.get("part")
-    return case["test_records"][part] if part else case["record"]
-
-
 rule import_record:
     input:
         file=lambda wildcards: record_settings(wildcards)["file"],

@@ -1,4 +1,4 @@
-# What every rule uses: who is studied, which settings shape a job, which code it depends on.
+# Who is studied, which settings shape a job, which code it depends on.
 import json
 import sys
 
