@@ -8,7 +8,7 @@ import sys
 import venv
 from pathlib import Path
 
-from benchmarks import identification, tracking
+from benchmarks import acquisition, identification, tracking
 
 ROOT = Path(__file__).parents[1]
 REQUIREMENTS = ROOT / "benchmarks" / "peers.txt"
@@ -31,12 +31,12 @@ def peers_python() -> Path:
 def main() -> int:
     """Run, print and store; the status is 1 where a target is missed."""
     python = peers_python()
-    rows = [row for module in (identification, tracking) for row in module.run(python)]
+    rows = [row for module in (identification, tracking, acquisition) for row in module.run(python)]
     print(f"{'what':<66}{'ours':>11}{'peer':>11}{'ratio':>9}{'target':>9}")
     for row in rows:
         print(
             f"{row['name']:<66}{row['ours_s']:>9.4f} s{row['peer_s']:>9.3f} s"
-            f"{row['ratio']:>8.0f}x{row['target']:>8.0f}x"
+            f"{row['ratio']:>8.3g}x{row['target']:>8.3g}x"
         )
         if "detail" in row:
             print(f"    {row['detail']}")

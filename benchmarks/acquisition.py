@@ -23,7 +23,8 @@ from dea.acquisition import Acquisition, AcquisitionSettings, acquire
 from dea.bench import Rig
 from dea.modbus import Device, encode, read_device, to_counts
 
-CONFIG, DESCRIPTION = Path("config/bench.yaml"), Path("config/devices/virtual_bench.yaml")
+ROOT = Path(__file__).parents[1]
+CONFIG, DESCRIPTION = ROOT / "config/bench.yaml", ROOT / "config/devices/virtual_bench.yaml"
 POLLED_SAMPLES, BUFFERED_SAMPLES, REPEATS = 4000, 90_000, 3
 IN_BENCHMARK, IN_SOAK = 30.0, 600.0  # s at wall time
 START, STOP = 1, 2  # command
