@@ -44,13 +44,7 @@ def polled_speed() -> dict[str, Any]:
         for _ in range(REPEATS):
             bare.append(_bare_round_trips(device, volts))
             ours.append(_seconds(device, volts, settings))
-    return {
-        "name": f"{POLLED_SAMPLES} polled samples, against bare function code 23",
-        "ours_s": min(ours),
-        "peer_s": min(bare),
-        "ratio": min(bare) / min(ours),
-        "target": 0.8,
-    }
+    return _row(f"{POLLED_SAMPLES} polled samples, against bare function code 23", ours, bare, 0.8)
 
 
 def buffered_speed() -> dict[str, Any]:
@@ -66,13 +60,8 @@ def buffered_speed() -> dict[str, Any]:
         physics.append(time.perf_counter() - start)
         with _bench("virtual") as device:
             ours.append(_seconds(device, volts, AcquisitionSettings()))
-    return {
-        "name": f"{BUFFERED_SAMPLES} buffered samples, against the bench's physics alone",
-        "ours_s": min(ours),
-        "peer_s": min(physics),
-        "ratio": min(physics) / min(ours),
-        "target": 0.5,
-    }
+    name = f"{BUFFERED_SAMPLES} buffered samples, against the bench's physics alone"
+    return _row(name, ours, physics, 0.5)
 
 
 def punctuality(seconds: float, *, busy: bool) -> dict[str, Any]:
@@ -94,6 +83,13 @@ def punctuality(seconds: float, *, busy: bool) -> dict[str, Any]:
         "ratio": float(np.mean(jitter <= settings.late_after)),
         "target": 0.999 if busy else 1.0,
     }
+
+
+def _row(name: str, ours: list[float], peer: list[float], target: float) -> dict[str, Any]:
+    ratio = min(peer) / min(ours)
+    return {
+        "name": name, "ours_s": min(ours), "peer_s": min(peer), "ratio": ratio, "target": target,
+    }  # fmt: skip
 
 
 def _volts(samples: int) -> np.ndarray:
