@@ -43,7 +43,7 @@ class Project:
 
     def planned(self, *arguments: str, small: bool = True) -> dict[str, int]:
         """How many jobs of each rule a dry run plans."""
-        run = self.snakemake("--dry-run", "--quiet", "rules", *arguments, small=small)
+        run = self.snakemake(*arguments, "--dry-run", small=small)
         assert run.returncode == 0, run.stdout + run.stderr
         jobs: dict[str, int] = {}
         for line in (run.stdout + run.stderr).splitlines():
