@@ -45,7 +45,7 @@ def no_update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarr
     """Fill the slot of a force without memory."""
 
 
-@njit(types.void(_VECTOR, _INDEX, _MATRIX, _VECTOR), cache=True)
+@njit(inline="always")
 def _positions(x, ports, frames, z):
     """Write the normalised position of each port that has one."""
     for e in range(SLOTS + 1):
@@ -54,6 +54,72 @@ def _positions(x, ports, frames, z):
 
 
 _F, _U = types.FunctionType(FORCE), types.FunctionType(UPDATE)
+
+
+@njit(types.void(_MATRIX, _VECTOR, float64, _VECTOR), cache=True)
+def _advance_two(J, slope, h, step):
+    """Write h φ₁(h J) f for two states, φ₁ interpolated at the eigenvalues of h J."""
+    a, b, c, d = h * J[0, 0], h * J[0, 1], h * J[1, 0], h * J[1, 1]
+    middle = 0.5 * (a + d)
+    square = 0.25 * (a - d) ** 2 + b * c
+    apart = max(np.sqrt(abs(square)), 1e-4)
+    if square >= 0.0:
+        first, second = middle + apart, middle - apart
+        f1 = np.expm1(first) / first if abs(first) > 1e-8 else 1.0
+        f2 = np.expm1(second) / second if abs(second) > 1e-8 else 1.0
+        slope_of_phi = (f1 - f2) / (2.0 * apart)
+        constant = f1 - slope_of_phi * first
+    else:
+        # φ₁ at the complex pair middle ± i apart, in its real and imaginary part.
+        growth = np.exp(middle)
+        real, imaginary = growth * np.cos(apart) - 1.0, growth * np.sin(apart)
+        radius = middle * middle + apart * apart
+        slope_of_phi = (imaginary * middle - real * apart) / (radius * apart)
+        constant = (real * middle + imaginary * apart) / radius - slope_of_phi * middle
+    f, g = slope[0], slope[1]
+    step[0] = h * (constant * f + slope_of_phi * (a * f + b * g))
+    step[1] = h * (constant * g + slope_of_phi * (c * f + d * g))
+
+
+@njit(_MATRIX(_MATRIX, _MATRIX), cache=True)
+def _product(A, B):
+    n = A.shape[0]
+    C = np.zeros((n, n))
+    for i in range(n):
+        for j in range(n):
+            for k in range(n):
+                C[i, j] += A[i, k] * B[k, j]
+    return C
+
+
+@njit(types.void(_MATRIX, _VECTOR, float64, _VECTOR), cache=True)
+def _advance(J, slope, h, step):
+    """Write h φ₁(h J) f by Taylor series of a halved step, doubled back (Higham 2008, 10.7.4)."""
+    n = slope.size
+    size = 0.0
+    for i in range(n):
+        row = 0.0
+        for j in range(n):
+            row += abs(h * J[i, j])
+        size = max(size, row)
+    doublings = 0
+    while size > 0.5 and doublings < 60:
+        size *= 0.5
+        doublings += 1
+    A = J * (h * 0.5**doublings)
+    identity = np.eye(n)
+    phi, term = identity.copy(), identity.copy()
+    for k in range(2, 11):
+        term = _product(term, A) / k
+        phi += term
+    exponential = identity + _product(A, phi)
+    for _ in range(doublings):
+        phi = 0.5 * _product(exponential + identity, phi)
+        exponential = _product(exponential, exponential)
+    for i in range(n):
+        step[i] = 0.0
+        for j in range(n):
+            step[i] += h * phi[i, j] * slope[j]
 
 
 @njit(
@@ -88,10 +154,12 @@ def integrate(
     memory,
     q,
 ):
-    """Integrate by the classical Runge-Kutta method with a fixed step of ``interval/substeps``.
+    """Integrate by the exponential Rosenbrock-Euler method with steps of ``interval/substeps``.
 
-    Effects with memory are split off: within a step the force is evaluated with the memory of
-    the step's start, which is then brought up to date with the motion over the step.
+    The method is exact for a linear simulation under a held input, however stiff, and of second
+    order otherwise (Hochbruck and Ostermann 2010, Acta Numerica 19:209, section 2.4). Effects with
+    memory are split off: within a step the force is evaluated with the memory of the step's
+    start, which is then brought up to date with the motion over the step.
 
     Parameters
     ----------
@@ -114,61 +182,72 @@ def integrate(
     """
     n, states = u.size, x0.size
     result = np.full((2, n), np.nan)
-    x, stage = x0.copy(), np.empty(states)
-    k1, k2, k3, k4 = np.empty(states), np.empty(states), np.empty(states), np.empty(states)
+    x, moved, step = x0.copy(), np.empty(states), np.empty(states)
+    slope, beside = np.empty(states), np.empty(states)
+    pushes, J = np.zeros(SLOTS), np.empty((states, states))
+    typical = np.abs(x0) + 1e-6
     p = p.copy()
     p_drive = p[drive]
     # Rows are cut out once: cutting them in the loop costs more than the forces do.
-    memory_1, memory_2, memory_3 = memory[0], memory[1], memory[2]
-    q_1, q_2, q_3 = q[0], q[1], q[2]
-    pushes = np.zeros(SLOTS)
+    m1, m2, m3 = memory[0], memory[1], memory[2]
+    q1, q2, q3 = q[0], q[1], q[2]
     h = interval / substeps
-    z, z_next, travelled = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
+    z, z_next = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
     for i in range(n):
         p[drive] = p_drive * drive_scale[i]
         _positions(x, ports, frames, z)
         result[0, i] = output(x, u[i], p)
         result[1, i] = z[SLOTS]
-        slope = (u[i + 1] - u[i]) / interval if linear_hold and i + 1 < n else 0.0
+        climb = (u[i + 1] - u[i]) / interval if linear_hold and i + 1 < n else 0.0
         for s in range(substeps):
-            for order in range(4):
-                k = k1 if order == 0 else k2 if order == 1 else k3 if order == 2 else k4
-                ahead = 0.0 if order == 0 else h if order == 3 else 0.5 * h
+            v = u[i] + climb * (s + 0.5) * h
+            # Column 0 is the slope at x; column j that beside it in state j - 1.
+            for column in range(states + 1):
+                nudge = 0.0
                 for j in range(states):
-                    before = k1[j] if order == 1 else k2[j] if order == 2 else k3[j]
-                    stage[j] = x[j] + (ahead * before if order else 0.0)
-                derivative(stage, u[i] + slope * (s * h + ahead), p, k)
+                    moved[j] = x[j]
+                if column:
+                    typical[column - 1] = max(typical[column - 1], abs(x[column - 1]))
+                    nudge = 1e-6 * typical[column - 1]
+                    moved[column - 1] += nudge
+                derivative(moved, v, p, beside)
                 for e in range(forces):
                     position, velocity = ports[e, 1], ports[e, 2]
                     rest, scale = frames[e, 0], frames[e, 1]
-                    at = (stage[position] - rest) / scale if position >= 0 else z[e]
-                    w = (stage[velocity] if velocity >= 0 else k[position]) / scale
+                    at = (moved[position] - rest) / scale if position >= 0 else z[e]
+                    w = (moved[velocity] if velocity >= 0 else beside[position]) / scale
                     if e == 0:
-                        force = force_1(at, w, memory_1, q_1)
+                        push = force_1(at, w, m1, q1)
                     elif e == 1:
-                        force = force_2(at, w, memory_2, q_2)
+                        push = force_2(at, w, m2, q2)
                     else:
-                        force = force_3(at, w, memory_3, q_3)
-                    pushes[e] = frames[e, 2] * force
+                        push = force_3(at, w, m3, q3)
+                    pushes[e] = frames[e, 2] * push
                 for e in range(forces):
-                    k[ports[e, 0]] += pushes[e]
+                    beside[ports[e, 0]] += pushes[e]
+                for j in range(states):
+                    if column:
+                        J[j, column - 1] = (beside[j] - slope[j]) / nudge
+                    else:
+                        slope[j] = beside[j]
+            if states == 2:
+                _advance_two(J, slope, h, step)
+            else:
+                _advance(J, slope, h, step)
+            for e in range(forces):
+                if ports[e, 1] < 0:
+                    z_next[e] = z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / frames[e, 1]
             for j in range(states):
-                step = h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
-                for e in range(forces):
-                    if ports[e, 1] < 0 and ports[e, 2] == j:
-                        travelled[e] += h * (x[j] + 0.5 * step) / frames[e, 1]
-                x[j] += step
+                x[j] += step[j]
             if forces:
                 _positions(x, ports, frames, z_next)
-                for e in range(forces):
-                    if ports[e, 1] < 0:
-                        z_next[e] = travelled[e]
-                update_1(z[0], z_next[0], h, memory_1, q_1)
+                update_1(z[0], z_next[0], h, m1, q1)
                 if forces > 1:
-                    update_2(z[1], z_next[1], h, memory_2, q_2)
+                    update_2(z[1], z_next[1], h, m2, q2)
                 if forces > 2:
-                    update_3(z[2], z_next[2], h, memory_3, q_3)
-                z[:] = z_next
+                    update_3(z[2], z_next[2], h, m3, q3)
+                for e in range(SLOTS):
+                    z[e] = z_next[e]
         for j in range(states):
             if not abs(x[j]) < 1e12:
                 return result

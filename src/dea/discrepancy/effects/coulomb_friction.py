@@ -61,5 +61,5 @@ EFFECT = Effect(
     update=update,
     memory=memory,
     uses_position=False,
-    refine=4,
+    refine=2,
 )
