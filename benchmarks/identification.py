@@ -2,7 +2,8 @@
 
 The records are those of the six published models under the study's excitation, with one per cent
 of noise on the output. Both sides choose from the same 84 candidates on the same 5,000 samples and
-are scored by the free run on the same independent record without noise.
+are scored by the free run on the same independent record without noise. Ours may have no more
+terms than the peer chose. Times are processor seconds of one core, the best of several for ours.
 """
 
 import json
@@ -19,7 +20,10 @@ from dea.signals import design
 
 SAMPLES, NOISE, REPEATS = 5_000, 0.01, 5
 LONG_RUN = 200_000  # samples: ours is too fast to time on 5,000
-SELECTION_TARGET, SIMULATION_TARGET = 30.0, 100.0
+THRESHOLD = 1e-6
+SIMULATION_TARGET = 100.0
+# Search, whether it refines, and how many times faster than the peer it is to be.
+SEARCHES = (("forward selection and pruning", False, 30.0), ("with refining search", True, 10.0))
 MODELS = Path(__file__).parents[1] / "config" / "published_models.yaml"
 
 PEER = """
@@ -33,14 +37,14 @@ data = np.load(sys.argv[1])
 u, y, u_test, y_test = (data[name][:, None] for name in ("u", "y", "u_test", "y_test"))
 model = MetaMSS(norm=-2, xlag=[1, 2, 3], ylag=[1, 2, 3], estimator=LeastSquares(),
                 basis_function=Polynomial(degree=3), maxiter=30, n_agents=10, random_state=1)
-start = time.perf_counter()
+start = time.process_time()
 model.fit(X=u, y=y)
-selection = time.perf_counter() - start
+selection = time.process_time() - start
 seconds = []
 for _ in range(3):
-    start = time.perf_counter()
+    start = time.process_time()
     run = model.predict(X=u_test, y=y_test[:3])
-    seconds.append(time.perf_counter() - start)
+    seconds.append(time.process_time() - start)
 print(json.dumps({"selection": selection, "simulation": min(seconds), "run": run.ravel().tolist(),
                   "terms": len(model.final_model)}))
 """
@@ -50,36 +54,40 @@ def run(peers_python: Path) -> list[dict[str, Any]]:
     """Return a row per search and one for simulation; compilation is not timed."""
     plants = load_published(MODELS)
     cases = {name: _record(plant, number) for number, (name, plant) in enumerate(plants.items())}
-    searches = {"forward selection and pruning": False, "the same and refining search": True}
-    for refine in searches.values():
-        select_terms(*next(iter(cases.values()))[:2], refine=refine)
+    for _, refine, _ in SEARCHES:
+        select_terms(*cases["DEA1"][:2], refine=refine)
     peers = {name: _peer(peers_python, case) for name, case in cases.items()}
-    rows = []
-    for label, refine in searches.items():
-        seconds, worse, details = 0.0, [], []
+    peer = sum(each["selection"] for each in peers.values())
+    rows: list[dict[str, Any]] = []
+    for label, refine, target in SEARCHES:
+        seconds, details, better = 0.0, [], 0
         for name, (u, y, u_test, y_test) in cases.items():
+            settings = {
+                "refine": refine,
+                "max_terms": peers[name]["terms"],
+                "add_threshold": THRESHOLD,
+                "prune_threshold": THRESHOLD,
+            }
             times = []
             for _ in range(REPEATS):
-                start = time.perf_counter()
-                found = select_terms(u, y, refine=refine)
-                times.append(time.perf_counter() - start)
+                start = time.process_time()
+                found = select_terms(u, y, **settings)
+                times.append(time.process_time() - start)
             seconds += min(times)
             error = nmse(y_test[3:], found.simulate(u_test, y_test)[3:])
             theirs = _error(y_test[3:], np.array(peers[name]["run"])[3:])
-            terms = len(found.terms), peers[name]["terms"]
-            details.append(f"{name} {error:.1e}/{theirs:.1e} {terms[0]}/{terms[1]}")
-            if not (error < theirs and terms[0] <= terms[1]):
-                worse.append(name)
-        peer = sum(each["selection"] for each in peers.values())
+            better += error < theirs
+            terms = f"{len(found.terms)}/{peers[name]['terms']}"
+            details.append(f"{name} {error:.1e}/{theirs:.1e} {terms}")
         rows.append(
             {
-                "name": f"{label}, 6 x {SAMPLES} samples, against MetaMSS",
+                "name": f"{label}, {len(cases)} x {SAMPLES}, against MetaMSS",
                 "ours_s": seconds,
                 "peer_s": peer,
                 "ratio": peer / seconds,
-                "target": SELECTION_TARGET,
+                "target": target,
+                "lower_error_on": f"{better} of {len(cases)}",
                 "detail": "free-run nmse and terms, ours/peer: " + ", ".join(details),
-                "not_better_on": worse,
             }
         )
     return [*rows, _simulation(plants["DEA2"], cases["DEA2"], peers["DEA2"])]
@@ -91,9 +99,9 @@ def _simulation(plant: NarxModel, case: tuple, peer: dict[str, Any]) -> dict[str
     plant.simulate(u)
     times = []
     for _ in range(REPEATS):
-        start = time.perf_counter()
+        start = time.process_time()
         plant.simulate(u)
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     ours = min(times) / LONG_RUN * 1e6
     theirs = peer["simulation"] / case[2].size * 1e6
     return {

@@ -177,6 +177,20 @@ def test_the_trace_retells_the_selection():
     assert kept == {str(term) for term in found.terms}
 
 
+def test_refining_passes_over_models_that_only_their_own_record_keeps_bounded():
+    """Beyond 1 this plant runs away; a pulse down saves it from each pulse up that follows."""
+    plant = NarxModel.from_terms({"y(t-1)": 0.9, "y(t-1)^3": 0.1, "u(t-1)": 1.0})
+    u = np.zeros(1000)
+    u[10::100], u[16::100] = -0.9, 1.6
+    y = plant.simulate(u) + 1e-4 * np.random.default_rng(0).standard_normal(1000)
+    settings = {"y_lags": 1, "u_lags": 1, "degree": 3, "scaling": Scaling()}
+    plain, refined = (select_terms(u, y, refine=choice, **settings) for choice in (False, True))
+    for model in (plain, refined):
+        assert np.isfinite(model.simulate(u, y)).all()
+    assert np.isinf(plain.simulate(u[::-1])).any()
+    assert np.isfinite(refined.simulate(u[::-1])).all()
+
+
 def test_no_model_exceeds_the_most_terms_asked_for():
     _, u, y = record(DEA2, 1500, noise=1e-2)
     for refine in (False, True):

@@ -8,7 +8,8 @@ that only the most promising few are fitted. A step is taken only if
 
     MSSE / mean(y^2) + price * (number of terms)
 
-falls, hence no structure comes back and the search ends.
+falls, hence no structure comes back and the search ends. A model that stays bounded on these
+records alone counts as unstable.
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,7 @@ import numpy as np
 
 from dea.narx.checks import Array
 from dea.narx.refinement import Refined, column_norms, linearise, minimise
+from dea.narx.simulation import simulate
 from dea.narx.terms import Term
 from dea.narx.trace import Trace, gain
 from dea.narx.trials import Segment, Subset
@@ -25,6 +27,7 @@ from dea.narx.trials import Segment, Subset
 _FITTED = 4  # the most promising additions, and removals, that are fitted in a round
 _EFFORT = (8, 1e-4)  # iterations and relative tolerance of a trial's fit
 _LEAST_FALL = 0.01  # of the price
+_LEEWAY = 3.0  # times the largest measured output that a run may reach on reversed inputs
 _DEPENDENT = 1e-10  # of a slope's energy: less than this is rounding
 
 
@@ -58,8 +61,6 @@ class Exchange:
         """
         fit = self._fit(subset, start)
         for step in range(1, rounds + 1):
-            if not np.isfinite(fit.msse):
-                break
             for moves in self._rounds(subset, fit, most):
                 fits = [self._fit(move.subset, move.start) for move in moves]
                 costs = [
@@ -106,7 +107,9 @@ class Exchange:
         """The terms whose removal raises the error least, by the quadratic model at the minimum."""
         if len(subset) == 1:
             return []
-        slope = linearise(self._terms(subset), fit.parameters, self._segments).slope
+        error, _, slope = linearise(self._terms(subset), fit.parameters, self._segments)
+        if not np.isfinite(error):
+            return []
         norms = column_norms(slope)
         inverse = np.linalg.pinv((slope / norms).T @ (slope / norms), hermitian=True)
         scaled = fit.parameters * norms
@@ -125,6 +128,8 @@ class Exchange:
         full = np.zeros(len(self._candidates))
         full[list(subset)] = fit.parameters
         point = linearise(self._candidates, full, self._segments)
+        if not np.isfinite(point.error):
+            return []
         present = point.slope[:, list(subset)]
         basis, _ = np.linalg.qr(present / column_norms(present))
         off = point.slope - basis @ (basis.T @ point.slope)
@@ -144,8 +149,24 @@ class Exchange:
     def _fit(self, subset: Subset, start: Array) -> Refined:
         if subset not in self._fits:
             terms = self._terms(subset)
-            self._fits[subset] = minimise(terms, start, self._segments, *_EFFORT)
+            fit = minimise(terms, start, self._segments, *_EFFORT)
+            if not self._is_steady(terms, fit.parameters):
+                fit = Refined(fit.parameters, np.inf)
+            self._fits[subset] = fit
         return self._fits[subset]
+
+    def _is_steady(self, terms: tuple[Term, ...], theta: Array) -> bool:
+        """Whether the model stays in range on inputs it was not fitted to: the records reversed.
+
+        They have the same amplitudes and spectrum, so that a model which leaves the measured range
+        by far under them is one that only these records keep bounded.
+        """
+        for u, y in self._segments:
+            limit = _LEEWAY * float(np.abs(y).max())
+            run = simulate(terms, theta, np.ascontiguousarray(u[::-1]), y[::-1], bound=limit)
+            if not np.isfinite(run[-1]):
+                return False
+        return True
 
     def _cost(self, subset: Subset, fit: Refined) -> float:
         return fit.msse / self._power + self._price * len(subset)

@@ -61,7 +61,8 @@ def select_terms(
     error reduction ratio SERR (5)-(9), then removes terms by the same ratio. Every trial is
     re-estimated by least squares (4) and simulated freely over the whole record; an unstable trial
     has an infinite error. With ``refine``, the structure is then improved by adding, dropping and
-    exchanging terms while their parameters minimise the simulated error itself.
+    exchanging terms while their parameters minimise the simulated error itself; models that leave
+    the measured range by far on the records' reversed inputs are passed over.
 
     Parameters
     ----------
