@@ -12,7 +12,7 @@ SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study case report discrepancy trials records faults peers interoperability \
+.PHONY: help study case cases report discrepancy trials records faults peers interoperability \
 	soak check test benchmark clean
 
 help: ## list the targets
@@ -31,6 +31,9 @@ study: $(VENV)/installed ## regenerate every figure and table
 
 case: $(VENV)/installed ## identify and follow a record made elsewhere: make case NAME=mine
 	$(SNAKEMAKE) case_$(NAME)
+
+cases: $(VENV)/installed ## every case of config/cases, and their errors on unseen records in one table
+	$(SNAKEMAKE) cases
 
 report: study ## write results/report.html with captions
 	$(SNAKEMAKE) study --report results/report.html

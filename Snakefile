@@ -23,6 +23,7 @@ include: "workflow/rules/frequency.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/trials.smk"
+include: "workflow/rules/cases.smk"
 
 
 rule study:
@@ -30,12 +31,3 @@ rule study:
     input:
         EVERY_FIGURE,
         EVERY_TABLE,
-
-
-for name in CASES:
-
-    rule:
-        name:
-            f"case_{name}"
-        input:
-            expand(FIGURES_OF_CASE, case=name),

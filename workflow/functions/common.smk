@@ -6,6 +6,7 @@ sys.path.insert(0, str(Path(workflow.basedir) / "workflow"))
 
 import yaml
 from imports import modules
+from snakemake.exceptions import WorkflowError
 
 # A system is whatever has a record: an actuator of the config or a case of config/cases.
 ACTUATORS = {actuator["name"]: actuator for actuator in config["actuators"]}
@@ -13,9 +14,15 @@ CASES = {path.stem: path for path in sorted(Path("config/cases").glob("*.yaml"))
 
 
 def load_case(path):
-    """A case file, checked before anything runs."""
+    """A case file, checked before anything runs; its sections as if they were the config's."""
+    schemas = Path(workflow.basedir) / "workflow/schemas"
     case = yaml.safe_load(path.read_text())
-    validate(case, Path(workflow.basedir) / "workflow/schemas/case.schema.yaml")
+    try:
+        validate(case, schemas / "case.schema.yaml")
+        own = {name: config[name] | case[name] for name in config.keys() & case.keys()}
+        validate(config | own, schemas / "config.schema.yaml")
+    except WorkflowError as error:
+        raise WorkflowError(f"{path} is no valid case.", error) from error
     return case
 
 

@@ -4,7 +4,7 @@ include: "../functions/import.smk"
 # Records made elsewhere enter at the same door as those of the bench.
 rule import_record:
     input:
-        file=lambda wildcards: record_settings(wildcards)["file"],
+        file=record_file,
         code=modules("dea.stages.import_record"),
     output:
         record="results/{case}/record.nc",

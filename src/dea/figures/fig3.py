@@ -80,7 +80,8 @@ def _scale(
         units = next(iter(responses.values()))["H1"].attrs["units"]
         label = style.quantity(r"gain $|H_1(f, t)|$", units)
         return magnitude_scale(trusted), style.GAIN_MAP, label
-    degrees = Normalize(np.nanmin(trusted), np.nanmax(trusted))
+    finite = trusted[np.isfinite(trusted)]
+    degrees = Normalize(finite.min(), finite.max()) if finite.size else Normalize(-180.0, 0.0)
     return degrees, style.PHASE_MAP, r"phase $\angle H_1(f, t)$ (degrees)"
 
 

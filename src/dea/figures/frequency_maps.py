@@ -50,8 +50,13 @@ def explain(figure: Figure, maps: Mapping[str, xr.DataArray]) -> None:
 
 
 def magnitude_scale(trusted: np.ndarray) -> Normalize:
-    """Colour scale of the magnitudes to be trusted, logarithmic where they span a decade."""
+    """Colour scale of the magnitudes to be trusted, logarithmic where they span a decade.
+
+    Where none is, as for a model that never has a steady state, the scale is that of nothing.
+    """
     positive = trusted[np.isfinite(trusted) & (trusted > 0)]
+    if not positive.size:
+        return Normalize(0.0, 1.0)
     low, high = positive.min(), positive.max()
     return LogNorm(low, high) if high > _DECADE * low else Normalize(low, high)
 

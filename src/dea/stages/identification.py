@@ -8,8 +8,14 @@ from dea import store
 from dea.errors import InputError
 
 
-def segment(signals: store.Signals, start: float, length: float, file: Path) -> slice:
-    """Return the samples of ``length`` s from ``start`` s on.
+def segment(
+    signals: store.Signals,
+    start: float,
+    length: float,
+    file: Path,
+    section: str = "identification",
+) -> slice:
+    """Return the samples of ``length`` s from ``start`` s on, as ``section`` of the config says.
 
     Raises
     ------
@@ -23,7 +29,7 @@ def segment(signals: store.Signals, start: float, length: float, file: Path) -> 
             f"the segment from {start:g} s, {length:g} s long, ends after the record, which is "
             f"{signals.u.size / signals.sampling_rate:g} s long",
             file=file,
-            field="identification.start, identification.length",
+            field=f"{section}.start, {section}.length",
             remedy="Choose a segment inside the record.",
         )
     return slice(first, last)

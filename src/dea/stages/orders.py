@@ -15,9 +15,11 @@ def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
 
     identification, choice = settings["identification"], settings["orders"]
     signals = store.signals(store.read_record(record))
-    start, length = identification["start"], identification["length"]
-    part = segment(signals, start, length, record)
-    later = segment(signals, start + length, choice["length"], record)
+    start, end = identification["start"], identification["start"] + identification["length"]
+    # A short record spares independent data only by identifying from less than the segment.
+    end = min(end, choice.get("start", end))
+    part = segment(signals, start, end - start, record)
+    later = segment(signals, choice.get("start", end), choice["length"], record, "orders")
     selection = selection_arguments(identification)
     for name in ("y_lags", "u_lags", "degree"):
         del selection[name]

@@ -133,6 +133,15 @@ CONTRACTS: Mapping[str, Contract] = {
             "correlation": _plain(*_METRIC, "test", "lag", units="1"),
         }
     ),
+    "test_scores": Contract(
+        required={
+            "nmse": _plain("part", units="1"),
+            "rmse": _plain("part"),
+            "samples": _plain("part", units="1"),
+            "terms": _plain(units="1"),
+            "initial_outputs": _plain(units="1"),
+        }
+    ),
     "track": Contract(
         required={
             "parameter": _plain("tracker", "time", "term", units="1"),

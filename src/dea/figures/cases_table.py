@@ -1,0 +1,65 @@
+"""The table of the cases: free runs on their test records beside published errors."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+import xarray as xr
+
+from dea.errors import InputError
+from dea.figures.symbols import DASH, number
+from dea.figures.tables import Table
+
+
+def cases(
+    scores: Mapping[str, xr.Dataset], published: Mapping[str, Mapping[str, Mapping[str, Any]]]
+) -> Table:
+    """Scores of every case and test record, with the published rmse and the two's ratio.
+
+    Parameters
+    ----------
+    scores
+        Contract ``test_scores``, by the cases' names.
+    published
+        ``rmse`` and its ``units`` by case and test record, for those that have one.
+
+    Raises
+    ------
+    InputError
+        If a published error is in other units than the record.
+    """
+    exact, shown = [], []
+    for name, dataset in scores.items():
+        units = dataset["rmse"].attrs["units"]
+        for part in map(str, dataset["part"].values):
+            one = dataset.sel(part=part)
+            best = _published(published.get(name, {}).get(part), units, f"{name}.{part}")
+            counts = {"terms": int(one["terms"]), "initial outputs": int(one["initial_outputs"])}
+            rmse = float(one["rmse"])
+            values = {
+                "nmse": float(one["nmse"]),
+                "rmse": rmse,
+                "published rmse": best,
+                "rmse/published": rmse / best if best else None,
+            }
+            label = {"case": name, "test record": part}
+            exact.append(label | counts | values | {"units": units})
+            shown.append(
+                label
+                | {key: str(count) for key, count in counts.items()}
+                | {key: DASH if v is None else number(v) for key, v in values.items()}
+                | {"units": units}
+            )
+    return Table(pd.DataFrame(exact), pd.DataFrame(shown))
+
+
+def _published(entry: Mapping[str, Any] | None, units: str, field: str) -> float | None:
+    if entry is None:
+        return None
+    if entry["units"] != units:
+        raise InputError(
+            f"it is in {entry['units']!r}, the record in {units!r}",
+            field=f"errors.{field}.units",
+            remedy="Give the published error in the units of the record",
+        )
+    return float(entry["rmse"])
