@@ -1,8 +1,13 @@
 """Fixtures of every room."""
 
 import pytest
+from hypothesis import settings
 
 from served_bench import ServedBench
+
+# The first call of a compiled function compiles it, which no deadline allows for.
+settings.register_profile("compiled", deadline=None)
+settings.load_profile("compiled")
 
 
 def pytest_addoption(parser):

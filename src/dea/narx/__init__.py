@@ -1,6 +1,7 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
 from dea.narx.estimation import estimate, scaling_of
+from dea.narx.held_out import held_out_error
 from dea.narx.inclusion import inclusion_frequency
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel, Scaling
@@ -26,6 +27,7 @@ __all__ = [
     "estimate",
     "fit",
     "fpe",
+    "held_out_error",
     "inclusion_frequency",
     "linear_model",
     "linear_terms",

@@ -12,7 +12,7 @@ falls, hence no structure comes back and the search ends. A model that stays bou
 records alone counts as unstable.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -85,7 +85,7 @@ class Exchange:
                 break
         return subset, fit.parameters
 
-    def _rounds(self, subset, fit, most):
+    def _rounds(self, subset: Subset, fit: Refined, most: int) -> Iterator[list[Move]]:
         """Removals, then additions, then additions with a removal: the cheapest first."""
         yield self._removals(subset, fit, "")
         additions = self._additions(subset, fit)

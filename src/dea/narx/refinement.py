@@ -4,17 +4,15 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from dea.errors import InputError
+from dea.narx import kernels
 from dea.narx.checks import Array
 from dea.narx.estimation import Segment, Signals, as_segments, estimate, normalised
 from dea.narx.model import NarxModel, Scaling
 from dea.narx.simulation import BOUND, simulate, structure
 from dea.narx.terms import Term
 
-_NONE = -1  # pads the lags of shorter monomials
-_BLOCK = 256  # samples whose products of inputs stay in the cache
 _LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e12  # of the regressors' unit energy
 
 
@@ -144,7 +142,7 @@ def sensitivities(
     y[: shape.start] = y_initial[: shape.start]
     slope = np.zeros((u.size, len(terms)))
     arrays = shape.group, shape.y_lags, shape.u_lags
-    _sensitivities(*arrays, theta, shape.start, u, y, slope, bound)
+    kernels.run_with_slope(*arrays, theta, shape.start, u, y, slope, bound)
     return y, slope
 
 
@@ -208,58 +206,3 @@ def linearise(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]
 
 def _bound(y: Array) -> float:
     return 100.0 * float(np.abs(y).max())
-
-
-@njit(cache=True)
-def _sensitivities(group, y_lags, u_lags, theta, start, u, y, slope, bound):
-    """Continue run and slope from sample ``start``; terms that share their outputs share work."""
-    groups, factors = y_lags.shape
-    terms = theta.size
-    inputs = np.empty((_BLOCK, terms))  # each term's product of inputs
-    outputs = np.empty(groups)  # each group's product of outputs
-    coefficients = np.empty(groups)
-    feedback = np.empty(start + 1)  # df/dy_{t-k}
-    for first in range(start, y.size, _BLOCK):
-        last = min(first + _BLOCK, y.size)
-        inputs[:] = 1.0
-        for j in range(terms):
-            for factor in range(u_lags.shape[1]):
-                lag = u_lags[j, factor]
-                if lag == _NONE:
-                    break
-                for i in range(last - first):
-                    inputs[i, j] *= u[first + i - lag]
-        for t in range(first, last):
-            row = inputs[t - first]
-            coefficients[:] = 0.0
-            for j in range(terms):
-                coefficients[group[j]] += theta[j] * row[j]
-            feedback[:] = 0.0
-            total = 0.0
-            for g in range(groups):
-                product = 1.0
-                for factor in range(factors):
-                    lag = y_lags[g, factor]
-                    if lag == _NONE:
-                        break
-                    product *= y[t - lag]
-                    others = coefficients[g]
-                    for other in range(factors):
-                        if y_lags[g, other] == _NONE:
-                            break
-                        if other != factor:
-                            others *= y[t - y_lags[g, other]]
-                    feedback[lag] += others
-                outputs[g] = product
-                total += coefficients[g] * product
-            if not abs(total) <= bound:
-                y[t:] = np.inf
-                slope[t:] = np.inf
-                return
-            y[t] = total
-            for j in range(terms):
-                slope[t, j] = row[j] * outputs[group[j]]
-            for k in range(1, start + 1):
-                if feedback[k] != 0.0:
-                    for j in range(terms):
-                        slope[t, j] += feedback[k] * slope[t - k, j]

@@ -9,18 +9,16 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from dea.errors import InputError
+from dea.narx import kernels
 from dea.narx.checks import Array
 from dea.narx.terms import Term, max_lag
 
 # Beyond this a run counts as diverged. Far above any signal, far below where products of outputs
 # overflow.
 BOUND = 1e10
-_BLOCK = 1024  # samples whose coefficients stay in the cache
-_NONE = -1  # pads the lags of monomials with fewer factors than the longest
 
 
 class Structure(NamedTuple):
@@ -69,7 +67,7 @@ def simulate(
     y = np.empty(u.size)
     initial = initial_outputs(y_initial, shape.start, u.size)
     y[: initial.size] = initial
-    _simulate(shape.group, shape.y_lags, shape.u_lags, parameters, shape.start, u, y, bound)
+    kernels.run(shape.group, shape.y_lags, shape.u_lags, parameters, shape.start, u, y, bound)
     return y
 
 
@@ -94,7 +92,7 @@ def simulate_varying(
     initial = initial_outputs(y_initial, shape.start, u.size)
     y[: initial.size] = initial
     y_lags = shape.y_lags[shape.group]
-    _simulate_varying(y_lags, shape.u_lags, np.ascontiguousarray(theta), shape.start, u, y, bound)
+    kernels.run_varying(y_lags, shape.u_lags, np.ascontiguousarray(theta), shape.start, u, y, bound)
     return y
 
 
@@ -111,70 +109,4 @@ def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
 
 def _padded(lags: list[tuple[int, ...]]) -> NDArray[np.int64]:
     width = max(map(len, lags), default=0)
-    return np.array([[*row, *[_NONE] * (width - len(row))] for row in lags], dtype=np.int64)
-
-
-@njit(cache=True)
-def _coefficients(group, u_lags, parameters, u, first, last, product, coefficients):
-    """Fill C_g[t] of the samples from ``first`` to before ``last``; ``product`` is scratch."""
-    count = last - first
-    coefficients[:, :count] = 0.0
-    for j in range(group.size):
-        product[:count] = parameters[j]
-        for factor in range(u_lags.shape[1]):
-            lag = u_lags[j, factor]
-            if lag == _NONE:
-                break
-            shifted = u[first - lag : last - lag]
-            for i in range(count):
-                product[i] *= shifted[i]
-        row = coefficients[group[j]]
-        for i in range(count):
-            row[i] += product[i]
-
-
-@njit(cache=True)
-def _simulate(group, y_lags, u_lags, parameters, start, u, y, bound):
-    """Continue ``y`` from sample ``start``; return the first diverged sample or the length."""
-    groups, factors = y_lags.shape
-    coefficients = np.empty((groups, _BLOCK))
-    product = np.empty(_BLOCK)
-    for first in range(start, y.size, _BLOCK):
-        last = min(first + _BLOCK, y.size)
-        _coefficients(group, u_lags, parameters, u, first, last, product, coefficients)
-        for t in range(first, last):
-            total = 0.0
-            for g in range(groups):
-                monomial = coefficients[g, t - first]
-                for factor in range(factors):
-                    lag = y_lags[g, factor]
-                    if lag == _NONE:
-                        break
-                    monomial *= y[t - lag]
-                total += monomial
-            if not abs(total) <= bound:
-                y[t:] = np.inf
-                return t
-            y[t] = total
-    return y.size
-
-
-@njit(cache=True)
-def _simulate_varying(y_lags, u_lags, theta, start, u, y, bound):
-    for t in range(start, y.size):
-        total = 0.0
-        for j in range(y_lags.shape[0]):
-            monomial = theta[t, j]
-            for factor in range(y_lags.shape[1]):
-                if y_lags[j, factor] == _NONE:
-                    break
-                monomial *= y[t - y_lags[j, factor]]
-            for factor in range(u_lags.shape[1]):
-                if u_lags[j, factor] == _NONE:
-                    break
-                monomial *= u[t - u_lags[j, factor]]
-            total += monomial
-        if not abs(total) <= bound:
-            y[t:] = np.inf
-            return
-        y[t] = total
+    return np.array([[*row, *[kernels.NONE] * (width - len(row))] for row in lags], dtype=np.int64)

@@ -1,0 +1,64 @@
+"""The error of a structure on parts of its own record that its parameters were not fitted to."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dea.errors import InputError
+from dea.narx.checks import as_record
+from dea.narx.estimation import normalised
+from dea.narx.metrics import rmse
+from dea.narx.model import NarxModel
+from dea.narx.refinement import minimise
+
+
+def held_out_error(model: NarxModel, u: ArrayLike, y: ArrayLike, *, parts: int = 6) -> float:
+    """Free-run error of a model's structure by cross-validation on one record.
+
+    The record is cut into contiguous parts. For each, the parameters that minimise the simulated
+    error (6) on all others are sought from the model's own, and simulate the part left out from
+    its first measured outputs on. Among models of several lags, degrees and thresholds that were
+    selected on the record, the one of least error is a choice that no test record has seen.
+
+    Parameters
+    ----------
+    model
+        As :func:`dea.select_terms` found it on this record.
+    u, y
+        Input and output in physical units, shape (samples,).
+    parts
+        At least two.
+
+    Returns
+    -------
+    float
+        Root mean square over the parts of their rmse, in units of the output; infinite where a
+        run diverges.
+
+    Raises
+    ------
+    InputError
+        If a part is too short for the model's lags.
+    """
+    inputs, outputs = as_record(u, y, model.max_lag, len(model.terms))
+    if parts < 2 or inputs.size // parts < model.max_lag + 2:
+        raise InputError(
+            f"{parts} parts of {inputs.size} samples, for a largest lag of {model.max_lag}",
+            field="parts",
+            remedy="Cut the record into at least two parts, each longer than the lags.",
+        )
+    edges = np.linspace(0, inputs.size, parts + 1).astype(int)
+    errors = np.empty(parts)
+    for i, (first, last) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+        others = [
+            (inputs[piece], outputs[piece])
+            for piece in (slice(0, first), slice(last, inputs.size))
+            if inputs[piece].size > model.max_lag
+        ]
+        fitted = minimise(model.terms, model.parameters, normalised(others, model.scaling))
+        if not np.isfinite(fitted.msse):
+            return np.inf
+        run = model.with_parameters(fitted.parameters).simulate(
+            inputs[first:last], outputs[first:last]
+        )
+        errors[i] = rmse(outputs[first:last][model.max_lag :], run[model.max_lag :])
+    return float(np.sqrt(np.mean(errors**2)))
