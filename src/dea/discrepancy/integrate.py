@@ -31,7 +31,8 @@ def compiled(function: Callable[..., Any], signature: Any) -> Any:
     """Compile ``function`` for ``signature``; a function that is compiled already is returned."""
     if hasattr(function, "nopython_signatures"):
         return function
-    return njit(signature)(function)
+    # Divisions by zero give infinities, which are data; an exception would not be.
+    return njit(signature, error_model="numpy")(function)
 
 
 @njit(FORCE, cache=True)
@@ -158,8 +159,8 @@ def integrate(
 
     The method is exact for a linear simulation under a held input, however stiff, and of second
     order otherwise (Hochbruck and Ostermann 2010, Acta Numerica 19:209, section 2.4). Effects with
-    memory are split off: within a step the force is evaluated with the memory of the step's
-    start, which is then brought up to date with the motion over the step.
+    memory are split off (Strang 1968): within a step the force is evaluated with the memory of
+    the step's middle, which is then brought forward by the motion over the step.
 
     Parameters
     ----------
@@ -193,6 +194,14 @@ def integrate(
     q1, q2, q3 = q[0], q[1], q[2]
     h = interval / substeps
     z, z_next = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
+    # Memories are kept half a step ahead, which makes the splitting one of second order.
+    _positions(x, ports, frames, z)
+    if forces:
+        update_1(z[0], z[0], 0.5 * h, m1, q1)
+        if forces > 1:
+            update_2(z[1], z[1], 0.5 * h, m2, q2)
+        if forces > 2:
+            update_3(z[2], z[2], 0.5 * h, m3, q3)
     for i in range(n):
         p[drive] = p_drive * drive_scale[i]
         _positions(x, ports, frames, z)
@@ -209,6 +218,11 @@ def integrate(
                 if column:
                     typical[column - 1] = max(typical[column - 1], abs(x[column - 1]))
                     nudge = 1e-6 * typical[column - 1]
+                    # Where a force looks at the position, the secant over the coming motion
+                    # sees the corners of its law.
+                    for e in range(forces):
+                        if ports[e, 1] == column - 1 and abs(h * slope[column - 1]) > nudge:
+                            nudge = h * slope[column - 1]
                     moved[column - 1] += nudge
                 derivative(moved, v, p, beside)
                 for e in range(forces):

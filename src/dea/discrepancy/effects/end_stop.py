@@ -48,5 +48,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     force=force,
-    refine=4,
+    refine=2,
 )

@@ -22,7 +22,7 @@ def update(z, z_next, h, memory, q):
     omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]
     a, v = memory[0], memory[1]
     half = 0.5 * h
-    pull = omega * omega * (0.5 * (z + z_next) - a - half * v) - damping * v
+    pull = omega * omega * (z_next - a - half * v) - damping * v
     v_next = v + h * pull / (1.0 + half * damping + half * half * omega * omega)
     memory[0] = a + half * (v + v_next)
     memory[1] = v_next

@@ -23,11 +23,10 @@ def force(z, w, memory, q):
 
 @njit(UPDATE, cache=True)
 def update(z, z_next, h, memory, q):
-    """Relax each dashpot towards the mean position of the step, exactly."""
+    """Relax each dashpot towards the position in the middle of its own step, exactly."""
     tau = q[1]
-    middle = 0.5 * (z + z_next)
     for i in range(BRANCHES):
-        memory[i] += (middle - memory[i]) * (1.0 - np.exp(-h / tau))
+        memory[i] += (z_next - memory[i]) * (1.0 - np.exp(-h / tau))
         tau *= SPACING
 
 

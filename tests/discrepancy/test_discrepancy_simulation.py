@@ -1,0 +1,208 @@
+"""Simulations, their integration, and a user's own."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from dea.discrepancy import (
+    Balance,
+    ExtendedSimulation,
+    Parameter,
+    Simulation,
+    State,
+    catalogue,
+    load_extended,
+    load_simulation,
+)
+from dea.discrepancy.problem import Problem, base, scales
+from dea.discrepancy.simulation import BUILT_IN
+from dea.errors import InputError
+
+DT = 0.02
+T = np.arange(300) * DT
+
+
+def reference(simulation, u, interval, slopes=None):
+    """Free run under a held input by another integrator."""
+    p, x = simulation.nominal, np.array([s.initial for s in simulation.states])
+    right = slopes or simulation.derivative
+    lead = round(simulation.lead_in / interval)
+    outputs = []
+
+    def slope(_, x, v):
+        dx = np.empty(x.size)
+        right(x, v, p, dx)
+        return dx
+
+    for v in np.concatenate([np.full(lead, u[0]), u]):
+        outputs.append(simulation.output(x, v, p))
+        x = solve_ivp(
+            slope, (0, interval), x, args=(v,), rtol=1e-10, atol=1e-13, method="LSODA"
+        ).y[:, -1]
+    return np.array(outputs[lead:])
+
+
+@pytest.mark.parametrize(
+    ("name", "u", "interval", "tolerance"),
+    [
+        ("dea_membrane", 2.4 + np.sin(4 * T), DT, 1e-5),
+        ("cascaded_tanks", 3.0 + np.sin(0.3 * T / DT * 0.1), 4.0, 1e-3),
+        ("electric_drive", np.sign(np.sin(3 * T)), DT, 1e-6),
+    ],
+)
+def test_integration_agrees_with_another_method(name, u, interval, tolerance):
+    simulation = replace(load_simulation(name), lead_in=0.2 if name == "dea_membrane" else 0.0)
+    extended = ExtendedSimulation(simulation, substeps=2)
+    values = extended.values(np.zeros(extended.free.size))
+    found = extended.simulate(values, u, interval)
+    assert np.allclose(found, reference(simulation, u, interval), atol=tolerance)
+
+
+def test_one_step_is_exact_for_a_stiff_linear_system():
+    simulation = load_simulation("mass_spring_damper")
+    stiff = replace(simulation, hold="zero")
+    extended = ExtendedSimulation(stiff)
+    values = extended.values(np.zeros(extended.free.size))
+    values[0], values[1] = 40.0, 12.0
+    u = np.where(T > 1.0, 1.0, 0.2)
+    found = extended.simulate(values, u, DT)
+    finer = ExtendedSimulation(stiff, substeps=64).simulate(values, u, DT)
+    assert np.allclose(found, finer, atol=1e-6)
+
+
+def test_a_force_enters_the_balance():
+    simulation = replace(load_simulation("mass_spring_damper"), hold="zero")
+    u = np.sin(2 * np.pi * 3 * T)
+    extended = base(simulation, u, DT, 1e-6)
+    extended = replace(extended, substeps=16)
+    values = extended.values(np.zeros(extended.free.size))
+    problem = Problem(u, u, DT, *(np.ones(u.size, bool) for _ in range(3)))
+    stiffer = extended.attach(
+        catalogue()["strain_stiffening"], scales(problem, extended, values, ("V", "V"))
+    )
+    frame = extended.frames[0]
+    omega = 2 * pi * simulation.nominal[0]
+    assert frame.unit_force == pytest.approx(omega**2 * frame.scale, rel=1e-6)
+
+    def slopes(x, v, p, dx):
+        simulation.derivative(x, v, p, dx)
+        dx[1] -= frame.unit_force * 0.4 * (x[0] / frame.scale) ** 3
+
+    found = stiffer.simulate(np.concatenate([values, [0.4, 3.0, 0.0]]), u, DT)
+    assert np.allclose(found, reference(simulation, u, DT, slopes), atol=2e-3)
+
+
+def test_a_simulation_that_runs_away_is_not_a_number():
+    def unstable(x, u, p, dx):
+        dx[0] = p[0] * x[0] + u
+
+    simulation = Simulation(
+        name="runaway", input_unit="V", output_unit="mm", states=(State("x", "mm", 0.0),),
+        parameters=(Parameter("growth", "1/s", 30.0, 1.0),), derivative=unstable,
+        output=lambda x, u, p: x[0], drive="growth", balances=(),
+    )  # fmt: skip
+    extended = ExtendedSimulation(simulation)
+    found = extended.simulate(extended.values(np.zeros(1)), np.ones(300), DT)
+    assert np.isfinite(found[:10]).all()
+    assert np.isnan(found[-1])
+    with pytest.raises(InputError, match=r"runaway.*runs away at its nominal"):
+        base(simulation, np.ones(300), DT, 1e-3)
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_simulation_of_the_study_loads(name):
+    simulation = load_simulation(name)
+    assert simulation.name == name
+    assert simulation.balances
+
+
+def test_an_extended_simulation_saves_and_loads(tmp_path):
+    u = 2.4 + np.sin(4 * T)
+    extended = base(load_simulation("dea_membrane"), u, DT, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    problem = Problem(u, u, DT, *(np.ones(u.size, bool) for _ in range(3)))
+    told = scales(problem, extended, values, ("V", "mm"))
+    for name in ("viscoelastic_creep", "dead_zone"):
+        effect = catalogue()[name]
+        extended = extended.attach(effect, told)
+        values = np.concatenate([values, effect.starts(told)[0]])
+    path = tmp_path / "extended_simulation.yaml"
+    extended.save(values, DT, path)
+    loaded, same, interval = load_extended(path)
+    assert interval == DT
+    assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()
+    path.write_text(path.read_text().replace("dead_zone", "dead_zoo"))
+    with pytest.raises(InputError, match="no effect 'dead_zoo'"):
+        load_extended(path)
+
+
+OWN = '''
+from dea.discrepancy import Balance, Parameter, Simulation, State
+
+
+def derivative(x, u, p, dx):
+    dx[0] = {slope}
+
+
+def output(x, u, p):
+    return x[0]
+
+
+simulation = Simulation(
+    name="own", input_unit="V", output_unit="mm", states=(State("level", "mm", 0.0),),
+    parameters=(Parameter("rate", "1/s", 2.0, 0.5, log=True), Parameter("gain", "mm/V", 1.0, 0.5)),
+    derivative=derivative, output=output, drive="{drive}",
+    balances=(Balance("{equation}", "level", None),),
+)
+'''
+
+
+def write_own(path, slope="p[0] * (p[1] * u - x[0])", drive="gain", equation="level"):
+    path.write_text(OWN.format(slope=slope, drive=drive, equation=equation))
+    return path
+
+
+def test_a_users_simulation_loads_and_runs(tmp_path):
+    simulation = load_simulation(write_own(tmp_path / "own.py"))
+    extended = ExtendedSimulation(simulation)
+    found = extended.simulate(extended.values(np.zeros(extended.free.size)), np.ones(300), DT)
+    assert np.allclose(found, 1 - np.exp(-2.0 * T), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"drive": "power"}, "the drive port names 'power'"),
+        ({"equation": "speed"}, "force-balance port names 'speed'"),
+        ({"slope": "p[0] * (u - x[0]) / x[0]"}, "derivative of level is not a number"),
+        ({"slope": "undefined_name"}, "numba cannot compile it"),
+        ({"slope": "1 +"}, "cannot be run"),
+    ],
+)
+def test_a_users_simulation_is_checked(tmp_path, changed, message):
+    path = write_own(tmp_path / "own.py", **changed)
+    with pytest.raises(InputError, match=message) as error:
+        load_simulation(path)
+    assert "own.py" in str(error.value) or "own" in str(error.value)
+    assert error.value.remedy
+
+
+def test_a_file_without_a_simulation_is_named(tmp_path):
+    path = tmp_path / "own.py"
+    path.write_text("x = 1\n")
+    with pytest.raises(InputError, match=r"own.py.*defines no `simulation`"):
+        load_simulation(path)
+    with pytest.raises(InputError, match="no simulation 'nothing'"):
+        load_simulation("nothing")
+
+
+def test_names_are_unique():
+    with pytest.raises(InputError, match="two things are called 'x'"):
+        Simulation(
+            name="twice", input_unit="V", output_unit="V", states=(State("x", "V", 0.0),),
+            parameters=(Parameter("x", "1", 1.0, 0.0),), derivative=None, output=None, drive="x",
+            balances=(Balance("x", "x", None),),
+        )  # fmt: skip
