@@ -36,6 +36,12 @@ def test_a_scaled_model_works_in_physical_units():
     assert str(scaled).endswith("u = (input - 2.4)/0.7, y = (output - 1.5)/0.3")
 
 
+def test_offsets_are_printed_with_their_sign():
+    scaling = Scaling(u_offset=-1.5, u_scale=2.0, y_offset=0.25, y_scale=0.5)
+    text = str(NarxModel.from_terms({"y(t-1)": -0.5}, scaling=scaling))
+    assert text == "y(t) = -0.5 y(t-1)\nu = (input + 1.5)/2.0, y = (output - 0.25)/0.5"
+
+
 def test_the_run_starts_from_the_outputs_given():
     model = NarxModel.from_terms(LINEAR, scaling=SCALING)
     measured = np.linspace(3, 4, 20)

@@ -220,9 +220,10 @@ class NarxModel:
         """Return the equation that is simulated, every digit of its parameters included."""
         lines = [f"y(t) = {_sum(self.terms, self.parameters)}"]
         if astuple(self.scaling) != astuple(Scaling()):
+            u_offset, u_scale, y_offset, y_scale = astuple(self.scaling)
             lines.append(
-                f"u = (input - {self.scaling.u_offset})/{self.scaling.u_scale}, "
-                f"y = (output - {self.scaling.y_offset})/{self.scaling.y_scale}"
+                f"u = (input {_signed(-u_offset)})/{u_scale!r}, "
+                f"y = (output {_signed(-y_offset)})/{y_scale!r}"
             )
         return "\n".join(lines)
 
@@ -230,10 +231,13 @@ class NarxModel:
 def _sum(terms: Sequence[Term], parameters: Array) -> str:
     text = ""
     for term, parameter in zip(terms, parameters.tolist(), strict=True):
-        sign = "-" if np.signbit(parameter) else "+"
         monomial = f" {term}" if term.degree else ""
-        text += f" {sign} {abs(parameter)!r}{monomial}" if text else f"{parameter!r}{monomial}"
+        text += f" {_signed(parameter)}{monomial}" if text else f"{parameter!r}{monomial}"
     return text
+
+
+def _signed(number: float) -> str:
+    return f"{'-' if np.signbit(number) else '+'} {abs(number)!r}"
 
 
 def _plain(name: str) -> dict[str, str]:
