@@ -38,6 +38,35 @@ rule diagnose:
         " --extended {output.extended:q} --certificate {output.certificate:q} 2> {log:q}"
 
 
+rule discrepancy_figure:
+    input:
+        localisation=rules.diagnose.output.localisation,
+        candidates=rules.diagnose.output.candidates,
+        certificate=rules.diagnose.output.certificate,
+        verdict=rules.diagnose.output.verdict,
+        code=modules("dea.stages.discrepancy_figure"),
+    output:
+        png=report(
+            "results/figures/discrepancy/{system}.png",
+            caption="../report/discrepancy.rst",
+            category="Discrepancy",
+            labels={"figure": "missing effect", "system": "{system}"},
+        ),
+        pdf="results/figures/discrepancy/{system}.pdf",
+    log:
+        "results/discrepancy/{system}/log/figure.log",
+    benchmark:
+        "results/discrepancy/{system}/benchmark/figure.tsv"
+    params:
+        settings=lambda wildcards: json.dumps({"figures": config["figures"]}),
+    shell:
+        "python -m dea.stages.discrepancy_figure --settings {params.settings:q}"
+        " --localisation {input.localisation:q} --candidates {input.candidates:q}"
+        " --certificate {input.certificate:q} --verdict {input.verdict:q}"
+        " --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
+
+
 rule discrepancy:
     input:
         expand("results/discrepancy/{system}/verdict.json", system=ACTUATORS),
+        expand("results/figures/discrepancy/{system}.{kind}", system=ACTUATORS, kind=["png", "pdf"]),
