@@ -234,3 +234,17 @@ def test_selection_works_in_any_units():
 def test_unusable_records_are_refused(u, y, message):
     with pytest.raises(InputError, match=message):
         select_terms(u, y)
+
+
+def test_an_even_search_finds_a_rectified_systems_terms_and_no_odd_one():
+    rng = np.random.default_rng(11)
+    plant = NarxModel.from_terms(
+        {"1": 0.1, "y(t-1)": 0.5, "y(t-1)u(t-1)u(t-2)": 0.3, "u(t-2)^2": 0.4}
+    )
+    u = 2.0 + rng.uniform(-2.0, 1.0, 800)  # its mean is not zero: only about zero it is even
+    y = plant.simulate(u / 2.0)
+    found = select_terms(u, y, y_lags=2, u_lags=2, degree=3, even_in_input=True, scaling=None)
+    assert found.scaling.u_offset == 0.0
+    assert all(len(term.u_lags) % 2 == 0 for term in found.terms)
+    np.testing.assert_allclose(found.simulate(-u, y), found.simulate(u, y), rtol=1e-12)
+    np.testing.assert_allclose(found.simulate(u, y), y, rtol=1e-6)

@@ -81,3 +81,12 @@ def test_a_model_that_diverges_has_infinite_scores_and_no_nan(record):
     found = validate({"narx": model}, u, y, 10.0, windows=WINDOWS, before=30.0, max_lag=20)
     for name, values in found.data_vars.items():
         assert not values.isnull().any(), name
+
+
+def test_windows_of_one_length_have_as_many_samples_at_any_rate(record):
+    model, u, y = record
+    # 9.7 Hz puts the windows' ends between samples, once above and once below the half.
+    odd = validate(
+        {"narx": model}, u, y, 9.7, windows=[(30.0, 45.0), (80.1, 95.1)], before=30.0, max_lag=20
+    )
+    assert odd.sizes["sample"] == round(15.0 * 9.7)

@@ -67,11 +67,11 @@ def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> tuple[A
     return theta, variance * (inverse @ inverse.T)
 
 
-def scaling_of(records: Sequence[Segment]) -> Scaling:
+def scaling_of(records: Sequence[Segment], centre_input: bool = True) -> Scaling:
     """Centre each signal on its mean and scale it by its half-range over all records.
 
     Half-ranges put the input within about -1 to 1, the interval on which the published models of
-    such actuators stay bounded.
+    such actuators stay bounded. Without ``centre_input`` the input is only scaled.
     """
     values = {}
     for name, signal in (
@@ -80,6 +80,8 @@ def scaling_of(records: Sequence[Segment]) -> Scaling:
     ):
         values[f"{name}_offset"] = float(signal.mean())
         values[f"{name}_scale"] = float(0.5 * np.ptp(signal))
+    if not centre_input:
+        values["u_offset"] = 0.0
     return Scaling(**values)
 
 

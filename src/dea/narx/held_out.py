@@ -1,5 +1,7 @@
 """The error of a structure on parts of its own record that its parameters were not fitted to."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -48,7 +50,7 @@ def held_out_error(model: NarxModel, u: ArrayLike, y: ArrayLike, *, parts: int =
         )
     edges = np.linspace(0, inputs.size, parts + 1).astype(int)
     errors = np.empty(parts)
-    for i, (first, last) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+    for i, (first, last) in enumerate(pairwise(edges)):
         others = [
             (inputs[piece], outputs[piece])
             for piece in (slice(0, first), slice(last, inputs.size))

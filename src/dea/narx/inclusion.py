@@ -52,7 +52,8 @@ def inclusion_frequency(
             remedy="Use at least 1 resample of at least 2 blocks.",
         )
     records = as_segments(u, y)
-    settings = {"scaling": scaling_of(records)} | selection
+    scaling = scaling_of(records, not selection.get("even_in_input", False))
+    settings = {"scaling": scaling} | selection
     pieces = [
         piece
         for one, other in records

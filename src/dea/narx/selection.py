@@ -48,6 +48,7 @@ def select_terms(
     y_lags: int | Sequence[int] = 3,
     u_lags: int | Sequence[int] = 3,
     degree: int = 3,
+    even_in_input: bool = False,
     add_threshold: float = 1e-5,
     prune_threshold: float = 1e-5,
     refine: bool = True,
@@ -73,6 +74,10 @@ def select_terms(
         Largest lag of output and input, or the lags themselves (input lags may include 0).
     degree
         Largest polynomial order.
+    even_in_input
+        Consider only terms with an even number of inputs, for a system that answers the input's
+        negative alike: behind a sensor without a sign, or under a stress that goes with V^2. The
+        input is then scaled about zero.
     add_threshold
         SERR below which no term is worth adding; also the price of a term while refining. SERR is
         a share of the mean square of the normalised output.
@@ -98,9 +103,11 @@ def select_terms(
         If the records are not usable or too short, or if no stable model is found.
     """
     candidates = candidate_terms(y_lags, u_lags, degree)
+    if even_in_input:
+        candidates = tuple(term for term in candidates if len(term.u_lags) % 2 == 0)
     linear = tuple(j for j, term in enumerate(candidates) if term.degree <= 1)
     records = as_segments(u, y, max_lag(candidates), len(linear))
-    scale = scaling_of(records) if scaling is None else scaling
+    scale = scaling_of(records, not even_in_input) if scaling is None else scaling
     segments = normalised(records, scale)
     trials, trace = Trials(candidates, segments), Trace()
     most = len(candidates) if max_terms is None else max_terms

@@ -158,7 +158,9 @@ def _spans(
     """Return the stretch before each window and the window, as slices of samples."""
     spans = []
     for begin, end in windows:
-        earliest, first, last = (round(time * rate) for time in (begin - before, begin, end))
+        # Lengths are rounded, not ends: windows of one length in s have as many samples.
+        first = round(begin * rate)
+        earliest, last = first - round(before * rate), first + round((end - begin) * rate)
         if earliest < 0 or last > samples or last - first <= 2 * max_lag or earliest >= first:
             raise InputError(
                 f"the window {begin:g} to {end:g} s with {before:g} s before it does not fit a "

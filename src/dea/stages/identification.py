@@ -37,5 +37,5 @@ def segment(
 
 def selection_arguments(identification: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings of the section that :func:`dea.select_terms` takes."""
-    names = ("y_lags", "u_lags", "degree", "add_threshold", "prune_threshold", "refine", "rounds")
+    names = [name for name in identification if name not in ("start", "length", "resamples")]
     return {name: identification[name] for name in names}
