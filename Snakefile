@@ -22,6 +22,7 @@ include: "workflow/rules/tracking.smk"
 include: "workflow/rules/frequency.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/rules/discrepancy.smk"
 include: "workflow/rules/trials.smk"
 include: "workflow/rules/cases.smk"
 

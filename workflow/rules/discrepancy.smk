@@ -69,4 +69,8 @@ rule discrepancy_figure:
 rule discrepancy:
     input:
         expand("results/discrepancy/{system}/verdict.json", system=ACTUATORS),
-        expand("results/figures/discrepancy/{system}.{kind}", system=ACTUATORS, kind=["png", "pdf"]),
+        expand(
+            "results/figures/discrepancy/{system}.{kind}",
+            system=ACTUATORS,
+            kind=["png", "pdf"],
+        ),
