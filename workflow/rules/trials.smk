@@ -74,7 +74,7 @@ rule trial_acquire:
 rule trial_diagnose:
     input:
         records=rules.trial_acquire.output.records,
-        code=modules("dea.stages.trial_diagnose"),
+        code=modules("dea.stages.trial_diagnose", *CATALOGUE),
     output:
         verdicts=directory("results/trials/{set}/{first}-{last}/verdicts"),
     log:
@@ -82,8 +82,12 @@ rule trial_diagnose:
     benchmark:
         "results/trials/{set}/{first}-{last}/benchmark/diagnose.tsv"
     params:
+        # Jobs run side by side; threads within one would only get in each other's way.
         settings=json.dumps(
-            {"seed": config["seed"], "simulation": TRIALS["simulation"]},
+            {
+                "seed": config["seed"],
+                "discrepancy": config["discrepancy"] | {"workers": 1},
+            },
             sort_keys=True,
         ),
     shell:

@@ -10,8 +10,8 @@ from dea.stages.command import run
 def trial_diagnose(settings: Mapping[str, Any], records: Path, verdicts: Path) -> None:
     """Write ``verdicts/NNNN.json`` for each record, and all rankings to ``rankings.json``.
 
-    ``settings`` holds ``seed`` and the ``simulation`` to diagnose with. A ranking lists the
-    explanations by error, the chosen one first, so that answers can be scored where none was given.
+    ``settings`` holds ``seed`` and ``discrepancy``. A ranking lists the explanations by error, the
+    chosen one first, so that answers can be scored where none was given.
     """
     import json
 
@@ -21,8 +21,11 @@ def trial_diagnose(settings: Mapping[str, Any], records: Path, verdicts: Path) -
     verdicts.mkdir(parents=True)
     rankings = {}
     for record in sorted(records.glob("*.nc")):
-        options = Settings(seed=settings["seed"], name=record.stem)
-        diagnosis = diagnose(store.read_record(record), settings["simulation"], settings=options)
+        diagnosis = diagnose(
+            store.read_record(record),
+            settings["discrepancy"]["simulation"],
+            settings=Settings.of({**settings, "system": record.stem}),
+        )
         diagnosis.verdict.write(verdicts / f"{record.stem}.json")
         chosen = diagnosis.decision.chosen
         others = [c for c in diagnosis.pool if c.finished and c is not chosen]
