@@ -145,7 +145,8 @@ def forward_and_prune(
     """Grow ``basis`` by the largest SERR, then remove what costs least; candidate indices."""
     names = [str(term) for term in trials.candidates]
     error = trials([basis])[0].msse
-    trace.add("basis", 0, ["linear basis"], [error], [error / trials.power])
+    # SERR of the basis (9) is its error, not a fall of it.
+    trace.add("basis", 0, ["linear basis"], [error], [error / trials.power], 0, "added")
 
     def grow(subset: Subset) -> dict[str, Subset]:
         free = [j for j in range(len(names)) if j not in subset] if len(subset) < most else []
