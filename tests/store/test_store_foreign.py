@@ -65,12 +65,20 @@ def test_rows_cut_the_record(tmp_path):
         ({"file": "mine.txt"}, r"record\.file: cannot read \.txt"),
         ({"input": {"column": "v", "units": "V"}}, r"record\.input\.column: .* no column 'v'"),
         ({"output": {"column": "y", "units": "m"}, "file": "mine.nc"}, "the case says 'm'"),
+        ({"time": {"column": "u", "units": "ms"}}, r"record\.time\.units: its units are 'ms'"),
+        ({"file": "text.csv"}, r"no column 'u'. Its columns of numbers are y"),
+        ({"file": "empty.csv"}, r"empty\.csv: cannot be read as \.csv"),
+        ({"file": "text.nc"}, r"text\.nc: cannot be read as \.nc"),
+        ({"file": "text.mat"}, r"text\.mat: cannot be read as \.mat"),
     ],
 )
 def test_a_wrong_case_names_file_field_and_remedy(changes, message, tmp_path):
     write_csv(tmp_path)
     write_netcdf(tmp_path)
-    (tmp_path / "mine.txt").write_text("")
+    for name in ("mine.txt", "empty.csv"):
+        (tmp_path / name).write_text("")
+    for name in ("text.csv", "text.nc", "text.mat"):
+        (tmp_path / name).write_text("u,y\n1,2\nx,3\n")
     with pytest.raises(InputError, match=message) as caught:
         store.import_record(case(**{"file": "mine.csv"} | changes), CASE, tmp_path)
     assert str(CASE) in str(caught.value)

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 from dea import store
+from dea.errors import InputError
 from dea.gfrf import frequency_response
 from dea.narx import NarxModel, Scaling
 from dea.stages.gfrf import gfrf
@@ -110,6 +111,16 @@ def test_responses_of_another_model_are_refused(folder, tmp_path):
     run = subprocess.run(command, capture_output=True, text=True)
     assert run.returncode == 2
     assert "terms" in run.stderr
+    # The library knows arrays alone; the command line says which files they came from.
+    assert str(tmp_path / "model.nc") in run.stderr
+    assert not (tmp_path / "gfrf.nc").exists()
+
+
+def test_a_tracker_that_was_not_run_is_refused(folder, tmp_path):
+    files = {name: folder / f"{name}.nc" for name in ("record", "model", "track")}
+    chosen = SETTINGS["gfrf"] | {"tracker": "kalman"}
+    with pytest.raises(InputError, match=r"gfrf\.tracker: 'kalman' .* rls or output_error"):
+        gfrf(SETTINGS | {"gfrf": chosen}, **files, gfrf=tmp_path / "gfrf.nc")
     assert not (tmp_path / "gfrf.nc").exists()
 
 

@@ -3,7 +3,7 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,8 @@ def run(
 
     Each name in ``inputs`` and ``outputs`` becomes an option ``--name PATH``; a name ending in
     ``*`` takes several paths. ``--settings`` is the JSON of the config leaves the stage needs.
-    An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2.
+    An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2; where
+    it knows no file, since it comes from arrays, the stage's inputs are named.
     """
     parser = argparse.ArgumentParser(description=stage.__doc__)
     parser.add_argument("--settings", type=json.loads, default={}, metavar="JSON")
@@ -33,5 +34,11 @@ def run(
     try:
         stage(values.pop("settings"), **values)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        place = "" if error.file else _joined(values[name.rstrip("*")] for name in inputs)
+        print(f"error: {place}{error}", file=sys.stderr)
         raise SystemExit(2) from None
+
+
+def _joined(inputs: Iterable[Path | list[Path]]) -> str:
+    files = [file for one in inputs for file in (one if isinstance(one, list) else [one])]
+    return f"{', '.join(map(str, files))}: " if files else ""

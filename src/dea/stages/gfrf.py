@@ -10,15 +10,24 @@ from dea.stages.command import run
 def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gfrf: Path) -> None:
     """Compute H1 over time, and H2 and H3 at chosen times, around the middle input."""
     from dea import store
+    from dea.errors import InputError
     from dea.gfrf import response_over_time
     from dea.narx import NarxModel
     from dea.tracking import with_constant
 
     chosen = settings["gfrf"]
     signals = store.signals(store.read_record(record))
+    tracked = store.read(track)["parameter"]
+    if chosen["tracker"] not in tracked["tracker"]:
+        raise InputError(
+            f"{chosen['tracker']!r} has not tracked this record",
+            file=track,
+            field="gfrf.tracker",
+            remedy=f"Choose {' or '.join(tracked['tracker'].values)}, or add it to the trackers",
+        )
     result = response_over_time(
         with_constant(NarxModel.load(model)),
-        store.read(track)["parameter"].sel(tracker=chosen["tracker"]),
+        tracked.sel(tracker=chosen["tracker"]),
         signals.u,
         signals.sampling_rate,
         **{name: value for name, value in chosen.items() if name != "tracker"},

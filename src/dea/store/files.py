@@ -99,7 +99,9 @@ def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
             dataset = opened.load()
     except OSError as error:
         raise InputError(
-            f"cannot be read as NetCDF ({error})", file=path, remedy="Make it again"
+            f"cannot be read as NetCDF ({error})",
+            file=path,
+            remedy="Make it again; a record of another format enters by a case of config/cases",
         ) from error
     name = contract or _contract_name(dataset, path)
     if name in CONTRACTS:

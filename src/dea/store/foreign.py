@@ -26,7 +26,8 @@ def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Pat
     Raises
     ------
     InputError
-        If a column is missing, units disagree with the file, or the record is not whole.
+        If the file cannot be read, a column is missing or holds text, units disagree with the
+        file, or the record is not whole.
     """
     file = root / settings["file"]
     if not file.exists():
@@ -36,7 +37,7 @@ def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Pat
             field="record.file",
             remedy="Correct the path, or fetch the public records with `make records`",
         )
-    columns, units = _READERS[_kind(file, case_file)](file)
+    columns, units = _read_columns(file, case_file)
     rows = slice(*settings.get("rows", (None,)))
 
     def column(role: str) -> np.ndarray:
@@ -46,7 +47,7 @@ def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Pat
                 f"{file} has no column {name!r}",
                 file=case_file,
                 field=f"record.{role}.column",
-                remedy=f"It has {', '.join(columns)}",
+                remedy=f"Its columns of numbers are {', '.join(columns) or 'none'}",
             )
         declared, stored = settings[role]["units"], units.get(name, settings[role]["units"])
         if declared != stored:
@@ -60,8 +61,15 @@ def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Pat
 
     u, y = column("input"), column("output")
     if "time" in settings:
+        if settings["time"]["units"] != "s":
+            raise InputError(
+                f"its units are {settings['time']['units']!r}",
+                file=case_file,
+                field="record.time.units",
+                remedy="Time is in 's': convert the column, or give a sampling_interval instead",
+            )
         time = column("time")
-        time = time - time[0]
+        time = time - time[:1]
     else:
         time = np.arange(u.size) * float(settings["sampling_interval"])
     record = xr.Dataset(
@@ -80,7 +88,7 @@ def _attributes(role: Mapping[str, str]) -> dict[str, str]:
     return {"units": role["units"], "long_name": role.get("name", role["column"])}
 
 
-def _kind(file: Path, case_file: Path) -> str:
+def _read_columns(file: Path, case_file: Path) -> "_Columns":
     suffix = file.suffix.lower()
     if suffix not in _READERS:
         raise InputError(
@@ -89,7 +97,15 @@ def _kind(file: Path, case_file: Path) -> str:
             field="record.file",
             remedy=f"Use one of {', '.join(_READERS)}",
         )
-    return suffix
+    try:
+        return _READERS[suffix](file)
+    # Each reader has its own errors, MatReadError a class straight below Exception.
+    except Exception as error:
+        raise InputError(
+            f"cannot be read as {suffix} ({error})",
+            file=file,
+            remedy=f"Repair it, or name another file in {case_file}: record.file",
+        ) from error
 
 
 _Columns = tuple[dict[str, np.ndarray], dict[str, str]]
