@@ -38,6 +38,10 @@ def test_the_number_of_actuators_is_the_length_of_a_list(project):
         ("y_lags: 3", "y_lag: 3", "y_lag"),
         ("y_lags: 3", "y_lags: -3", "y_lags"),
         ("seed:", "sede:", "sede"),
+        ("name: dea2", "name: dea1", "'dea1' is taken"),
+        ("name: dea2", "name: silverbox", "'silverbox' is taken"),
+        ("name: dea2", "name: figures", "'figures' is taken"),
+        ("bench: dea2", "bench: dea9", "dea2 is to be 'dea9'"),
     ],
 )
 def test_a_wrong_key_or_value_stops_before_the_dag(project, right, wrong, named):

@@ -1,3 +1,13 @@
+def check_virtual_actuators(served):
+    """Every actuator that a bench is to answer for is one of ``served``."""
+    for name, actuator in ACTUATORS.items():
+        if "bench" in actuator and actuator["bench"] not in served:
+            raise WorkflowError(
+                f"config/config.yaml: actuators.bench: {name} is to be {actuator['bench']!r}, which"
+                f" {BENCH} does not have. Name one of {', '.join(served)}, or add an entry there."
+            )
+
+
 def virtual(wildcards):
     """The name in the bench's configuration of an actuator that is virtual, else None."""
     return ACTUATORS[wildcards.actuator].get("bench")

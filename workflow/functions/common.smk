@@ -11,6 +11,28 @@ from snakemake.exceptions import WorkflowError
 # A system is whatever has a record: an actuator of the config or a case of config/cases.
 ACTUATORS = {actuator["name"]: actuator for actuator in config["actuators"]}
 CASES = {path.stem: path for path in sorted(Path("config/cases").glob("*.yaml"))}
+# Folders of results/ that belong to no system.
+RESERVED = {"benchmark", "discrepancy", "figures", "log", "tables", "trials"}
+
+
+def check_names():
+    """Every system has a name, and with it a folder of results, of its own."""
+    taken = set(RESERVED)
+    for file, field, name in [
+        *(
+            ("config/config.yaml", "actuators.name", actuator["name"])
+            for actuator in config["actuators"]
+        ),
+        *((path, "name of the file", name) for name, path in CASES.items()),
+    ]:
+        if name in taken:
+            raise WorkflowError(
+                f"{file}: {field}: {name!r} is taken. Give each actuator and case another name."
+            )
+        taken.add(name)
+
+
+check_names()
 
 
 def load_case(path):
