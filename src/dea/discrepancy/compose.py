@@ -7,7 +7,7 @@ import numpy as np
 
 from dea.discrepancy.candidates import Offer, in_parallel, refine, screen
 from dea.discrepancy.effects import Effect
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.hints import jumps, lines
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem, rmse, scales
@@ -15,8 +15,10 @@ from dea.discrepancy.problem import Problem, rmse, scales
 # Steps every finished candidate gets, and those that only candidates within a factor of the
 # leader's error go on to.
 _FIRST_STEPS, _LAST_STEPS, _NEAR = 4, 12, 1.6
+# Leaders whose last steps have every column of the Jacobian computed anew.
+_POLISHED = 2
 # Samples up to which more than the best start of a law goes on: a short record affords it.
-_SHORT = 10_000
+_SHORT = 24_000
 
 
 @dataclass(frozen=True)
@@ -114,17 +116,23 @@ def extend_by_each(
     offers = _offers(problem, before, effects, units)
     screened = in_parallel(lambda offer: screen(problem, bases, offer, kept), offers, workers)
     stable = sorted(
-        (fit for fit in screened if fit is not None and fit.stable), key=lambda fit: fit.cost
+        (each for each in screened if each is not None and each.stable), key=lambda f: f.cost
     )
     ahead = in_parallel(
-        lambda fit: refine(problem, fit, _FIRST_STEPS), stable[: budget.finished], workers
+        lambda each: refine(problem, each, _FIRST_STEPS), stable[: budget.finished], workers
     )
-    leader = min((fit.cost for fit in ahead), default=0.0)
-    near = [fit for fit in ahead if fit.cost <= _NEAR**2 * leader]
-    finished = in_parallel(lambda fit: refine(problem, fit, _LAST_STEPS), near, workers)
-    finished += [fit for fit in ahead if fit.cost > _NEAR**2 * leader]
-    candidates = [judge(problem, fit) for fit in finished]
-    candidates += [judge(problem, fit, finished=False) for fit in stable[budget.finished :]]
+    leader = min((each.cost for each in ahead), default=0.0)
+    near = [each for each in ahead if each.cost <= _NEAR**2 * leader]
+    finished = in_parallel(lambda each: refine(problem, each, _LAST_STEPS), near, workers)
+    finished.sort(key=lambda f: f.cost)
+    finished[:_POLISHED] = in_parallel(
+        lambda each: fit(problem, each.extended, each.coordinates, iterations=_LAST_STEPS),
+        finished[:_POLISHED],
+        workers,
+    )
+    finished += [each for each in ahead if each.cost > _NEAR**2 * leader]
+    candidates = [judge(problem, each) for each in finished]
+    candidates += [judge(problem, each, finished=False) for each in stable[budget.finished :]]
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
 
 

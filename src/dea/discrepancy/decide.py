@@ -24,10 +24,12 @@ class Rules:
         A gap up to this many noise floors counts as explained.
     misfit
         Part of the nominal misfit (root mean square above the floor) that may remain.
+    grow
+        A further effect is looked for where more than this many noise floors are left.
     second
         A further effect must remove this part of the error that is left.
     rival_margin
-        A rival of another name is beaten if its misfit is larger by this factor, and surely so.
+        A rival of another class is beaten if its misfit is larger by this factor, and surely so.
     predictable
         A flexible model that lowers the remaining error below this part of it says that
         something else is missing.
@@ -36,8 +38,9 @@ class Rules:
     margin: float = 0.10
     clean: float = 1.15
     misfit: float = 0.25
+    grow: float = 1.8
     second: float = 0.15
-    rival_margin: float = 1.15
+    rival_margin: float = 1.05
     predictable: float = 0.80
 
 
@@ -72,7 +75,7 @@ def choose(
     if pair is None or single is None:
         return single
     needed = -np.log1p(-rules.second)
-    if single.error > rules.clean * floor and sure > needed:
+    if single.error > rules.grow * floor and sure > needed:
         return pair
     return single
 
@@ -95,26 +98,72 @@ def decide(
         if unexplained.ratio > 1.0 - rules.margin and nominal_error <= 1.5 * floor:
             return Decision("none", None, reason="no effect and no flexible model narrows the gap")
         return Decision("unknown", None, reason="no effect of the catalogue narrows the gap")
-    left = misfit(chosen.error, floor)
-    whole = misfit(nominal_error, floor)
-    explained = chosen.error <= rules.clean * floor or left <= rules.misfit * whole
-    if not explained or (
-        unexplained.ratio < rules.predictable and left > 0.5 * rules.misfit * whole
-    ):
+    if not _explained(chosen, nominal_error, floor, unexplained, rules):
         return Decision("unknown", chosen, reason="the best effect leaves too much unexplained")
+    rivals = _rivals(chosen, pool, floor, blocks, rules, rng)
+    if not rivals:
+        return Decision("named", chosen)
+    shared = set(chosen.names).intersection(*(rival.names for rival in rivals))
+    for candidate in pool:
+        # Many seconds do as well: the first is sure, and what is left of it a law of another form.
+        if (
+            len(chosen.names) > 1
+            and len(shared) == 1
+            and candidate.finished
+            and candidate.names == tuple(shared)
+            and _explained(candidate, nominal_error, floor, unexplained, rules)
+            and not _rivals(candidate, pool, floor, blocks, rules, rng)
+        ):
+            return Decision("named", candidate)
+    return Decision("ambiguous", chosen, tuple(rivals), "a rival explains the record as well")
+
+
+def same_class(first: Candidate, second: Candidate) -> bool:
+    """Return whether the effects in which two candidates differ share their port or their physics.
+
+    Such effects are one class: seen from outside they are hard, or impossible, to tell apart.
+    """
+    own = [a.effect for a in first.fit.extended.attached if a.effect.name not in second.names]
+    other = [a.effect for a in second.fit.extended.attached if a.effect.name not in first.names]
+    return len(own) == len(other) and all(
+        any(a.port is b.port or a.family is b.family for b in other) for a in own
+    )
+
+
+def _explained(
+    chosen: Candidate,
+    nominal_error: float,
+    floor: float,
+    unexplained: ResidualModel,
+    rules: Rules,
+) -> bool:
+    """Return whether too little is left over for another effect to be hidden in it."""
+    if chosen.error <= rules.clean * floor:
+        return True
+    left, whole = misfit(chosen.error, floor), misfit(nominal_error, floor)
+    if left > rules.misfit * whole:
+        return False
+    return unexplained.ratio >= rules.predictable or left <= 0.5 * rules.misfit * whole
+
+
+def _rivals(
+    chosen: Candidate,
+    pool: Sequence[Candidate],
+    floor: float,
+    blocks: Sequence[slice],
+    rules: Rules,
+    rng: np.random.Generator,
+) -> list[Candidate]:
+    """Return the candidates of another class that explain the record as well."""
+    left = max(misfit(chosen.error, floor), 0.05 * floor)
     rivals = []
     for other in pool:
-        if set(other.names) == set(chosen.names) or len(other.names) != len(chosen.names):
-            continue
-        if not other.finished:
+        if len(other.names) != len(chosen.names) or not other.finished or same_class(chosen, other):
             continue
         _, low = beaten(chosen.fit.gap, other.fit.gap, blocks, rng)
-        apart = misfit(other.error, floor) > rules.rival_margin * max(left, 0.05 * floor)
-        if low <= 0 or not apart:
+        if low <= 0 or misfit(other.error, floor) <= rules.rival_margin * left:
             rivals.append(other)
-    if rivals:
-        return Decision("ambiguous", chosen, tuple(rivals), "a rival explains the record as well")
-    return Decision("named", chosen, reason="")
+    return rivals
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:

@@ -159,7 +159,8 @@ def diagnose(
         problem, chosen, pool, judge(problem, nominal).error, floor, unexplained, blocks,
         settings.rules, rng,
     )  # fmt: skip
-    final = chosen.fit if chosen and decision.status in ("named", "ambiguous") else nominal
+    answer = decision.chosen if decision.status in ("named", "ambiguous") else None
+    final = answer.fit if answer else nominal
 
     before = localise(problem, near.gap, units, counted, rng)
     after = localise(problem, final.gap, units, counted, rng)
@@ -250,7 +251,7 @@ def _rounds(
     beam = [c for c in rounds[0].candidates if c.finished][: budget.beam]
     for _ in range(1, budget.effects):
         floor = min((white_level(c.fit.gap, blocks) for c in beam), default=0.0)
-        if not beam or beam[0].error <= rules.clean * floor:
+        if not beam or beam[0].error <= rules.grow * floor:
             break
         grown = [
             extend_by_each(problem, [c.fit], offered, units, budget, settings.workers) for c in beam

@@ -35,7 +35,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     span = scales.z_span
     return (
         Parameter("force", "1", 0.05 * span, 1.5, 1e-5, 10.0, log=True),
-        Parameter("slip_deflection", "1", 0.01 * span, 0.7, 4e-3 * span, 0.05 * span, log=True),
+        Parameter("slip_deflection", "1", 0.01 * span, 1.0, 5e-4 * span, 0.05 * span, log=True),
         Parameter("stiction_excess", "1", 0.0, 0.2, 0.0, 2.0),
         Parameter("stribeck_rate", "1/s", 0.2 * span, 0.0),
         Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
