@@ -30,6 +30,7 @@ study: $(VENV)/installed ## regenerate every figure and table
 	$(SNAKEMAKE) study
 
 case: $(VENV)/installed ## identify and follow a record made elsewhere: make case NAME=mine
+	$(if $(NAME),,$(error Name a file of config/cases: make case NAME=cascaded_tanks))
 	$(SNAKEMAKE) case_$(NAME)
 
 cases: $(VENV)/installed ## every case of config/cases, and their errors on unseen records in one table
@@ -77,5 +78,5 @@ benchmark: $(VENV)/installed ## speed of identification, tracking and simulation
 	python -m benchmarks
 
 clean: ## remove every generated result (the environment stays)
-	rm -rf results/* .snakemake
-	git checkout -- results/README.md
+	find results -mindepth 1 ! -path results/README.md -delete
+	rm -rf .snakemake
