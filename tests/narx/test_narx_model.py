@@ -89,6 +89,10 @@ def test_bad_signals_are_refused():
         model.simulate([1.0, np.nan])
     with pytest.raises(InputError, match="dimensions"):
         model.simulate([[1.0, 2.0]])
+    with pytest.raises(InputError, match="no numbers"):
+        model.simulate(["one", "two"])
+    with pytest.raises(InputError, match="parameters: it holds no numbers"):
+        NarxModel.from_terms({"y(t-1)": "half"})
     with pytest.raises(InputError, match="sampled together"):
         model.predict([1.0, 2.0], [1.0])
     with pytest.raises(InputError, match="u_scale"):

@@ -140,6 +140,7 @@ def test_a_free_run_that_diverges_is_infinite_and_nothing_worse():
         ({"method": "guess"}, "method"),
         ({"forgetting": 1.5}, "forgetting"),
         ({"delta": -1.0}, "delta"),
+        ({"method": "kalman", "thinning": 0}, "thinning"),
         ({"u": np.ones(SAMPLES)}, "u"),
         ({"y": np.full(SAMPLES, np.nan)}, "y"),
     ],

@@ -16,7 +16,12 @@ def as_signal(values: ArrayLike, name: str) -> Array:
     InputError
         If it is not one-dimensional or holds a value that is not a finite number.
     """
-    signal = np.ascontiguousarray(values, dtype=float)
+    try:
+        signal = np.ascontiguousarray(values, dtype=float)
+    except ValueError as error:
+        raise InputError(
+            f"it holds no numbers: {error}", field=name, remedy="Give an array of numbers."
+        ) from error
     if signal.ndim != 1:
         raise InputError(
             f"it has {signal.ndim} dimensions", field=name, remedy="A signal is one-dimensional."

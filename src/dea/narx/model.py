@@ -100,7 +100,7 @@ class NarxModel:
         """
         return NarxModel(
             tuple(Term.parse(text) for text in terms),
-            np.array(list(terms.values()), dtype=float),
+            as_signal(list(terms.values()), "parameters"),
             scaling or Scaling(),
         )
 

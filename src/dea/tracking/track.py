@@ -77,6 +77,8 @@ def track_parameters(
         raise InputError(f"{method!r} is unknown", field="method", remedy=f"One of {METHODS}")
     if not delta > 0.0:
         raise InputError(f"it is {delta}", field="delta", remedy="It is more than zero")
+    if thinning < 1:
+        raise InputError(f"it is {thinning}", field="thinning", remedy="It is 1 or more")
     model = with_constant(model)
     inputs, outputs = normalised_record(model, u, y)
     Phi = regressor_matrix(model.terms, inputs, outputs)
