@@ -187,4 +187,41 @@ CONTRACTS: Mapping[str, Contract] = {
             "risk": _plain("rank", units="1"),
         }
     ),
+    "localisation": Contract(
+        required={
+            "gap_rms_before": _plain(),
+            "gap_rms_after": _plain(),
+            **{
+                f"{along}_{part}_{when}": _plain(f"{along}_{when}")
+                for along in ("time", "input", "output", "direction", "reversal")
+                for part in ("low", "high", "gap", "null")
+                for when in ("before", "after")
+            },
+        }
+    ),
+    "candidates": Contract(
+        required={
+            "gain": _plain("candidate", units="1"),
+            "gain_low": _plain("candidate", units="1"),
+            "gain_high": _plain("candidate", units="1"),
+            "error": _plain("candidate"),
+            "visible": _plain("candidate", units="1"),
+            "null_gain": _plain(units="1"),
+            "set_error": _plain("set"),
+            "confusion": _plain("present", "called", units="1"),
+        }
+    ),
+    "certificate": Contract(
+        required={
+            "time": _plain("time", units="s"),
+            "input": _plain("time"),
+            "measured": _plain("time"),
+            "nominal": _plain("time"),
+            "extended": _plain("time"),
+            "role": _plain("time", units="1"),
+            "noise_floor": _plain(),
+            "record_rmse_before": _plain("record"),
+            "record_rmse_after": _plain("record"),
+        }
+    ),
 }
