@@ -116,13 +116,3 @@ def test_a_wrong_setting_is_named(change, field):
     with pytest.raises(InputError) as error:
         signals.design(asked.pop("kind"), **asked)
     assert error.value.field == field
-
-
-def test_samples_outside_the_limits_are_counted():
-    signal = signals.design("gaussian", **STUDY)
-    signals.check_limits(signal, 1.1, 3.75)
-    with pytest.raises(InputError, match=r"outside 1\.1 to 3 V"):
-        signals.check_limits(signal, 1.1, 3.0)
-    signal[7] = np.nan
-    with pytest.raises(InputError, match=r"1 samples .* sample 7 is nan"):
-        signals.check_limits(signal, 1.1, 3.75)

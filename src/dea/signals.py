@@ -17,7 +17,6 @@ __all__ = [
     "KINDS",
     "binary",
     "bursts",
-    "check_limits",
     "design",
     "gaussian",
     "multisine",
@@ -248,19 +247,6 @@ def design(
     signal = KINDS[kind](rng, samples, sampling_rate, low, high, **settings)
     # Rounding may carry a sample past the end it was meant to reach.
     return np.clip(signal, low, high)
-
-
-def check_limits(signal: Signal, low: float, high: float) -> None:
-    """Raise InputError where ``signal`` (V) is not finite or leaves [low, high]."""
-    outside = ~((signal >= low) & (signal <= high))
-    if outside.any():
-        first = int(np.argmax(outside))
-        raise InputError(
-            f"{int(outside.sum())} samples are outside {low:g} to {high:g} V; "
-            f"sample {first} is {signal[first]:g} V",
-            field="excitation",
-            remedy="Narrow the range of the excitation or widen the device's limits.",
-        )
 
 
 def _spread(unit: Signal, low: float, high: float) -> Signal:
