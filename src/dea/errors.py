@@ -1,4 +1,4 @@
-"""The one exception a user meets when something they supplied is wrong."""
+"""The exceptions a user meets: something they supplied is wrong, or a device failed."""
 
 from pathlib import Path
 
@@ -28,3 +28,7 @@ class InputError(ValueError):
         place = ": ".join(str(part) for part in (file, field) if part is not None)
         message = f"{place}: {problem}" if place else problem
         super().__init__(f"{message}. {remedy}" if remedy else message)
+
+
+class DeviceError(Exception):
+    """A device, or the way to it, failed an acquisition; the message says what is left of it."""

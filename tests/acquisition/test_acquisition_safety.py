@@ -89,6 +89,13 @@ def test_a_register_map_that_does_not_match(serve_bench, partial, name, changes,
     assert not partial.exists()
 
 
+def test_a_sampling_rate_that_is_not_the_devices(serve_bench, partial):
+    bench = serve_bench()
+    with pytest.raises(InputError, match="registers.device_rate"):
+        acquire(replace(bench.endpoint, sampling_rate=100.0), VOLTS, partial, FAST)
+    assert not started(bench)
+
+
 def test_a_wrong_unit_id(serve_bench, partial):
     bench = serve_bench()
     with pytest.raises(InputError, match="unit_id"):

@@ -8,6 +8,16 @@ def check_virtual_actuators(served):
             )
 
 
+def check_devices():
+    """Every actuator's device description is there."""
+    for name, actuator in ACTUATORS.items():
+        if not Path(actuator["device"]).exists():
+            raise WorkflowError(
+                f"config/config.yaml: actuators.device: {actuator['device']} of {name} does not"
+                " exist. Correct the path, or copy a description of config/devices there."
+            )
+
+
 def virtual(wildcards):
     """The name in the bench's configuration of an actuator that is virtual, else None."""
     return ACTUATORS[wildcards.actuator].get("bench")

@@ -12,19 +12,16 @@ from dea import signals, store
 from dea.acquisition.acquire import acquire
 from dea.acquisition.excitation import plan_sequence
 from dea.acquisition.interrupts import Interrupted
-from dea.acquisition.link import DeviceRefusedError, Link, LinkError, LinkSettings
+from dea.acquisition.link import Link, LinkSettings
 from dea.acquisition.monitor import Monitor
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
 from dea.acquisition.record import record_dataset
-from dea.acquisition.safety import ZeroNotVerifiedError
-from dea.acquisition.samples import BrokenRecordError, Quality
+from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 from dea.modbus import Device, read_device
-
-FAILURES = (LinkError, DeviceRefusedError, ZeroNotVerifiedError, BrokenRecordError, OSError)
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -35,7 +32,7 @@ def main(arguments: list[str] | None = None) -> None:
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
-    except FAILURES as error:
+    except (DeviceError, OSError) as error:
         print(f"failed: {error}", file=sys.stderr)
         raise SystemExit(1) from None
     except Interrupted as signal:

@@ -24,7 +24,7 @@ from pymodbus.pdu.register_message import (
 )
 
 from dea.acquisition.connection import Client, connect, place
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 from dea.modbus import Device, ReadWriteRequest
 
 # Every failure is counted and reported here; pymodbus would print each one to the terminal.
@@ -37,11 +37,11 @@ _LOST = (ConnectionException, ConnectionError)
 _TRANSIENT = (ModbusException, OSError, struct.error, ValueError, IndexError)
 
 
-class LinkError(ConnectionError):
+class LinkError(DeviceError, ConnectionError):
     """The device cannot be reached, or does not answer."""
 
 
-class DeviceRefusedError(RuntimeError):
+class DeviceRefusedError(DeviceError):
     """The device answered with a Modbus exception ``code``."""
 
     def __init__(self, code: int, function: int) -> None:

@@ -7,7 +7,7 @@ from dea.acquisition.excitation import ramp
 from dea.acquisition.link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.panel import Panel
 from dea.acquisition.verify import verify_device
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 from dea.modbus import to_counts, to_physical
 
 IDLE, TRIPPED = 0, 3  # state
@@ -15,7 +15,7 @@ STOP, RESET = 2, 3  # command
 NOT_ALLOWED = 7  # Modbus exception code
 
 
-class ZeroNotVerifiedError(RuntimeError):
+class ZeroNotVerifiedError(DeviceError):
     """The output could not be read back as zero."""
 
 

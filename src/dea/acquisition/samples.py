@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.errors import DeviceError
+
 
 class Quality(IntFlag):
     """Flags of a sample; 0 is good."""
@@ -35,7 +37,7 @@ class Samples(NamedTuple):
         return cls(position + steps, index + steps, requested, nothing, nothing, flags)
 
 
-class BrokenRecordError(RuntimeError):
+class BrokenRecordError(DeviceError):
     """Samples are missing or were not driven as asked; says which and why.
 
     ``samples`` are the ones concerned, flagged, as far as their places are known.

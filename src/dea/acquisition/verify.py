@@ -8,7 +8,7 @@ RANGE_TOLERANCE = 1e-5  # of the range; float32 registers hold seven digits
 
 
 def verify_device(panel: Panel) -> None:
-    """Read back identity, ranges and limits, and compare them with the description.
+    """Read back identity, ranges, sampling rate and limits, and compare them with the description.
 
     Raises
     ------
@@ -26,6 +26,8 @@ def verify_device(panel: Panel) -> None:
                     found = panel.number(f"{name}_range_{end}")
                     span = register.range[1] - register.range[0]
                     _compare(device, f"{name}_range_{end}", found, expected, span)
+    if "device_rate" in panel:
+        _compare(device, "device_rate", panel.number("device_rate"), device.sampling_rate)
     _verify_limits(panel)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 
 
 def run(
@@ -22,7 +22,8 @@ def run(
     Each name in ``inputs`` and ``outputs`` becomes an option ``--name PATH``; a name ending in
     ``*`` takes several paths. ``--settings`` is the JSON of the config leaves the stage needs.
     An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2; where
-    it knows no file, since it comes from arrays, the stage's inputs are named.
+    it knows no file, since it comes from arrays, the stage's inputs are named. A
+    :class:`~dea.errors.DeviceError` exits with status 1.
     """
     parser = argparse.ArgumentParser(description=stage.__doc__)
     parser.add_argument("--settings", type=json.loads, default={}, metavar="JSON")
@@ -37,6 +38,9 @@ def run(
         place = "" if error.file else _joined(values[name.rstrip("*")] for name in inputs)
         print(f"error: {place}{error}", file=sys.stderr)
         raise SystemExit(2) from None
+    except DeviceError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(1) from None
 
 
 def _joined(inputs: Iterable[Path | list[Path]]) -> str:

@@ -1,0 +1,46 @@
+import pytest
+
+from dea.errors import DeviceError, InputError
+from dea.stages.command import run
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "printed"),
+    [
+        (InputError("too short", file="a.nc", field="time", remedy="Record more"), 2,
+         "error: a.nc: time: too short. Record more"),
+        (InputError("too short", field="time"), 2, "error: given.nc: time: too short"),
+        (DeviceError("the link is gone"), 1, "error: the link is gone"),
+    ],
+)  # fmt: skip
+def test_what_went_wrong_is_said_without_a_traceback(error, status, printed, capsys):
+    def stage(settings, record):
+        raise error
+
+    with pytest.raises(SystemExit) as caught:
+        run(stage, inputs=("record",), arguments=["--record", "given.nc"])
+    assert caught.value.code == status
+    assert capsys.readouterr().err.strip() == printed
+
+
+def test_settings_and_paths_reach_the_stage(tmp_path):
+    reached = {}
+
+    def stage(settings, tests, model):
+        reached.update(settings=settings, tests=[path.name for path in tests], model=model.name)
+
+    run(
+        stage,
+        inputs=("tests*",),
+        outputs=("model",),
+        arguments=["--settings", '{"a": 1}', "--tests", "x.nc", "y.nc", "--model", "m.nc"],
+    )
+    assert reached == {"settings": {"a": 1}, "tests": ["x.nc", "y.nc"], "model": "m.nc"}
+
+
+def test_an_error_in_the_code_is_not_hidden():
+    def stage(settings):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run(stage, arguments=[])
