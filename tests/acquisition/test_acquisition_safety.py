@@ -91,7 +91,7 @@ def test_a_register_map_that_does_not_match(serve_bench, partial, name, changes,
 
 def test_a_sampling_rate_that_is_not_the_devices(serve_bench, partial):
     bench = serve_bench()
-    with pytest.raises(InputError, match="registers.device_rate"):
+    with pytest.raises(InputError, match=r"registers\.device_rate"):
         acquire(replace(bench.endpoint, sampling_rate=100.0), VOLTS, partial, FAST)
     assert not started(bench)
 
