@@ -27,6 +27,11 @@ include: "workflow/rules/trials.smk"
 include: "workflow/rules/cases.smk"
 
 
+# The profile keeps quiet about rules, and with them about why one failed.
+onerror:
+    print(failures("results", STARTED), file=sys.stderr)
+
+
 rule study:
     default_target: True
     input:

@@ -1,12 +1,16 @@
 # Who is studied, which settings shape a job, which code it depends on.
 import json
+import re
 import sys
+import time
 
 sys.path.insert(0, str(Path(workflow.basedir) / "workflow"))
 
 import yaml
 from imports import modules
 from snakemake.exceptions import WorkflowError
+
+STARTED = time.time()
 
 # A system is whatever has a record: an actuator of the config or a case of config/cases.
 ACTUATORS = {actuator["name"]: actuator for actuator in config["actuators"]}
@@ -38,12 +42,12 @@ check_names()
 def load_case(path):
     """A case file, checked before anything runs; its sections as if they were the config's."""
     schemas = Path(workflow.basedir) / "workflow/schemas"
-    case = yaml.safe_load(path.read_text())
     try:
+        case = yaml.safe_load(path.read_text())
         validate(case, schemas / "case.schema.yaml")
         own = {name: config[name] | case[name] for name in config.keys() & case.keys()}
         validate(config | own, schemas / "config.schema.yaml")
-    except WorkflowError as error:
+    except (yaml.YAMLError, WorkflowError) as error:
         raise WorkflowError(f"{path} is no valid case.", error) from error
     return case
 
@@ -92,3 +96,14 @@ def settings(*sections, **own_leaves):
         )
 
     return resolve
+
+
+def failures(folder, since):
+    """How the logs that end in an error and are younger than ``since`` end, each with its name."""
+    ends = []
+    for log in sorted(Path(folder).rglob("log/*.log")):
+        lines = log.read_text().splitlines()
+        young = log.stat().st_mtime >= since
+        if young and lines and re.search(r"[Ee]rror\b", lines[-1]):
+            ends.append(f"{log}: {lines[-1]}")
+    return "\n".join(ends)
