@@ -92,7 +92,7 @@ def test_settings_that_do_not_fit_the_record_are_refused(mine):
     dataset = store.import_record(mine.record, Path("mine.yaml"), folder)
     store.write(dataset, folder / "record.nc", title="Mine")
     identification = QUICK["identification"] | {"start": 0, "length": 100}
-    with pytest.raises(InputError, match=r"record\.nc: identification\..*which is 60 s long"):
+    with pytest.raises(InputError, match=r"record\.nc: identification\..*which is 40 s long"):
         select({"identification": identification}, folder / "record.nc", folder / "model.nc")
     assert not (folder / "model.nc").exists()
 
