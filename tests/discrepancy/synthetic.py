@@ -31,8 +31,8 @@ def _membrane(volt, p, size, lag, stop, lugre, bouc, gent, wear, creep, weights,
         s1 = lp * lp * (1 + y * y / L2)
         s2 = lp * lp
         inv = 1 / (s1 * s2)
-        I = s1 + s2 + inv - 3
-        W = c10 + 2 * c20 * I + 3 * c30 * I * I
+        I1 = s1 + s2 + inv - 3
+        W = c10 + 2 * c20 * I1 + 3 * c30 * I1 * I1
         k_el = 2 * W * (s1 - inv)
         sig = k_el - 8.8541878128e-12 * er * scale[i] * (gain * lag_v / thick) ** 2 * s1 * s2
         k = vol * sig / (L2 + y * y)
@@ -158,7 +158,8 @@ def record(effects=(), kind="noise", duration=160.0, seed=0, noise=1.5e-3):
     x = _membrane(
         v, p, 3.0, 0.05 * sizes.get("electrode_lag", 0.0),
         0.95e-3 - 0.05e-3 * sizes["end_stop"] if "end_stop" in sizes else 0.0,
-        0.04 * sizes.get("coulomb_friction", 0.0), 0.15 * sizes.get("rate_independent_hysteresis", 0.0),
+        0.04 * sizes.get("coulomb_friction", 0.0),
+        0.15 * sizes.get("rate_independent_hysteresis", 0.0),
         0.2 * sizes.get("strain_stiffening", 0.0), 0.1 * sizes.get("cyclic_softening", 0.0),
         0.03 * sizes.get("viscoelastic_creep", 0.0), weights, scale, force,
     ) * 1e3  # fmt: skip
