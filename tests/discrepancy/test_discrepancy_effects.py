@@ -77,12 +77,17 @@ def test_dead_zone_subtracts_its_threshold_and_lets_nothing_through_below():
     assert np.allclose(catalogue()["dead_zone"].shape_input(u, gated, DT)[away], expected[away])
 
 
-def test_saturations_clip():
-    q = values("input_saturation", limit=2.5, corner_width=1e-6, remaining_slope=0.0)
-    assert np.allclose(catalogue()["input_saturation"].shape_input(U, q, DT), np.clip(U, -2.5, 2.5))
-    q = values("output_saturation", upper_end=1.0, lower_end=0.5, corner_width=1e-7)
+def test_sharp_saturations_clip_and_soft_ones_follow_their_formula():
+    q = values("input_saturation", limit=2.5, sharpness=200.0)
+    found = catalogue()["input_saturation"].shape_input(U, q, DT)
+    assert np.allclose(found, np.clip(U, -2.5, 2.5), atol=0.01)
+    q = values("input_saturation", limit=2.5, sharpness=3.0, remaining_slope=0.2)
+    soft = U / (1 + (U / 2.5) ** 3) ** (1 / 3)
+    found = catalogue()["input_saturation"].shape_input(U, q, DT)
+    assert np.allclose(found, 0.8 * soft + 0.2 * U)
+    q = values("output_saturation", upper_end=1.0, lower_end=0.5, sharpness=200.0, middle=0.8)
     law = catalogue()["output_saturation"].shape_output
-    assert np.allclose(law(Y, T, q, DT), np.clip(Y, 0.5, 1.0), atol=1e-6)
+    assert np.allclose(law(Y, T, q, DT), np.clip(Y, 0.5, 1.0), atol=2e-3)
 
 
 def test_slew_limit_without_lag_is_a_rate_limiter():
@@ -240,9 +245,9 @@ def test_sensor_nonlinearity_bends_and_rectifies():
     q = values("sensor_nonlinearity", rectified_part=1.0)
     signed = Y - 0.8
     assert np.allclose(law(signed, T, q, DT), np.abs(signed))
-    q = values("sensor_nonlinearity", second_degree=0.1, third_degree=0.05, fourth_degree=0.02)
+    q = values("sensor_nonlinearity", degree_2=0.1, degree_3=0.05, degree_4=0.02, degree_6=0.01)
     x = (Y - 0.8) / 0.4
-    bend = np.polynomial.legendre.legval(x, [0, 0, 0.1, 0.05, 0.02])
+    bend = np.polynomial.legendre.legval(x, [0, 0, 0.1, 0.05, 0.02, 0, 0.01])
     assert np.allclose(law(Y, T, q, DT), Y + 0.4 * bend)
 
 

@@ -39,9 +39,9 @@ def reference(simulation, u, interval, slopes=None):
 
     for v in np.concatenate([np.full(lead, u[0]), u]):
         outputs.append(simulation.output(x, v, p))
-        x = solve_ivp(
-            slope, (0, interval), x, args=(v,), rtol=1e-10, atol=1e-13, method="LSODA"
-        ).y[:, -1]
+        x = solve_ivp(slope, (0, interval), x, args=(v,), rtol=1e-10, atol=1e-13, method="LSODA").y[
+            :, -1
+        ]
     return np.array(outputs[lead:])
 
 
@@ -139,7 +139,7 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
         load_extended(path)
 
 
-OWN = '''
+OWN = """
 from dea.discrepancy import Balance, Parameter, Simulation, State
 
 
@@ -157,7 +157,7 @@ simulation = Simulation(
     derivative=derivative, output=output, drive="{drive}",
     balances=(Balance("{equation}", "level", None),),
 )
-'''
+"""
 
 
 def write_own(path, slope="p[0] * (p[1] * u - x[0])", drive="gain", equation="level"):

@@ -23,9 +23,18 @@ def lines(problem: Problem, gap: np.ndarray) -> tuple[float, ...]:
     found = []
     for _ in range(_LINES):
         peak = int(np.argmax(prominence))
-        found.append(float(frequency[peak]))
+        found.append(float(frequency[peak] + _offset(power, peak) * frequency[1]))
         prominence[max(0, peak - 6) : peak + 7] = 0.0
     return tuple(found)
+
+
+def _offset(power: np.ndarray, peak: int) -> float:
+    """Return how many bins the true line is from ``peak`` (parabola through the log power)."""
+    if not 0 < peak < power.size - 1:
+        return 0.0
+    left, middle, right = np.log(power[peak - 1 : peak + 2] + 1e-300)
+    curvature = left - 2.0 * middle + right
+    return float(np.clip(0.5 * (left - right) / curvature, -0.5, 0.5)) if curvature < 0 else 0.0
 
 
 def jumps(problem: Problem, gap: np.ndarray) -> tuple[float, ...]:

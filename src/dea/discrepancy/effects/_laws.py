@@ -16,6 +16,19 @@ def knee(x: float, width: float) -> float:
     return (x + width) ** 2 / (4.0 * width)
 
 
+@njit(float64(float64, float64, float64), cache=True)
+def limited(x: float, limit: float, sharpness: float) -> float:
+    """Return x / (1 + (x/limit)^p)^(1/p) for x > 0: soft at p = 1, a corner as p grows."""
+    if x <= 0.0:
+        return x
+    ratio = x / limit
+    largest = max(1.0, ratio)
+    # Powers of numbers below one cannot overflow.
+    return x / (
+        largest * (largest**-sharpness + (ratio / largest) ** sharpness) ** (1.0 / sharpness)
+    )
+
+
 @njit(_VECTOR(_VECTOR, float64, float64), cache=True)
 def held_lag(u: np.ndarray, tau: float, interval: float) -> np.ndarray:
     """Return the mean over each interval of a held input behind a first-order lag, exactly."""
@@ -42,6 +55,9 @@ def sampled_lag(y: np.ndarray, tau: float, interval: float) -> np.ndarray:
         result[k] = decay * result[k - 1] + (mean_weight - decay) * y[k - 1]
         result[k] += (1.0 - mean_weight) * y[k]
     return result
+
+
+DRIFT_DEGREES = 5
 
 
 def drift(t: np.ndarray, duration: float, weights: np.ndarray) -> np.ndarray:

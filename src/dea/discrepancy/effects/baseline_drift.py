@@ -3,26 +3,29 @@
 import numpy as np
 
 from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
-from dea.discrepancy.effects._laws import drift
+from dea.discrepancy.effects._laws import DRIFT_DEGREES, drift
 from dea.discrepancy.parameter import Parameter
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Add a polynomial of time."""
-    return y + drift(t, q[3], q[:3])
+    return y + drift(t, q[DRIFT_DEGREES], q[:DRIFT_DEGREES])
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the weights of three Legendre polynomials of time."""
+    """Return the weights of Legendre polynomials of time."""
     return (
-        *(Parameter(f"degree_{n}", scales.y_unit, 0.0, 0.1 * scales.y_span) for n in (1, 2, 3)),
+        *(
+            Parameter(f"degree_{n}", scales.y_unit, 0.0, 0.1 * scales.y_span)
+            for n in range(1, DRIFT_DEGREES + 1)
+        ),
         Parameter("duration", "s", scales.duration, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return a slow rise; the law is linear in its weights."""
-    return ((0.02 * scales.y_span, 0.0, 0.0, scales.duration),)
+    return ((0.02 * scales.y_span, *(0.0,) * (DRIFT_DEGREES - 1), scales.duration),)
 
 
 EFFECT = Effect(

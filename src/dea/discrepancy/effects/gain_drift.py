@@ -3,26 +3,26 @@
 import numpy as np
 
 from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
-from dea.discrepancy.effects._laws import drift
+from dea.discrepancy.effects._laws import DRIFT_DEGREES, drift
 from dea.discrepancy.parameter import Parameter
 
 
 def law(t: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Return the factor on the drive, a polynomial of time."""
-    return np.maximum(1.0 + drift(t, q[3], q[:3]), 1e-3)
+    return np.maximum(1.0 + drift(t, q[DRIFT_DEGREES], q[:DRIFT_DEGREES]), 1e-3)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the weights of three Legendre polynomials of time."""
+    """Return the weights of Legendre polynomials of time."""
     return (
-        *(Parameter(f"degree_{n}", "1", 0.0, 0.1, -2.0, 2.0) for n in (1, 2, 3)),
+        *(Parameter(f"degree_{n}", "1", 0.0, 0.1, -2.0, 2.0) for n in range(1, DRIFT_DEGREES + 1)),
         Parameter("duration", "s", scales.duration, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return a slow growth; the law is linear in its weights."""
-    return ((0.02, 0.0, 0.0, scales.duration),)
+    return ((0.02, *(0.0,) * (DRIFT_DEGREES - 1), scales.duration),)
 
 
 EFFECT = Effect(

@@ -4,39 +4,47 @@ import numpy as np
 from numba import njit
 
 from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
-from dea.discrepancy.effects._laws import knee
+from dea.discrepancy.effects._laws import limited
 from dea.discrepancy.parameter import Parameter
 
 
 @njit(cache=True)
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Keep a part ``slope`` of what exceeds either end of the range."""
+    """Limit the distance from ``middle`` softly at either end; keep a part of what is lost."""
+    upper, lower, sharpness, slope, middle = q[0], q[1], q[2], q[3], q[4]
     result = np.empty(y.size)
     for k in range(y.size):
-        excess = knee(y[k] - q[0], q[2]) - knee(q[1] - y[k], q[2])
-        result[k] = y[k] - (1.0 - q[3]) * excess
+        if y[k] >= middle:
+            inside = middle + limited(y[k] - middle, max(upper - middle, 1e-9), sharpness)
+        else:
+            inside = middle - limited(middle - y[k], max(middle - lower, 1e-9), sharpness)
+        result[k] = inside + slope * (y[k] - inside)
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return upper and lower end, corner width and remaining slope."""
-    unit, span = scales.y_unit, scales.y_span
+    """Return upper and lower end, sharpness of the corners, remaining slope, and the middle."""
+    unit, low, high, span = scales.y_unit, scales.y_low, scales.y_high, scales.y_span
+    middle = 0.5 * (low + high)
     return (
-        Parameter("upper_end", unit, scales.y_high, 0.3 * span),
-        Parameter("lower_end", unit, scales.y_low - 0.2 * span, 0.3 * span),
-        Parameter("corner_width", unit, 5e-3 * span, 1.5, 1e-4 * span, 0.5 * span, log=True),
+        Parameter("upper_end", unit, high, 0.3 * span, middle, high + 3.0 * span),
+        Parameter("lower_end", unit, low - 0.2 * span, 0.3 * span, low - 3.0 * span, middle),
+        Parameter("sharpness", "1", 8.0, 1.0, 1.0, 200.0, log=True),
         Parameter("remaining_slope", "1", 0.0, 0.1, 0.0, 0.6),
+        Parameter("middle", unit, middle, 0.2 * span, low - span, high),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return a range that ends near the top of the output, deeper in, and at its bottom."""
+    """Return hard and soft upper ends, near the top and deeper in, and a hard lower end."""
     low, high, span = scales.y_low, scales.y_high, scales.y_span
+    middle, far = 0.5 * (low + high), low - 2.0 * span
     return (
-        (high - 0.01 * span, low - 0.3 * span, 0.01 * span, 0.0),
-        (high - 0.1 * span, low - 0.3 * span, 0.02 * span, 0.0),
-        (high - 0.3 * span, low - 0.3 * span, 0.05 * span, 0.1),
-        (high + 0.3 * span, low + 0.02 * span, 0.01 * span, 0.0),
+        (high - 0.01 * span, far, 60.0, 0.0, middle),
+        (high - 0.1 * span, far, 30.0, 0.0, middle),
+        (high - 0.2 * span, far, 8.0, 0.0, middle),
+        (high, far, 3.0, 0.0, low),
+        (high + 2.0 * span, low + 0.02 * span, 60.0, 0.0, middle),
     )
 
 

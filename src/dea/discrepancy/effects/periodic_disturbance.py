@@ -39,7 +39,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return the frequencies at which the gap of the nominal simulation peaks."""
     middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
-    size = 0.01 * scales.y_span
+    # So small that the first step finds amplitude and phase before the frequency moves.
+    size = 1e-5 * scales.y_span
     return tuple(
         (frequency, size, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, middle, half)
         for frequency in scales.frequencies

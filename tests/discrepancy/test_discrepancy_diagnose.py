@@ -1,0 +1,111 @@
+"""Diagnoses of a membrane whose hidden effects obey other laws than the catalogue's."""
+
+import json
+
+import numpy as np
+import pytest
+from synthetic import record
+
+from dea.discrepancy import (
+    Settings,
+    candidates_dataset,
+    certificate_dataset,
+    diagnose,
+    load_extended,
+    localisation_dataset,
+    read_verdict,
+)
+from dea.discrepancy.problem import rmse
+from dea.errors import InputError
+from dea.store import CONTRACTS
+
+NOISE = 1.5e-3
+
+
+@pytest.fixture(scope="module")
+def creeping():
+    return diagnose(record([("viscoelastic_creep", 3.0)], duration=80.0, seed=3), "dea_membrane")
+
+
+@pytest.mark.parametrize("kind", ["noise", "multisine"])
+def test_nothing_is_named_where_nothing_is_missing(kind):
+    found = diagnose(record(kind=kind, duration=80.0, seed=5), "dea_membrane")
+    assert found.verdict.status == "none", found.verdict.sentence
+    assert found.floor == pytest.approx(NOISE, rel=0.07)
+
+
+@pytest.mark.parametrize(
+    ("name", "size"),
+    [
+        ("transport_delay", 1.0),
+        ("gain_drift", 1.5),
+        ("periodic_disturbance", 1.0),
+        ("sensor_lag", 1.0),
+        ("dead_zone", 1.0),
+    ],
+)
+def test_an_effect_of_another_form_is_named(name, size):
+    found = diagnose(record([(name, size)], duration=80.0, seed=3), "dea_membrane")
+    assert found.verdict.status == "named", found.verdict.sentence
+    assert found.verdict.names == (name,)
+    assert found.verdict.certified["rmse_after"] < 1.3 * found.floor
+
+
+def test_what_the_catalogue_lacks_is_not_named():
+    found = diagnose(record([("backlash", 3.0)], duration=80.0, seed=3), "dea_membrane")
+    assert found.verdict.status in ("unknown", "ambiguous"), found.verdict.sentence
+
+
+def test_creep_is_named_and_proven(creeping):
+    verdict = creeping.verdict
+    assert verdict.status == "named", verdict.sentence
+    assert verdict.names == ("viscoelastic_creep",)
+    assert verdict.certified["rmse_after"] < 1.3 * creeping.floor
+    assert verdict.certified["rmse_before"] > 1.5 * creeping.floor
+    gain, low, high = verdict.effects[0].gain
+    assert 0.1 < low < gain < high
+    for estimate in verdict.effects[0].parameters.values():
+        assert estimate.low <= estimate.value <= estimate.high
+
+
+def test_the_verdict_can_be_written_and_read(creeping, tmp_path):
+    path = tmp_path / "verdict.json"
+    creeping.verdict.write(path)
+    assert read_verdict(path) == read_verdict(path)
+    assert json.loads(path.read_text())["status"] == "named"
+    assert read_verdict(path).names == creeping.verdict.names
+    path.write_text("{}")
+    with pytest.raises(InputError, match="no verdict"):
+        read_verdict(path)
+
+
+def test_the_extended_simulation_gives_the_proven_output(creeping, tmp_path):
+    path = tmp_path / "extended_simulation.yaml"
+    problem = creeping.problem
+    creeping.extended.extended.save(creeping.extended.values, problem.interval, path)
+    extended, values, interval = load_extended(path)
+    gap = problem.y - extended.simulate(values, problem.u, interval)
+    assert rmse(gap, problem.certify) == creeping.verdict.certified["rmse_after"]
+
+
+def test_the_datasets_keep_their_contracts(creeping, tmp_path):
+    for name, dataset in (
+        ("localisation", localisation_dataset(creeping)),
+        ("candidates", candidates_dataset(creeping)),
+        ("certificate", certificate_dataset(creeping)),
+    ):
+        CONTRACTS[name].check(dataset, tmp_path / name)
+    assert np.allclose(candidates_dataset(creeping)["confusion"].sum("called"), 1.0)
+
+
+def test_a_diagnosis_does_not_depend_on_the_number_of_threads():
+    made = record([("transport_delay", 1.0)], duration=40.0, seed=9)
+    one, two = (
+        diagnose(made, "dea_membrane", settings=Settings(workers=workers)) for workers in (1, 2)
+    )
+    assert one.verdict == two.verdict
+
+
+def test_an_unknown_effect_is_refused():
+    with pytest.raises(InputError, match="no effect 'magic'"):
+        diagnose(record(duration=40.0), "dea_membrane", settings=Settings(effects=("magic",)))

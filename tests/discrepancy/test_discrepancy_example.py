@@ -1,0 +1,67 @@
+"""The worked example of the documentation runs, and finds what was hidden from it."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea.discrepancy import Settings, diagnose, load_simulation
+from dea.errors import InputError
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "discrepancy.md"
+DT = 0.02
+
+
+def carriage(tmp_path):
+    text = DOCUMENT.read_text().split("<!-- worked example")[1]
+    path = tmp_path / "carriage.py"
+    path.write_text(re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1))
+    return path
+
+
+def recorded(seconds=80.0, friction=0.0, noise=2e-3, unit="mm"):
+    """A carriage with dry friction, by small semi-implicit steps."""
+    rng = np.random.default_rng(7)
+    n, parts = round(seconds / DT), 40
+    f = np.fft.rfftfreq(n, DT)
+    spectrum = np.where((f > 0) & (f < 1.0), 1.0, 0.0) * np.exp(2j * np.pi * rng.random(f.size))
+    u = np.fft.irfft(spectrum, n)
+    u *= 1.5 / np.abs(u).max()
+    x, v, h = 0.0, 0.0, DT / parts
+    y = np.empty(n)
+    for k in range(n):
+        y[k] = x
+        for _ in range(parts):
+            v += h * (420.0 * u[k] - 380.0 * x - 25.0 * v)
+            # Dry friction takes away what velocity there is, up to its impulse.
+            v -= np.sign(v) * min(abs(v), h * friction)
+            x += h * v
+    y += noise * rng.standard_normal(n)
+    return xr.Dataset(
+        {"input": ("time", u, {"units": "V"}), "output": ("time", y, {"units": unit})},
+        coords={"time": ("time", np.arange(n) * DT, {"units": "s"})},
+    )
+
+
+def test_the_example_finds_friction_and_leaves_proof(tmp_path):
+    found = diagnose(recorded(friction=25.0), carriage(tmp_path).as_posix())
+    assert found.verdict.status == "named", found.verdict.sentence
+    assert found.verdict.names == ("coulomb_friction",)
+    assert found.verdict.certified["rmse_after"] < 0.2 * found.verdict.certified["rmse_before"]
+
+
+def test_the_example_finds_nothing_where_nothing_is(tmp_path):
+    found = diagnose(recorded(), load_simulation(carriage(tmp_path)))
+    assert found.verdict.status == "none", found.verdict.sentence
+
+
+def test_units_must_match(tmp_path):
+    with pytest.raises(InputError, match=r"output is in 'cm'.*expects 'mm'"):
+        diagnose(recorded(unit="cm"), carriage(tmp_path).as_posix())
+
+
+def test_a_record_must_be_long_enough(tmp_path):
+    with pytest.raises(InputError, match="the split needs"):
+        diagnose(recorded(seconds=2.0), carriage(tmp_path).as_posix(), settings=Settings())
