@@ -141,15 +141,16 @@ def test_charge_leakage_relaxes_to_the_part_that_is_left():
 
 def test_creep_is_a_sum_of_maxwell_branches():
     q = values(
-        "viscoelastic_creep", stiffness=0.3, fastest_time=0.5, branch_ratio=0.6, start_position=0.7
-    )
+        "viscoelastic_creep", stiffness=0.3, fastest_time=0.5, branch_ratio=0.6,
+        start_position=0.7, **{"slow.start_position": 0.5},
+    )  # fmt: skip
     expected = np.zeros(Z.size - 1)
     for i in range(5):
-        tau, k = 0.5 * 5.0**i, 0.3 * 0.6**i
+        tau, k, start = 0.5 * 5.0**i, 0.3 * 0.6**i, 0.7 - 0.05 * i
         # ξ' = (z - ξ)/τ for a held position, as a digital filter.
         a = np.exp(-DT / tau)
-        xi, _ = lfilter([1 - a], [1, -a], Z[1:], zi=[a * 0.7])
-        expected -= k * (Z[:-1] - np.concatenate([[0.7], xi[:-1]]))
+        xi, _ = lfilter([1 - a], [1, -a], Z[1:], zi=[a * start])
+        expected -= k * (Z[:-1] - np.concatenate([[start], xi[:-1]]))
     assert np.allclose(forces("viscoelastic_creep", q), expected, atol=1e-12)
 
 

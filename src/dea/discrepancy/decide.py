@@ -102,7 +102,8 @@ def decide(
         return Decision("unknown", chosen, reason="the best effect leaves too much unexplained")
     rivals = _rivals(chosen, pool, floor, blocks, rules, rng)
     if not rivals:
-        return Decision("named", chosen)
+        akin = _rivals(chosen, pool, floor, blocks, rules, rng, akin=True)
+        return Decision("named", chosen, tuple(akin))
     shared = set(chosen.names).intersection(*(rival.names for rival in rivals))
     for candidate in pool:
         # Many seconds do as well: the first is sure, and what is left of it a law of another form.
@@ -153,12 +154,15 @@ def _rivals(
     blocks: Sequence[slice],
     rules: Rules,
     rng: np.random.Generator,
+    akin: bool = False,
 ) -> list[Candidate]:
-    """Return the candidates of another class that explain the record as well."""
+    """Return the candidates that explain the record as well: of another class, or of the same."""
     left = max(misfit(chosen.error, floor), 0.05 * floor)
     rivals = []
     for other in pool:
-        if len(other.names) != len(chosen.names) or not other.finished or same_class(chosen, other):
+        if len(other.names) != len(chosen.names) or not other.finished:
+            continue
+        if set(other.names) == set(chosen.names) or same_class(chosen, other) is not akin:
             continue
         _, low = beaten(chosen.fit.gap, other.fit.gap, blocks, rng)
         if low <= 0 or misfit(other.error, floor) <= rules.rival_margin * left:

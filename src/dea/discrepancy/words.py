@@ -184,7 +184,9 @@ def _sentence(
             else ""
         )
         return f"{place}. It is {laws}, or {other}: {proof}.{advice}"
-    return f"{place}: {laws}; {proof}."
+    akin = effects[0].rivals
+    doubt = f" (in this record {' or '.join(akin)} of its class would do as well)" if akin else ""
+    return f"{place}: {laws}{doubt}; {proof}."
 
 
 def _main(effect: NamedEffect) -> str:

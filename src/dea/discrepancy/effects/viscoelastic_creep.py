@@ -31,20 +31,21 @@ def update(z, z_next, h, memory, q):
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return dashpots that share one position at the start."""
+    """Return dashpots at the start: the slower they are, the less they have come to rest."""
     state = np.zeros(MEMORY)
-    state[:BRANCHES] = q[3]
+    state[:BRANCHES] = np.linspace(q[3], q[4], BRANCHES)
     return state
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return stiffness and time of the fastest branch, ratio of the next ones, and the start."""
+    """Return stiffness and time of the fastest branch, ratio of the next ones, and both starts."""
     dt, middle = scales.interval, 0.5 * (scales.z_low + scales.z_high)
     return (
         Parameter("stiffness", "1", 0.1, 1.5, 1e-4, 10.0, log=True),
         Parameter("fastest_time", "s", 20 * dt, 2.0, 2 * dt, scales.duration, log=True),
         Parameter("branch_ratio", "1", 0.7, 0.5, 0.01, 3.0, log=True),
         Parameter("start_position", "1", middle, max(scales.z_span, 0.5)),
+        Parameter("slow.start_position", "1", middle, max(scales.z_span, 0.5)),
     )
 
 
@@ -52,10 +53,10 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return creep of different speeds, from rest and from the middle of the motion."""
     low, middle = scales.z_low, 0.5 * (scales.z_low + scales.z_high)
     return (
-        (0.1, 10 * scales.interval, 0.7, low),
-        (0.1, 50 * scales.interval, 0.5, middle),
-        (0.1, 0.03 * scales.duration, 0.3, low),
-        (0.1, 5 * scales.interval, 0.1, middle),
+        (0.1, 10 * scales.interval, 0.7, low, low),
+        (0.1, 50 * scales.interval, 0.5, middle, middle),
+        (0.1, 0.03 * scales.duration, 0.3, low, low),
+        (0.1, 5 * scales.interval, 0.1, middle, middle),
     )
 
 
