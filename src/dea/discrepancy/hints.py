@@ -4,27 +4,26 @@ import numpy as np
 
 from dea.discrepancy.problem import Problem
 
-_LINES = 3
+_LINES = 2
 _JUMPS = 3
 _GRID = 8
 
 
 def lines(problem: Problem, gap: np.ndarray) -> tuple[float, ...]:
-    """Return frequencies (Hz) at which the gap stands out of its own and the input's spectrum."""
+    """Return frequencies (Hz) of lines that stand out of the gap, or out of what the input has."""
     window = np.hanning(gap.size)
     power = np.abs(np.fft.rfft((gap - gap.mean()) * window)) ** 2
     drive = np.abs(np.fft.rfft((problem.u - problem.u.mean()) * window)) ** 2
     frequency = np.fft.rfftfreq(gap.size, problem.interval)
-    shape = np.ones(9) / 9
-    surroundings = np.convolve(drive, shape, "same")
-    prominence = power / (surroundings / surroundings.max() + 1e-3)
-    # The first bins hold trends, which are no oscillation.
-    prominence[:4] = 0.0
-    found = []
-    for _ in range(_LINES):
-        peak = int(np.argmax(prominence))
-        found.append(float(frequency[peak] + _offset(power, peak) * frequency[1]))
-        prominence[max(0, peak - 6) : peak + 7] = 0.0
+    surroundings = np.convolve(drive, np.ones(9) / 9, "same")
+    found: list[float] = []
+    for prominence in (power.copy(), power / (surroundings / surroundings.max() + 1e-3)):
+        # The first bins hold trends, which are no oscillation.
+        prominence[:4] = 0.0
+        for _ in range(_LINES):
+            peak = int(np.argmax(prominence))
+            found.append(float(frequency[peak] + _offset(power, peak) * frequency[1]))
+            prominence[max(0, peak - 6) : peak + 7] = 0.0
     return tuple(found)
 
 
