@@ -3,7 +3,6 @@ include: "../functions/discrepancy.smk"
 
 # What each record says its simulation is missing. Candidates are fitted on threads of one job: the
 # integrator releases the lock, and a job per candidate would import for longer than it fits.
-DIAGNOSED = [name for name in CASES if "simulation" in CASE[name]]
 # Effects and simulations are found by their files, not by import statements.
 CATALOGUE = [
     f"dea.discrepancy.{path.parent.name}.{path.stem}"

@@ -5,16 +5,17 @@ import numpy as np
 from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
 from dea.discrepancy.parameter import Parameter
 
-_HARMONICS = 3
+_HARMONICS = 5
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Add a wave of three harmonics whose size may grow with the output."""
+    """Add a wave of five harmonics whose size may grow with the output."""
     phase = 2.0 * np.pi * q[0] * t
     wave = np.zeros_like(y)
     for n in range(_HARMONICS):
         wave += q[1 + 2 * n] * np.cos((n + 1) * phase) + q[2 + 2 * n] * np.sin((n + 1) * phase)
-    return y + wave * (1.0 + q[7] * (y - q[8]) / q[9])
+    growth, middle, half = q[1 + 2 * _HARMONICS :]
+    return y + wave * (1.0 + growth * (y - middle) / half)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
@@ -42,7 +43,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     # So small that the first step finds amplitude and phase before the frequency moves.
     size = 1e-5 * scales.y_span
     return tuple(
-        (frequency, size, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, middle, half)
+        (frequency, size, *(0.0,) * (2 * _HARMONICS), middle, half)
         for frequency in scales.frequencies
     )
 
