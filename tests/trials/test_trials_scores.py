@@ -120,6 +120,8 @@ def test_rates_are_shares_of_their_own_kind():
     assert rate["no name on a foreign effect"] == rate["name given on a foreign effect"] == 0.5
     assert rate["names given that are right"] == 0.5
     assert rate["gap closed after a right name"] == 0.5
+    pairs = scores["confusion"].sel(hidden_effect="two effects")
+    assert int(pairs.sel(said_effect="two effects")) == int(pairs.sum()) == 1
     assert float(scores["risk_of_names"]) == 0.5
     assert float(scores["coverage_of_names"]) == pytest.approx(4 / 6)
 

@@ -13,7 +13,7 @@ from dea.trials.proportion import Proportion, wilson
 
 STRENGTH_EDGES = (3.0, 5.3, 9.5, 17.0, 30.0)  # equal ratios
 CLOSED = 1.3  # noise floors: a held-out gap as good as gone
-NO_SINGLE_NAME = ("two effects", "none", "ambiguous", "unknown")
+NO_SINGLE_NAME = ("two effects", "another pair", "none", "ambiguous", "unknown")
 
 
 class Opened(NamedTuple):
@@ -98,7 +98,10 @@ def _every_trial(trials: Sequence[Opened]) -> xr.Dataset:
 
 
 def _confusion(trials: Sequence[Opened], catalogue: Sequence[str]) -> xr.Dataset:
-    """Count trials by what was hidden and what was said; pairs have a row of their own."""
+    """Count trials by what was hidden and what was said.
+
+    Pairs share a row; its column of the same name counts those whose both effects were named.
+    """
 
     def row(t: Opened) -> str:
         return {"pair": "two effects", "null": "none"}.get(t.kind) or next(iter(t.label.effects))
@@ -106,7 +109,9 @@ def _confusion(trials: Sequence[Opened], catalogue: Sequence[str]) -> xr.Dataset
     def column(t: Opened) -> str:
         if t.said.status != "named":
             return t.said.status
-        return next(iter(t.said.effects)) if len(t.said.effects) == 1 else "two effects"
+        if len(t.said.effects) == 1:
+            return next(iter(t.said.effects))
+        return "two effects" if t.outcome == "right name" else "another pair"
 
     outside = sorted({row(t) for t in trials if t.kind == "outside"})
     rows, columns = [*catalogue, "two effects", "none", *outside], [*catalogue, *NO_SINGLE_NAME]
