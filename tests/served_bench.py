@@ -55,7 +55,8 @@ class ServedBench:
         )  # fmt: skip
         constants = {
             "identity": "dea-bench", "version": 1, "actuator": "test", "boot": len(self._first),
-            "device_rate": 50.0, "output_range_low": 0.0, "output_range_high": 15.0,
+            "device_rate": self.description.sampling_rate,
+            "output_range_low": 0.0, "output_range_high": 15.0,
             "output_low_limit": 0.0, "output_high_limit": 3.76, "displacement_range_low": 0.0,
             "displacement_range_high": 10.0, "fifo_length": self.player.fifo_length,
             "ring_length": self.player.ring_length, "watchdog_time": self.player.watchdog_time,
