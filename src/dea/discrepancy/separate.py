@@ -18,6 +18,7 @@ _DESIGNS: tuple[tuple[str, dict[str, float]], ...] = (
     ("binary", {"band": 1.0}),
     ("triangle", {"slowest": 20.0, "fastest": 4.0}),
 )
+# Of every design, however short the record: room for its periods and rests.
 _SAMPLES = 6000
 
 
@@ -42,9 +43,8 @@ def separating_experiment(problem: Problem, first: Fit, second: Fit, seed: int) 
     """
     low, high = float(problem.u.min()), float(problem.u.max())
     rate = 1.0 / problem.interval
-    samples = min(problem.u.size, _SAMPLES)
     best: Experiment | None = None
-    present = _apart(problem, problem.u[:samples], first, second)
+    present = _apart(problem, problem.u[:_SAMPLES], first, second)
     for kind, settings in _DESIGNS:
         # Times and bands are told for 50 Hz; a faster or slower system scales them.
         pace = rate / 50.0
@@ -52,7 +52,7 @@ def separating_experiment(problem: Problem, first: Fit, second: Fit, seed: int) 
             key: value * pace if key == "band" else value if key == "levels" else value / pace
             for key, value in settings.items()
         }
-        duration = samples / rate
+        duration = _SAMPLES / rate
         u = design(
             kind, duration=duration, sampling_rate=rate, low=low, high=high, seed=seed, **scaled
         )
