@@ -18,9 +18,14 @@ def knee(x: float, width: float) -> float:
 
 @njit(float64(float64, float64, float64), cache=True)
 def limited(x: float, limit: float, sharpness: float) -> float:
-    """Return x / (1 + (x/limit)^p)^(1/p) for x > 0: soft at p = 1, a corner as p grows."""
+    """Return x / (1 + (x/limit)^p)^(1/p) for x > 0: soft at p = 1, a corner as p grows.
+
+    A limit of zero lets nothing pass.
+    """
     if x <= 0.0:
         return x
+    if limit <= 0.0:
+        return 0.0
     ratio = x / limit
     largest = max(1.0, ratio)
     # Powers of numbers below one cannot overflow.
