@@ -13,6 +13,8 @@ from dea.discrepancy.problem import Problem
 
 _STEP = 1e-3
 _REFRESH = 3
+# Prior spreads that a coordinate may move in one step.
+_LONGEST_STEP = 3.0
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,7 @@ def fit(
     iterations: int = 20,
     kept: np.ndarray | None = None,
     slow: int = 0,
+    held: np.ndarray | None = None,
     tolerance: float = 1e-4,
 ) -> Fit:
     """Fit the free parameters from ``start`` on the samples the problem allows.
@@ -110,6 +113,8 @@ def fit(
     slow
         How many of the first coordinates have columns that are computed anew only every third
         step; the others change faster.
+    held : (k,) bool, optional
+        Coordinates that stay where they start.
     tolerance
         Stop when an accepted step lowers the cost by less than this part of it.
     """
@@ -118,6 +123,7 @@ def fit(
     gap = problem.gap(extended, extended.values(coordinates))
     cost = cost_of(gap, coordinates, problem)
     size = coordinates.size
+    free = np.ones(size, bool) if held is None else ~held
     J = np.zeros((problem.u.size, size))
     damping = 1e-3
     stalled = False
@@ -126,18 +132,21 @@ def fit(
             break
         whole = kept is None and (slow == 0 or iteration % _REFRESH == 0 or stalled)
         first = 0 if whole else slow if kept is None else kept.shape[1]
-        fresh = columns(problem, extended, coordinates, gap, np.arange(first, size))
-        J = np.hstack([J[:, :first] if kept is None else kept, fresh])
+        if kept is not None:
+            J[:, :first] = kept
+        fresh = np.flatnonzero(free & (np.arange(size) >= first))
+        J[:, fresh] = columns(problem, extended, coordinates, gap, fresh)
         chosen = J[problem.fit] / problem.noise
         A = chosen.T @ chosen + np.eye(size)
         g = chosen.T @ (gap[problem.fit] / problem.noise) + coordinates
         improved = False
         for _ in range(6):
-            inside = ~(((coordinates <= low) & (g > 0)) | ((coordinates >= high) & (g < 0)))
-            step = np.zeros(size)
-            H = A[np.ix_(inside, inside)]
-            step[inside] = -np.linalg.solve(H + damping * np.diag(np.diag(H)), g[inside])
-            trial = np.clip(coordinates + np.clip(step, -3.0, 3.0), low, high)
+            H = A + damping * np.diag(np.diag(A))
+            reach = np.where(free, _LONGEST_STEP, 0.0)
+            step = _step_in_box(
+                H, g, np.maximum(low - coordinates, -reach), np.minimum(high - coordinates, reach)
+            )
+            trial = np.clip(coordinates + step, low, high)
             trial_gap = problem.gap(extended, extended.values(trial))
             trial_cost = cost_of(trial_gap, trial, problem)
             if trial_cost < cost:
@@ -153,3 +162,22 @@ def fit(
             break
         stalled = gain < tolerance
     return Fit(extended, coordinates, gap, J, cost)
+
+
+def _step_in_box(H: np.ndarray, g: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the step that lowers g s + s H s / 2 most while ``low`` <= s <= ``high``.
+
+    Coordinates that the free step would take outside are put on their bound one after the other,
+    and the rest makes up for it (Gill, Murray and Wright 1981, section 5.5.2, active sets).
+    """
+    step = np.zeros(g.size)
+    inside = high > low
+    while inside.any():
+        pull = g[inside] + H[np.ix_(inside, ~inside)] @ step[~inside]
+        step[inside] = -np.linalg.solve(H[np.ix_(inside, inside)], pull)
+        beyond = inside & ((step < low) | (step > high))
+        if not beyond.any():
+            break
+        step[beyond] = np.clip(step[beyond], low[beyond], high[beyond])
+        inside &= ~beyond
+    return step
