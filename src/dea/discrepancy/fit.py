@@ -13,6 +13,9 @@ from dea.discrepancy.problem import Problem
 
 _STEP = 1e-3
 _REFRESH = 3
+# Damping after a row of good steps, small enough not to slow them, and how often it is raised
+# tenfold before a step is given up: from the least to where a step is steepest descent.
+_LEAST_DAMPING, _TRIES = 1e-6, 9
 # Prior spreads that a coordinate may move in one step.
 _LONGEST_STEP = 3.0
 
@@ -140,10 +143,10 @@ def fit(
         A = chosen.T @ chosen + np.eye(size)
         g = chosen.T @ (gap[problem.fit] / problem.noise) + coordinates
         improved = False
-        for _ in range(6):
+        for _ in range(_TRIES):
             H = A + damping * np.diag(np.diag(A))
             reach = np.where(free, _LONGEST_STEP, 0.0)
-            step = _step_in_box(
+            step = step_in_box(
                 H, g, np.maximum(low - coordinates, -reach), np.minimum(high - coordinates, reach)
             )
             trial = np.clip(coordinates + step, low, high)
@@ -151,9 +154,9 @@ def fit(
             trial_cost = cost_of(trial_gap, trial, problem)
             if trial_cost < cost:
                 improved = True
-                damping = max(damping / 5.0, 1e-9)
+                damping = max(damping / 5.0, _LEAST_DAMPING)
                 break
-            damping *= 8.0
+            damping *= 10.0
         gain = (cost - trial_cost) / cost if improved else 0.0
         if improved:
             coordinates, gap, cost = trial, trial_gap, trial_cost
@@ -164,20 +167,26 @@ def fit(
     return Fit(extended, coordinates, gap, J, cost)
 
 
-def _step_in_box(H: np.ndarray, g: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Return the step that lowers g s + s H s / 2 most while ``low`` <= s <= ``high``.
+def step_in_box(H: np.ndarray, g: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the step s that makes g s + s H s / 2 least while ``low`` <= s <= ``high``.
 
-    Coordinates that the free step would take outside are put on their bound one after the other,
-    and the rest makes up for it (Gill, Murray and Wright 1981, section 5.5.2, active sets).
+    Parameters
+    ----------
+    H : (k, k)
+        Positive definite.
+    g, low, high : (k,)
+        Gradient and bounds; a coordinate whose bounds are equal stays.
     """
+    from scipy.linalg import cholesky, solve_triangular
+    from scipy.optimize import lsq_linear
+
     step = np.zeros(g.size)
     inside = high > low
-    while inside.any():
-        pull = g[inside] + H[np.ix_(inside, ~inside)] @ step[~inside]
-        step[inside] = -np.linalg.solve(H[np.ix_(inside, inside)], pull)
-        beyond = inside & ((step < low) | (step > high))
-        if not beyond.any():
-            break
-        step[beyond] = np.clip(step[beyond], low[beyond], high[beyond])
-        inside &= ~beyond
+    root = cholesky(H[np.ix_(inside, inside)])
+    pull = -solve_triangular(root, g[inside], trans="T")
+    free = solve_triangular(root, pull)
+    bounds = low[inside], high[inside]
+    if (free < bounds[0]).any() or (free > bounds[1]).any():
+        free = lsq_linear(root, pull, bounds, method="bvls").x
+    step[inside] = free
     return step

@@ -54,9 +54,14 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return second masses from slow to fast."""
+    """Return second masses at the frequencies at which the gap peaks, and from slow to fast.
+
+    They are light and well damped, which widens the band from which a fit finds the frequency.
+    """
     nyquist, middle = 0.5 / scales.interval, 0.5 * (scales.z_low + scales.z_high)
-    return tuple((0.1, part * nyquist, 0.05, middle, 0.0) for part in (0.02, 0.05, 0.1, 0.2, 0.4))
+    grid = [part * nyquist for part in (0.02, 0.05, 0.1, 0.3)]
+    lines = [line for line in scales.frequencies if 1e-3 * nyquist < line < nyquist]
+    return tuple((0.05, frequency, 0.15, middle, 0.0) for frequency in (*lines, *grid))
 
 
 EFFECT = Effect(
