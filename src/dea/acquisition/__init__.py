@@ -1,6 +1,7 @@
 """The Modbus client that drives an actuator and records it."""
 
 from dea.acquisition.acquire import Acquisition, acquire
+from dea.acquisition.excitation import check_excitation
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.link import DeviceRefusedError, Link, LinkError, LinkSettings
 from dea.acquisition.partial import Recovered, recover
@@ -22,5 +23,6 @@ __all__ = [
     "Samples",
     "ZeroNotVerifiedError",
     "acquire",
+    "check_excitation",
     "recover",
 ]
