@@ -40,7 +40,7 @@ def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:
     Raises
     ------
     InputError
-        Naming the first sample outside the limits, before anything is written.
+        Naming the sample farthest outside the limits, before anything is written.
     """
     edges = limit_counts(device, "output")
     register = device["output"]
@@ -53,10 +53,10 @@ def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:
     outside = (counts < edges[0]) | (counts > edges[1])
     outside |= np.abs(volts - held) > abs(register.scale) / 2
     if outside.any():
-        first = int(np.argmax(outside))
         ends = np.clip(register.limits or (low, high), low, high)
+        worst = int(np.argmax(np.maximum(volts - ends[1], ends[0] - volts)))
         raise InputError(
-            f"sample {first} of the excitation asks for {volts[first]:g} V, outside "
+            f"sample {worst} of the excitation asks for {volts[worst]:g} V, outside "
             f"{ends[0]:g} to {ends[1]:g} V",
             file=device.source,
             field="registers.output.limits",
