@@ -134,7 +134,7 @@ def test_the_stage_writes_the_same_bytes_twice(tmp_path):
 
 @pytest.mark.parametrize("high", [3.9, 16.0])
 def test_the_stage_names_the_config_key_of_a_voltage_too_high(tmp_path, high):
-    excitation = {"kind": "gaussian", "duration": 20, "low": 1.1, "high": high}
+    excitation = {"kind": "binary", "duration": 20, "low": 1.1, "high": high}
     with pytest.raises(InputError, match=f"asks for {high:g} V, outside 0 to 3.76 V") as caught:
         acquire(settings(excitation=excitation), DEVICE, tmp_path / "record.nc", tmp_path / "l.nc")
     assert caught.value.file == "config/config.yaml"
