@@ -10,7 +10,8 @@ from dea.modbus.codec import (
     to_counts,
     to_physical,
 )
-from dea.modbus.description import Device, Register, Serial, Tls, parse_device, read_device
+from dea.modbus.description import parse_device, read_device
+from dea.modbus.device import Device, Register, Serial, Tls
 from dea.modbus.pdu import ReadWriteRequest, ReadWriteResponse, RegistersResponse
 from dea.modbus.window import Window
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.errors import InputError
-from dea.modbus.description import Device, Register
+from dea.modbus.device import Device, Register
 
 _FORMATS = {
     "uint16": "H",
