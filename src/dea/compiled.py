@@ -24,17 +24,18 @@ def keep_compiled_functions() -> None:
 
     Where no folder can be written, numba's own places remain.
     """
+    config = sys.modules["numba"].core.config if "numba" in sys.modules else None
+    given = config.CACHE_DIR if config else os.environ.get(VARIABLE)
     # A folder with the prefix was chosen by a parent process, of perhaps another state.
-    given = os.environ.get(VARIABLE)
     if given and not Path(given).name.startswith(PREFIX):
         return
     folder = _writable(PREFIX + source_state(PACKAGE), PLACES)
-    if folder is None:
-        os.environ.pop(VARIABLE, None)
+    chosen = "" if folder is None else str(folder)
+    if config:
+        # A change of the environment would make numba forget what else the user told it.
+        config.CACHE_DIR = chosen
     else:
-        os.environ[VARIABLE] = str(folder)
-    if "numba" in sys.modules:
-        sys.modules["numba"].core.config.reload_config()
+        os.environ[VARIABLE] = chosen
 
 
 def source_state(package: Path) -> str:
