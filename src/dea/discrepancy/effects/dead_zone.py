@@ -8,7 +8,7 @@ from dea.discrepancy.effects._laws import knee
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Subtract the threshold beyond it (gate 0), or let the whole input through (gate 1)."""
     threshold, width, gate, ratio = q[0], q[1], q[2], q[3]

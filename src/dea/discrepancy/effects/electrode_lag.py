@@ -8,7 +8,7 @@ from dea.discrepancy.effects._laws import held_lag
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Pass a held input through one slow and one faster first-order lag."""
     return held_lag(held_lag(u, q[0], interval), q[0] * q[1] + 1e-3 * interval, interval)

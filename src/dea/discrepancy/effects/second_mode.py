@@ -10,13 +10,13 @@ from dea.discrepancy.parameter import Parameter
 _TWO_PI = 6.283185307179586
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
     """Spring between the device and the second mass, whose position is ``memory[0]``."""
     return -q[0] * (z - memory[0])
 
 
-@njit(UPDATE, cache=True)
+@njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
     """Swing the second mass by the trapezoidal rule."""
     omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]

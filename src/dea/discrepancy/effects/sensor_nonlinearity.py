@@ -9,7 +9,7 @@ from dea.discrepancy.parameter import Parameter
 DEGREES = 5
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Bend the output by Legendre polynomials of degree 2 to 6, and rectify a part of it."""
     rectified, middle, half = q[DEGREES], q[DEGREES + 1], q[DEGREES + 2]

@@ -12,7 +12,7 @@ from dea.discrepancy.parameter import Parameter
 from dea.discrepancy.simulation import Balance, Simulation, State
 
 
-@njit(DERIVATIVE, cache=True)
+@njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x, u, p, dx):
     """Water balances of the upper and the lower tank; levels in units of the sensor."""
     upper, lower = sqrt(max(x[0], 0.0)), sqrt(max(x[1], 0.0))
@@ -20,7 +20,7 @@ def derivative(x, u, p, dx):
     dx[1] = p[1] * upper - p[2] * lower
 
 
-@njit(OUTPUT, cache=True)
+@njit(OUTPUT, cache=True, error_model="numpy")
 def output(x, u, p):
     """Level of the lower tank, in volts of its sensor."""
     return x[1]

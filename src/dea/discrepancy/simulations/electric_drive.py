@@ -11,7 +11,7 @@ from dea.discrepancy.parameter import Parameter
 from dea.discrepancy.simulation import Balance, Simulation, State
 
 
-@njit(DERIVATIVE, cache=True)
+@njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x, u, p, dx):
     """Motor speed x₀ follows the voltage; the belt's tension swings the pulley's speed x₁ to it."""
     motor, omega = p[0], 6.283185307179586 * p[1]
@@ -20,7 +20,7 @@ def derivative(x, u, p, dx):
     dx[2] = omega * omega * (x[0] - x[1]) - 2.0 * p[2] * omega * x[2]
 
 
-@njit(OUTPUT, cache=True)
+@njit(OUTPUT, cache=True, error_model="numpy")
 def output(x, u, p):
     """Speed of the pulley."""
     return x[1]
