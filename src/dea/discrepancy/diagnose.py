@@ -150,13 +150,14 @@ def diagnose(
     singles = list(rounds[0].candidates)
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
     gained = gains(nominal.gap, [c.fit.gap for c in singles], select, null, rng)
-    chosen = _choose(problem, rounds, gained, floor, blocks, settings.rules, rng)
+    expected = float(np.hypot(floor, own.accuracy))
+    chosen = _choose(problem, rounds, gained, expected, blocks, settings.rules, rng)
 
     best = chosen.fit if chosen else nominal
     unexplained = residual_model(problem, best.gap)
     pool = pool_of(rounds)
     decision = decide(
-        problem, chosen, pool, judge(problem, nominal).error, floor, unexplained, blocks,
+        problem, chosen, pool, judge(problem, nominal).error, expected, unexplained, blocks,
         settings.rules, rng,
     )  # fmt: skip
     answer = decision.chosen if decision.status in ("named", "ambiguous") else None
@@ -165,7 +166,7 @@ def diagnose(
     before = localise(problem, near.gap, units, counted, rng)
     after = localise(problem, final.gap, units, counted, rng)
     rivals = _rivals_to_show(decision, pool)
-    noisy = problem.with_noise(floor)
+    noisy = problem.with_noise(expected)
     experiment = _experiment(noisy, decision, settings.seed)
     elsewhere = proof.certify_elsewhere(
         others if proof.transferable(final.extended) else {}, nominal, final

@@ -111,7 +111,7 @@ class ExtendedSimulation:
         balances = self.simulation.balances
         if attached.effect.force is None or len(balances) < 2:
             return attached.effect.name
-        return f"{attached.effect.name}@{balances[attached.balance].equation}"
+        return f"{attached.effect.name}@{balances[attached.balance].name}"
 
     def attach(self, effect: Effect, scales: Scales, balance: int = 0) -> "ExtendedSimulation":
         """Return this simulation with one effect more."""
@@ -141,7 +141,7 @@ class ExtendedSimulation:
             for a, (_, q) in zip(self.attached, laws, strict=True)
             if a.effect.force is not None
         ]
-        ports, frames = np.full((SLOTS + 1, 3), -1), np.ones((SLOTS + 1, 3))
+        ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
         if own.balances:
             ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
         slots: list[Any] = []
@@ -188,7 +188,7 @@ class ExtendedSimulation:
         names = (None, *self.simulation.state_names)
         return np.array(
             [
-                [names.index(name) - 1 for name in (b.equation, b.position, b.velocity)]
+                [names.index(name) - 1 for name in (b.equation, b.position, b.velocity, b.reaction)]
                 for b in self.simulation.balances
             ]
         )

@@ -41,12 +41,21 @@ class Balance:
         State that is the rate of the motion; ``None`` takes the derivative of ``position``.
     rest
         Position at which the elastic force vanishes, in the unit of ``position``.
+    reaction
+        State equation that receives what the force takes from this one, where it acts between
+        two parts of the device: two bodies, or two vessels. ``None`` where it acts from outside.
     """
 
     equation: str
     position: str | None
     velocity: str | None
     rest: float = 0.0
+    reaction: str | None = None
+
+    @property
+    def name(self) -> str:
+        """What the port is called among the others of its simulation."""
+        return f"{self.equation}>{self.reaction}" if self.reaction else self.equation
 
 
 @dataclass(frozen=True)
@@ -63,11 +72,16 @@ class Simulation:
     drive
         Name of the parameter that scales the action of the input: the port for its drift.
     balances
-        The ports for forces, one for each equation that is a balance; none where no equation is.
+        The ports for forces: the equations that are balances, and what each balances with; none
+        where no equation is.
     output_gain_spread
         Prior standard deviation of the sensor's gain about one.
     output_offset_spread
         Prior standard deviation of the sensor's offset about zero, in ``output_unit``.
+    accuracy
+        Root mean square (in ``output_unit``) by which the simulation is known to miss the device
+        through its own simplifications. What a diagnosis leaves over counts as explained down
+        to there.
     lead_in
         Time (s) for which the first input is held before the record starts, so that the device
         has settled.
@@ -86,6 +100,7 @@ class Simulation:
     balances: tuple[Balance, ...]
     output_gain_spread: float = 0.0
     output_offset_spread: float = 0.0
+    accuracy: float = 0.0
     lead_in: float = 0.0
     hold: Literal["zero", "linear"] = "zero"
     source: str = field(default="", compare=False)
@@ -120,7 +135,7 @@ class Simulation:
             )
 
     def _check_balance(self, balance: Balance) -> None:
-        for role in ("equation", "position", "velocity"):
+        for role in ("equation", "position", "velocity", "reaction"):
             name = getattr(balance, role)
             if name not in self.state_names and not (name is None and role != "equation"):
                 raise self._error(
