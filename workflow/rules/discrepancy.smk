@@ -81,9 +81,7 @@ DIAGNOSED_CASES = [name for name, case in CASE.items() if "simulation" in case]
 
 rule table_real_records:
     input:
-        verdicts=expand(
-            "results/discrepancy/{case}/verdict.json", case=DIAGNOSED_CASES
-        ),
+        verdicts=expand("results/discrepancy/{case}/verdict.json", case=DIAGNOSED_CASES),
         published="config/published_errors.yaml",
         code=modules("dea.stages.table_real_records"),
     output:
@@ -91,7 +89,10 @@ rule table_real_records:
             "results/tables/real_records.csv",
             caption="../report/table_real_records.rst",
             category="Discrepancy",
-            labels={"figure": "Missing effects of measured records", "system": "cases"},
+            labels={
+                "figure": "Missing effects of measured records",
+                "system": "cases",
+            },
         ),
         md="results/tables/real_records.md",
         tex="results/tables/real_records.tex",
