@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from dea.discrepancy import Port, catalogue
@@ -23,6 +24,7 @@ Z = 0.7 + 0.3 * np.sin(2 * np.pi * 0.4 * T) * np.cos(2 * np.pi * 0.03 * T)
 
 def values(name, **changed):
     parameters = catalogue()[name].parameters(SCALES)
+    assert set(changed) <= {p.name for p in parameters}
     return np.array([float(changed.get(p.name, p.nominal)) for p in parameters])
 
 
@@ -71,7 +73,10 @@ def test_dead_zone_subtracts_its_threshold_and_lets_nothing_through_below():
     q = values("dead_zone", threshold=1.5, corner_width=1e-6, negative_ratio=0.5)
     expected = np.where(u > 1.5, u - 1.5, np.where(u < -0.75, u + 0.75, 0.0))
     assert np.allclose(catalogue()["dead_zone"].shape_input(u, q, DT), expected, atol=1e-5)
-    gated = values("dead_zone", threshold=1.5, corner_width=1e-6, gate=1.0)
+    steep = values("dead_zone", threshold=1.5, corner_width=1e-6, slope=2.0)
+    expected = 2.0 * np.sign(u) * np.maximum(np.abs(u) - 1.5, 0.0)
+    assert np.allclose(catalogue()["dead_zone"].shape_input(u, steep, DT), expected, atol=1e-5)
+    gated = values("dead_zone", threshold=1.5, gate=1.0, jump_width=1e-6)
     away = np.abs(np.abs(u) - 1.5) > 1e-3
     expected = np.where(np.abs(u) > 1.5, u, 0.0)
     assert np.allclose(catalogue()["dead_zone"].shape_input(u, gated, DT)[away], expected[away])
@@ -109,8 +114,9 @@ def test_transport_delay_is_linear_interpolation():
 
 def test_lags_solve_their_differential_equation():
     tau, fine = 0.13, 200
-    q = values("electrode_lag", time_constant=tau, second_ratio=0.0)
-    mean = catalogue()["electrode_lag"].shape_input(U, q, DT)
+    q = values("electrode_lag", time_constant=tau, near_part=0.0)
+    law = catalogue()["electrode_lag"].shape_input
+    mean = law(U, q, DT)
     v, expected = U[0], []
     for u in U[:300]:
         total = 0.0
@@ -119,8 +125,10 @@ def test_lags_solve_their_differential_equation():
             v += DT / fine * (u - v) / tau
             total += 0.5 * (before + v)
         expected.append(total / fine)
-    # The second lag, of a thousandth of an interval, is there at its least.
     assert np.allclose(mean[:300], expected, atol=2e-3)
+    quick = law(U, values("electrode_lag", time_constant=0.3 * tau, near_part=0.0), DT)
+    both = law(U, values("electrode_lag", time_constant=tau, fast_ratio=0.3, near_part=0.4), DT)
+    assert np.allclose(both, 0.6 * mean + 0.4 * quick)
     q = values("sensor_lag", time_constant=tau, second_ratio=0.0)
     smooth = catalogue()["sensor_lag"].shape_output(Y, T, q, DT)
     omega = 2 * np.pi * 0.23
@@ -214,6 +222,31 @@ def test_second_mode_resonates_at_its_frequency():
     assert amplitude == pytest.approx(0.01 * np.abs(1 - 1 / (2j * 0.05)), rel=0.02)
 
 
+def test_second_mode_follows_the_equations_of_two_masses():
+    own = {"coupling": 0.7, "frequency": 1.2, "damping_ratio": 0.1, "hardening": 2.0}
+    q = values("second_mode", start_position=0.5, **own)
+    omega, loss = 2 * np.pi * 1.2, 2 * 0.1 / (2 * np.pi * 1.2)
+
+    def place(t):
+        return 0.5 + 0.3 * np.sin(2.2 * t) + 0.2 * (1 - np.cos(5.1 * t))
+
+    def speed(t):
+        return 0.66 * np.cos(2.2 * t) + 1.02 * np.sin(5.1 * t)
+
+    def pull(t, state):
+        stretch = place(t) - state[0]
+        return stretch * (1 + 2.0 * stretch**2) + loss * (speed(t) - state[1])
+
+    h = 2e-3
+    t = np.arange(5000) * h
+    solved = solve_ivp(
+        lambda t, x: [x[1], omega**2 * pull(t, x)], (0, t[-1]), [0.5, 0.0], t_eval=t, rtol=1e-9
+    )
+    found = forces("second_mode", q, place(t), h)
+    expected = -0.7 * pull(t, solved.y)[:-1]
+    assert np.abs(found - expected).max() < 0.02 * np.abs(expected).max()
+
+
 def test_end_stop_pushes_back_only_beyond_its_stops():
     q = values(
         "end_stop", upper_stop=0.9, lower_stop=0.5, stiffness=10.0, corner_width=1e-9, exponent=1.0
@@ -241,11 +274,12 @@ def test_step_fault_changes_gain_and_offset_at_one_instant():
     assert np.allclose(effect.shape_output(Y, T, q, DT), Y + 0.05 * after)
 
 
-def test_sensor_nonlinearity_bends_and_rectifies():
+def test_sensor_nonlinearity_bends_and_folds():
     law = catalogue()["sensor_nonlinearity"].shape_output
-    q = values("sensor_nonlinearity", rectified_part=1.0)
-    signed = Y - 0.8
-    assert np.allclose(law(signed, T, q, DT), np.abs(signed))
+    for place in (0.0, 0.7):
+        q = values("sensor_nonlinearity", fold=place, corner_width=1e-9)
+        signed = Y - 0.8 + place
+        assert np.allclose(law(signed, T, q, DT), place + np.abs(signed - place))
     q = values("sensor_nonlinearity", degree_2=0.1, degree_3=0.05, degree_4=0.02, degree_6=0.01)
     x = (Y - 0.8) / 0.4
     bend = np.polynomial.legendre.legval(x, [0, 0, 0.1, 0.05, 0.02, 0, 0.01])
@@ -257,6 +291,10 @@ def test_periodic_disturbance_adds_its_lines():
     found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
     phase = 2 * np.pi * 2.0 * T
     assert np.allclose(found, 0.01 * np.cos(phase) + 0.004 * np.sin(2 * phase))
+    q = values("periodic_disturbance", frequency=2.0, cosine_1=0.01, phase_2=0.5)
+    found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
+    x = 2 * T / 40.0 - 1
+    assert np.allclose(found, 0.01 * np.cos(phase + 0.5 * (1.5 * x**2 - 0.5)))
 
 
 @given(st.sampled_from(sorted(catalogue())), st.integers(0, 2**32 - 1))

@@ -22,45 +22,64 @@ class Offer:
     balance: int = 0
 
 
-def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> Fit | None:
-    """Fit an effect by a few cheap steps; ``None`` if it has no start in this record.
+def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> list[Fit]:
+    """Fit an effect by a few cheap steps; return the stable ones of ``kept`` fits, best first.
 
     One step from each of its starts on each of the ``bases`` (fits of the same simulation) tells
-    the ``kept`` best of them, which go on until one is best. The Jacobian of the parameters that
-    are there already is kept as it was in its base.
+    the best start of each base; the ``kept`` best of these go on. Shapes of laws are held, and the
+    Jacobian of what is there already is kept as it was in its base. An effect without a start in
+    this record has no fit.
     """
     extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance)
-    glances = [
-        (
-            fit(
-                problem,
-                extended,
-                extended.coordinates(np.concatenate([base.values, start])),
-                iterations=_GLANCE_ITERATIONS,
-                kept=base.jacobian,
-            ),
-            base,
+    held = extended.shapes
+    starts = offer.effect.starts(offer.scales)
+    if not starts:
+        return []
+
+    def glance(base: Fit, start: tuple[float, ...]) -> Fit:
+        values = np.concatenate([base.values, start])
+        return fit(
+            problem,
+            extended,
+            extended.coordinates(values),
+            iterations=_GLANCE_ITERATIONS,
+            kept=base.jacobian,
+            held=held,
         )
+
+    glances = [
+        (min((glance(base, start) for start in starts), key=lambda f: f.cost), base)
         for base in bases
-        for start in offer.effect.starts(offer.scales)
     ]
-    if not glances:
-        return None
     glances.sort(key=lambda glance: glance[0].cost)
     further = [
-        fit(problem, extended, best.coordinates, iterations=_SCREEN_ITERATIONS, kept=base.jacobian)
+        fit(
+            problem,
+            extended,
+            best.coordinates,
+            iterations=_SCREEN_ITERATIONS,
+            kept=base.jacobian,
+            held=held,
+        )
         for best, base in glances[:kept]
     ]
     if kept > 1:
-        further = [refine(problem, each, _SCREEN_ITERATIONS) for each in further]
-    return min(further, key=lambda f: f.cost)
+        further = [refine(problem, each, _SCREEN_ITERATIONS, held) for each in further]
+    return sorted((each for each in further if each.stable), key=lambda f: f.cost)
 
 
-def refine(problem: Problem, screened: Fit, iterations: int) -> Fit:
-    """Continue a screened fit with a Jacobian of all parameters."""
+def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | None = None) -> Fit:
+    """Continue a screened fit with a Jacobian of all parameters, or of all that are not held."""
     own = screened.extended.effect_slices[-1]
     known = int(np.sum(screened.extended.free < own.start))
-    return fit(problem, screened.extended, screened.coordinates, iterations=iterations, slow=known)
+    return fit(
+        problem,
+        screened.extended,
+        screened.coordinates,
+        iterations=iterations,
+        slow=known,
+        held=held,
+    )
 
 
 def in_parallel(task, items: Iterable, workers: int) -> list:

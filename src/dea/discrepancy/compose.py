@@ -9,12 +9,13 @@ from dea.discrepancy.candidates import Offer, in_parallel, refine, screen
 from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.hints import jumps, lines
-from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem, rmse, scales
 
 # Steps every finished candidate gets, and those that only candidates within a factor of the
 # leader's error go on to.
-_FIRST_STEPS, _LAST_STEPS, _NEAR = 4, 12, 1.6
+_FIRST_STEPS, _LAST_STEPS, _NEAR = 6, 12, 2.5
+# Fits of one effect, from different bases, that go beyond the screening.
+_RUNNERS_UP = 2
 # Leaders whose last steps have every column of the Jacobian computed anew.
 _POLISHED = 2
 # Samples up to which more than the best start of a law goes on: a short record affords it.
@@ -115,11 +116,14 @@ def extend_by_each(
     kept = int(np.clip(_SHORT // problem.u.size, 1, 6))
     offers = _offers(problem, before, effects, units)
     screened = in_parallel(lambda offer: screen(problem, bases, offer, kept), offers, workers)
-    stable = sorted(
-        (each for each in screened if each is not None and each.stable), key=lambda f: f.cost
-    )
+    stable = sorted((fits for fits in screened if fits), key=lambda fits: fits[0].cost)
     ahead = in_parallel(
-        lambda each: refine(problem, each, _FIRST_STEPS), stable[: budget.finished], workers
+        lambda fits: min(
+            (refine(problem, each, _FIRST_STEPS) for each in fits[:_RUNNERS_UP]),
+            key=lambda f: f.cost,
+        ),
+        stable[: budget.finished],
+        workers,
     )
     leader = min((each.cost for each in ahead), default=0.0)
     near = [each for each in ahead if each.cost <= _NEAR**2 * leader]
@@ -132,15 +136,8 @@ def extend_by_each(
     )
     finished += [each for each in ahead if each.cost > _NEAR**2 * leader]
     candidates = [judge(problem, each) for each in finished]
-    candidates += [judge(problem, each, finished=False) for each in stable[budget.finished :]]
+    candidates += [judge(problem, fits[0], finished=False) for fits in stable[budget.finished :]]
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
-
-
-def noise_floor(problem: Problem, rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
-    """Return the lowest white level any simulation leaves over."""
-    gaps = [rounds[0].before.gap]
-    gaps += [c.fit.gap for r in rounds for c in r.candidates[:3] if c.finished]
-    return min(white_level(gap, list(blocks)) for gap in gaps)
 
 
 def _offers(

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.compose import Candidate, Round
-from dea.discrepancy.gain import Gains
+from dea.discrepancy.compose import Candidate
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rivals import beaten
 from dea.discrepancy.unknown import ResidualModel
@@ -24,8 +23,11 @@ class Rules:
         A gap up to this many noise floors counts as explained.
     misfit
         Part of the nominal misfit (root mean square above the floor) that may remain.
+    further
+        Factor on it for each effect beyond the first: two laws bend to anything more easily.
     grow
-        A further effect is looked for where more than this many noise floors are left.
+        A further effect is looked for where more than this many noise floors are left, or more of
+        the misfit than may remain.
     second
         A further effect must remove this part of the error that is left.
     rival_margin
@@ -38,6 +40,7 @@ class Rules:
     margin: float = 0.10
     clean: float = 1.15
     misfit: float = 0.25
+    further: float = 0.6
     grow: float = 1.8
     second: float = 0.15
     rival_margin: float = 1.05
@@ -57,27 +60,6 @@ class Decision:
 def misfit(error: float, floor: float) -> float:
     """Return what an error holds beyond the noise floor (root mean square)."""
     return float(np.sqrt(max(error**2 - floor**2, 0.0)))
-
-
-def significant(gains: Gains, index: int, rules: Rules) -> bool:
-    """Return whether a candidate's gain is beyond the margin and beyond chance."""
-    needed = max(-np.log1p(-rules.margin), gains.null)
-    return bool(gains.low[index] > needed)
-
-
-def choose(
-    single: Candidate | None, pair: Candidate | None, floor: float, rules: Rules, sure: float
-) -> Candidate | None:
-    """Return the pair if it is needed, and else the single effect.
-
-    ``sure`` is the lower bound of the pair's gain (log ratio) over the single effect.
-    """
-    if pair is None or single is None:
-        return single
-    needed = -np.log1p(-rules.second)
-    if single.error > rules.grow * floor and sure > needed:
-        return pair
-    return single
 
 
 def decide(
@@ -142,7 +124,7 @@ def _explained(
     if chosen.error <= rules.clean * floor:
         return True
     left, whole = misfit(chosen.error, floor), misfit(nominal_error, floor)
-    if left > rules.misfit * whole:
+    if left > rules.misfit * whole * rules.further ** (len(chosen.names) - 1):
         return False
     return unexplained.ratio >= rules.predictable or left <= 0.5 * rules.misfit * whole
 
@@ -168,8 +150,3 @@ def _rivals(
         if low <= 0 or misfit(other.error, floor) <= rules.rival_margin * left:
             rivals.append(other)
     return rivals
-
-
-def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
-    """Return all candidates of all rounds, best first."""
-    return sorted((c for r in rounds for c in r.candidates), key=lambda c: c.error)

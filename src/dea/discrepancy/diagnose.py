@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dea.discrepancy import certify as proof
-from dea.discrepancy.compose import Budget, Candidate, Round, extend_by_each, judge, noise_floor
-from dea.discrepancy.decide import Decision, Rules, choose, decide, pool_of, significant
+from dea.discrepancy.compose import Budget, Candidate, Round, judge
+from dea.discrepancy.decide import Decision, Rules, decide
 from dea.discrepancy.effects import Effect, catalogue
 from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.fit import Fit
@@ -18,7 +18,8 @@ from dea.discrepancy.localise import Localisation, localise
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.nominal import bases, fit_near_prior, fit_nominal, slowest_time
 from dea.discrepancy.problem import Problem, base
-from dea.discrepancy.rivals import beaten, confusion
+from dea.discrepancy.rivals import confusion
+from dea.discrepancy.search import best_extension, noise_floor, pool_of, search
 from dea.discrepancy.separate import Experiment, separating_experiment
 from dea.discrepancy.simulation import Simulation, load_simulation
 from dea.discrepancy.split import Split, split
@@ -142,22 +143,24 @@ def diagnose(
     nominal = fit_nominal(problem, extended, budget.starts, rng, settings.workers)
     near = fit_near_prior(problem, nominal)
     blocks = parts.blocks(problem.fit | problem.select, problem.u.size / _BLOCKS)
-    select = parts.blocks(problem.select, problem.u.size / _BLOCKS / 2)
+    select = parts.blocks(problem.select, problem.u.size / _BLOCKS / 3)
     counted = problem.fit | problem.select
 
-    rounds = _rounds(problem, bases(problem, nominal, near, rng), offered, units, budget, settings)
-    floor = noise_floor(problem, rounds, parts.blocks(counted, max(problem.u.size / 8, 64)))
+    starts = bases(problem, nominal, near, rng)
+    rounds = search(problem, starts, offered, units, budget, settings.rules, settings.workers)
+    floor = noise_floor(rounds, parts.blocks(counted, max(problem.u.size / 8, 64)))
+    nominal_error = judge(problem, nominal).error
     singles = list(rounds[0].candidates)
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
     gained = gains(nominal.gap, [c.fit.gap for c in singles], select, null, rng)
     expected = float(np.hypot(floor, own.accuracy))
-    chosen = _choose(problem, rounds, gained, expected, blocks, settings.rules, rng)
+    chosen = best_extension(rounds, nominal_error, gained, expected, blocks, settings.rules, rng)
 
     best = chosen.fit if chosen else nominal
     unexplained = residual_model(problem, best.gap)
     pool = pool_of(rounds)
     decision = decide(
-        problem, chosen, pool, judge(problem, nominal).error, expected, unexplained, blocks,
+        problem, chosen, pool, nominal_error, expected, unexplained, blocks,
         settings.rules, rng,
     )  # fmt: skip
     answer = decision.chosen if decision.status in ("named", "ambiguous") else None
@@ -235,59 +238,6 @@ def _prepare(
         u, y, interval, parts.fit, parts.select, parts.certify, noise=_NOISE_MARGIN * noise
     )
     return problem, parts, extended
-
-
-def _rounds(
-    problem: Problem,
-    nominals: Sequence[Fit],
-    offered: Sequence[Effect],
-    units: tuple[str, str],
-    budget: Budget,
-    settings: Settings,
-) -> list[Round]:
-    """Offer every effect to the nominal simulation, then to its best extensions, and so on."""
-    rules = settings.rules
-    rounds = [extend_by_each(problem, nominals, offered, units, budget, settings.workers)]
-    blocks = [slice(0, problem.u.size)]
-    beam = [c for c in rounds[0].candidates if c.finished][: budget.beam]
-    for _ in range(1, budget.effects):
-        floor = min((white_level(c.fit.gap, blocks) for c in beam), default=0.0)
-        if not beam or beam[0].error <= rules.grow * floor:
-            break
-        grown = [
-            extend_by_each(problem, [c.fit], offered, units, budget, settings.workers) for c in beam
-        ]
-        rounds += grown
-        beam = sorted(
-            (c for r in grown for c in r.candidates if c.finished), key=lambda c: c.error
-        )[: budget.beam]
-    return rounds
-
-
-def _choose(
-    problem: Problem,
-    rounds: Sequence[Round],
-    gained: Gains,
-    floor: float,
-    blocks: Sequence[slice],
-    rules: Rules,
-    rng: np.random.Generator,
-) -> Candidate | None:
-    """Return the best single effect that helps, or the best larger set that helps more."""
-    singles = rounds[0].candidates
-    helping = [c for i, c in enumerate(singles) if c.finished and significant(gained, i, rules)]
-    chosen = helping[0] if helping else None
-    larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
-    for size in sorted({len(c.names) for c in larger}):
-        best = min((c for c in larger if len(c.names) == size), key=lambda c: c.error)
-        if chosen is None:
-            _, low = beaten(best.fit.gap, rounds[0].before.gap, blocks, rng)
-            if low > -np.log1p(-2 * rules.margin):
-                chosen = best
-            continue
-        _, low = beaten(best.fit.gap, chosen.fit.gap, blocks, rng)
-        chosen = choose(chosen, best, floor, rules, low)
-    return chosen
 
 
 def _rivals_to_show(

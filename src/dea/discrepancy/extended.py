@@ -14,6 +14,8 @@ from dea.discrepancy.parameter import Parameter
 from dea.discrepancy.simulation import Simulation, load_simulation
 from dea.errors import InputError
 
+# Prior spreads that a parameter of the simulation may be from its nominal value.
+_REACH = 3.0
 OUTPUT_GAIN, OUTPUT_OFFSET = "output_gain", "output_offset"
 
 
@@ -81,9 +83,21 @@ class ExtendedSimulation:
 
     @cached_property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper bounds of the free coordinates."""
-        pairs = [self.parameters[i].coordinate_bounds() for i in self.free]
-        return np.array([low for low, _ in pairs]), np.array([high for _, high in pairs])
+        """Lower and upper bounds of the free coordinates.
+
+        The simulation's own parameters stay within a few spreads of their prior: a refit that
+        bends a known mass or film further than that hides what is missing in them.
+        """
+        pairs = np.array([self.parameters[i].coordinate_bounds() for i in self.free])
+        laws = sum(len(a.parameters) for a in self.attached)
+        own = self.free < len(self.parameters) - laws
+        pairs[own] = np.clip(pairs[own], -_REACH, _REACH)
+        return pairs[:, 0], pairs[:, 1]
+
+    @cached_property
+    def shapes(self) -> np.ndarray:
+        """Which free coordinates only shape a law."""
+        return np.array([self.parameters[i].shape for i in self.free])
 
     @cached_property
     def effect_slices(self) -> tuple[slice, ...]:

@@ -13,6 +13,11 @@ from dea.discrepancy.problem import Problem
 
 _STEP = 1e-3
 _REFRESH = 3
+# Damping after a row of good steps, small enough not to slow them, and how often it is raised
+# tenfold before a step is given up: from the least to where a step is steepest descent.
+_LEAST_DAMPING, _TRIES = 1e-6, 9
+# Prior spreads that a coordinate may move in one step.
+_LONGEST_STEP = 3.0
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,7 @@ def fit(
     iterations: int = 20,
     kept: np.ndarray | None = None,
     slow: int = 0,
+    held: np.ndarray | None = None,
     tolerance: float = 1e-4,
 ) -> Fit:
     """Fit the free parameters from ``start`` on the samples the problem allows.
@@ -110,6 +116,8 @@ def fit(
     slow
         How many of the first coordinates have columns that are computed anew only every third
         step; the others change faster.
+    held : (k,) bool, optional
+        Coordinates that stay where they start.
     tolerance
         Stop when an accepted step lowers the cost by less than this part of it.
     """
@@ -118,6 +126,7 @@ def fit(
     gap = problem.gap(extended, extended.values(coordinates))
     cost = cost_of(gap, coordinates, problem)
     size = coordinates.size
+    free = np.ones(size, bool) if held is None else ~held
     J = np.zeros((problem.u.size, size))
     damping = 1e-3
     stalled = False
@@ -126,25 +135,28 @@ def fit(
             break
         whole = kept is None and (slow == 0 or iteration % _REFRESH == 0 or stalled)
         first = 0 if whole else slow if kept is None else kept.shape[1]
-        fresh = columns(problem, extended, coordinates, gap, np.arange(first, size))
-        J = np.hstack([J[:, :first] if kept is None else kept, fresh])
+        if kept is not None:
+            J[:, :first] = kept
+        fresh = np.flatnonzero(free & (np.arange(size) >= first))
+        J[:, fresh] = columns(problem, extended, coordinates, gap, fresh)
         chosen = J[problem.fit] / problem.noise
         A = chosen.T @ chosen + np.eye(size)
         g = chosen.T @ (gap[problem.fit] / problem.noise) + coordinates
         improved = False
-        for _ in range(6):
-            inside = ~(((coordinates <= low) & (g > 0)) | ((coordinates >= high) & (g < 0)))
-            step = np.zeros(size)
-            H = A[np.ix_(inside, inside)]
-            step[inside] = -np.linalg.solve(H + damping * np.diag(np.diag(H)), g[inside])
-            trial = np.clip(coordinates + np.clip(step, -3.0, 3.0), low, high)
+        for _ in range(_TRIES):
+            H = A + damping * np.diag(np.diag(A))
+            reach = np.where(free, _LONGEST_STEP, 0.0)
+            step = step_in_box(
+                H, g, np.maximum(low - coordinates, -reach), np.minimum(high - coordinates, reach)
+            )
+            trial = np.clip(coordinates + step, low, high)
             trial_gap = problem.gap(extended, extended.values(trial))
             trial_cost = cost_of(trial_gap, trial, problem)
             if trial_cost < cost:
                 improved = True
-                damping = max(damping / 5.0, 1e-9)
+                damping = max(damping / 5.0, _LEAST_DAMPING)
                 break
-            damping *= 8.0
+            damping *= 10.0
         gain = (cost - trial_cost) / cost if improved else 0.0
         if improved:
             coordinates, gap, cost = trial, trial_gap, trial_cost
@@ -153,3 +165,28 @@ def fit(
             break
         stalled = gain < tolerance
     return Fit(extended, coordinates, gap, J, cost)
+
+
+def step_in_box(H: np.ndarray, g: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the step s that makes g s + s H s / 2 least while ``low`` <= s <= ``high``.
+
+    Parameters
+    ----------
+    H : (k, k)
+        Positive definite.
+    g, low, high : (k,)
+        Gradient and bounds; a coordinate whose bounds are equal stays.
+    """
+    from scipy.linalg import cholesky, solve_triangular
+    from scipy.optimize import lsq_linear
+
+    step = np.zeros(g.size)
+    inside = high > low
+    root = cholesky(H[np.ix_(inside, inside)])
+    pull = -solve_triangular(root, g[inside], trans="T")
+    free = solve_triangular(root, pull)
+    bounds = low[inside], high[inside]
+    if (free < bounds[0]).any() or (free > bounds[1]).any():
+        free = lsq_linear(root, pull, bounds, method="bvls").x
+    step[inside] = free
+    return step

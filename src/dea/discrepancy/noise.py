@@ -5,6 +5,9 @@ import numpy as np
 # Samples a block needs, and the ratio of two quarter bands that is no chance.
 _SHORTEST = 24
 _COLOURED = 1.5
+# Pieces (samples, and how many at least) whose levels are compared, and the part of the record's
+# level that a quarter of them stays below only if the noise comes and goes.
+_PIECE, _PIECES, _QUIET = 64, 12, 0.5
 
 
 def white_level(gap: np.ndarray, blocks: list[slice]) -> float:
@@ -13,24 +16,45 @@ def white_level(gap: np.ndarray, blocks: list[slice]) -> float:
     Excitation and slow misfit live at low frequency. The median over the upper half of each
     block's periodogram, divided by the median of the chi-squared distribution with two degrees
     of freedom over its mean (ln 2), estimates the level whatever lines stand out of it; the
-    lower of two quarter bands is taken where they differ, so that no resonance in one counts.
+    lower of two quarter bands is taken where they differ, so that no resonance in one counts,
+    and the level of the quietest quarter of the time where what seems noise comes and goes.
     """
-    quarters: list[list[np.ndarray]] = [[], []]
-    for block in blocks:
-        part = gap[block]
-        if part.size < _SHORTEST or not np.isfinite(part).all():
-            continue
-        x = np.arange(part.size)
-        part = part - np.polynomial.polynomial.Polynomial.fit(x, part, 2)(x)
-        window = np.hanning(part.size)
-        power = np.abs(np.fft.rfft(part * window)) ** 2 / np.sum(window**2)
-        half, three_quarters = power.size // 2, 3 * power.size // 4
-        quarters[0].append(power[half:three_quarters])
-        quarters[1].append(power[three_quarters:-1])
-    if not quarters[0]:
+    spectra = [
+        _upper_half(gap[block])
+        for block in blocks
+        if gap[block].size >= _SHORTEST and np.isfinite(gap[block]).all()
+    ]
+    if not spectra:
         return float(np.std(gap[np.isfinite(gap)]))
-    both = [np.concatenate(quarter) for quarter in quarters]
-    levels = [float(np.median(quarter)) / np.log(2.0) for quarter in both]
-    if max(levels) < _COLOURED * min(levels):
-        return float(np.sqrt(np.median(np.concatenate(both)) / np.log(2.0)))
-    return float(np.sqrt(min(levels)))
+    quarters = [np.concatenate(halves) for halves in zip(*map(_halved, spectra), strict=True)]
+    levels = [_level(quarter) for quarter in quarters]
+    level = min(levels)
+    if max(levels) < _COLOURED * level:
+        level = _level(np.concatenate(quarters))
+    pieces = [
+        _level(_upper_half(gap[start : start + _PIECE]))
+        for block in blocks
+        for start in range(*block.indices(gap.size))[: 1 - _PIECE : _PIECE]
+        if np.isfinite(gap[start : start + _PIECE]).all()
+    ]
+    if len(pieces) >= _PIECES:
+        quiet = float(np.quantile(pieces, 0.25))
+        level = quiet if quiet < _QUIET * level else level
+    return float(np.sqrt(level))
+
+
+def _upper_half(part: np.ndarray) -> np.ndarray:
+    """Return the periodogram of a part of a gap, without its trend, above half the band."""
+    x = np.arange(part.size)
+    left = part - np.polynomial.polynomial.Polynomial.fit(x, part, 2)(x)
+    window = np.hanning(part.size)
+    power = np.abs(np.fft.rfft(left * window)) ** 2 / np.sum(window**2)
+    return power[power.size // 2 : -1]
+
+
+def _halved(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return power[: power.size // 2], power[power.size // 2 :]
+
+
+def _level(power: np.ndarray) -> float:
+    return float(np.median(power)) / np.log(2.0)

@@ -1,5 +1,7 @@
 """What the simulation alone makes of a record: its refit, and a second one near the prior."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from dea.discrepancy.candidates import in_parallel
@@ -12,7 +14,7 @@ _ITERATIONS = 30
 # Prior spreads by which the two fits of the simulation must differ for both to be starts.
 _FAR = 1.0
 # Draws of the prior, at most, and how many samples are simulated for them.
-_DRAWS, _SHORT = 40, 25_000
+_DRAWS, _SHORT = 40, 10_000
 
 
 def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
@@ -73,14 +75,35 @@ def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
     return fit(problem.with_noise(max(trust, problem.noise)), refitted.extended, start)
 
 
+def fit_parts(problem: Problem, near: Fit) -> list[Fit]:
+    """Fit the lower and the upper half of the output alone.
+
+    An effect that acts at one end, a limit or a threshold, leaves the other half to the
+    simulation; there it has no need to bend its parameters.
+    """
+    middle = np.median(problem.y)
+    parts = []
+    for half in (problem.y <= middle, problem.y >= middle):
+        only = replace(problem, fit=problem.fit & half)
+        fitted = fit(only, near.extended, near.coordinates, iterations=_ITERATIONS)
+        parts.append(at(problem, near.extended, fitted.coordinates))
+    return parts
+
+
 def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -> list[Fit]:
     """Return the fits to start candidates from: the refit, and others where it is far from them.
 
     A refit that has bent the parameters to make up for what is missing is a bad place to start;
-    the fit near the prior is another, and a short record affords draws of the prior as well.
+    the fit near the prior and those of one half of the output are others, and a short record
+    affords draws of the prior as well.
     """
     size = nominal.coordinates.size
     draws = int(min(_DRAWS, _SHORT // problem.u.size))
     drawn = [at(problem, nominal.extended, x) for x in 0.7 * rng.standard_normal((draws, size))]
-    far = np.linalg.norm(nominal.coordinates - near.coordinates) > _FAR
-    return [nominal, *([near] if far else []), *drawn] if near.stable else [nominal, *drawn]
+    others = [near, *fit_parts(problem, near)] if near.stable else []
+    far = [
+        other
+        for other in others
+        if other.stable and np.linalg.norm(nominal.coordinates - other.coordinates) > _FAR
+    ]
+    return [nominal, *far, *drawn]

@@ -20,6 +20,9 @@ class Parameter:
         Bounds, in ``unit``.
     log
         Whether the fit works with the logarithm; the value is then positive.
+    shape
+        Whether it only shapes a law. A fit then holds it until place and size of the effect are
+        found: freed too early, a shape bends towards an effect in the wrong place.
     """
 
     name: str
@@ -29,6 +32,7 @@ class Parameter:
     low: float = -np.inf
     high: float = np.inf
     log: bool = False
+    shape: bool = False
 
     def value(self, coordinate: float) -> float:
         """Return the value at a ``coordinate`` counted in spreads from the nominal value."""

@@ -7,15 +7,17 @@ import numpy as np
 
 from dea.errors import InputError
 
-# Fitting and choosing alternate, so that what changes with time is seen by both; the certified
-# block lies inside the record, where a drift can be interpolated.
+# Fitting and choosing alternate, so that what changes with time, or shows only now and then, is
+# seen by both; the certified block lies inside the record, where a drift can be interpolated.
+_ALTERNATING = (("fit", 1), ("select", 1)) * 4
 _PATTERNS = (
+    (*_ALTERNATING, ("fit", 1), ("certify", 3), *_ALTERNATING, ("fit", 1)),
     (("fit", 2), ("select", 2), ("fit", 2), ("select", 2), ("fit", 2), ("certify", 3), ("fit", 2),
      ("select", 2), ("fit", 2)),
     (("fit", 3), ("select", 2), ("certify", 2), ("fit", 3)),
 )  # fmt: skip
 _GAP_IN_TIME_CONSTANTS = 3.0
-_SHORTEST_BLOCK_IN_GAPS = 1.0
+_SHORTEST_BLOCK_IN_GAPS = 3.0, 1.0, 1.0
 
 
 @dataclass(frozen=True)
@@ -48,11 +50,11 @@ def split(samples: int, interval: float, slowest: float, warm_up: float = 0.0) -
     """
     gap = max(1, int(np.ceil(_GAP_IN_TIME_CONSTANTS * slowest / interval)))
     skipped = int(np.ceil(warm_up / interval))
-    for pattern in _PATTERNS:
+    for pattern, in_gaps in zip(_PATTERNS, _SHORTEST_BLOCK_IN_GAPS, strict=True):
         total = sum(weight for _, weight in pattern)
         usable = samples - skipped - gap * (len(pattern) - 1)
         shortest = usable * min(weight for _, weight in pattern) / total
-        if shortest < max(_SHORTEST_BLOCK_IN_GAPS * gap, 10):
+        if shortest < max(in_gaps * gap, 10):
             continue
         masks = {role: np.zeros(samples, bool) for role in ("fit", "select", "certify")}
         position = float(skipped)
@@ -62,7 +64,7 @@ def split(samples: int, interval: float, slowest: float, warm_up: float = 0.0) -
             position += length + gap
         return Split(**masks, gap=gap)
     blocks = len(_PATTERNS[-1])
-    needed = skipped + gap * (blocks - 1) + 5 * max(_SHORTEST_BLOCK_IN_GAPS * gap, 10)
+    needed = skipped + gap * (blocks - 1) + 5 * max(_SHORTEST_BLOCK_IN_GAPS[-1] * gap, 10)
     raise InputError(
         f"the record holds {samples * interval:g} s; with a slowest time constant of "
         f"{slowest:g} s the split needs {needed * interval:g} s",

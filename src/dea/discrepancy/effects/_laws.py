@@ -62,7 +62,7 @@ def sampled_lag(y: np.ndarray, tau: float, interval: float) -> np.ndarray:
     return result
 
 
-DRIFT_DEGREES = 5
+DRIFT_DEGREES = 8
 
 
 def drift(t: np.ndarray, duration: float, weights: np.ndarray) -> np.ndarray:

@@ -27,8 +27,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     dt, peak = scales.interval, scales.u_peak
     return (
         Parameter("loss", "1", 0.1, 1.0, 1e-4, 0.9, log=True),
-        Parameter("field_growth", "1", 0.0, 3.0, 0.0, 20.0),
-        Parameter("time_constant", "s", 30 * dt, 2.0, 0.2 * dt, scales.duration, log=True),
+        Parameter("field_growth", "1", 0.0, 3.0, 0.0, 20.0, shape=True),
+        Parameter("time_constant", "s", 30 * dt, 2.0, 10 * dt, scales.duration, log=True),
         Parameter("full_input", scales.u_unit, peak, 0.0),
     )
 
@@ -37,8 +37,8 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return slow and fast losses, with and without growth."""
     peak = scales.u_peak
     return tuple(
-        (0.1, growth, part * scales.duration, peak)
-        for part, growth in ((0.1, 0.5), (0.02, 0.5), (0.005, 3.0), (2e-4, 6.0))
+        (0.1, growth, max(part * scales.duration, 15 * scales.interval), peak)
+        for part, growth in ((0.1, 0.5), (0.02, 0.5), (0.005, 3.0), (1e-3, 6.0))
     )
 
 

@@ -12,7 +12,7 @@ from dea.discrepancy.parameter import Parameter
 def force(z, w, memory, q):
     """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``."""
     deflection = min(max((memory[0] + z - memory[1]) / q[1], -1.0), 1.0)
-    excess = q[2] * np.exp(-abs(w) / q[3])
+    excess = q[2] / (1.0 + (w / q[3]) ** 2)
     return -q[0] * deflection * (1.0 + excess)
 
 
@@ -35,9 +35,13 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     span = scales.z_span
     return (
         Parameter("force", "1", 0.05 * span, 1.5, 1e-5, 10.0, log=True),
-        Parameter("slip_deflection", "1", 0.01 * span, 1.0, 5e-4 * span, 0.05 * span, log=True),
-        Parameter("stiction_excess", "1", 0.0, 0.2, 0.0, 2.0),
-        Parameter("stribeck_rate", "1/s", 0.2 * span, 0.0),
+        Parameter(
+            "slip_deflection", "1", 0.01 * span, 1.0, 5e-4 * span, 0.05 * span, log=True, shape=True
+        ),
+        Parameter("stiction_excess", "1", 0.0, 0.2, 0.0, 2.0, shape=True),
+        Parameter(
+            "stribeck_rate", "1/s", 0.1 * span, 1.0, 1e-3 * span, 10.0 * span, log=True, shape=True
+        ),
         Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
     )
 
@@ -45,7 +49,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return weak and strong friction."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
-    return tuple((part * span, 0.015 * span, 0.0, 0.2 * span, middle) for part in (0.02, 0.08))
+    return tuple((part * span, 0.015 * span, 0.0, 0.1 * span, middle) for part in (0.02, 0.08))
 
 
 EFFECT = Effect(

@@ -10,22 +10,28 @@ from dea.discrepancy.parameter import Parameter
 
 @njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Pass a held input through one slow and one faster first-order lag."""
-    return held_lag(held_lag(u, q[0], interval), q[0] * q[1] + 1e-3 * interval, interval)
+    """Charge the far part of the electrodes through a slow lag, the near part through a fast one.
+
+    The two lags stand for the ladder of resistances and capacitances that an electrode is.
+    """
+    slow, ratio, near = q[0], q[1], q[2]
+    far = held_lag(u, slow, interval)
+    return (1.0 - near) * far + near * held_lag(u, slow * ratio, interval)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the time constant and the ratio of the second, faster one."""
+    """Return the slow time constant, the fast one's ratio to it, and the near part."""
     dt = scales.interval
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
-        Parameter("second_ratio", "1", 0.0, 0.3, 0.0, 1.0),
+        Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
+        Parameter("near_part", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return time constants of a few intervals."""
-    return tuple((samples * scales.interval, 0.1) for samples in (2.0, 8.0, 30.0))
+    """Return slow time constants of a few intervals."""
+    return tuple((samples * scales.interval, 0.1, 0.1) for samples in (2.0, 8.0, 30.0))
 
 
 EFFECT = Effect(

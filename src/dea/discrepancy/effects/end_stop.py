@@ -21,9 +21,11 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("upper_stop", "1", scales.z_high - 0.1 * span, 0.3 * span),
         Parameter("lower_stop", "1", scales.z_low - 0.2 * span, 0.3 * span),
-        Parameter("stiffness", "1", 5.0, 1.0, 0.05, 100.0, log=True),
-        Parameter("corner_width", "1", 0.01 * span, 1.0, 1e-3 * span, 0.5 * span, log=True),
-        Parameter("exponent", "1", 1.0, 0.3, 1.0, 3.0, log=True),
+        Parameter("stiffness", "1", 5.0, 1.0, 1.0, 300.0, log=True),
+        Parameter(
+            "corner_width", "1", 0.01 * span, 1.0, 1e-3 * span, 0.1 * span, log=True, shape=True
+        ),
+        Parameter("exponent", "1", 1.0, 0.3, 1.0, 2.0, log=True, shape=True),
         Parameter("reference", "1", 0.1 * span, 0.0),
     )
 
@@ -34,7 +36,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return (
         (high - 0.1 * span, low - 0.3 * span, 5.0, 0.02 * span, 1.0, 0.1 * span),
         (high - 0.3 * span, low - 0.3 * span, 5.0, 0.02 * span, 1.0, 0.1 * span),
-        (high - 0.5 * span, low - 0.3 * span, 2.0, 0.05 * span, 1.0, 0.1 * span),
+        (high - 0.5 * span, low - 0.3 * span, 5.0, 0.02 * span, 1.0, 0.1 * span),
         (high + 0.3 * span, low + 0.1 * span, 5.0, 0.02 * span, 1.0, 0.1 * span),
     )
 

@@ -6,22 +6,23 @@ from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
 from dea.discrepancy.parameter import Parameter
 
 _HARMONICS = 5
+_WANDERS = range(2, 7)
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Add a wave of five harmonics whose size may grow with the output."""
-    phase = 2.0 * np.pi * q[0] * t
+    """Add a wave of five harmonics whose phase may wander slowly."""
+    *wander, duration = q[1 + 2 * _HARMONICS :]
+    slow = np.polynomial.legendre.legval(2.0 * t / duration - 1.0, [0.0, 0.0, *wander])
+    phase = 2.0 * np.pi * q[0] * t + slow
     wave = np.zeros_like(y)
     for n in range(_HARMONICS):
         wave += q[1 + 2 * n] * np.cos((n + 1) * phase) + q[2 + 2 * n] * np.sin((n + 1) * phase)
-    growth, middle, half = q[1 + 2 * _HARMONICS :]
-    return y + wave * (1.0 + growth * (y - middle) / half)
+    return y + wave
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return frequency, amplitudes, growth with the output, and the output's middle and half."""
+    """Return frequency, amplitudes, and the weights of Legendre polynomials of the phase."""
     unit, size = scales.y_unit, 0.03 * scales.y_span
-    middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
     nyquist = 0.5 / scales.interval
     frequency = scales.frequencies[0] if scales.frequencies else 0.1 * nyquist
     return (
@@ -31,19 +32,17 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
             for n in range(_HARMONICS)
             for part in ("cosine", "sine")
         ),
-        Parameter("growth", "1", 0.0, 0.3, -1.0, 1.0),
-        Parameter("middle", unit, middle, 0.0),
-        Parameter("half_range", unit, half, 0.0),
+        *(Parameter(f"phase_{n}", "rad", 0.0, 0.3, shape=True) for n in _WANDERS),
+        Parameter("duration", "s", scales.duration, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return the frequencies at which the gap of the nominal simulation peaks."""
-    middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
     # So small that the first step finds amplitude and phase before the frequency moves.
     size = 1e-5 * scales.y_span
     return tuple(
-        (frequency, size, *(0.0,) * (2 * _HARMONICS), middle, half)
+        (frequency, size, *(0.0,) * (2 * _HARMONICS - 1 + len(_WANDERS)), scales.duration)
         for frequency in scales.frequencies
     )
 

@@ -43,8 +43,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 10.0, log=True),
         Parameter("largest_radius", "1", 0.5 * span, 1.0, 0.02 * span, 5 * span, log=True),
-        Parameter("weight_exponent", "1", 0.0, 0.7, -3.0, 3.0),
-        Parameter("start_position", "1", middle, 0.0),
+        Parameter("weight_exponent", "1", 0.0, 0.7, -3.0, 3.0, shape=True),
+        Parameter("start_position", "1", middle, span),
     )
 
 

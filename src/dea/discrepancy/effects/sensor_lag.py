@@ -19,7 +19,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     dt = scales.interval
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
-        Parameter("second_ratio", "1", 0.0, 0.3, 0.0, 1.0),
+        Parameter("second_ratio", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
     )
 
 

@@ -33,7 +33,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("rate", f"{scales.u_unit}/s", 0.5 * rate, 1.0, 1e-4 * rate, 1e3 * rate, log=True),
         Parameter("falling_ratio", "1", 1.0, 0.3, 0.1, 10.0, log=True),
-        Parameter("lag", "s", 0.2 * dt, 1.0, 0.02 * dt, 30 * dt, log=True),
+        Parameter("lag", "s", 0.2 * dt, 1.0, 0.02 * dt, 30 * dt, log=True, shape=True),
     )
 
 

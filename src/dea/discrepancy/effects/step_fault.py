@@ -27,7 +27,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("instant", "s", 0.5 * duration, 0.05 * duration, 0.0, duration),
         Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
         Parameter("offset_step", scales.y_unit, 0.0, 0.1 * scales.y_span),
-        Parameter("rise_time", "s", 4 * dt, 1.0, 0.5 * dt, 0.05 * duration, log=True),
+        Parameter("rise_time", "s", 4 * dt, 1.0, 0.5 * dt, 0.05 * duration, log=True, shape=True),
     )
 
 

@@ -9,23 +9,24 @@ from dea.discrepancy.parameter import Parameter
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
-    """Power law of the deflection from rest, and its even part."""
+    """Power law of the deflection from rest, with even and cubic parts beside it."""
     size = abs(z)
-    return -q[0] * z * size ** (q[1] - 1.0) - q[2] * size * size
+    return -q[0] * z * size ** (q[1] - 1.0) - (q[2] + q[3] * z) * size * size
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the stiffening at full deflection, its exponent, and the even part."""
+    """Return the stiffening at full deflection, its exponent, the even and the cubic part."""
     return (
         Parameter("stiffening", "1", 0.0, 0.3, -1.0, 50.0),
-        Parameter("exponent", "1", 3.0, 0.4, 1.5, 12.0, log=True),
+        Parameter("exponent", "1", 5.0, 0.4, 1.5, 15.0, log=True, shape=True),
         Parameter("even_part", "1", 0.0, 0.1, -5.0, 5.0),
+        Parameter("cubic_part", "1", 0.0, 0.1, -5.0, 5.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return a weak cubic, a steep one, and a softening."""
-    return ((0.1, 3.0, 0.0), (0.2, 6.0, 0.0), (-0.1, 3.0, 0.0))
+    """Return a weak cubic, a steep law, and a softening."""
+    return ((0.05, 3.5, 0.0, 0.05), (0.2, 7.0, 0.0, 0.0), (-0.05, 3.5, 0.0, -0.05))
 
 
 EFFECT = Effect(

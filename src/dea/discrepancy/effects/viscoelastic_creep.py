@@ -43,7 +43,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("stiffness", "1", 0.1, 1.5, 1e-4, 10.0, log=True),
         Parameter("fastest_time", "s", 20 * dt, 2.0, 2 * dt, scales.duration, log=True),
-        Parameter("branch_ratio", "1", 0.7, 0.5, 0.01, 3.0, log=True),
+        Parameter("branch_ratio", "1", 0.7, 0.5, 0.01, 3.0, log=True, shape=True),
         Parameter("start_position", "1", middle, max(scales.z_span, 0.5)),
         Parameter("slow.start_position", "1", middle, max(scales.z_span, 0.5)),
     )

@@ -49,7 +49,7 @@ simulation = Simulation(
     states=(State("position", "m", 6e-4), State("velocity", "m/s", 0.0)),
     parameters=(
         Parameter("mass", "kg", 3.0e-3, 0.1, 1e-4, 1e-1, log=True),
-        Parameter("dashpot", "N s/m", 0.8, 1.0, 1e-4, 10.0, log=True),
+        Parameter("dashpot", "N s/m", 0.8, 0.8, 1e-4, 10.0, log=True),
         Parameter("shear_c10", "Pa", 1.0e4, 0.3, 1e3, 1e5, log=True),
         Parameter("shear_c20", "Pa", -94.0, 30.0, -500.0, 500.0),
         Parameter("shear_c30", "Pa", 0.82, 0.0),
@@ -64,6 +64,6 @@ simulation = Simulation(
     output=output,
     drive="permittivity",
     balances=(Balance(equation="velocity", position="position", velocity="velocity", rest=0.0),),
-    output_offset_spread=0.5,
+    output_offset_spread=0.1,
     lead_in=2.0,
 )

@@ -1,0 +1,113 @@
+"""Which extensions are tried, and which is best: effects come alone, in twos and in threes.
+
+Two effects may each explain little, and a third one may pass for both; so the search goes on from
+the best, and then once more from the partners it has found.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dea.discrepancy.compose import Budget, Candidate, Round, extend_by_each, judge
+from dea.discrepancy.decide import Rules, misfit
+from dea.discrepancy.effects import Effect
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.gain import Gains
+from dea.discrepancy.noise import white_level
+from dea.discrepancy.problem import Problem
+from dea.discrepancy.rivals import beaten
+
+
+def search(
+    problem: Problem,
+    nominals: Sequence[Fit],
+    offered: Sequence[Effect],
+    units: tuple[str, str],
+    budget: Budget,
+    rules: Rules,
+    workers: int,
+) -> list[Round]:
+    """Offer every effect to the nominal simulation, then to its best extensions, and so on.
+
+    ``nominals`` are fits of the simulation to start from, the one to beat first.
+    """
+    rounds = [extend_by_each(problem, nominals, offered, units, budget, workers)]
+    whole = [slice(0, problem.u.size)]
+    nominal_error = judge(problem, nominals[0]).error
+
+    def explained(candidates: Sequence[Candidate]) -> bool:
+        floor = min((white_level(c.fit.gap, whole) for c in candidates), default=0.0)
+        return not candidates or not leaves_room(candidates[0].error, nominal_error, floor, rules)
+
+    def extend(candidates: Sequence[Candidate]) -> list[Round]:
+        return [
+            extend_by_each(problem, [c.fit], offered, units, budget, workers) for c in candidates
+        ]
+
+    singles = rounds[0].candidates
+    beam = [c for c in singles if c.finished][: budget.beam]
+    for size in range(2, budget.effects + 1):
+        if explained(beam):
+            break
+        grown = extend(beam)
+        best = pool_of(grown)[: budget.beam]
+        if size == 2 and not explained(best):
+            partners = {c.labels[-1] for c in best} - {c.labels[-1] for c in beam}
+            grown += extend([c for c in singles if c.labels[-1] in partners])
+        rounds += grown
+        beam = [c for c in pool_of(grown) if c.finished][: budget.beam]
+    return rounds
+
+
+def leaves_room(error: float, nominal_error: float, floor: float, rules: Rules) -> bool:
+    """Return whether an error leaves room for a further effect."""
+    if error <= rules.clean * floor:
+        return False
+    left, whole = misfit(error, floor), misfit(nominal_error, floor)
+    return error > rules.grow * floor or left > rules.misfit * whole
+
+
+def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
+    """Return the lowest white level any simulation leaves over."""
+    gaps = [rounds[0].before.gap]
+    gaps += [c.fit.gap for r in rounds for c in r.candidates[:3] if c.finished]
+    return min(white_level(gap, list(blocks)) for gap in gaps)
+
+
+def best_extension(
+    rounds: Sequence[Round],
+    nominal_error: float,
+    gained: Gains,
+    floor: float,
+    blocks: Sequence[slice],
+    rules: Rules,
+    rng: np.random.Generator,
+) -> Candidate | None:
+    """Return the best single effect that helps, or the best larger set that helps more."""
+    singles = rounds[0].candidates
+    helping = [c for i, c in enumerate(singles) if c.finished and _significant(gained, i, rules)]
+    chosen = helping[0] if helping else None
+    larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
+    for size in sorted({len(c.names) for c in larger}):
+        best = min((c for c in larger if len(c.names) == size), key=lambda c: c.error)
+        if chosen is None:
+            _, low = beaten(best.fit.gap, rounds[0].before.gap, blocks, rng)
+            if low > -np.log1p(-2 * rules.margin):
+                chosen = best
+            continue
+        _, low = beaten(best.fit.gap, chosen.fit.gap, blocks, rng)
+        needed = leaves_room(chosen.error, nominal_error, floor, rules)
+        if needed and low > -np.log1p(-rules.second):
+            chosen = best
+    return chosen
+
+
+def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
+    """Return all candidates of all rounds, best first."""
+    return sorted((c for r in rounds for c in r.candidates), key=lambda c: c.error)
+
+
+def _significant(gains: Gains, index: int, rules: Rules) -> bool:
+    """Return whether a candidate's gain is beyond the margin and beyond chance."""
+    needed = max(-np.log1p(-rules.margin), gains.null)
+    return bool(gains.low[index] > needed)
