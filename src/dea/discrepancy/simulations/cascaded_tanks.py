@@ -18,7 +18,7 @@ from dea.discrepancy.simulation import Balance, Simulation, State
 def derivative(x, u, p, dx):
     """Water balances of the upper and the lower tank; levels in units of the sensor."""
     upper, lower = sqrt(max(x[0], 0.0)), sqrt(max(x[1], 0.0))
-    dx[0] = -p[0] * upper + p[3] * (u - p[4])
+    dx[0] = -p[0] * upper + p[3] * u
     dx[1] = p[1] * upper - p[2] * lower
 
 
@@ -38,7 +38,6 @@ simulation = Simulation(
         Parameter("lower_inflow", "V^0.5/s", 0.05, 0.7, 1e-3, 1.0, log=True),
         Parameter("lower_outflow", "V^0.5/s", 0.05, 0.7, 1e-3, 1.0, log=True),
         Parameter("pump_gain", "1/s", 0.04, 0.7, 1e-3, 1.0, log=True),
-        Parameter("pump_threshold", "V", 0.0, 1.0),
     ),
     derivative=derivative,
     output=output,
@@ -51,6 +50,8 @@ simulation = Simulation(
         ),
         Balance(equation="lower_level", position="lower_level", velocity=None),
     ),
+    # A pump delivers only from some voltage on.
+    input_offset_spread=1.0,
     # The hole lies somewhere below the level that the sensor calls zero.
     output_offset_spread=1.5,
     # No friction in holes and pipes, a pump that follows at once: some percent of the range.
