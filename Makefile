@@ -12,7 +12,7 @@ SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study case cases report discrepancy trials records faults peers interoperability \
+.PHONY: help study case cases report discrepancy real trials records faults peers interoperability \
 	soak check test benchmark clean
 
 help: ## list the targets
@@ -41,6 +41,9 @@ report: study ## write results/report.html with captions
 
 discrepancy: $(VENV)/installed ## name what the simulation of each actuator is missing
 	$(SNAKEMAKE) discrepancy
+
+real: $(VENV)/installed ## name what the simulation of each measured record is missing, in one table
+	$(SNAKEMAKE) real_records
 
 trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 SET=tuning)
 	$(SNAKEMAKE) trials --config 'trials={$(COUNT:%=count: %$(comma) )$(SET:%=set: %)}'

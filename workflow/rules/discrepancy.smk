@@ -73,3 +73,44 @@ rule discrepancy:
             system=ACTUATORS,
             kind=["png", "pdf"],
         ),
+
+
+# Records made elsewhere whose case names a simulation.
+DIAGNOSED_CASES = [name for name, case in CASE.items() if "simulation" in case]
+
+
+rule table_real_records:
+    input:
+        verdicts=expand("results/discrepancy/{case}/verdict.json", case=DIAGNOSED_CASES),
+        published="config/published_errors.yaml",
+        code=modules("dea.stages.table_real_records"),
+    output:
+        csv=report(
+            "results/tables/real_records.csv",
+            caption="../report/table_real_records.rst",
+            category="Discrepancy",
+            labels={
+                "figure": "Missing effects of measured records",
+                "system": "cases",
+            },
+        ),
+        md="results/tables/real_records.md",
+        tex="results/tables/real_records.tex",
+    log:
+        "results/tables/log/real_records.log",
+    benchmark:
+        "results/tables/benchmark/real_records.tsv"
+    shell:
+        "python -m dea.stages.table_real_records --verdicts {input.verdicts:q}"
+        " --published {input.published:q} --csv {output.csv:q} --md {output.md:q}"
+        " --tex {output.tex:q} 2> {log:q}"
+
+
+rule real_records:
+    input:
+        rules.table_real_records.output,
+        expand(
+            "results/figures/discrepancy/{case}.{kind}",
+            case=DIAGNOSED_CASES,
+            kind=["png", "pdf"],
+        ),

@@ -159,13 +159,14 @@ def diagnose(
         settings.workers,
     )
     gained = gains(held_out_gap(problem, nominal), held_out, blocks, null, rng)
-    chosen = best_extension(rounds, nominal_error, gained, floor, blocks, settings.rules, rng)
+    expected = float(np.hypot(floor, own.accuracy))
+    chosen = best_extension(rounds, nominal_error, gained, expected, blocks, settings.rules, rng)
 
     best = chosen.fit if chosen else nominal
     unexplained = residual_model(problem, best.gap)
     pool = pool_of(rounds)
     decision = decide(
-        problem, chosen, pool, nominal_error, floor, unexplained, blocks,
+        problem, chosen, pool, nominal_error, expected, unexplained, blocks,
         settings.rules, rng,
     )  # fmt: skip
     answer = decision.chosen if decision.status in ("named", "ambiguous") else None
@@ -174,7 +175,7 @@ def diagnose(
     before = localise(problem, near.gap, units, counted, rng)
     after = localise(problem, final.gap, units, counted, rng)
     rivals = _rivals_to_show(decision, pool)
-    noisy = problem.with_noise(floor)
+    noisy = problem.with_noise(expected)
     experiment = _experiment(noisy, decision, settings.seed)
     elsewhere = proof.certify_elsewhere(
         others if proof.transferable(final.extended) else {}, nominal, final

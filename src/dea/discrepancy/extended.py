@@ -16,7 +16,7 @@ from dea.errors import InputError
 
 # Prior spreads that a parameter of the simulation may be from its nominal value.
 _REACH = 3.0
-OUTPUT_GAIN, OUTPUT_OFFSET = "output_gain", "output_offset"
+INPUT_OFFSET, OUTPUT_GAIN, OUTPUT_OFFSET = "input_offset", "output_gain", "output_offset"
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,8 @@ class Frame:
     """Normalisation of the motion at the force balance.
 
     Position ``rest`` and excursion ``scale`` in the position's unit; ``unit_force``, the change
-    of the balance per unit of force, equals the elastic force at the excursion.
+    of the balance per unit of force, equals the elastic force at the excursion or, where there is
+    none, the force of the input's whole range.
     """
 
     rest: float = 0.0
@@ -57,10 +58,11 @@ class ExtendedSimulation:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Parameters of simulation, start, sensor and effects, in the order of ``values``."""
+        """Parameters of simulation, start, both ends and effects, in the order of ``values``."""
         own = self.simulation
         starts = (Parameter(f"initial.{s.name}", s.unit, s.initial, s.spread) for s in own.states)
-        sensor = (
+        ends = (
+            Parameter(INPUT_OFFSET, own.input_unit, 0.0, own.input_offset_spread),
             Parameter(OUTPUT_GAIN, "1", 1.0, own.output_gain_spread),
             Parameter(OUTPUT_OFFSET, own.output_unit, 0.0, own.output_offset_spread),
         )
@@ -69,7 +71,7 @@ class ExtendedSimulation:
             for a in self.attached
             for p in a.parameters
         )
-        return (*own.parameters, *starts, *sensor, *laws)
+        return (*own.parameters, *starts, *ends, *laws)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -125,7 +127,7 @@ class ExtendedSimulation:
         balances = self.simulation.balances
         if attached.effect.force is None or len(balances) < 2:
             return attached.effect.name
-        return f"{attached.effect.name}@{balances[attached.balance].equation}"
+        return f"{attached.effect.name}@{balances[attached.balance].name}"
 
     def attach(self, effect: Effect, scales: Scales, balance: int = 0) -> "ExtendedSimulation":
         """Return this simulation with one effect more."""
@@ -143,7 +145,9 @@ class ExtendedSimulation:
         laws = [
             (a.effect, values[s]) for a, s in zip(self.attached, self.effect_slices, strict=True)
         ]
-        v = np.ascontiguousarray(u, dtype=float)
+        p_count, x_count = len(own.parameters), len(own.states)
+        input_offset, gain, offset = values[p_count + x_count : p_count + x_count + 3]
+        v = np.ascontiguousarray(u, dtype=float) + input_offset
         drive_scale = np.ones(u.size)
         for effect, q in laws:
             if effect.shape_input is not None:
@@ -155,7 +159,7 @@ class ExtendedSimulation:
             for a, (_, q) in zip(self.attached, laws, strict=True)
             if a.effect.force is not None
         ]
-        ports, frames = np.full((SLOTS + 1, 3), -1), np.ones((SLOTS + 1, 3))
+        ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
         if own.balances:
             ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
         slots: list[Any] = []
@@ -171,7 +175,6 @@ class ExtendedSimulation:
                     memory[slot] = effect.memory(q)
             else:
                 slots += [no_force, no_update]
-        p_count, x_count = len(own.parameters), len(own.states)
         result = integrate(  # type: ignore[call-arg]
             own.compiled_derivative,
             own.compiled_output,
@@ -190,7 +193,6 @@ class ExtendedSimulation:
             memory,
             parameters,
         )[:, lead:]
-        gain, offset = values[p_count + x_count], values[p_count + x_count + 1]
         y = gain * result[0] + offset
         for effect, q in laws:
             if effect.shape_output is not None:
@@ -202,7 +204,7 @@ class ExtendedSimulation:
         names = (None, *self.simulation.state_names)
         return np.array(
             [
-                [names.index(name) - 1 for name in (b.equation, b.position, b.velocity)]
+                [names.index(name) - 1 for name in (b.equation, b.position, b.velocity, b.reaction)]
                 for b in self.simulation.balances
             ]
         )

@@ -168,9 +168,9 @@ def integrate(
         Input; held over each interval, or interpolated if ``linear_hold``.
     drive, drive_scale : int, (n,)
         Index of the parameter that is multiplied by ``drive_scale`` at each sample.
-    ports : (SLOTS + 1, 3)
-        States that are balance, position and velocity of each force (-1: there is none); the last
-        row is the port whose position is returned.
+    ports : (SLOTS + 1, 4)
+        States that are balance, position, velocity and reaction of each force (-1: there is
+        none); the last row is the port whose position is returned.
     frames : (SLOTS + 1, 3)
         Rest position and scale of each port's motion, and the balance's change per unit of force.
     memory, q : (SLOTS, MEMORY), (SLOTS, parameters)
@@ -239,6 +239,8 @@ def integrate(
                     pushes[e] = frames[e, 2] * push
                 for e in range(forces):
                     beside[ports[e, 0]] += pushes[e]
+                    if ports[e, 3] >= 0:
+                        beside[ports[e, 3]] -= pushes[e]
                 for j in range(states):
                     if column:
                         J[j, column - 1] = (beside[j] - slope[j]) / nudge

@@ -9,6 +9,8 @@ from dea.discrepancy.extended import ExtendedSimulation, Frame
 from dea.discrepancy.simulation import Balance, Simulation
 from dea.errors import InputError
 
+# Part of the drive's force below which an elastic force is none to measure others by.
+_SLACK = 1e-3
 # Steps of integration per sample that are tried, coarsest first.
 _SUBSTEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128, 256)
 
@@ -126,8 +128,13 @@ def _frame(
     for sign, slope in ((0.6, low), (0.8, high)):
         x[moving] = balance.rest + sign * excursion
         own.compiled_derivative(x, float(np.mean(u)), p, slope)
-    stiffness = abs(high[equation] - low[equation]) / (0.2 * excursion)
-    return Frame(balance.rest, excursion, stiffness * excursion)
+    elastic = abs(high[equation] - low[equation]) / 0.2
+    # A device that nothing pulls back is measured by what the range of its input does to it.
+    x[moving] = balance.rest
+    for level, slope in ((float(u.min()), low), (float(u.max()), high)):
+        own.compiled_derivative(x, level, p, slope)
+    driven = abs(high[equation] - low[equation])
+    return Frame(balance.rest, excursion, elastic if elastic > _SLACK * driven else driven)
 
 
 def scales(

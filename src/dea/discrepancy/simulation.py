@@ -2,7 +2,7 @@
 
 import importlib.util
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -41,12 +41,21 @@ class Balance:
         State that is the rate of the motion; ``None`` takes the derivative of ``position``.
     rest
         Position at which the elastic force vanishes, in the unit of ``position``.
+    reaction
+        State equation that receives what the force takes from this one, where it acts between
+        two parts of the device: two bodies, or two vessels. ``None`` where it acts from outside.
     """
 
     equation: str
     position: str | None
     velocity: str | None
     rest: float = 0.0
+    reaction: str | None = None
+
+    @property
+    def name(self) -> str:
+        """What the port is called among the others of its simulation."""
+        return f"{self.equation}>{self.reaction}" if self.reaction else self.equation
 
 
 @dataclass(frozen=True)
@@ -63,11 +72,19 @@ class Simulation:
     drive
         Name of the parameter that scales the action of the input: the port for its drift.
     balances
-        The ports for forces, one for each equation that is a balance; none where no equation is.
+        The ports for forces: the equations that are balances, and what each balances with; none
+        where no equation is.
+    input_offset_spread
+        Prior standard deviation of a constant about zero that adds to the input, in
+        ``input_unit``: an amplifier's zero, or a constant load.
     output_gain_spread
         Prior standard deviation of the sensor's gain about one.
     output_offset_spread
         Prior standard deviation of the sensor's offset about zero, in ``output_unit``.
+    accuracy
+        Root mean square (in ``output_unit``) by which the simulation is known to miss the device
+        through its own simplifications. What a diagnosis leaves over counts as explained down
+        to there.
     lead_in
         Time (s) for which the first input is held before the record starts, so that the device
         has settled.
@@ -84,8 +101,10 @@ class Simulation:
     output: Callable[..., float]
     drive: str
     balances: tuple[Balance, ...]
+    input_offset_spread: float = 0.0
     output_gain_spread: float = 0.0
     output_offset_spread: float = 0.0
+    accuracy: float = 0.0
     lead_in: float = 0.0
     hold: Literal["zero", "linear"] = "zero"
     source: str = field(default="", compare=False)
@@ -106,6 +125,7 @@ class Simulation:
         dx = np.full(len(self.states), np.nan)
         x = np.array([state.initial for state in self.states])
         p = self.nominal
+        self._check_indices(x, p)
         self.compiled_derivative(x, 0.0, p, dx)
         y = self.compiled_output(x, 0.0, p)
         if not (np.isfinite(dx).all() and np.isfinite(y)):
@@ -120,7 +140,7 @@ class Simulation:
             )
 
     def _check_balance(self, balance: Balance) -> None:
-        for role in ("equation", "position", "velocity"):
+        for role in ("equation", "position", "velocity", "reaction"):
             name = getattr(balance, role)
             if name not in self.state_names and not (name is None and role != "equation"):
                 raise self._error(
@@ -134,6 +154,26 @@ class Simulation:
                 "balances",
                 "Name the state that moves",
             )
+
+    def _check_indices(self, x: np.ndarray, p: np.ndarray) -> None:
+        """Run both equations uncompiled once: a compiled one reads beyond its arrays unseen."""
+        for function, role, own in (
+            (self.derivative, "derivative", (np.empty_like(x),)),
+            (self.output, "output", ()),
+        ):
+            try:
+                with np.errstate(all="ignore"):
+                    plain = getattr(function, "py_func", function)
+                    plain(x.copy(), np.float64(0.0), p.copy(), *own)
+            except IndexError as error:
+                raise self._error(
+                    f"it uses a state or parameter that is not declared ({error})",
+                    role,
+                    f"There are {x.size} states and {p.size} parameters, counted from 0",
+                ) from error
+            except (ArithmeticError, ValueError, NameError, TypeError):
+                # Compiled, these are infinities, no numbers, or refused in words of their own.
+                continue
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -206,7 +246,7 @@ def load_simulation(name: str | Path) -> Simulation:
         raise InputError(
             error.problem, file=path, field=error.field, remedy=error.remedy
         ) from error
-    except (SyntaxError, ImportError, NameError, TypeError, ValueError) as error:
+    except Exception as error:  # whatever the user's file raises is what is wrong with it
         raise InputError(
             f"it cannot be run ({type(error).__name__}: {error})",
             file=path,
@@ -220,4 +260,10 @@ def load_simulation(name: str | Path) -> Simulation:
             field="simulation",
             remedy="Assign a dea.discrepancy.Simulation to that name",
         )
-    return found
+    # Its file is how a saved extension finds it again; what is compiled stays so.
+    return replace(
+        found,
+        source=str(path),
+        derivative=found.compiled_derivative,
+        output=found.compiled_output,
+    )

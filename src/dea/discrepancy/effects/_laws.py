@@ -6,7 +6,7 @@ from numba import float64, njit, types
 _VECTOR = types.Array(float64, 1, "C")
 
 
-@njit(float64(float64, float64), cache=True)
+@njit(float64(float64, float64), cache=True, error_model="numpy")
 def knee(x: float, width: float) -> float:
     """Return max(x, 0) with a parabola of half-width ``width`` in place of the corner."""
     if x >= width:
@@ -16,7 +16,7 @@ def knee(x: float, width: float) -> float:
     return (x + width) ** 2 / (4.0 * width)
 
 
-@njit(float64(float64, float64, float64), cache=True)
+@njit(float64(float64, float64, float64), cache=True, error_model="numpy")
 def limited(x: float, limit: float, sharpness: float) -> float:
     """Return x / (1 + (x/limit)^p)^(1/p) for x > 0: soft at p = 1, a corner as p grows.
 
@@ -34,7 +34,7 @@ def limited(x: float, limit: float, sharpness: float) -> float:
     )
 
 
-@njit(_VECTOR(_VECTOR, float64, float64), cache=True)
+@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
 def held_lag(u: np.ndarray, tau: float, interval: float) -> np.ndarray:
     """Return the mean over each interval of a held input behind a first-order lag, exactly."""
     ratio = interval / tau
@@ -48,7 +48,7 @@ def held_lag(u: np.ndarray, tau: float, interval: float) -> np.ndarray:
     return result
 
 
-@njit(_VECTOR(_VECTOR, float64, float64), cache=True)
+@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
 def sampled_lag(y: np.ndarray, tau: float, interval: float) -> np.ndarray:
     """Return a signal that is straight between samples behind a first-order lag, exactly."""
     ratio = interval / tau

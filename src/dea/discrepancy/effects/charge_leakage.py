@@ -7,7 +7,7 @@ from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Lose a part of the input that grows with its size and builds up with a time constant."""
     loss, growth, tau, peak = q[0], q[1], q[2], q[3]

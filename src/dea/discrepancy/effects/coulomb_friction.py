@@ -8,7 +8,7 @@ from dea.discrepancy.integrate import FORCE, MEMORY, UPDATE
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
     """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``."""
     deflection = min(max((memory[0] + z - memory[1]) / q[1], -1.0), 1.0)
@@ -16,7 +16,7 @@ def force(z, w, memory, q):
     return -q[0] * deflection * (1.0 + excess)
 
 
-@njit(UPDATE, cache=True)
+@njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
     """Slip where the deflection has reached its limit."""
     memory[0] = min(max(memory[0] + z_next - memory[1], -q[1]), q[1])

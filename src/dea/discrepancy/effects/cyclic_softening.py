@@ -8,14 +8,14 @@ from dea.discrepancy.integrate import FORCE, MEMORY, UPDATE
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
     """Part of the elastic force that the damage has taken away; ``memory[0]`` is the travel."""
     damage = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
     return q[0] * damage * z
 
 
-@njit(UPDATE, cache=True)
+@njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
     """Add up the way travelled."""
     memory[0] += abs(z_next - z)

@@ -8,7 +8,7 @@ from dea.discrepancy.effects._laws import knee
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Answer to what exceeds the threshold (gate 0), or beyond it to the whole input (gate 1)."""
     threshold, width, gate, ratio, slope, jump = q[0], q[1], q[2], q[3], q[4], q[5]

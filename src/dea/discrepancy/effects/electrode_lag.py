@@ -8,7 +8,7 @@ from dea.discrepancy.effects._laws import held_lag
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Charge the far part of the electrodes through a slow lag, the near part through a fast one.
 

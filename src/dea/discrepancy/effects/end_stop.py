@@ -8,7 +8,7 @@ from dea.discrepancy.integrate import FORCE
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
     """Stiff contact beyond the upper stop, or the lower one, with a soft corner."""
     upper, lower = knee(z - q[0], q[3]), knee(q[1] - z, q[3])

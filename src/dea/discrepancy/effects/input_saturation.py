@@ -8,7 +8,7 @@ from dea.discrepancy.effects._laws import limited
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Limit either sign softly, and keep a part ``slope`` of what is lost by that."""
     limit, sharpness, slope, ratio = q[0], q[1], q[2], q[3]

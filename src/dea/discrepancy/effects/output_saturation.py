@@ -8,7 +8,7 @@ from dea.discrepancy.effects._laws import limited
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Limit the distance from ``middle`` softly at either end; keep a part of what is lost."""
     upper, lower, sharpness, slope, middle = q[0], q[1], q[2], q[3], q[4]

@@ -10,7 +10,7 @@ from dea.discrepancy.parameter import Parameter
 OPERATORS = 6
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
     """Sum of stop operators; ``memory`` holds their deflections and the last position."""
     total, radius = 0.0, 0.0
@@ -21,7 +21,7 @@ def force(z, w, memory, q):
     return q[0] * total / OPERATORS
 
 
-@njit(UPDATE, cache=True)
+@njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
     """Move each stop, which slips at its radius."""
     for i in range(OPERATORS):

@@ -10,7 +10,7 @@ from dea.discrepancy.parameter import Parameter
 _TWO_PI = 6.283185307179586
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
     """Hardening spring and dashpot to the second mass: ``memory`` is its place and velocity."""
     stretch = z - memory[0]
@@ -18,7 +18,7 @@ def force(z, w, memory, q):
     return -q[0] * (stretch * (1.0 + q[4] * stretch * stretch) + loss * (w - memory[1]))
 
 
-@njit(UPDATE, cache=True)
+@njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
     """Swing the second mass by the trapezoidal rule."""
     omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]

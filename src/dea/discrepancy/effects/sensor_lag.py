@@ -8,7 +8,7 @@ from dea.discrepancy.effects._laws import sampled_lag
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Pass the output through one slow and one faster first-order lag."""
     return sampled_lag(sampled_lag(y, q[0], interval), q[0] * q[1] + 1e-3 * interval, interval)

@@ -10,7 +10,7 @@ from dea.discrepancy.parameter import Parameter
 DEGREES = 5
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Fold the output at a place, and bend it by Legendre polynomials of degree 2 to 6."""
     fold, corner, middle, half = q[DEGREES], q[DEGREES + 1], q[DEGREES + 2], q[DEGREES + 3]

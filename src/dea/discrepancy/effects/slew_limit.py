@@ -9,7 +9,7 @@ from dea.discrepancy.parameter import Parameter
 _PARTS = 4
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Follow the input through a lag whose rate saturates; return means over the intervals."""
     rising, falling, tau = q[0], q[0] * q[1], q[2]

@@ -7,7 +7,7 @@ from dea.discrepancy.integrate import FORCE
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
     """Power law of the deflection from rest, with even and cubic parts beside it."""
     size = abs(z)

@@ -7,7 +7,7 @@ from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Shift the input by a delay, a fraction of an interval included."""
     shift = q[0] / interval

@@ -11,7 +11,7 @@ BRANCHES = 5
 SPACING = 5.0
 
 
-@njit(FORCE, cache=True)
+@njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
     """Elastic force of the Maxwell branches, whose dashpots stand at ``memory``."""
     total, stiffness = 0.0, q[0]
@@ -21,7 +21,7 @@ def force(z, w, memory, q):
     return total
 
 
-@njit(UPDATE, cache=True)
+@njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
     """Relax each dashpot towards the position in the middle of its own step, exactly."""
     tau = q[1]

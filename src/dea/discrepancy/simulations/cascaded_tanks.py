@@ -1,6 +1,8 @@
-"""Two tanks in cascade, fed by a pump, each emptying through a hole (Bernoulli's law).
+"""Two tanks in cascade, fed by a pump, each emptying through a hole (Torricelli's law).
 
-Schoukens and Noël (2017), IFAC-PapersOnLine 50:446, describe the rig.
+Schoukens and Noël (2017), IFAC-PapersOnLine 50:446, describe the rig. The upper tank's level is
+not measured, so that its unit is free; it is chosen such that water keeps its amount on its way
+from one tank to the other.
 """
 
 from math import sqrt
@@ -12,7 +14,7 @@ from dea.discrepancy.parameter import Parameter
 from dea.discrepancy.simulation import Balance, Simulation, State
 
 
-@njit(DERIVATIVE, cache=True)
+@njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x, u, p, dx):
     """Water balances of the upper and the lower tank; levels in units of the sensor."""
     upper, lower = sqrt(max(x[0], 0.0)), sqrt(max(x[1], 0.0))
@@ -20,7 +22,7 @@ def derivative(x, u, p, dx):
     dx[1] = p[1] * upper - p[2] * lower
 
 
-@njit(OUTPUT, cache=True)
+@njit(OUTPUT, cache=True, error_model="numpy")
 def output(x, u, p):
     """Level of the lower tank, in volts of its sensor."""
     return x[1]
@@ -30,7 +32,7 @@ simulation = Simulation(
     name="cascaded_tanks",
     input_unit="V",
     output_unit="V",
-    states=(State("upper_level", "V", 5.0, 2.0), State("lower_level", "V", 5.0, 1.0)),
+    states=(State("upper_level", "V", 5.0, 2.0), State("lower_level", "V", 5.0, 2.0)),
     parameters=(
         Parameter("upper_outflow", "V^0.5/s", 0.05, 0.7, 1e-3, 1.0, log=True),
         Parameter("lower_inflow", "V^0.5/s", 0.05, 0.7, 1e-3, 1.0, log=True),
@@ -40,9 +42,18 @@ simulation = Simulation(
     derivative=derivative,
     output=output,
     drive="pump_gain",
+    # Water can be lost from either tank, or pass from the upper to the lower one.
     balances=(
         Balance(equation="upper_level", position="upper_level", velocity=None),
+        Balance(
+            equation="upper_level", position="upper_level", velocity=None, reaction="lower_level"
+        ),
         Balance(equation="lower_level", position="lower_level", velocity=None),
     ),
-    output_offset_spread=0.5,
+    # A pump delivers only from some voltage on.
+    input_offset_spread=1.0,
+    # The hole lies somewhere below the level that the sensor calls zero.
+    output_offset_spread=1.5,
+    # No friction in holes and pipes, a pump that follows at once: some percent of the range.
+    accuracy=0.25,
 )

@@ -17,7 +17,7 @@ VACUUM_PERMITTIVITY = 8.8541878128e-12
 GRAVITY = 9.81
 
 
-@njit(DERIVATIVE, cache=True)
+@njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x, u, p, dx):
     """Force balance of the mass: m ÿ = m g - c ẏ - Ω σ₁ y / (L² + y²)."""
     y, velocity = x[0], x[1]
@@ -36,7 +36,7 @@ def derivative(x, u, p, dx):
     dx[1] = GRAVITY - (c * velocity + volume * sigma * y / (L2 + y * y)) / mass
 
 
-@njit(OUTPUT, cache=True)
+@njit(OUTPUT, cache=True, error_model="numpy")
 def output(x, u, p):
     """Displacement in mm."""
     return 1e3 * x[0]

@@ -7,7 +7,7 @@ from dea.discrepancy.parameter import Parameter
 from dea.discrepancy.simulation import Balance, Simulation, State
 
 
-@njit(DERIVATIVE, cache=True)
+@njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x, u, p, dx):
     """Equation of motion ÿ + 2 ζ ω ẏ + ω² y = ω² g u, with ω = 2 π f."""
     omega = 6.283185307179586 * p[0]
@@ -15,7 +15,7 @@ def derivative(x, u, p, dx):
     dx[1] = omega * omega * (p[2] * u - x[0]) - 2.0 * p[1] * omega * x[1]
 
 
-@njit(OUTPUT, cache=True)
+@njit(OUTPUT, cache=True, error_model="numpy")
 def output(x, u, p):
     """Position, as the sensor gives it."""
     return x[0]

@@ -1,0 +1,89 @@
+"""The table of the diagnosed cases: what was named, and what it is worth on other records."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from dea.errors import InputError
+from dea.figures.symbols import DASH, number
+from dea.figures.tables import Table
+
+_NO_NAME = "no name"
+_KEPT = "kept block"
+
+
+def real_records(
+    verdicts: Mapping[str, Mapping[str, Any]],
+    published: Mapping[str, Mapping[str, Mapping[str, Any]]],
+) -> Table:
+    """Errors without and with the named effects, beside published ones.
+
+    They are those on the block of the record that was kept for proof, and on every test record.
+
+    Parameters
+    ----------
+    verdicts
+        Content of ``verdict.json`` by the cases' names.
+    published
+        By case and test record, for those that have one: ``before`` and ``after``, the rmse
+        without and with the effect, and their ``units``; or ``effect: none``, where others found
+        none that a record could prove.
+
+    Raises
+    ------
+    InputError
+        If a published error is in other units than the record.
+    """
+    exact, shown = [], []
+    for name, verdict in verdicts.items():
+        named = verdict["status"] == "named"
+        effects = " + ".join(effect["name"] for effect in verdict["effects"])
+        for part, errors in _certified(verdict["certified"]).items():
+            goal = published.get(name, {}).get(part)
+            _check_units(goal, verdict["unit"], f"{name}.{part}")
+            label = {"case": name, "verdict": verdict["status"], "effects": effects}
+            values = {
+                "rmse before": errors["before"],
+                "rmse after": errors["after"],
+                "noise floor": verdict["noise_floor"],
+                "published before": goal.get("before") if goal else None,
+                "published after": goal.get("after") if goal else None,
+            }
+            met = _met(goal, named, errors["after"])
+            units = {"units": verdict["unit"]}
+            exact.append(label | {"test record": part} | values | {"met": met} | units)
+            texts = {key: DASH if v is None else number(v) for key, v in values.items()}
+            if goal and goal.get("effect") == "none":
+                texts["published after"] = _NO_NAME
+            shown.append(
+                label
+                | {"effects": effects or DASH, "test record": part}
+                | texts
+                | {"met": DASH if met is None else "yes" if met else "no"}
+                | units
+            )
+    return Table(pd.DataFrame(exact), pd.DataFrame(shown))
+
+
+def _certified(certified: Mapping[str, Any]) -> dict[str, Mapping[str, float]]:
+    kept = {"before": certified["rmse_before"], "after": certified["rmse_after"]}
+    return {_KEPT: kept, **certified["records"]}
+
+
+def _met(goal: Mapping[str, Any] | None, named: bool, after: float) -> bool | None:
+    """Return whether a published result is reached; ``None`` where there is none."""
+    if goal is None:
+        return None
+    if goal.get("effect") == "none":
+        return not named
+    return named and after <= goal["after"]
+
+
+def _check_units(goal: Mapping[str, Any] | None, units: str, field: str) -> None:
+    if goal is not None and goal.get("units", units) != units:
+        raise InputError(
+            f"it is in {goal['units']!r}, the record in {units!r}",
+            field=f"extensions.{field}.units",
+            remedy="Give the published error in the units of the record",
+        )
