@@ -13,7 +13,7 @@ from dea.discrepancy.simulation import Balance, Simulation, State
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x, u, p, dx):
-    """Current x₀ follows the voltage, the motors' speed x₁ the current; the belt swings x₂ to it."""
+    """Current x₀ follows the voltage, the motors' speed x₁ the current, and the belt swings x₂."""
     winding, motor, omega = p[0], p[1], 6.283185307179586 * p[2]
     dx[0] = (u - x[0]) / winding
     dx[1] = (p[4] * x[0] - x[1]) / motor
