@@ -179,12 +179,12 @@ def test_hysteresis_is_rate_independent_and_keeps_return_point_memory():
 def test_stops_equal_plays():
     """A stop is the motion less the play operator of the same radius."""
     q = values("rate_independent_hysteresis", stiffness=1.0, largest_radius=0.2)
-    radii = 0.2 * (np.arange(1, 7) / 6) ** 1.5
-    play = np.full(6, 0.7)
+    radii = 0.2 * (np.arange(1, 9) / 8) ** 2
+    play = np.full(8, 0.7)
     expected = []
     for z in Z[:-1]:
         play = np.minimum(np.maximum(play, z - radii), z + radii)
-        expected.append(-np.sum(z - play) / 6)
+        expected.append(-np.sum(z - play) / 8)
     assert np.allclose(forces("rate_independent_hysteresis", q)[1:], expected[1:], atol=1e-12)
 
 

@@ -13,7 +13,7 @@ from dea.discrepancy.problem import Problem, rmse, scales
 
 # Steps every finished candidate gets, and those that only candidates within a factor of the
 # leader's error go on to.
-_FIRST_STEPS, _LAST_STEPS, _NEAR = 6, 12, 2.5
+_FIRST_STEPS, _LAST_STEPS, _NEAR = 6, 20, 2.5
 # Fits of one effect, from different bases, that go beyond the screening.
 _RUNNERS_UP = 2
 # Leaders whose last steps have every column of the Jacobian computed anew.

@@ -29,7 +29,8 @@ class Rules:
         A further effect is looked for where more than this many noise floors are left, or more of
         the misfit than may remain.
     second
-        A further effect must remove this part of the error that is left.
+        A further effect must remove this part of the misfit that is left; a law that is only
+        nearly right leaves crumbs, of which any second one takes up a few.
     rival_margin
         A rival of another class is beaten if its misfit is larger by this factor, and surely so.
     predictable
@@ -42,7 +43,7 @@ class Rules:
     misfit: float = 0.25
     further: float = 0.6
     grow: float = 1.8
-    second: float = 0.15
+    second: float = 0.5
     rival_margin: float = 1.05
     predictable: float = 0.80
 

@@ -97,7 +97,8 @@ def best_extension(
             continue
         _, low = beaten(best.fit.gap, chosen.fit.gap, blocks, rng)
         needed = leaves_room(chosen.error, nominal_error, floor, rules)
-        if needed and low > -np.log1p(-rules.second):
+        left = (1.0 - rules.second) * misfit(chosen.error, floor)
+        if needed and low > -np.log1p(-rules.margin) and misfit(best.error, floor) <= left:
             chosen = best
     return chosen
 

@@ -62,6 +62,18 @@ def sampled_lag(y: np.ndarray, tau: float, interval: float) -> np.ndarray:
     return result
 
 
+@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
+def delayed(u: np.ndarray, delay: float, interval: float) -> np.ndarray:
+    """Return a signal shifted by a delay, with a straight line between samples."""
+    shift = delay / interval
+    whole = int(np.floor(shift))
+    part = shift - whole
+    result = np.empty(u.size)
+    for k in range(u.size):
+        result[k] = (1.0 - part) * u[max(k - whole, 0)] + part * u[max(k - whole - 1, 0)]
+    return result
+
+
 DRIFT_DEGREES = 8
 
 

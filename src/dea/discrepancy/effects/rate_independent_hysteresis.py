@@ -7,25 +7,29 @@ from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
 from dea.discrepancy.integrate import FORCE, MEMORY, UPDATE
 from dea.discrepancy.parameter import Parameter
 
-OPERATORS = 6
+OPERATORS = 8
 
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
-    """Sum of stop operators; ``memory`` holds their deflections and the last position."""
+    """Sum of stop operators, stronger at one end or at both.
+
+    ``memory`` holds their deflections and the last position.
+    """
     total, radius = 0.0, 0.0
     moved = z - memory[OPERATORS]
     for i in range(OPERATORS):
-        radius = q[1] * ((i + 1.0) / OPERATORS) ** 1.5
+        radius = q[1] * ((i + 1.0) / OPERATORS) ** 2
         total -= (i + 1.0) ** q[2] * min(max(memory[i] + moved, -radius), radius)
-    return q[0] * total / OPERATORS
+    place = min(max((z - q[6]) / q[7], -2.0), 2.0)
+    return q[0] * total / OPERATORS * (1.0 + q[4] * place + q[5] * place * place)
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
     """Move each stop, which slips at its radius."""
     for i in range(OPERATORS):
-        radius = q[1] * ((i + 1.0) / OPERATORS) ** 1.5
+        radius = q[1] * ((i + 1.0) / OPERATORS) ** 2
         memory[i] = min(max(memory[i] + z_next - memory[OPERATORS], -radius), radius)
     memory[OPERATORS] = z_next
 
@@ -38,20 +42,25 @@ def memory(q: np.ndarray) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return stiffness, largest radius, weight of the larger radii, and the position at start."""
+    """Return stiffness, largest radius, weight of the larger radii, start, and growth in space."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
     return (
         Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 10.0, log=True),
         Parameter("largest_radius", "1", 0.5 * span, 1.0, 0.02 * span, 5 * span, log=True),
         Parameter("weight_exponent", "1", 0.0, 0.7, -3.0, 3.0, shape=True),
         Parameter("start_position", "1", middle, span),
+        Parameter("tilt", "1", 0.0, 0.3, -0.5, 0.5, shape=True),
+        Parameter("growth_at_ends", "1", 0.0, 0.3, 0.0, 5.0, shape=True),
+        Parameter("middle", "1", middle, 0.0),
+        Parameter("half_range", "1", 0.5 * span, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return loops narrower and wider than the motion."""
-    middle = 0.5 * (scales.z_low + scales.z_high)
-    return tuple((0.2, part * scales.z_span, 0.0, middle) for part in (0.2, 0.6, 1.5))
+    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    rest = (middle, 0.0, 0.0, middle, 0.5 * span)
+    return tuple((0.2, part * span, 0.0, *rest) for part in (0.2, 0.6, 1.5))
 
 
 EFFECT = Effect(

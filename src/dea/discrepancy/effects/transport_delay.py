@@ -1,22 +1,15 @@
 """The input arrives late."""
 
 import numpy as np
-from numba import njit
 
 from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
+from dea.discrepancy.effects._laws import delayed
 from dea.discrepancy.parameter import Parameter
 
 
-@njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Shift the input by a delay, a fraction of an interval included."""
-    shift = q[0] / interval
-    whole = int(np.floor(shift))
-    part = shift - whole
-    result = np.empty(u.size)
-    for k in range(u.size):
-        result[k] = (1.0 - part) * u[max(k - whole, 0)] + part * u[max(k - whole - 1, 0)]
-    return result
+    return delayed(u, q[0], interval)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
