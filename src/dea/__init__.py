@@ -6,6 +6,8 @@ The names below are loaded on first use, so that a small job imports only its ow
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from dea.compiled import keep_compiled_functions
+
 if TYPE_CHECKING:
     from dea.discrepancy import diagnose
     from dea.gfrf import frequency_response
@@ -21,6 +23,9 @@ __all__ = [
     "select_terms",
     "track_parameters",
 ]
+
+# Numba reads where to keep what it compiles when it is imported first.
+keep_compiled_functions()
 
 _ROOM_OF = {
     "NarxModel": "dea.narx",

@@ -5,7 +5,7 @@ Every design is a pure function of its settings and seed and stays within [low, 
 
 import inspect
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from dea.seeds import generator
 
 __all__ = [
     "KINDS",
+    "Frame",
     "binary",
     "bursts",
     "design",
@@ -28,88 +29,75 @@ Signal = NDArray[np.float64]
 CLIP = 3.0  # standard deviations between the middle of the range and its ends
 
 
-def gaussian(
-    rng: np.random.Generator,
-    samples: int,
-    sampling_rate: float,
-    low: float,
-    high: float,
-    *,
-    band: float = 1.0,
-) -> Signal:
+class Frame(NamedTuple):
+    """What every kind is designed into: chance, length, rate in Hz, range in V."""
+
+    rng: np.random.Generator
+    samples: int
+    sampling_rate: float
+    low: float
+    high: float
+
+    @property
+    def duration(self) -> float:
+        """Length in s."""
+        return self.samples / self.sampling_rate
+
+    def length(self, seconds: float) -> int:
+        """Return the samples nearest to so many seconds."""
+        return round(seconds * self.sampling_rate)
+
+    def spread(self, unit: Signal) -> Signal:
+        """Map [-1, 1] onto the range."""
+        return 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * unit
+
+
+def gaussian(frame: Frame, *, band: float = 1.0) -> Signal:
     """Gaussian noise with a flat spectrum from 0 to ``band`` Hz and none above.
 
     The mean is the middle of the range and the range ends lie three standard deviations from it;
     the 0.27 % of the samples that fall outside are clipped, which leaves less than 1e-3 of the
     power above ``band``.
     """
-    frequencies = np.fft.rfftfreq(samples, 1.0 / sampling_rate)
+    frequencies = np.fft.rfftfreq(frame.samples, 1.0 / frame.sampling_rate)
     inside = (frequencies > 0.0) & (frequencies <= band)
-    _require(inside.any(), "band", f"holds no line of a {samples / sampling_rate:g} s sequence")
+    _require(inside.any(), "band", f"holds no line of a {frame.duration:g} s sequence")
     spectrum = np.zeros(frequencies.size, dtype=complex)
-    spectrum[inside] = rng.standard_normal((inside.sum(), 2)) @ (1.0, 1.0j)
-    noise = np.fft.irfft(spectrum, samples)
-    return np.clip(_spread(noise / (CLIP * noise.std()), low, high), low, high)
+    spectrum[inside] = frame.rng.standard_normal((inside.sum(), 2)) @ (1.0, 1.0j)
+    noise = np.fft.irfft(spectrum, frame.samples)
+    return np.clip(frame.spread(noise / (CLIP * noise.std())), frame.low, frame.high)
 
 
-def bursts(
-    rng: np.random.Generator,
-    samples: int,
-    sampling_rate: float,
-    low: float,
-    high: float,
-    *,
-    band: float = 1.0,
-    active: float = 20.0,
-    rest: float = 10.0,
-) -> Signal:
+def bursts(frame: Frame, *, band: float = 1.0, active: float = 20.0, rest: float = 10.0) -> Signal:
     """Gaussian noise in bursts of ``active`` seconds with rests at ``low`` between them.
 
     Half-cosine edges of one second join the two. What goes on in the rests is memory.
     """
     _require(active > 0.0, "active", "is not positive")
-    on, off = max(round(active * sampling_rate), 1), round(rest * sampling_rate)
-    gate = np.resize(np.repeat([1.0, 0.0], [on, off]), samples)
-    noise = gaussian(rng, samples, sampling_rate, low, high, band=band)
-    return low + (noise - low) * _smooth(gate, sampling_rate)
+    on, off = max(frame.length(active), 1), frame.length(rest)
+    gate = np.resize(np.repeat([1.0, 0.0], [on, off]), frame.samples)
+    noise = gaussian(frame, band=band)
+    return frame.low + (noise - frame.low) * _smooth(gate, frame.sampling_rate)
 
 
-def multisine(
-    rng: np.random.Generator,
-    samples: int,
-    sampling_rate: float,
-    low: float,
-    high: float,
-    *,
-    band: float = 1.0,
-    period: float = 30.0,
-) -> Signal:
+def multisine(frame: Frame, *, band: float = 1.0, period: float = 30.0) -> Signal:
     """Equal sines at every multiple of 1/``period`` Hz up to ``band``, with random phases.
 
     The period repeats to fill the duration, so that what differs between periods is noise or
     drift; the largest excursion from the mean touches the range.
     """
-    length = round(period * sampling_rate)
-    _require(0 < length <= samples, "period", f"is not between 0 and {samples / sampling_rate:g} s")
-    lines = np.arange(1, int(band * length / sampling_rate + 1e-9) + 1)
+    length = frame.length(period)
+    _require(0 < length <= frame.samples, "period", f"is not between 0 and {frame.duration:g} s")
+    lines = np.arange(1, int(band * length / frame.sampling_rate + 1e-9) + 1)
     _require(lines.size, "band", f"is below the first line, {1.0 / period:g} Hz")
     spectrum = np.zeros(length // 2 + 1, dtype=complex)
-    spectrum[lines] = np.exp(2j * np.pi * rng.random(lines.size))
+    spectrum[lines] = np.exp(2j * np.pi * frame.rng.random(lines.size))
     one = np.fft.irfft(spectrum, length)
-    return _spread(np.resize(one / np.abs(one).max(), samples), low, high)
+    return frame.spread(np.resize(one / np.abs(one).max(), frame.samples))
 
 
 def staircase(
-    rng: np.random.Generator,
-    samples: int,
-    sampling_rate: float,
-    low: float,
-    high: float,
-    *,
-    levels: int = 6,
-    hold: float = 10.0,
-    rest: float = 10.0,
-    rise: float = 0.5,
+    frame: Frame, *, levels: int = 6, hold: float = 10.0, rest: float = 10.0, rise: float = 0.5
 ) -> Signal:
     """Equally spaced levels in random order, each held, with a rest at ``low`` between them.
 
@@ -117,46 +105,29 @@ def staircase(
     from drift, which does not; every level comes once before any comes again.
     """
     _require(levels >= 1, "levels", "is below 1")
-    held, rested = (max(round(seconds * sampling_rate), 0) for seconds in (hold, rest))
+    held, rested = (max(frame.length(seconds), 0) for seconds in (hold, rest))
     _require(held > 0, "hold", "is shorter than a sample")
-    rounds = -(-samples // (levels * (held + rested)))
-    heights = np.concatenate(
-        [rng.permutation(np.linspace(low, high, levels + 1)[1:]) for _ in range(rounds)]
-    )
-    steps = np.concatenate([[low] * rested + [height] * held for height in heights])
-    return _smooth(steps, rise * sampling_rate)[:samples]
+    rounds = -(-frame.samples // (levels * (held + rested)))
+    ladder = np.linspace(frame.low, frame.high, levels + 1)[1:]
+    heights = np.concatenate([frame.rng.permutation(ladder) for _ in range(rounds)])
+    steps = np.concatenate([[frame.low] * rested + [height] * held for height in heights])
+    return _smooth(steps, rise * frame.sampling_rate)[: frame.samples]
 
 
-def binary(
-    rng: np.random.Generator,
-    samples: int,
-    sampling_rate: float,
-    low: float,
-    high: float,
-    *,
-    band: float = 1.0,
-) -> Signal:
+def binary(frame: Frame, *, band: float = 1.0) -> Signal:
     """A filtered random binary sequence: chances to switch every half period of ``band``.
 
     A Hann window of one period of ``band`` smooths the edges without overshoot, so that the power
     falls to nothing by twice that frequency.
     """
-    clock = round(sampling_rate / (2.0 * band))
+    clock = round(frame.sampling_rate / (2.0 * band))
     _require(clock > 0, "band", "is above half the sampling rate")
-    bits = rng.integers(0, 2, -(-samples // clock))
-    return _smooth(np.where(np.repeat(bits, clock), high, low), sampling_rate / band)[:samples]
+    bits = np.repeat(frame.rng.integers(0, 2, -(-frame.samples // clock)), clock)
+    steps = np.where(bits, frame.high, frame.low)
+    return _smooth(steps, frame.sampling_rate / band)[: frame.samples]
 
 
-def triangle(
-    rng: np.random.Generator,
-    samples: int,
-    sampling_rate: float,
-    low: float,
-    high: float,
-    *,
-    slowest: float = 20.0,
-    fastest: float = 4.0,
-) -> Signal:
+def triangle(frame: Frame, *, slowest: float = 20.0, fastest: float = 4.0) -> Signal:
     """Triangles between ``low`` and random peaks, each rise and fall at one of three rates.
 
     Full-range periods are ``slowest``, ``fastest`` and their geometric mean, in s. The same path
@@ -165,15 +136,14 @@ def triangle(
     """
     _require(0.0 < fastest <= slowest, "fastest", "is not between 0 and the slowest period")
     periods = np.array([slowest, np.sqrt(slowest * fastest), fastest])
-    pieces: list[Signal] = []
-    total = 0
-    while total < samples:
-        for share in rng.permutation([1.0, 0.8, 0.6, 0.4]):
-            half = max(round(0.5 * share * rng.choice(periods) * sampling_rate), 1)
+    span, pieces, total = frame.high - frame.low, [], 0
+    while total < frame.samples:
+        for share in frame.rng.permutation([1.0, 0.8, 0.6, 0.4]):
+            half = max(round(0.5 * share * frame.rng.choice(periods) * frame.sampling_rate), 1)
             rising = np.arange(half) / half
-            pieces.append(low + share * (high - low) * np.concatenate([rising, 1.0 - rising]))
+            pieces.append(frame.low + share * span * np.concatenate([rising, 1.0 - rising]))
             total += 2 * half
-    return np.concatenate(pieces)[:samples]
+    return np.concatenate(pieces)[: frame.samples]
 
 
 KINDS: dict[str, Callable[..., Signal]] = {
@@ -243,15 +213,10 @@ def design(
     _require(samples >= 2, "duration", "holds fewer than two samples")
     band = settings.get("band", 0.0)
     _require(band < 0.5 * sampling_rate, "band", f"{band} Hz is not below half the sampling rate")
-    rng = generator(seed, "signals", kind)
-    signal = KINDS[kind](rng, samples, sampling_rate, low, high, **settings)
+    frame = Frame(generator(seed, "signals", kind), samples, sampling_rate, low, high)
+    signal = KINDS[kind](frame, **settings)
     # Rounding may carry a sample past the end it was meant to reach.
     return np.clip(signal, low, high)
-
-
-def _spread(unit: Signal, low: float, high: float) -> Signal:
-    """Map [-1, 1] onto [low, high]."""
-    return 0.5 * (low + high) + 0.5 * (high - low) * unit
 
 
 def _smooth(steps: Signal, width: float) -> Signal:

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dea.acquisition import AcquisitionSettings, acquire
+from dea.acquisition import AcquisitionSettings, ReadBackError, acquire
 
 FAST = AcquisitionSettings(ramp_rate=20.0, timeout=0.5, reconnect_time=2.0)
 
@@ -38,3 +38,29 @@ def test_at_wall_time(serve_bench, tmp_path):
     assert_equals_what_was_measured(record, bench, volts)
     assert bench.player.underruns == 0
     assert bench.applied[-1] == 0
+
+
+def moved(device, **addresses):
+    registers = {
+        name: replace(register, address=addresses.get(name, register.address))
+        for name, register in device.registers.items()
+    }
+    return replace(device, registers=registers)
+
+
+@pytest.mark.parametrize(("virtual_clock", "samples"), [(True, 700), (False, 700), (False, 100)])
+def test_a_wrong_register_of_the_applied_output_is_told(
+    serve_bench, tmp_path, virtual_clock, samples
+):
+    bench = serve_bench(virtual_clock=virtual_clock, sampling_rate=200.0)
+    device = moved(bench.endpoint, applied_output=55)  # refused blocks: always zero
+    with pytest.raises(ReadBackError, match=r"registers\.applied_output: it reads 0 V while"):
+        acquire(device, sine(samples), tmp_path / "a.partial", FAST)
+    assert bench.applied[-1] == 0
+
+
+def test_an_output_that_stays_near_zero_cannot_be_told_from_a_wrong_register(serve_bench, tmp_path):
+    bench, volts = serve_bench(), 0.05 * sine(200)
+    device = moved(bench.endpoint, applied_output=55)
+    record = acquire(device, volts, tmp_path / "a.partial", FAST).record
+    assert record.sizes["time"] == 200

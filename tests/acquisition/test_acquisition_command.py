@@ -18,6 +18,7 @@ from dea.acquisition.link import LinkLog
 from dea.acquisition.monitor import Monitor, health
 from dea.acquisition.samples import Quality, Samples
 from dea.bench.__main__ import main as serve
+from dea.errors import InputError
 from dea.modbus import read_device
 from dea.stages.acquire import acquire
 
@@ -129,6 +130,16 @@ def test_the_stage_writes_the_same_bytes_twice(tmp_path):
     other = tmp_path / "c"
     acquire(settings(system="dea2"), DEVICE, other / "record.nc", other / "link.nc")
     assert not np.array_equal(store.read(other / "record.nc").voltage, record.voltage)
+
+
+@pytest.mark.parametrize("high", [3.9, 16.0])
+def test_the_stage_names_the_config_key_of_a_voltage_too_high(tmp_path, high):
+    excitation = {"kind": "binary", "duration": 20, "low": 1.1, "high": high}
+    with pytest.raises(InputError, match=f"asks for {high:g} V, outside 0 to 3.76 V") as caught:
+        acquire(settings(excitation=excitation), DEVICE, tmp_path / "record.nc", tmp_path / "l.nc")
+    assert caught.value.file == "config/config.yaml"
+    assert caught.value.field == "excitation.record.low, high"
+    assert "registers.output.limits" in caught.value.remedy
 
 
 def bench_process(*options):

@@ -50,6 +50,13 @@ def test_an_excitation_outside_the_limits_is_never_begun(serve_bench, partial, v
     assert not partial.exists()
 
 
+@pytest.mark.parametrize("volts", [3.9, 100.0])  # beyond the limits, and beyond the converter
+def test_the_voltage_the_range_and_where_it_is_given_are_told(serve_bench, partial, volts):
+    with pytest.raises(InputError, match=f"sample 1 .* {volts:g} V, outside 0 to 3.76 V") as caught:
+        acquire(serve_bench().endpoint, np.array([1.0, volts]), partial, FAST)
+    assert caught.value.field == "registers.output.limits"
+
+
 @pytest.mark.parametrize("mode", ["buffered", "polled"])
 def test_an_endpoint_that_does_not_answer(serve_bench, partial, mode):
     with socket.create_server(("127.0.0.1", 0)) as free:

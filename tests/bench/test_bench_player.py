@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from dea.bench.player import Origin, Player, State
+from dea.bench.player import Player, State
+from dea.bench.ring import Origin
 from served_bench import RememberingPlant
 
 LOW, HIGH = 0, 1000
@@ -94,10 +95,10 @@ class AnyUse(RuleBasedStateMachine):
     @invariant()
     def the_ring_holds_what_was_measured(self):
         plant = self.player.plant
-        assert self.player.index == len(plant.applied)
-        place = max(0, self.player.index - self.player.ring_length)
-        while place < self.player.index:
-            run = self.player.run(place, 55)
+        assert self.player.ring.end == len(plant.applied)
+        place = max(0, self.player.ring.end - self.player.ring.length)
+        while place < self.player.ring.end:
+            run = self.player.ring.run(place, 55)
             end = place + run.applied.size
             assert run.index == place
             assert run.applied.tolist() == plant.applied[place:end]
@@ -125,7 +126,7 @@ def test_every_block_is_played_once_and_in_order(blocks, repeats):
     wanted = np.clip(np.concatenate(blocks), LOW, HIGH)
     assert device.plant.applied == wanted.tolist()
     assert device.clamped == np.count_nonzero(np.concatenate(blocks) > HIGH)
-    run = device.run(0, wanted.size)
+    run = device.ring.run(0, wanted.size)
     assert run.origin == Origin.PLAYED
     assert run.position == 0
     assert run.applied.size == wanted.size
@@ -138,8 +139,8 @@ def test_an_empty_fifo_holds_the_output_and_says_so():
     device.advance(5)
     assert device.plant.applied == [5, 6, 6, 6, 6]
     assert device.underruns == 3
-    assert [device.run(k, 9).origin for k in (0, 2)] == [Origin.PLAYED, Origin.HELD]
-    assert device.run(0, 9).applied.tolist() == [5, 6]
+    assert [device.ring.run(k, 9).origin for k in (0, 2)] == [Origin.PLAYED, Origin.HELD]
+    assert device.ring.run(0, 9).applied.tolist() == [5, 6]
 
 
 def test_stop_ramps_down_in_steps():
@@ -161,7 +162,7 @@ def test_samples_overwritten_before_they_are_read_are_counted(length):
     device.load(1, [1] * length)
     device.drain()
     assert device.overruns == length - 300
-    assert device.run(0, 50).index == length - 300
+    assert device.ring.run(0, 50).index == length - 300
 
 
 def test_start_is_refused_after_a_trip_until_reset():

@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import FigureBase
 from matplotlib.text import Text
 
+from dea.errors import InputError
 from dea.figures import style
 from dea.figures.fig1 import fig1
 from dea.figures.fig2 import fig2
@@ -172,6 +173,34 @@ def test_what_was_not_excited_is_hatched_and_only_that():
     everywhere = gfrf.assign(excited_h2=gfrf["excited_h2"] * 0 + 1)
     bare = fig4_h2({"dea1": everywhere}).axes[0]
     assert not [c for c in bare.collections if any(getattr(c, "hatches", ()))]
+
+
+@pytest.mark.parametrize(("spread", "lines"), [(1.0, 3), (0.03, 3), (1e-3, 0), (0.0, 0)])
+def test_contours_have_different_labels_or_are_left_out(spread, lines):
+    gfrf = made.gfrf(1)
+    f1, f2 = gfrf["frequency_1"], gfrf["frequency_2"]
+    gfrf["H2"][..., 0] = 0.0123456 * (1 + spread * (f1 + f2) / 4)
+    gfrf["H2"][..., 1] = 0.0
+    ax = fig4_h2({"dea1": gfrf}).axes[0]
+    labels = [text.get_text() for text in ax.texts]
+    assert len(set(labels)) == lines
+
+
+def test_every_tracker_stands_once_in_the_legend_and_the_band_too():
+    legend = tracked_parameters(made.record(1), made.track(1), "dea1").subfigs[1].legends[0]
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "recursive least squares",
+        "Kalman smoother",
+        "output-error smoother",
+        "95 % band of each",
+    ]
+
+
+@pytest.mark.parametrize("zoom", [(2000, 2030), (1790, 1820), (130, 100), (-5, 20)])
+def test_a_stretch_outside_the_record_is_refused(zoom):
+    with pytest.raises(InputError, match=r"from 0 to 1799.9 s") as caught:
+        fig1(made.record(1), "dea1", zoom)
+    assert caught.value.field == "figures.zoom"
 
 
 def test_a_time_without_a_steady_state_is_left_white_and_explained():

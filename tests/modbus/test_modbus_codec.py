@@ -7,7 +7,16 @@ from hypothesis import strategies as st
 from pymodbus.client.mixin import ModbusClientMixin
 
 from dea.errors import InputError
-from dea.modbus import Register, decode, encode, limit_counts, parse_device, to_counts, to_physical
+from dea.modbus import (
+    Register,
+    decode,
+    encode,
+    limit_counts,
+    parse_device,
+    representable,
+    to_counts,
+    to_physical,
+)
 
 ORDERS = ("big", "little")
 INTEGERS = {"uint16": (0, 16), "int16": (1, 16), "uint32": (0, 32), "int32": (1, 32),
@@ -121,6 +130,14 @@ def test_no_count_inside_the_limits_exceeds_them(low, span):
     assert to_physical(register, last + 1) > low + span
 
 
+@given(st.floats(-20, 0), st.floats(0.1, 20), st.sampled_from(["uint16", "int16"]))
+def test_the_ends_of_a_range_are_what_a_register_can_hold(low, span, kind):
+    register = device_with(type=kind, range=[low, low + span])["output"]
+    assert representable(register) == pytest.approx((low, low + span), abs=1e-9)
+    falling = device_with(scale=-span / 65535, offset=low + span)["output"]
+    assert representable(falling) == pytest.approx((low, low + span), abs=1e-9)
+
+
 def test_a_voltage_no_count_stands_for_is_refused():
-    with pytest.raises(InputError, match="between 0 and 15 V"):
+    with pytest.raises(InputError, match=r"stands for 15.1 V. Stay between 0 and 15 V"):
         to_counts(device_with(range=[0, 15])["output"], 15.1)

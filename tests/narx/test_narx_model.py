@@ -67,6 +67,7 @@ def test_models_save_and_load(tmp_path):
     np.testing.assert_array_equal(back.parameters, model.parameters)
     np.testing.assert_array_equal(back.standard_errors, [1.0, 2.0, 3.0])
     assert NarxModel.from_terms(LINEAR).standard_errors is None
+    assert back.trace is None
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+import xarray as xr
 from narx_strategies import slow_simulation
 
 from dea.errors import InputError
@@ -208,6 +209,8 @@ def test_a_selected_model_is_stored_with_its_trace(tmp_path):
     np.testing.assert_array_equal(back.simulate(u), found.simulate(u))
     assert found.standard_errors is not None
     np.testing.assert_array_equal(back.standard_errors, found.standard_errors)
+    assert found.trace.sizes["trial"] > 1
+    xr.testing.assert_identical(back.trace, found.trace)
 
 
 def test_selection_works_in_any_units():

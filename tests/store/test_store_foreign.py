@@ -64,7 +64,10 @@ def test_rows_cut_the_record(tmp_path):
         ({"file": "absent.csv"}, r"record\.file: the record .* does not exist"),
         ({"file": "mine.txt"}, r"record\.file: cannot read \.txt"),
         ({"input": {"column": "v", "units": "V"}}, r"record\.input\.column: .* no column 'v'"),
-        ({"output": {"column": "y", "units": "m"}, "file": "mine.nc"}, "the case says 'm'"),
+        (
+            {"output": {"column": "y", "units": "m"}, "file": "mine.nc"},
+            "has 'y' in 'mm', not in 'm'",
+        ),
         ({"time": {"column": "u", "units": "ms"}}, r"record\.time\.units: its units are 'ms'"),
         ({"file": "text.csv"}, r"no column 'u'. Its columns of numbers are y"),
         ({"file": "empty.csv"}, r"empty\.csv: cannot be read as \.csv"),
@@ -82,3 +85,53 @@ def test_a_wrong_case_names_file_field_and_remedy(changes, message, tmp_path):
     with pytest.raises(InputError, match=message) as caught:
         store.import_record(case(**{"file": "mine.csv"} | changes), CASE, tmp_path)
     assert str(CASE) in str(caught.value)
+
+
+NAMED = {
+    "sampling_interval": 0.5,
+    "input": {"column": "u", "units": "V", "name": "pump voltage"},
+    "output": {"column": "y", "units": "mm"},
+}
+
+
+@pytest.mark.parametrize(
+    ("write", "file"),
+    [(write_csv, "mine.csv"), (write_netcdf, "mine.nc"), (write_matlab, "mine.mat")],
+)
+def test_a_file_whose_columns_are_named_is_read_as_a_case_reads_it(write, file, tmp_path):
+    write(tmp_path)
+    record = store.read_record(tmp_path / file, **NAMED)
+    xr.testing.assert_equal(record, store.import_record(case(file), CASE, tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"inputs": NAMED["input"]}, "inputs: unknown"),
+        ({"input": None}, "input: column and units are wanted"),
+        ({"input": {"column": "u"}}, "input: column and units are wanted"),
+        ({"time": {"column": "u", "units": "s"}}, "time, sampling_interval: one of them"),
+        ({"output": {"column": "z", "units": "mm"}}, r"output\.column: .* no column 'z'"),
+    ],
+)
+def test_columns_named_wrongly_are_refused(changes, message, tmp_path):
+    write_csv(tmp_path)
+    with pytest.raises(InputError, match=message) as caught:
+        store.read_record(tmp_path / "mine.csv", **NAMED | changes)
+    assert "mine.csv" in str(caught.value)
+    assert caught.value.remedy
+
+
+def test_a_file_that_does_not_say_its_columns_tells_how_to(tmp_path):
+    write_csv(tmp_path)
+    with pytest.raises(InputError, match=r"Name them: read_record\(path, sampling_interval="):
+        store.read_record(tmp_path / "mine.csv")
+    with pytest.raises(InputError, match="output: it is not named"):
+        store.read_record(tmp_path / "mine.csv", sampling_interval=0.5, input=NAMED["input"])
+
+
+def test_a_record_of_the_study_needs_no_names(tmp_path):
+    write_csv(tmp_path)
+    record = store.read_record(tmp_path / "mine.csv", **NAMED)
+    store.write(record, tmp_path / "record.nc", title="a record")
+    xr.testing.assert_equal(store.read_record(tmp_path / "record.nc"), record)

@@ -84,7 +84,8 @@ def test_tracking_the_free_run_is_not_biased_by_noise_on_the_output():
     u, y, theta = record(3, noise=0.03, drift=0.5)
     off = {}
     for method in METHODS:
-        track = track_parameters(PLANT, u, y, method=method, leakage=0.0, sampling_rate=RATE)
+        options = {"leakage": 0.0} if method == "rls" else {}
+        track = track_parameters(PLANT, u, y, method=method, sampling_rate=RATE, **options)
         ratio = gain(track["parameter"].values[2000::500]) / gain(theta[2000::500])
         off[method] = np.abs(ratio.mean(axis=0) - 1.0).max()
     assert off["output_error"] < 0.01
@@ -141,6 +142,10 @@ def test_a_free_run_that_diverges_is_infinite_and_nothing_worse():
         ({"forgetting": 1.5}, "forgetting"),
         ({"delta": -1.0}, "delta"),
         ({"method": "kalman", "thinning": 0}, "thinning"),
+        ({"method": "kalman", "forgetting": 0.99}, "forgetting"),
+        ({"method": "output_error", "leakage": 0.0}, "leakage"),
+        ({"thinning": 10}, "thinning"),
+        ({"noise_ratio": 1e-6}, "noise_ratio"),
         ({"u": np.ones(SAMPLES)}, "u"),
         ({"y": np.full(SAMPLES, np.nan)}, "y"),
     ],
@@ -151,6 +156,12 @@ def test_bad_requests_are_refused(change, field):
     with pytest.raises(InputError) as caught:
         track_parameters(PLANT, **options)
     assert caught.value.field == field
+
+
+def test_a_setting_of_another_method_names_the_methods_that_have_it():
+    u, y, _ = record(8, noise=1e-3)
+    with pytest.raises(InputError, match="method='kalman' or 'output_error'"):
+        track_parameters(PLANT, u, y, method="rls", thinning=5)
 
 
 def test_a_constant_is_tracked_where_the_model_has_none_and_carries_the_level():

@@ -17,7 +17,7 @@ class Project:
         for part in PARTS:
             source = ROOT / part
             if source.is_dir():
-                shutil.copytree(source, folder / part)
+                shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
             else:
                 shutil.copy2(source, folder / part)
         shutil.copy2(ROOT / "tests/workflow/small.yaml", folder)
@@ -25,11 +25,14 @@ class Project:
     def snakemake(
         self, *arguments: str, cores: int = 2, small: bool = True
     ) -> subprocess.CompletedProcess[str]:
-        """Run Snakemake in the copy; its source comes before the installed package."""
+        """Run Snakemake in the copy, which it watches; jobs import the source copied from.
+
+        That has its compiled functions at hand, which are kept for one place.
+        """
         command = ["snakemake", "--cores", str(cores), "--profile", "workflow/profiles/default"]
         config = ["--configfile", "config/config.yaml", "small.yaml"] if small else []
         environment = os.environ | {
-            "PYTHONPATH": str(self.folder / "src"),
+            "PYTHONPATH": str(ROOT / "src"),
             "OPENBLAS_NUM_THREADS": "1",
         }
         return subprocess.run(

@@ -42,6 +42,7 @@ def test_the_number_of_actuators_is_the_length_of_a_list(project):
         ("name: dea2", "name: silverbox", "'silverbox' is taken"),
         ("name: dea2", "name: figures", "'figures' is taken"),
         ("bench: dea2", "bench: dea9", "dea2 is to be 'dea9'"),
+        ("zoom: [100, 130]", "zoom: [1790, 1820]", "figures.zoom: [1790, 1820] s lies outside"),
     ],
 )
 def test_a_wrong_key_or_value_stops_before_the_dag(project, right, wrong, named):

@@ -18,6 +18,15 @@ def check_devices():
             )
 
 
+def check_zoom(zoom, duration):
+    """What Fig. 1 enlarges lies inside the record."""
+    if not 0 <= zoom[0] < zoom[1] <= duration:
+        raise WorkflowError(
+            f"config/config.yaml: figures.zoom: {zoom} s lies outside the record of {duration} s"
+            " (excitation.record.duration). Give the first and last second to enlarge."
+        )
+
+
 def virtual(wildcards):
     """The name in the bench's configuration of an actuator that is virtual, else None."""
     return ACTUATORS[wildcards.actuator].get("bench")

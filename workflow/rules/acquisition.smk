@@ -5,6 +5,7 @@ include: "../functions/acquisition.smk"
 # excitation that certifies what was learnt from the first.
 BENCH = "config/bench.yaml"
 check_devices()
+check_zoom(config["figures"]["zoom"], config["excitation"]["record"]["duration"])
 check_virtual_actuators(list(yaml.safe_load(Path(BENCH).read_text())["actuators"]))
 
 

@@ -67,6 +67,8 @@ def acquire(
         Where samples were lost or undriven and the settings do not restart.
     LinkError, ZeroNotVerifiedError
         Where the device went away.
+    ReadBackError
+        Where the register of the applied output tells something else than is played.
     """
     settings = settings or AcquisitionSettings()
     plan = plan_sequence(device, excitation, settings.ramp_rate)

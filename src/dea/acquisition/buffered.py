@@ -12,6 +12,7 @@ import numpy as np
 
 from dea.acquisition.link import DeviceRefusedError, LinkError
 from dea.acquisition.panel import Panel
+from dea.acquisition.read_back import ReadBack
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.modbus import Window
 
@@ -88,14 +89,17 @@ def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
     ------
     BrokenRecordError
         Where samples are lost or undriven; it brings them, flagged.
+    ReadBackError
+        Where the register of the applied output does not tell what is played.
     """
-    playback = _Playback(panel, counts)
+    playback, read_back = _Playback(panel, counts), ReadBack(panel, counts)
     while playback.done < counts.size:
         reply = playback.feed()
         if reply is not None:
             samples = playback.collect(reply)
             if samples is not None:
                 yield samples
+            read_back(playback.sent - reply.fifo)
             playback.rest(reply)
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dea.errors import InputError
-from dea.modbus import Device, limit_counts, to_counts
+from dea.modbus import Device, limit_counts, representable, to_counts
 
 
 class Plan(NamedTuple):
@@ -40,19 +40,24 @@ def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:
     Raises
     ------
     InputError
-        Naming the first sample outside the limits, before anything is written.
+        Naming the sample farthest outside the limits, before anything is written.
     """
-    low, high = limit_counts(device, "output")
+    edges = limit_counts(device, "output")
     register = device["output"]
     if not np.all(np.isfinite(volts)):
         raise InputError("the excitation holds NaN or infinity", remedy="Give finite voltages.")
-    counts = to_counts(register, volts)
-    outside = np.flatnonzero((counts < low) | (counts > high))
-    if outside.size:
-        first, limits = int(outside[0]), register.limits or (0.0, 0.0)
+    # What no count stands for lies outside the limits too, and is told in the same words.
+    low, high = representable(register)
+    held = np.clip(volts, low, high)
+    counts = to_counts(register, held)
+    outside = (counts < edges[0]) | (counts > edges[1])
+    outside |= np.abs(volts - held) > abs(register.scale) / 2
+    if outside.any():
+        ends = np.clip(register.limits or (low, high), low, high)
+        worst = int(np.argmax(np.maximum(volts - ends[1], ends[0] - volts)))
         raise InputError(
-            f"sample {first} of the excitation asks for {volts[first]:g} V, outside "
-            f"{limits[0]:g} to {limits[1]:g} V",
+            f"sample {worst} of the excitation asks for {volts[worst]:g} V, outside "
+            f"{ends[0]:g} to {ends[1]:g} V",
             file=device.source,
             field="registers.output.limits",
             remedy="Lower the excitation, or raise the limits if film and amplifier bear it.",

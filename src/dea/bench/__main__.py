@@ -72,7 +72,7 @@ def build(
         "displacement_range_low": displacement.low,
         "displacement_range_high": displacement.high,
         "fifo_length": player.fifo_length,
-        "ring_length": player.ring_length,
+        "ring_length": player.ring.length,
         "watchdog_time": watchdog,
     }
     return BenchDevice(player, description, constants, virtual_clock=virtual_clock)

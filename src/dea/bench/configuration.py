@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import yaml
@@ -11,66 +11,9 @@ import yaml
 from dea.bench.amplifier import Amplifier
 from dea.bench.converter import Converter
 from dea.bench.membrane import Film
+from dea.bench.ranges import LISTS, ORDERED, SECTIONS, Range
 from dea.bench.sensor import Sensor
 from dea.errors import InputError
-
-
-class _Range(NamedTuple):
-    """The unit a parameter must be given in and the values that make sense."""
-
-    unit: str
-    low: float
-    high: float
-
-
-_FILM = {
-    "frame_radius": _Range("m", 1e-3, 1.0),
-    "contact_radius": _Range("m", 1e-4, 1.0),
-    "thickness": _Range("m", 1e-5, 1e-2),
-    "prestretch": _Range("1", 1.0, 6.0),
-    "mass": _Range("kg", 1e-5, 1.0),
-    "damping": _Range("N s/m", 0.0, 100.0),
-    "yeoh_1": _Range("Pa", 1.0, 1e8),
-    "yeoh_2": _Range("Pa", -1e8, 1e8),
-    "yeoh_3": _Range("Pa", -1e8, 1e8),
-    "branch_modulus": _Range("Pa", 0.0, 1e8),
-    "branch_time": _Range("s", 0.05, 1e6),
-    "permittivity": _Range("1", 1.0, 1e3),
-    "electrode_resistance": _Range("Ohm", 1.0, 1e12),
-    "leak_resistance": _Range("Ohm", 1e3, 1e18),
-    "stiffness_ageing": _Range("1/h", -0.5, 10.0),
-    "leakage_ageing": _Range("1/h", -0.5, 1e4),
-    "electrode_ageing": _Range("1/h", -0.5, 1e4),
-    "pull_in_displacement": _Range("m", 1e-5, 1.0),
-    "breakdown_field": _Range("V/m", 1e6, 1e10),
-    "rest": _Range("s", 0.0, 1e6),
-}
-_SECTIONS: dict[str, dict[str, _Range]] = {
-    "film": _FILM,
-    "amplifier": {
-        "gain": _Range("V/V", 1.0, 1e5),
-        "output_limit": _Range("V", 1.0, 1e5),
-        "slew_rate": _Range("V/s", 1.0, 1e12),
-        "current_limit": _Range("A", 1e-9, 10.0),
-        "cable_capacitance": _Range("F", 0.0, 1e-6),
-        "bandwidth": _Range("Hz", 0.1, 1e6),
-    },
-    "sensor": {
-        "cutoff": _Range("Hz", 0.1, np.inf),
-        "noise": _Range("m", 0.0, 1e-2),
-        "range_low": _Range("m", -1.0, 1.0),
-        "range_high": _Range("m", -1.0, 1.0),
-    },
-    "output_converter": {"low": _Range("V", -100.0, 100.0), "high": _Range("V", -100.0, 100.0)},
-    "displacement_converter": {"low": _Range("mm", -1e3, 1e3), "high": _Range("mm", -1e3, 1e3)},
-}
-_LISTS = ("branch_modulus", "branch_time")
-_ORDERED = (
-    ("film", "contact_radius", "frame_radius"),
-    ("sensor", "range_low", "range_high"),
-    ("output_converter", "low", "high"),
-    ("displacement_converter", "low", "high"),
-)
 
 
 @dataclass(frozen=True)
@@ -120,9 +63,9 @@ def read_plain(path: Path, film: Mapping[str, float] | None = None) -> Parameter
     content = _read_content(path)
     values = _read_sections(content, path)
     for section, own in _mapping(content["plain"], path, "plain").items():
-        if section not in _SECTIONS:
+        if section not in SECTIONS:
             raise InputError(
-                f"unknown key {section!r}", file=path, field="plain", remedy=_choices(_SECTIONS)
+                f"unknown key {section!r}", file=path, field="plain", remedy=_choices(SECTIONS)
             )
         own = _mapping(own, path, f"plain.{section}")
         _replace(values[section], own, section, path, f"plain.{section}")
@@ -132,13 +75,13 @@ def read_plain(path: Path, film: Mapping[str, float] | None = None) -> Parameter
 
 def _read_content(path: Path) -> Mapping[str, Any]:
     content = _read_yaml(path)
-    _check_keys(content, {*_SECTIONS, "plain", "actuators"}, path, "the bench configuration")
+    _check_keys(content, {*SECTIONS, "plain", "actuators"}, path, "the bench configuration")
     return content
 
 
 def _read_sections(content: Mapping[str, Any], path: Path) -> dict[str, dict[str, Any]]:
     return {
-        name: _read_section(_mapping(content[name], path, name), name, path) for name in _SECTIONS
+        name: _read_section(_mapping(content[name], path, name), name, path) for name in SECTIONS
     }
 
 
@@ -146,7 +89,7 @@ def _replace(
     values: dict[str, Any], own: Mapping[str, Any], section: str, path: Path, where: str
 ) -> None:
     """Put an actuator's own values in the place of a section's."""
-    allowed = _SECTIONS[section]
+    allowed = SECTIONS[section]
     for key, value in own.items():
         field = f"{where}.{key}"
         if key not in allowed:
@@ -204,9 +147,9 @@ def _check_keys(content: Mapping[str, Any], expected: Any, path: Path, where: st
 
 
 def _read_section(content: Mapping[str, Any], name: str, path: Path) -> dict[str, Any]:
-    _check_keys(content, _SECTIONS[name], path, name)
+    _check_keys(content, SECTIONS[name], path, name)
     values = {}
-    for key, allowed in _SECTIONS[name].items():
+    for key, allowed in SECTIONS[name].items():
         field = f"{name}.{key}"
         entry = _mapping(content[key], path, field)
         _check_keys(entry, ("value", "unit", "source"), path, field)
@@ -221,8 +164,8 @@ def _read_section(content: Mapping[str, Any], name: str, path: Path) -> dict[str
     return values
 
 
-def _checked(value: Any, allowed: _Range, key: str, path: Path, field: str) -> Any:
-    is_list = key in _LISTS
+def _checked(value: Any, allowed: Range, key: str, path: Path, field: str) -> Any:
+    is_list = key in LISTS
     numbers = value if is_list and isinstance(value, list) else [value]
     good = isinstance(value, list) == is_list and all(
         isinstance(number, int | float)
@@ -242,7 +185,7 @@ def _checked(value: Any, allowed: _Range, key: str, path: Path, field: str) -> A
 
 
 def _check_relations(values: Mapping[str, Mapping[str, Any]], path: Path) -> None:
-    for section, lower, upper in _ORDERED:
+    for section, lower, upper in ORDERED:
         if values[section][lower] >= values[section][upper]:
             raise InputError(
                 f"{lower} {values[section][lower]:g} is not below {upper} "

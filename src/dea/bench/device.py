@@ -199,7 +199,7 @@ class BenchDevice:
     def _answer(self, session: Session) -> list[int]:
         player = self.player
         samples = self.description["reply_samples"]
-        run = player.run(session.read_index, samples.count // 2)
+        run = player.ring.run(session.read_index, samples.count // 2)
         pairs = [0] * samples.count
         pairs[0 : 2 * run.applied.size : 2] = run.applied.tolist()
         pairs[1 : 2 * run.applied.size : 2] = run.displacement.tolist()
@@ -207,7 +207,7 @@ class BenchDevice:
             "reply_sequence": player.sequence,
             "reply_index": run.index,
             "reply_position": run.position,
-            "reply_next": player.index,
+            "reply_next": player.ring.end,
             "reply_count": run.applied.size,
             "reply_origin": int(run.origin),
             "reply_state": int(player.state),
@@ -237,11 +237,11 @@ class BenchDevice:
             case "trip_reason":
                 return SILENCE if player.latched else 0
             case "tick":
-                return round(player.index * 1000 * self.period) % 2**32
+                return round(player.ring.end * 1000 * self.period) % 2**32
             case "sample_index":
-                return player.index
+                return player.ring.end
             case "device_index":
-                return max(player.index - 1, 0)
+                return max(player.ring.end - 1, 0)
             case "fifo_level":
                 return player.fifo_level
             case "watchdog_latched":

@@ -1,13 +1,12 @@
 """What the device does with time: plays its FIFO, measures, keeps watch, and ramps to zero."""
 
-from bisect import bisect_right
 from collections import deque
-from dataclasses import dataclass
 from enum import IntEnum
-from operator import attrgetter
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
+
+from dea.bench.ring import Origin, Ring
 
 
 class State(IntEnum):
@@ -19,46 +18,11 @@ class State(IntEnum):
     TRIPPED = 3
 
 
-class Origin(IntEnum):
-    """Why a sample was applied."""
-
-    PLAYED = 1
-    HELD = 2
-    REST = 3
-    RAMP = 4
-    TRIPPED = 5
-    POLLED = 6
-
-
 class Plant(Protocol):
     """What the device drives and measures; :class:`dea.bench.Rig` is one."""
 
     def advance(self, output_counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Apply these counts, a sample each; return the applied and the displacement counts."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """Consecutive samples of one origin; ``position`` is the first one's place in what was fed."""
-
-    index: int
-    position: int
-    origin: Origin
-    applied: np.ndarray
-    displacement: np.ndarray
-
-
-class Stretch(NamedTuple):
-    """Samples from index ``begin`` on have one origin and begin at ``position`` of what was fed."""
-
-    begin: int
-    position: int
-    origin: Origin
-
-    @property
-    def moves(self) -> bool:
-        """Whether each of its samples is one place further in what was fed."""
-        return self.origin == Origin.PLAYED
 
 
 class Player:
@@ -94,11 +58,10 @@ class Player:
     ) -> None:
         self.plant, self.low, self.high, self.zero = plant, low, high, zero
         self.ramp_step, self.watchdog_time = ramp_step, watchdog_time
-        self.fifo_length, self.ring_length = fifo_length, ring_length
+        self.fifo_length, self.ring = fifo_length, Ring(ring_length)
         self.state = State.IDLE
         self.latched = False
         self.trips = self.underruns = self.overruns = self.clamped = self.refused = 0
-        self.index = 0  # device index the next sample will have
         self.position = 0  # samples of the FIFO played since it was cleared
         self.sequence = 0  # last block accepted
         self.collected = 0  # device index up to which the owner has read
@@ -108,8 +71,6 @@ class Player:
         self.last_heard = 0.0
         self._polled = False
         self._fifo: deque[int] = deque()
-        self._applied, self._measured = np.zeros((2, ring_length), np.uint16)
-        self._stretches = [Stretch(0, 0, Origin.REST)]
 
     @property
     def fifo_level(self) -> int:
@@ -199,17 +160,6 @@ class Player:
         while self.state == State.RAMPING or (self.state == State.RUNNING and self._fifo):
             self.advance(1 if self.state == State.RAMPING else len(self._fifo))
 
-    def run(self, index: int, limit: int) -> Run:
-        """Up to ``limit`` samples of one origin, from ``index`` or the oldest one still held."""
-        first = min(max(index, self.index - self.ring_length, 0), self.index)
-        after = bisect_right(self._stretches, first, key=attrgetter("begin"))
-        stretch, end = self._stretches[after - 1], min(first + limit, self.index)
-        if after < len(self._stretches):
-            end = min(end, self._stretches[after].begin)
-        slots = np.arange(first, end) % self.ring_length
-        position = stretch.position + (first - stretch.begin) * stretch.moves
-        return Run(first, position, stretch.origin, self._applied[slots], self._measured[slots])
-
     def _next(self, count: int) -> tuple[list[int], Origin, int]:
         """What to apply now: at most ``count`` values of one origin."""
         if self.state == State.RAMPING:
@@ -238,21 +188,8 @@ class Player:
         inside = np.clip(wanted, self.low, self.high)
         self.clamped += int(np.count_nonzero(inside != wanted))
         applied, displacement = self.plant.advance(inside.astype(np.uint16))
-        slots = np.arange(self.index, self.index + inside.size) % self.ring_length
-        self._applied[slots], self._measured[slots] = applied, displacement
-        self._note(origin, position)
-        self.index += inside.size
+        self.ring.append(applied, displacement, origin, position)
         self.applied, self.displacement = int(applied[-1]), int(displacement[-1])
         if self.state == State.RUNNING:
-            oldest = self.index - self.ring_length
+            oldest = self.ring.end - self.ring.length
             self.overruns += max(0, oldest - max(self.collected, oldest - inside.size))
-
-    def _note(self, origin: Origin, position: int) -> None:
-        """Begin a stretch where what comes next does not continue the last one."""
-        last = self._stretches[-1]
-        expected = last.position + (self.index - last.begin) * last.moves
-        if (origin, position) != (last.origin, expected):
-            self._stretches.append(Stretch(self.index, position, origin))
-            oldest = self.index - self.ring_length
-            while len(self._stretches) > 1 and self._stretches[1].begin <= oldest:
-                del self._stretches[0]

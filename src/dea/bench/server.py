@@ -1,12 +1,7 @@
-"""The bench on the network: pymodbus's server, its frames kept in order and its clients in check.
-
-pymodbus 3.16 keeps one request per connection: a second one in the same segment overtakes or
-wedges the first. Here each frame is answered before the next is looked at.
-"""
+"""The bench on the network: a device served by pymodbus until cancelled."""
 
 import asyncio
 import contextlib
-import socket
 import ssl
 import time
 from collections.abc import Callable, Coroutine
@@ -14,21 +9,14 @@ from typing import Any, cast
 
 from pymodbus.constants import ExcCodes
 from pymodbus.datastore import ModbusServerContext
-from pymodbus.framer import FramerRTU, FramerSocket, FramerType
+from pymodbus.framer import FramerType
 from pymodbus.pdu import ExceptionResponse, ModbusPDU
-from pymodbus.server import ModbusTcpServer, ModbusTlsServer
-from pymodbus.server.requesthandler import ServerRequestHandler
 from pymodbus.simulator import DataType, SimData, SimDevice
 
+from dea.bench.connection import FUNCTIONS, Connection, TcpServer, TlsServer
 from dea.bench.device import BenchDevice, RefusedError, Session
 from dea.errors import InputError
 from dea.modbus import ReadWriteRequest, ReadWriteResponse
-
-FUNCTIONS = (3, 4, 6, 16, 23)
-MAX_FRAME = 260  # bytes, of a Modbus frame on TCP
-MAX_BURST = 16  # frames of one master answered before the others have their turn
-MAX_CONNECTIONS = 64
-MAX_UNREAD = 64 * 1024  # bytes of replies a client may leave unread
 
 _PDUS: list[type[ModbusPDU]] = [ReadWriteRequest]
 _FRAMERS = {"tcp": FramerType.SOCKET, "rtu_over_tcp": FramerType.RTU, "tls": FramerType.TLS}
@@ -59,10 +47,10 @@ class BenchServer:
                 remedy=f"Use {', '.join(_FRAMERS)}.",
             )
         self.device, self.host, self.port, self._tls = device, host, port, tls
-        self.connections: set[_Connection] = set()
+        self.connections: set[Connection] = set()
         self._session = Session()
         self._failure: Exception | None = None
-        self._server: _Server | _TlsServer | None = None
+        self._server: TcpServer | TlsServer | None = None
 
     async def start(self) -> None:
         """Listen; raises OSError where the address cannot be had."""
@@ -74,11 +62,11 @@ class BenchServer:
         )
         framer, address = _FRAMERS[description.framing], (self.host, self.port)
         if description.framing == "tls":
-            self._server = _TlsServer(
+            self._server = TlsServer(
                 table, framer=framer, address=address, sslctx=self._tls, custom_pdu=_PDUS
             )
         else:
-            self._server = _Server(table, framer=framer, address=address, custom_pdu=_PDUS)
+            self._server = TcpServer(table, framer=framer, address=address, custom_pdu=_PDUS)
         self._server.bench = self
         if not await self._server.listen():
             raise OSError(f"cannot listen on {self.host}:{self.port}")
@@ -160,106 +148,6 @@ class BenchServer:
         except RefusedError as refusal:
             return ExcCodes(refusal.code)
         return None
-
-
-class _Connection(ServerRequestHandler):
-    """One master."""
-
-    def __init__(self, owner: "_Server | _TlsServer") -> None:
-        super().__init__(owner, None, None, None)
-        self.bench, self.session, self.pending = owner.bench, Session(), b""
-
-    def callback_connected(self) -> None:
-        """Refuse one connection too many; bound what a client may leave unread."""
-        super().callback_connected()
-        if len(self.bench.connections) >= MAX_CONNECTIONS:
-            self.transport.abort()  # type: ignore[attr-defined]
-            return
-        self.bench.connections.add(self)
-        self.transport.set_write_buffer_limits(high=MAX_UNREAD)  # type: ignore[attr-defined]
-        plain: socket.socket = self.transport.get_extra_info("socket")
-        plain.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_UNREAD)
-
-    def callback_disconnected(self, exc: Exception | None) -> None:
-        """Forget the master; what it drives is the watchdog's to end."""
-        super().callback_disconnected(exc)
-        self.bench.connections.discard(self)
-
-    def pause_writing(self) -> None:
-        """Drop a client that asks and does not listen."""
-        self.transport.abort()  # type: ignore[attr-defined]
-
-    def resume_writing(self) -> None:
-        """Nothing waits: a paused client has been dropped."""
-
-    def data_received(self, data: bytes) -> None:
-        """Answer every whole frame in the order of arrival; drop who sends what is none."""
-        self.pending += data
-        self._work()
-
-    def _work(self) -> None:
-        """Answer a few frames; with more waiting, let the other masters have their turn first."""
-        for _ in range(MAX_BURST):
-            if self.transport is None or self.transport.is_closing():
-                return
-            if isinstance(self.framer, FramerSocket) and _malformed(self.pending):
-                break
-            used, frame = self._frame()
-            if not used:
-                if len(self.pending) > MAX_FRAME:
-                    break
-                self.transport.resume_reading()  # type: ignore[attr-defined]
-                return
-            self.pending = self.pending[used:]
-            if frame:
-                self._serve(*frame)
-        else:
-            self.transport.pause_reading()  # type: ignore[attr-defined]
-            self.loop.call_soon(self._work)
-            return
-        self.transport.abort()  # type: ignore[attr-defined]
-
-    def _frame(self) -> tuple[int, tuple[int, int, bytes] | None]:
-        used, unit, transaction, pdu = self.framer.decode(self.pending)
-        if isinstance(self.framer, FramerRTU) and used:
-            # pymodbus's RTU framer claims the whole buffer; a master has one request under way.
-            used = len(self.pending)
-        return used, (unit, transaction, pdu) if pdu else None
-
-    def _serve(self, unit: int, transaction: int, pdu: bytes) -> None:
-        request = self.framer.decoder.decode(pdu)
-        if request is None:
-            code = ExcCodes.ILLEGAL_VALUE if pdu[0] in FUNCTIONS else ExcCodes.ILLEGAL_FUNCTION
-            reply: ModbusPDU = ExceptionResponse(pdu[0] & 0x7F, code)
-        else:
-            request.dev_id, request.transaction_id = unit, transaction
-            reply = self.bench.answer(self.session, request)
-        reply.dev_id, reply.transaction_id = unit, transaction
-        self.pdu_send(reply)
-        # After the reply, so that the plant moves on while the host digests what it got.
-        self.bench.pump()
-
-
-class _Server(ModbusTcpServer):
-    bench: BenchServer
-
-    def callback_new_connection(self) -> _Connection:
-        return _Connection(self)
-
-
-class _TlsServer(ModbusTlsServer):
-    bench: BenchServer
-
-    def callback_new_connection(self) -> _Connection:
-        return _Connection(self)
-
-
-def _malformed(data: bytes) -> bool:
-    """Whether a Modbus TCP header has the wrong protocol or an impossible length."""
-    if len(data) < 6:
-        return False
-    length = int.from_bytes(data[4:6], "big")
-    return data[2:4] != b"\0\0" or not 2 <= length <= MAX_FRAME - 6
 
 
 def _finish(answer: Coroutine[Any, Any, ModbusPDU]) -> ModbusPDU:

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dea.discrepancy import certify as proof
+from dea.discrepancy.candidates import in_parallel
 from dea.discrepancy.compose import Budget, Candidate, Round, judge
 from dea.discrepancy.decide import Decision, Rules, decide
 from dea.discrepancy.effects import Effect, catalogue
 from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.gain import Gains, gains, null_gain
+from dea.discrepancy.gain import Gains, gains, held_out_gap, null_gain
 from dea.discrepancy.identifiability import signature
 from dea.discrepancy.localise import Localisation, localise
 from dea.discrepancy.noise import white_level
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
     from dea.discrepancy.verdict import Verdict
 
-_BLOCKS = 24
+_BLOCKS = 48
 _NOISE_MARGIN = 1.5
 # Error of integration, in noise deviations; the refit takes up most of it.
 _STEP_ERROR = 0.5
@@ -143,7 +144,7 @@ def diagnose(
     nominal = fit_nominal(problem, extended, budget.starts, rng, settings.workers)
     near = fit_near_prior(problem, nominal)
     blocks = parts.blocks(problem.fit | problem.select, problem.u.size / _BLOCKS)
-    select = parts.blocks(problem.select, problem.u.size / _BLOCKS / 3)
+    select = parts.blocks(problem.select, problem.u.size / _BLOCKS)
     counted = problem.fit | problem.select
 
     starts = bases(problem, nominal, near, rng)
@@ -152,7 +153,12 @@ def diagnose(
     nominal_error = judge(problem, nominal).error
     singles = list(rounds[0].candidates)
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
-    gained = gains(nominal.gap, [c.fit.gap for c in singles], select, null, rng)
+    held_out = in_parallel(
+        lambda c: held_out_gap(problem, c.fit) if c.finished else c.fit.gap,
+        singles,
+        settings.workers,
+    )
+    gained = gains(held_out_gap(problem, nominal), held_out, blocks, null, rng)
     expected = float(np.hypot(floor, own.accuracy))
     chosen = best_extension(rounds, nominal_error, gained, expected, blocks, settings.rules, rng)
 

@@ -1,15 +1,17 @@
 """How much an effect narrows the gap on blocks it was not fitted on, and how sure that is."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.problem import Problem
 
-_DRAWS = 500
+_DRAWS = 2000
 _NULL_DRAWS = 60
+# Steps of a fit to the other half of the blocks, from where the fit to the first half ended.
+_CROSSING = 6
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,17 @@ def energies(gap: np.ndarray, blocks: Sequence[slice]) -> np.ndarray:
     return np.array([float(gap[block] @ gap[block]) for block in blocks])
 
 
+def held_out_gap(problem: Problem, fitted: Fit) -> np.ndarray:
+    """Return a gap of which no block was seen by the parameters it comes from, shape (n,).
+
+    The blocks to choose by are held out as they are; for the fitted ones, the parameters are
+    fitted once more to the others (two-fold cross-fitting).
+    """
+    swapped = replace(problem, fit=problem.select, select=problem.fit)
+    again = fit(swapped, fitted.extended, fitted.coordinates, iterations=_CROSSING)
+    return np.where(problem.fit, again.gap, fitted.gap)
+
+
 def gains(
     before: np.ndarray,
     after: Sequence[np.ndarray],
@@ -38,29 +51,22 @@ def gains(
     null: float,
     rng: np.random.Generator,
 ) -> Gains:
-    """Compare gaps block by block; resample blocks in pairs, and bound the largest deviation.
+    """Compare gaps block by block; resample blocks in pairs, and bound all gains together.
 
-    The bounds hold for the whole catalogue at once (max-T, Westfall and Young 1993). Every draw is
-    measured by its own standard error (bootstrap-t, Efron and Tibshirani 1993, section 12.5): where
-    few blocks hold most of the gap, the spread of the draws alone would promise too much.
+    Percentile intervals hold for the whole catalogue at once (min-p, Westfall and Young 1993,
+    section 2.3), each at the same level of its own distribution, so that an effect that helps in
+    a single block does not widen the bounds of the others. With a few dozen blocks of very
+    unequal gaps they hold in some 85 to 92 % of records instead of 95.
     """
     reference = energies(before, blocks)
     sums = np.array([energies(gap, blocks) for gap in after])
     picks = rng.integers(0, len(blocks), (_DRAWS, len(blocks)))
-    gain, error = _ratio(reference, sums)
-    drawn, drawn_error = _ratio(reference[picks], sums[:, picks])
-    largest = np.max(np.abs(drawn - gain[:, None]) / drawn_error, axis=0)
-    reach = np.quantile(largest, 0.95) * error
-    return Gains(gain, gain - reach, gain + reach, null)
-
-
-def _ratio(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the log ratio of the sums over the last axis, halved, and its standard error."""
-    total_before, total_after = before.sum(-1, keepdims=True), after.sum(-1, keepdims=True)
-    influence = 0.5 * (before / total_before - after / total_after)
-    blocks = before.shape[-1]
-    error = np.sqrt(np.sum(influence**2, axis=-1) * blocks / (blocks - 1))
-    return 0.5 * np.log(total_before / total_after)[..., 0], error + 1e-9
+    drawn = 0.5 * np.log(reference[picks].sum(1) / sums[:, picks].sum(2))
+    rank = (np.argsort(np.argsort(drawn, axis=1), axis=1) + 0.5) / _DRAWS
+    rarity = np.minimum(rank, 1.0 - rank).min(0)
+    level = float(np.quantile(rarity, 0.05))
+    low, high = np.quantile(drawn, [level, 1.0 - level], axis=1)
+    return Gains(0.5 * np.log(reference.sum() / sums.sum(1)), low, high, null)
 
 
 def coloured(gap: np.ndarray, blocks: Sequence[slice], order: int = 4) -> tuple[np.ndarray, float]:

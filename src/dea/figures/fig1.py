@@ -4,6 +4,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from dea.errors import InputError
 from dea.figures import style
 from dea.figures.bench_drawing import draw_bench, draw_cone
 from dea.store import Signals, signals
@@ -21,8 +22,21 @@ def fig1(record: xr.Dataset, name: str, zoom: tuple[float, float]) -> Figure:
         What the actuator is called.
     zoom
         First and last time of the enlarged stretch, s.
+
+    Raises
+    ------
+    InputError
+        Where the stretch lies outside the record.
     """
     whole = signals(record)
+    if not whole.time[0] <= zoom[0] < zoom[1] <= whole.time[-1] + whole.time[1]:
+        raise InputError(
+            f"{zoom[0]:g} to {zoom[1]:g} s is no stretch of the record of {name}, which lasts from "
+            f"{whole.time[0]:g} to {whole.time[-1]:g} s",
+            file="config/config.yaml",
+            field="figures.zoom",
+            remedy="Give its first and last second to enlarge.",
+        )
     inside = (whole.time >= zoom[0]) & (whole.time <= zoom[1])
     figure = style.page_figure(style.FULL_WIDTH, 168)
     drawings, series, details = figure.subfigures(

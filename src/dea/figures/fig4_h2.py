@@ -1,6 +1,7 @@
 """Fig. 4: how two frequencies mix, |H2(f1, f2)| of every actuator at chosen times."""
 
 from collections.abc import Mapping
+from itertools import count
 
 import numpy as np
 import xarray as xr
@@ -14,6 +15,7 @@ from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, m
 
 _MARGIN, _LARGEST_PANEL = 36.0, 52.0  # mm
 _CONTOURS = 3
+_FLAT = 0.01  # of the largest; lines of a map that varies less show no shape worth reading
 _BEYOND = 1.4
 
 
@@ -80,11 +82,17 @@ def _view(frequency: np.ndarray, excited: np.ndarray) -> tuple[float, float]:
 def _contours(ax: Axes, trusted: xr.DataArray) -> None:
     """A few lines of the panel's own: its shape shows even where the common scale is wide."""
     low, high = float(trusted.min()), float(trusted.max())
-    if not low < high:
+    if not high - low > _FLAT * high:
         return
     levels = np.linspace(low, high, _CONTOURS + 2)[1:-1]
     lines = ax.contour(
         trusted["frequency_1"], trusted["frequency_2"],
         trusted.transpose("frequency_2", "frequency_1"), levels, colors="white", linewidths=0.5,
     )  # fmt: skip
-    ax.clabel(lines, fmt="%.3g", fontsize=5)
+    ax.clabel(lines, fmt=dict(zip(levels.tolist(), _labels(levels), strict=True)), fontsize=5)
+
+
+def _labels(levels: np.ndarray) -> list[str]:
+    """Numbers with as many digits, three or more, as tell them apart."""
+    written = ([f"{level:.{digits}g}" for level in levels] for digits in count(3))
+    return next(labels for labels in written if len(set(labels)) == levels.size)

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from dea.figures import style
 from dea.figures.symbols import number, term_as_mathematics
@@ -14,6 +15,7 @@ from dea.store import signals
 _COLUMNS = 3
 _POINTS = 1200  # a panel is 600 pixels wide: more cannot be seen
 _BAND = 1.96  # standard deviations either side of the estimate: 95 %
+_PALENESS = 0.22
 _TRACKER = {
     "rls": ("recursive least squares", style.BLUE, "-"),
     "kalman": ("Kalman smoother", style.VERMILION, "-"),
@@ -55,7 +57,11 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
         style.time_axis(panel, track["time"].values)
     lower.supylabel("parameter (normalised)", fontsize=7)
     handles, labels = panels[0].get_legend_handles_labels()
-    lower.legend(handles, labels, loc="outside upper center", ncols=len(handles))
+    band = Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band of each")
+    lower.legend(
+        [*handles, band], [*labels, band.get_label()],
+        loc="outside upper center", ncols=len(handles) + 1,
+    )  # fmt: skip
     return figure
 
 
@@ -95,7 +101,7 @@ def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
         reach = _BAND * track["parameter_std"].sel(tracker=tracker).values
         ax.plot(time, theta, color=colour, ls=dashes, lw=0.8, label=label)
         ax.fill_between(
-            time, theta - reach, theta + reach, color=colour, alpha=0.22, lw=0,
-            label="95 % band", rasterized=True,
+            time, theta - reach, theta + reach, color=colour, alpha=_PALENESS, lw=0,
+            rasterized=True,
         )  # fmt: skip
     ax.set_title(term_as_mathematics(term))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.errors import InputError
-from dea.modbus.description import Device, Register
+from dea.modbus.device import Device, Register
 
 _FORMATS = {
     "uint16": "H",
@@ -90,16 +90,25 @@ def to_counts(register: Register, values: np.ndarray | float) -> np.ndarray:
     InputError
         Where a value lies outside the register's type.
     """
-    counts = np.rint((np.asarray(values, dtype=float) - register.offset) / register.scale)
+    wanted = np.asarray(values, dtype=float)
+    counts = np.rint((wanted - register.offset) / register.scale)
     info = np.iinfo(register.type)
-    if not np.all((counts >= info.min) & (counts <= info.max)):
-        low, high = to_physical(register, info.min), to_physical(register, info.max)
+    outside = ~((counts >= info.min) & (counts <= info.max))
+    if outside.any():
+        low, high = representable(register)
         raise InputError(
-            f"a value of {register.name} cannot be represented",
+            f"no count of {register.name} stands for {wanted[outside][0]:g} {register.unit}",
             field=f"registers.{register.name}",
-            remedy=f"Stay between {min(low, high):g} and {max(low, high):g} {register.unit}.",
+            remedy=f"Stay between {low:g} and {high:g} {register.unit}.",
         )
     return counts.astype(np.int64)
+
+
+def representable(register: Register) -> tuple[float, float]:
+    """Lowest and highest value, in ``register.unit``, that an integer register can hold."""
+    info = np.iinfo(register.type)
+    low, high = sorted(to_physical(register, np.array([info.min, info.max])).tolist())
+    return low, high
 
 
 def limit_counts(device: Device, name: str) -> tuple[int, int]:

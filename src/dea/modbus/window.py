@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from dea.modbus.codec import Value, checksum, decode, encode
-from dea.modbus.description import Device, Register
+from dea.modbus.device import Device, Register
 
 
 class Window:

@@ -4,14 +4,15 @@ from dea.narx.estimation import estimate, scaling_of
 from dea.narx.held_out import held_out_error
 from dea.narx.inclusion import inclusion_frequency
 from dea.narx.metrics import fit, fpe, nmse, rmse
-from dea.narx.model import NarxModel, Scaling
+from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
 from dea.narx.published import load_published
 from dea.narx.recovery import score_recovery
 from dea.narx.refinement import refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
-from dea.narx.selection import SelectedModel, select_terms
+from dea.narx.scaling import Scaling
+from dea.narx.selection import select_terms
 from dea.narx.simulation import simulate, simulate_varying
 from dea.narx.terms import Term, candidate_terms, linear_terms, max_lag
 from dea.narx.validation import validate
@@ -19,7 +20,6 @@ from dea.narx.validation import validate
 __all__ = [
     "NarxModel",
     "Scaling",
-    "SelectedModel",
     "Term",
     "candidate_terms",
     "compare_orders",

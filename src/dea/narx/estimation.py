@@ -7,8 +7,9 @@ from numpy.typing import ArrayLike
 
 from dea.errors import InputError
 from dea.narx.checks import Array, as_record
-from dea.narx.model import NarxModel, Scaling
+from dea.narx.model import NarxModel
 from dea.narx.regressors import regressor_matrix
+from dea.narx.scaling import Scaling
 from dea.narx.terms import Term, max_lag
 
 Segment = tuple[Array, Array]

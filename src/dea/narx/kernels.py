@@ -1,21 +1,19 @@
-"""The compiled loops behind simulation, trials and refinement.
+"""The compiled loops behind simulation and refinement.
 
-They live in one file so that an edit to one that another calls recompiles both. A model comes as
-integer arrays: which group each term belongs to (terms of a group share their outputs), the lags of
-each group's outputs and of each term's inputs, padded with NONE. Runs stop where an output exceeds
-the bound.
+A model comes as integer arrays: which group each term belongs to (terms of a group share their
+outputs), the lags of each group's outputs and of each term's inputs, padded with NONE. Runs stop
+where an output exceeds the bound.
 """
 
 import numpy as np
 from numba import njit
 
 NONE = -1  # pads the lags of monomials with fewer factors than the longest
-_BLOCK = 512  # samples whose products of inputs stay in the cache
-_DEPENDENT = 1e-12  # of a regressor's norm: less than this is rounding
+BLOCK = 512  # samples whose products of inputs stay in the cache
 
 
 @njit(cache=True, inline="always")
-def _output(coefficients, i, y_lags, y, t):
+def output_of(coefficients, i, y_lags, y, t):
     """What remains of (7) for sample t: sum_g C_g[i] * prod_k y_{t-k}."""
     total = 0.0
     for g in range(y_lags.shape[0]):
@@ -51,13 +49,13 @@ def _coefficients(group, u_lags, parameters, u, first, last, product, coefficien
 @njit(cache=True)
 def run(group, y_lags, u_lags, parameters, start, u, y, bound):
     """Continue ``y`` from sample ``start``, infinite from the sample on where it diverges."""
-    coefficients = np.empty((y_lags.shape[0], _BLOCK))
-    product = np.empty(_BLOCK)
-    for first in range(start, y.size, _BLOCK):
-        last = min(first + _BLOCK, y.size)
+    coefficients = np.empty((y_lags.shape[0], BLOCK))
+    product = np.empty(BLOCK)
+    for first in range(start, y.size, BLOCK):
+        last = min(first + BLOCK, y.size)
         _coefficients(group, u_lags, parameters, u, first, last, product, coefficients)
         for t in range(first, last):
-            total = _output(coefficients, t - first, y_lags, y, t)
+            total = output_of(coefficients, t - first, y_lags, y, t)
             if not abs(total) <= bound:
                 y[t:] = np.inf
                 return
@@ -91,12 +89,12 @@ def run_with_slope(group, y_lags, u_lags, theta, start, u, y, slope, bound):
     """Continue run and slope from sample ``start``; terms that share their outputs share work."""
     groups, factors = y_lags.shape
     terms = theta.size
-    inputs = np.empty((_BLOCK, terms))  # each term's product of inputs
+    inputs = np.empty((BLOCK, terms))  # each term's product of inputs
     outputs = np.empty(groups)  # each group's product of outputs
     coefficients = np.empty(groups)
     feedback = np.empty(start + 1)  # df/dy_{t-k}
-    for first in range(start, y.size, _BLOCK):
-        last = min(first + _BLOCK, y.size)
+    for first in range(start, y.size, BLOCK):
+        last = min(first + BLOCK, y.size)
         inputs[:] = 1.0
         for j in range(terms):
             for factor in range(u_lags.shape[1]):
@@ -139,116 +137,3 @@ def run_with_slope(group, y_lags, u_lags, theta, start, u, y, slope, bound):
                 if feedback[k] != 0.0:
                     for j in range(terms):
                         slope[t, j] += feedback[k] * slope[t - k, j]
-
-
-@njit(cache=True)
-def solve_subset(triangle, columns, count):
-    """Least squares (4) by modified Gram-Schmidt on the compressed regressors.
-
-    ``triangle`` holds a regressor a row, the output last. A regressor that depends on those before
-    it gets the parameter zero.
-    """
-    rows = triangle.shape[1]
-    q = np.empty((count, rows))
-    upper = np.zeros((count, count))
-    projection = np.zeros(count)
-    rest = triangle[-1].copy()
-    for i in range(count):
-        column = q[i]
-        column[:] = triangle[columns[i]]
-        norm = np.sqrt(np.dot(column, column))
-        for m in range(i):
-            if upper[m, m] > 0.0:
-                upper[m, i] = np.dot(q[m], column)
-                for row in range(rows):
-                    column[row] -= upper[m, i] * q[m, row]
-        left = np.sqrt(np.dot(column, column))
-        if left > _DEPENDENT * norm:
-            upper[i, i] = left
-            for row in range(rows):
-                column[row] /= left
-            projection[i] = np.dot(column, rest)
-            for row in range(rows):
-                rest[row] -= projection[i] * column[row]
-    theta = np.zeros(count)
-    for i in range(count - 1, -1, -1):
-        if upper[i, i] > 0.0:
-            total = projection[i]
-            for m in range(i + 1, count):
-                total -= upper[i, m] * theta[m]
-            theta[i] = total / upper[i, i]
-    return theta
-
-
-@njit(cache=True)
-def run_trials(
-    columns, triangle, group, y_lags, product, products, y, ends, start, bound, error, theta
-):
-    """Estimate and simulate each row of ``columns``; fill its sum of squared errors and theta."""
-    longest = 0
-    begin = 0
-    for end in ends:
-        longest = max(longest, end - begin)
-        begin = end
-    run = np.empty(longest)
-    place = np.empty(y_lags.shape[0], dtype=np.int64)
-    used = np.empty(y_lags.shape[0], dtype=np.int64)
-    for trial in range(columns.shape[0]):
-        count = 0
-        while count < columns.shape[1] and columns[trial, count] != NONE:
-            count += 1
-        solution = solve_subset(triangle, columns[trial], count)
-        theta[trial, :count] = solution
-        place[:] = NONE
-        groups = 0
-        for j in range(count):
-            g = group[columns[trial, j]]
-            if place[g] == NONE:
-                place[g] = groups
-                used[groups] = g
-                groups += 1
-        monomials = y_lags[used[:groups]]
-        total = 0.0
-        begin = 0
-        for end in ends:
-            run[:start] = y[begin : begin + start]
-            total += _squared_error(
-                columns[trial, :count],
-                solution,
-                group,
-                place,
-                monomials,
-                product,
-                products[:, begin:end],
-                y[begin:end],
-                run,
-                start,
-                bound,
-            )
-            begin = end
-        error[trial] = total
-
-
-@njit(cache=True)
-def _squared_error(
-    columns, theta, group, place, monomials, product, products, y, run, start, bound
-):
-    """Sum of squared errors of one free run, infinite where it leaves the bound."""
-    coefficients = np.empty((monomials.shape[0], _BLOCK))
-    total = 0.0
-    for first in range(start, y.size, _BLOCK):
-        last = min(first + _BLOCK, y.size)
-        coefficients[:] = 0.0
-        for j in range(columns.size):
-            row = coefficients[place[group[columns[j]]]]
-            values = products[product[columns[j]], first:last]
-            parameter = theta[j]
-            for i in range(last - first):
-                row[i] += parameter * values[i]
-        for t in range(first, last):
-            output = _output(coefficients, t - first, monomials, run, t)
-            if not abs(output) <= bound:
-                return np.inf
-            run[t] = output
-            total += (output - y[t]) ** 2
-    return total

@@ -14,42 +14,9 @@ from dea import store
 from dea.errors import InputError
 from dea.narx.checks import Array, as_record, as_signal
 from dea.narx.regressors import regressor_matrix
+from dea.narx.scaling import Scaling
 from dea.narx.simulation import simulate
 from dea.narx.terms import Term, max_lag
-
-
-@dataclass(frozen=True)
-class Scaling:
-    """How physical signals become those of the equation: (u - u_offset)/u_scale, y likewise.
-
-    The default leaves them as they are.
-    """
-
-    u_offset: float = 0.0
-    u_scale: float = 1.0
-    y_offset: float = 0.0
-    y_scale: float = 1.0
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not np.isfinite(value) or (name.endswith("scale") and value <= 0.0):
-                raise InputError(
-                    f"it is {value}",
-                    field=name,
-                    remedy="Offsets are finite numbers, scales positive ones.",
-                )
-
-    def normalise_input(self, u: Array) -> Array:
-        """Return the input as the equation sees it."""
-        return (u - self.u_offset) / self.u_scale
-
-    def normalise_output(self, y: Array) -> Array:
-        """Return the output as the equation sees it."""
-        return (y - self.y_offset) / self.y_scale
-
-    def restore_output(self, y: Array) -> Array:
-        """Return the equation's output in physical units."""
-        return y * self.y_scale + self.y_offset
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,12 +31,18 @@ class NarxModel:
         From physical units to those of the equation and back.
     covariance
         Of the parameters, shape (terms, terms), where they were estimated.
+    trace
+        Where the terms were selected, every trial on the way; dimension ``trial``:
+        ``trial_phase`` (basis, forward, pruning, exchange), ``trial_step``, ``trial_term``,
+        ``trial_msse``, ``trial_serr`` and ``trial_status`` (added, pruned, exchanged, rejected,
+        unstable).
     """
 
     terms: tuple[Term, ...]
     parameters: Array
     scaling: Scaling = field(default_factory=Scaling)
     covariance: Array | None = None
+    trace: xr.Dataset | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "terms", tuple(self.terms))
@@ -172,7 +145,7 @@ class NarxModel:
         return replace(self, parameters=values, covariance=covariance)
 
     def to_dataset(self, u_units: str = "1", y_units: str = "1") -> xr.Dataset:
-        """Return the model as labelled data, as ``model.nc`` holds it."""
+        """Return the model and its trace as labelled data, as ``model.nc`` holds them."""
         scaling = {
             name: ((), value, {"units": units, "long_name": f"{what} of the {signal}"})
             for (name, value), (signal, what, units) in zip(
@@ -195,16 +168,18 @@ class NarxModel:
             dataset["covariance"] = (("term", "term_2"), self.covariance, label)
             label = _plain("standard error of the parameter")
             dataset["standard_error"] = ("term", self.standard_errors, label)
-        return dataset
+        return dataset if self.trace is None else dataset.merge(self.trace)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> "NarxModel":
         """Return the model that :meth:`to_dataset` described."""
+        trials = [name for name, variable in dataset.items() if variable.dims == ("trial",)]
         return NarxModel(
             tuple(map(Term.parse, dataset["term"].values.tolist())),
             dataset["parameter"].values,
             Scaling(**{item.name: float(dataset[item.name]) for item in fields(Scaling)}),
             dataset["covariance"].values if "covariance" in dataset else None,
+            dataset[trials].drop_attrs(deep=False) if trials else None,
         )
 
     def save(self, path: str | Path, *, u_units: str = "1", y_units: str = "1") -> None:

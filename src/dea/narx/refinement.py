@@ -9,7 +9,8 @@ from dea.errors import InputError
 from dea.narx import kernels
 from dea.narx.checks import Array
 from dea.narx.estimation import Segment, Signals, as_segments, estimate, normalised
-from dea.narx.model import NarxModel, Scaling
+from dea.narx.model import NarxModel
+from dea.narx.scaling import Scaling
 from dea.narx.simulation import BOUND, simulate, structure
 from dea.narx.terms import Term
 

@@ -1,10 +1,8 @@
 """Term selection by simulated error reduction, and how sure each selected term is."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
-import xarray as xr
 
 from dea.errors import InputError
 from dea.narx.estimation import (
@@ -15,30 +13,12 @@ from dea.narx.estimation import (
     scaling_of,
 )
 from dea.narx.exchange import Exchange
-from dea.narx.model import NarxModel, Scaling
+from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise, robust_covariance
+from dea.narx.scaling import Scaling
 from dea.narx.terms import candidate_terms, max_lag
 from dea.narx.trace import Trace, gain
 from dea.narx.trials import Subset, Trials
-
-
-@dataclass(frozen=True, eq=False)
-class SelectedModel(NarxModel):
-    """A model whose terms were selected; ``trace`` holds every trial on the way.
-
-    Parameters
-    ----------
-    trace
-        Dataset with dimension ``trial``: ``trial_phase`` (basis, forward, pruning, exchange),
-        ``trial_step``, ``trial_term``, ``trial_msse``, ``trial_serr`` and ``trial_status`` (added,
-        pruned, exchanged, rejected, unstable).
-    """
-
-    trace: xr.Dataset = field(default_factory=xr.Dataset)
-
-    def to_dataset(self, u_units: str = "1", y_units: str = "1") -> xr.Dataset:
-        """Return model and trace as labelled data, as ``model.nc`` holds them."""
-        return super().to_dataset(u_units, y_units).merge(self.trace)
 
 
 def select_terms(
@@ -55,7 +35,7 @@ def select_terms(
     rounds: int = 50,
     max_terms: int | None = None,
     scaling: Scaling | None = None,
-) -> SelectedModel:
+) -> NarxModel:
     """Select the terms of a NARX model by how well it simulates.
 
     Starts from the linear basis and adds, one at a time, the term with the *largest* simulated
@@ -94,7 +74,7 @@ def select_terms(
 
     Returns
     -------
-    SelectedModel
+    NarxModel
         With covariance, scaling and the trace of all trials.
 
     Raises
@@ -131,7 +111,7 @@ def select_terms(
             field="y_lags, u_lags, degree",
             remedy="Allow other lags or a lower degree, or use a longer record.",
         )
-    return SelectedModel(terms, theta, scale, covariance, trace.to_dataset())
+    return NarxModel(terms, theta, scale, covariance, trace.to_dataset())
 
 
 def forward_and_prune(

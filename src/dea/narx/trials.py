@@ -11,11 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.narx import kernels
 from dea.narx.checks import Array
+from dea.narx.kernels import NONE
 from dea.narx.regressors import regressor_matrix
 from dea.narx.simulation import structure
 from dea.narx.terms import Term, max_lag
+from dea.narx.trial_kernels import run_trials
 
 Subset = tuple[int, ...]
 Segment = tuple[Array, Array]
@@ -76,11 +77,11 @@ class Trials:
         fresh = [subset for subset in dict.fromkeys(asked) if subset not in self._known]
         if fresh:
             width = max(map(len, fresh))
-            columns = np.full((len(fresh), width), kernels.NONE, dtype=np.int64)
+            columns = np.full((len(fresh), width), NONE, dtype=np.int64)
             for row, subset in zip(columns, fresh, strict=True):
                 row[: len(subset)] = subset
             msse, theta = np.empty(len(fresh)), np.zeros((len(fresh), width))
-            kernels.run_trials(
+            run_trials(
                 columns,
                 self._triangle,
                 self._group,

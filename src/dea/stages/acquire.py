@@ -18,6 +18,7 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
     from dataclasses import replace
 
     from dea import acquisition, modbus, seeds, signals, store
+    from dea.errors import InputError
     from dea.stages.bench_process import bench_process
 
     description = modbus.read_device(device)
@@ -29,6 +30,16 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
         sampling_rate=description.sampling_rate,
         seed=excitation_seed,
     )
+    try:
+        acquisition.check_excitation(description, volts)
+    except InputError as error:
+        raise InputError(
+            error.problem,
+            file="config/config.yaml",
+            field=f"excitation.{settings['excitation_name']}.low, high",
+            remedy=f"Narrow it there, or widen {error.field} in {device} if film and amplifier"
+            " bear it.",
+        ) from error
     bench = settings.get("bench")
     process = (
         bench_process(**bench, device=device, seed=noise_seed) if bench else nullcontext()

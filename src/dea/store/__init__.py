@@ -3,7 +3,8 @@
 from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.files import atomic, read, sha256, write
 from dea.store.foreign import import_record
-from dea.store.records import Signals, check_record, read_record, signals
+from dea.store.record_file import read_record
+from dea.store.records import Signals, check_record, signals
 
 __all__ = [
     "CONTRACTS",

@@ -101,7 +101,8 @@ def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
         raise InputError(
             f"cannot be read as NetCDF ({error})",
             file=path,
-            remedy="Make it again; a record of another format enters by a case of config/cases",
+            remedy="Make it again; a record of another format is read by read_record with its"
+            " columns named, or by a case of config/cases",
         ) from error
     name = contract or _contract_name(dataset, path)
     if name in CONTRACTS:

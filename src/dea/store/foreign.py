@@ -11,7 +11,9 @@ from dea.errors import InputError
 from dea.store.records import check_record
 
 
-def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Path()) -> xr.Dataset:
+def import_record(
+    settings: Mapping[str, Any], case_file: Path | None = None, root: Path = Path()
+) -> xr.Dataset:
     """Read the record a case file describes as time (s), input and output.
 
     Parameters
@@ -21,7 +23,7 @@ def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Pat
         ``column``, ``units``, ``name``), and either a ``time`` column in seconds or a
         ``sampling_interval`` in seconds; optionally ``rows`` = [first, last + 1].
     case_file
-        Named in error messages.
+        Named in error messages, where the settings come from one.
 
     Raises
     ------
@@ -30,11 +32,12 @@ def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Pat
         file, or the record is not whole.
     """
     file = root / settings["file"]
+    place = "record." if case_file else ""
     if not file.exists():
         raise InputError(
             f"the record {file} does not exist",
             file=case_file,
-            field="record.file",
+            field=f"{place}file",
             remedy="Correct the path, or fetch the public records with `make records`",
         )
     columns, units = _read_columns(file, case_file)
@@ -46,16 +49,16 @@ def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Pat
             raise InputError(
                 f"{file} has no column {name!r}",
                 file=case_file,
-                field=f"record.{role}.column",
+                field=f"{place}{role}.column",
                 remedy=f"Its columns of numbers are {', '.join(columns) or 'none'}",
             )
         declared, stored = settings[role]["units"], units.get(name, settings[role]["units"])
         if declared != stored:
             raise InputError(
-                f"the case says {declared!r}, {file} says {stored!r}",
+                f"{file} has {name!r} in {stored!r}, not in {declared!r}",
                 file=case_file,
-                field=f"record.{role}.units",
-                remedy="Correct the units in the case, or convert the record",
+                field=f"{place}{role}.units",
+                remedy="Correct the units, or convert the record",
             )
         return columns[name][rows]
 
@@ -65,7 +68,7 @@ def import_record(settings: Mapping[str, Any], case_file: Path, root: Path = Pat
             raise InputError(
                 f"its units are {settings['time']['units']!r}",
                 file=case_file,
-                field="record.time.units",
+                field=f"{place}time.units",
                 remedy="Time is in 's': convert the column, or give a sampling_interval instead",
             )
         time = column("time")
@@ -88,23 +91,22 @@ def _attributes(role: Mapping[str, str]) -> dict[str, str]:
     return {"units": role["units"], "long_name": role.get("name", role["column"])}
 
 
-def _read_columns(file: Path, case_file: Path) -> "_Columns":
+def _read_columns(file: Path, case_file: Path | None) -> "_Columns":
     suffix = file.suffix.lower()
-    if suffix not in _READERS:
+    if suffix not in FORMATS:
         raise InputError(
             f"cannot read {suffix or 'a file without an ending'}",
             file=case_file,
-            field="record.file",
-            remedy=f"Use one of {', '.join(_READERS)}",
+            field="record.file" if case_file else str(file),
+            remedy=f"Use one of {', '.join(FORMATS)}",
         )
     try:
-        return _READERS[suffix](file)
+        return FORMATS[suffix](file)
     # Each reader has its own errors, MatReadError a class straight below Exception.
     except Exception as error:
+        other = f", or name another file in {case_file}: record.file" if case_file else ""
         raise InputError(
-            f"cannot be read as {suffix} ({error})",
-            file=file,
-            remedy=f"Repair it, or name another file in {case_file}: record.file",
+            f"cannot be read as {suffix} ({error})", file=file, remedy=f"Repair it{other}"
         ) from error
 
 
@@ -135,4 +137,4 @@ def _read_matlab(file: Path) -> _Columns:
     return {name: np.ravel(value).astype(float) for name, value in arrays.items()}, {}
 
 
-_READERS = {".csv": _read_csv, ".nc": _read_netcdf, ".mat": _read_matlab}
+FORMATS = {".csv": _read_csv, ".nc": _read_netcdf, ".mat": _read_matlab}

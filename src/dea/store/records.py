@@ -1,4 +1,4 @@
-"""Records of a system's input and output: what makes one usable, and how to read it."""
+"""Records of a system's input and output: what makes one usable, and its arrays."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -7,7 +7,6 @@ import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
-from dea.store.files import read
 
 _INPUTS = ("voltage", "input")
 _OUTPUTS = ("displacement", "output")
@@ -24,19 +23,6 @@ class Signals(NamedTuple):
     y_units: str
     u_name: str
     y_name: str
-
-
-def read_record(path: str | Path) -> xr.Dataset:
-    """Read a record made by the acquisition or imported from elsewhere, and check it.
-
-    Raises
-    ------
-    InputError
-        As :func:`check_record`, or if the file is no NetCDF with time, input and output.
-    """
-    dataset = read(path)
-    check_record(dataset, Path(path))
-    return dataset
 
 
 def signals(record: xr.Dataset) -> Signals:

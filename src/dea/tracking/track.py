@@ -16,7 +16,13 @@ from dea.tracking.structure import with_constant
 from dea.tracking.success import normalised_record
 
 Array = NDArray[np.float64]
-METHODS = ("rls", "kalman", "output_error")
+_SMOOTHER = {"delta": 1.0, "noise_ratio": None, "thinning": 10}
+_DEFAULTS: dict[str, dict[str, Any]] = {
+    "rls": {"forgetting": 0.999, "leakage": 1e-4, "delta": 1.0},
+    "kalman": _SMOOTHER,
+    "output_error": _SMOOTHER,
+}
+METHODS = tuple(_DEFAULTS)
 
 
 def track_parameters(
@@ -25,11 +31,11 @@ def track_parameters(
     y: ArrayLike,
     *,
     method: str = "rls",
-    forgetting: float = 0.999,
-    leakage: float = 1e-4,
-    delta: float = 1.0,
+    forgetting: float | None = None,
+    leakage: float | None = None,
+    delta: float | None = None,
     noise_ratio: ArrayLike | None = None,
-    thinning: int = 10,
+    thinning: int | None = None,
     sampling_rate: float = 1.0,
 ) -> xr.Dataset:
     """Let the parameters of ``model`` change with time, (10), and follow them through a record.
@@ -48,15 +54,17 @@ def track_parameters(
         instead of the one-step prediction, starting from ``kalman``; unbiased where the output is
         noisy.
     forgetting, leakage
-        lambda and alpha of ``rls``; the memory is 1/(1 - lambda) samples.
+        lambda and alpha of ``rls``, by default 0.999 and 1e-4; the memory is 1/(1 - lambda)
+        samples.
     delta
-        The model's own parameters count like a record of ``delta`` samples: P_0 = I/delta.
+        The model's own parameters count like a record of ``delta`` samples, by default 1:
+        P_0 = I/delta.
     noise_ratio
         For the other two, variance of a parameter's step over that of the noise, a number or one
         per term; fitted by likelihood where it is not given.
     thinning
-        Of the samples that the likelihood is taken over; about the number of samples over which
-        errors of the one-step prediction stay alike.
+        For the other two, of the samples that the likelihood is taken over, by default 10; about
+        the number of samples over which errors of the one-step prediction stay alike.
     sampling_rate
         In Hz; only labels the time.
 
@@ -70,15 +78,17 @@ def track_parameters(
     Raises
     ------
     InputError
-        If the record is not usable, a setting is out of range, or ``output_error`` finds no
-        bounded free run to start from.
+        If the record is not usable, a setting is out of range or unknown to the method, or
+        ``output_error`` finds no bounded free run to start from.
     """
-    if method not in METHODS:
-        raise InputError(f"{method!r} is unknown", field="method", remedy=f"One of {METHODS}")
-    if not delta > 0.0:
-        raise InputError(f"it is {delta}", field="delta", remedy="It is more than zero")
-    if thinning < 1:
-        raise InputError(f"it is {thinning}", field="thinning", remedy="It is 1 or more")
+    chosen = _settings(
+        method,
+        forgetting=forgetting,
+        leakage=leakage,
+        delta=delta,
+        noise_ratio=noise_ratio,
+        thinning=thinning,
+    )
     model = with_constant(model)
     inputs, outputs = normalised_record(model, u, y)
     Phi = regressor_matrix(model.terms, inputs, outputs)
@@ -88,10 +98,8 @@ def track_parameters(
         found = recursive_least_squares(
             Phi / scale,
             target,
-            forgetting=forgetting,
-            leakage=leakage,
-            delta=delta,
             theta_0=model.parameters * scale,
+            **chosen,
         )
         return _labelled(
             model,
@@ -99,12 +107,12 @@ def track_parameters(
             np.sqrt(found.variance) / scale,
             found.innovation,
             sampling_rate,
-            {"method": method, "forgetting": forgetting, "leakage": leakage, "delta": delta},
+            {"method": method, **chosen},
         )
     walk = RandomWalk(
         None if noise_ratio is None else np.asarray(noise_ratio, dtype=float),
-        prior_variance=1.0 / delta,
-        thinning=thinning,
+        prior_variance=1.0 / chosen["delta"],
+        thinning=chosen["thinning"],
     )
     smoothed = walk.smooth(Phi, target, model.parameters)
     if method == "output_error":
@@ -118,7 +126,7 @@ def track_parameters(
         np.sqrt(smoothed.variance),
         smoothed.innovation,
         sampling_rate,
-        {"method": method, "delta": delta, "thinning": thinning},
+        {"method": method, "delta": chosen["delta"], "thinning": chosen["thinning"]},
     )
     return track.assign(
         noise_ratio=(
@@ -127,6 +135,27 @@ def track_parameters(
             {"units": "1", "long_name": "variance of a step over that of the noise, per sample"},
         )
     )
+
+
+def _settings(method: str, **given: Any) -> dict[str, Any]:
+    """What ``method`` knows, with its default where nothing was given."""
+    if method not in METHODS:
+        raise InputError(f"{method!r} is unknown", field="method", remedy=f"One of {METHODS}")
+    known = _DEFAULTS[method]
+    for name, value in given.items():
+        if value is not None and name not in known:
+            others = [other for other in METHODS if name in _DEFAULTS[other]]
+            raise InputError(
+                f"the method {method!r} has no such setting",
+                field=name,
+                remedy=f"Leave it out, or take method={' or '.join(map(repr, others))}",
+            )
+    chosen = known | {name: given[name] for name in known if given[name] is not None}
+    if not chosen["delta"] > 0.0:
+        raise InputError(f"it is {chosen['delta']}", field="delta", remedy="It is more than zero")
+    if chosen.get("thinning", 1) < 1:
+        raise InputError(f"it is {chosen['thinning']}", field="thinning", remedy="It is 1 or more")
+    return chosen
 
 
 def _bounded(model: NarxModel, starts: list[Smoothed], u: Array, y: Array) -> Smoothed:

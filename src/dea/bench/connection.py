@@ -1,0 +1,142 @@
+"""One master's connection: its frames kept in order, and the master in check.
+
+pymodbus 3.16 keeps one request per connection: a second one in the same segment overtakes or
+wedges the first. Here each frame is answered before the next is looked at.
+"""
+
+import socket
+from typing import Protocol
+
+from pymodbus.constants import ExcCodes
+from pymodbus.framer import FramerRTU, FramerSocket
+from pymodbus.pdu import ExceptionResponse, ModbusPDU
+from pymodbus.server import ModbusTcpServer, ModbusTlsServer
+from pymodbus.server.requesthandler import ServerRequestHandler
+
+from dea.bench.device import Session
+
+FUNCTIONS = (3, 4, 6, 16, 23)
+MAX_FRAME = 260  # bytes, of a Modbus frame on TCP
+MAX_BURST = 16  # frames of one master answered before the others have their turn
+MAX_CONNECTIONS = 64
+MAX_UNREAD = 64 * 1024  # bytes of replies a client may leave unread
+
+
+class Bench(Protocol):
+    """Who answers the masters."""
+
+    connections: set["Connection"]
+
+    def answer(self, session: Session, request: ModbusPDU) -> ModbusPDU:
+        """Reply to one request of one master."""
+        ...
+
+    def pump(self) -> None:
+        """Go on after a reply has been sent."""
+        ...
+
+
+class Connection(ServerRequestHandler):
+    """One master: its frames in, its replies out."""
+
+    def __init__(self, owner: "TcpServer | TlsServer") -> None:
+        super().__init__(owner, None, None, None)
+        self.bench, self.session, self.pending = owner.bench, Session(), b""
+
+    def callback_connected(self) -> None:
+        """Refuse one connection too many; bound what a client may leave unread."""
+        super().callback_connected()
+        if len(self.bench.connections) >= MAX_CONNECTIONS:
+            self.transport.abort()  # type: ignore[attr-defined]
+            return
+        self.bench.connections.add(self)
+        self.transport.set_write_buffer_limits(high=MAX_UNREAD)  # type: ignore[attr-defined]
+        plain: socket.socket = self.transport.get_extra_info("socket")
+        plain.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_UNREAD)
+
+    def callback_disconnected(self, exc: Exception | None) -> None:
+        """Forget the master; what it drives is the watchdog's to end."""
+        super().callback_disconnected(exc)
+        self.bench.connections.discard(self)
+
+    def pause_writing(self) -> None:
+        """Drop a client that asks and does not listen."""
+        self.transport.abort()  # type: ignore[attr-defined]
+
+    def resume_writing(self) -> None:
+        """Nothing waits: a paused client has been dropped."""
+
+    def data_received(self, data: bytes) -> None:
+        """Answer every whole frame in the order of arrival; drop who sends what is none."""
+        self.pending += data
+        self._work()
+
+    def _work(self) -> None:
+        """Answer a few frames; with more waiting, let the other masters have their turn first."""
+        for _ in range(MAX_BURST):
+            if self.transport is None or self.transport.is_closing():
+                return
+            if isinstance(self.framer, FramerSocket) and _malformed(self.pending):
+                break
+            used, frame = self._frame()
+            if not used:
+                if len(self.pending) > MAX_FRAME:
+                    break
+                self.transport.resume_reading()  # type: ignore[attr-defined]
+                return
+            self.pending = self.pending[used:]
+            if frame:
+                self._serve(*frame)
+        else:
+            self.transport.pause_reading()  # type: ignore[attr-defined]
+            self.loop.call_soon(self._work)
+            return
+        self.transport.abort()  # type: ignore[attr-defined]
+
+    def _frame(self) -> tuple[int, tuple[int, int, bytes] | None]:
+        used, unit, transaction, pdu = self.framer.decode(self.pending)
+        if isinstance(self.framer, FramerRTU) and used:
+            # pymodbus's RTU framer claims the whole buffer; a master has one request under way.
+            used = len(self.pending)
+        return used, (unit, transaction, pdu) if pdu else None
+
+    def _serve(self, unit: int, transaction: int, pdu: bytes) -> None:
+        request = self.framer.decoder.decode(pdu)
+        if request is None:
+            code = ExcCodes.ILLEGAL_VALUE if pdu[0] in FUNCTIONS else ExcCodes.ILLEGAL_FUNCTION
+            reply: ModbusPDU = ExceptionResponse(pdu[0] & 0x7F, code)
+        else:
+            request.dev_id, request.transaction_id = unit, transaction
+            reply = self.bench.answer(self.session, request)
+        reply.dev_id, reply.transaction_id = unit, transaction
+        self.pdu_send(reply)
+        # After the reply, so that the plant moves on while the host digests what it got.
+        self.bench.pump()
+
+
+class TcpServer(ModbusTcpServer):
+    """Listens for masters over TCP."""
+
+    bench: Bench
+
+    def callback_new_connection(self) -> Connection:
+        """Hand a master its connection."""
+        return Connection(self)
+
+
+class TlsServer(ModbusTlsServer):
+    """Listens for masters over TLS."""
+
+    bench: Bench
+
+    def callback_new_connection(self) -> Connection:
+        """Hand a master its connection."""
+        return Connection(self)
+
+
+def _malformed(data: bytes) -> bool:
+    """Whether a Modbus TCP header has the wrong protocol or an impossible length."""
+    if len(data) < 6:
+        return False
+    length = int.from_bytes(data[4:6], "big")
+    return data[2:4] != b"\0\0" or not 2 <= length <= MAX_FRAME - 6

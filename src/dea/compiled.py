@@ -1,0 +1,75 @@
+"""Where compiled functions are kept between processes: in a folder for each state of their source.
+
+Numba recompiles a function when its own file changes, and not when a function that it calls from
+another file does. One folder for each state of all compiled modules leaves nothing stale to find.
+"""
+
+import os
+import shutil
+import sys
+import time
+from collections.abc import Iterable
+from hashlib import sha256
+from pathlib import Path
+
+PACKAGE = Path(__file__).parent
+PLACES = (PACKAGE / "__pycache__", Path("~/.cache/dea"))
+VARIABLE = "NUMBA_CACHE_DIR"
+PREFIX = "dea-compiled-"
+UNUSED = 7 * 24 * 3600.0  # s
+
+
+def keep_compiled_functions() -> None:
+    """Point numba at the folder of this state of the source, unless the user chose one.
+
+    Where no folder can be written, numba's own places remain.
+    """
+    config = sys.modules["numba"].core.config if "numba" in sys.modules else None
+    given = config.CACHE_DIR if config else os.environ.get(VARIABLE)
+    # A folder with the prefix was chosen by a parent process, of perhaps another state.
+    if given and not Path(given).name.startswith(PREFIX):
+        return
+    folder = _writable(PREFIX + source_state(PACKAGE), PLACES)
+    chosen = "" if folder is None else str(folder)
+    if config:
+        # A change of the environment would make numba forget what else the user told it.
+        config.CACHE_DIR = chosen
+    else:
+        os.environ[VARIABLE] = chosen
+
+
+def source_state(package: Path) -> str:
+    """Return a hash of every module of ``package`` that mentions numba, and of their names."""
+    state = sha256()
+    for folder, folders, names in os.walk(package):
+        folders[:] = sorted(set(folders) - {"__pycache__"})
+        for name in sorted(names):
+            source = Path(folder, name).read_bytes() if name.endswith(".py") else b""
+            if b"numba" in source:
+                state.update(f"{folder[len(str(package)) :]}/{name} {len(source)}\n".encode())
+                state.update(source)
+    return state.hexdigest()[:16]
+
+
+def _writable(name: str, places: Iterable[Path]) -> Path | None:
+    """Make the folder ``name`` in the first of ``places`` that can be written to."""
+    for place in places:
+        try:
+            folder = place.expanduser() / name
+            if not folder.exists():
+                folder.mkdir(parents=True, exist_ok=True)
+                _remove_unused(folder.parent)
+            os.utime(folder)
+            return folder
+        # RuntimeError: the user has no home.
+        except (OSError, RuntimeError):
+            continue
+    return None
+
+
+def _remove_unused(parent: Path) -> None:
+    """Remove the folders that no process has started with for a week: none still writes there."""
+    for folder in parent.glob(f"{PREFIX}*"):
+        if time.time() - folder.stat().st_mtime > UNUSED:
+            # Another process may be removing it too.
+            shutil.rmtree(folder, ignore_errors=True)

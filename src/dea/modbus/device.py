@@ -1,0 +1,120 @@
+"""A Modbus device as its description gives it: where it is, how it is framed, its registers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from dea.errors import InputError
+
+Table = Literal["holding", "input"]
+Order = Literal["big", "little"]
+Access = Literal["read", "write", "read_write"]
+Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
+Parity = Literal["N", "E", "O"]
+RegisterType = Literal[
+    "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string"
+]
+
+_WORDS = {
+    "uint16": 1,
+    "int16": 1,
+    "uint32": 2,
+    "int32": 2,
+    "float32": 2,
+    "uint64": 4,
+    "int64": 4,
+    "float64": 4,
+    "string": 1,
+}
+
+
+@dataclass(frozen=True)
+class Register:
+    """One named value of the device, ``value = offset + scale * raw``.
+
+    ``count`` is the number of values of an array, or of registers of a string. ``limits`` and
+    ``range`` are in ``unit``; a ``range`` is what the lowest and the highest raw value mean, and
+    stands for scale and offset. ``expect`` is what must be read before any voltage is applied.
+    """
+
+    name: str
+    address: int
+    type: RegisterType = "uint16"
+    table: Table = "holding"
+    count: int = 1
+    word_order: Order = "big"
+    byte_order: Order = "big"
+    scale: float = 1.0
+    offset: float = 0.0
+    unit: str = "1"
+    access: Access = "read"
+    range: tuple[float, float] | None = None
+    limits: tuple[float, float] | None = None
+    expect: float | str | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of 16-bit registers the value occupies."""
+        return _WORDS[self.type] * self.count
+
+    @property
+    def end(self) -> int:
+        """First address after the value."""
+        return self.address + self.size
+
+
+@dataclass(frozen=True)
+class Tls:
+    """Certificates of a TLS link; ``ca_file`` signs the device's, the others are the client's."""
+
+    ca_file: str | None = None
+    server_name: str | None = None
+    certificate_file: str | None = None
+    key_file: str | None = None
+
+
+@dataclass(frozen=True)
+class Serial:
+    """A serial line; ``baudrate`` in bit/s."""
+
+    port: str
+    baudrate: int = 19200
+    parity: Parity = "E"
+    stopbits: int = 1
+
+
+@dataclass(frozen=True)
+class Device:
+    """A Modbus device: endpoint, framing and register map.
+
+    ``read_write_multiple`` says whether it answers function code 23. ``source`` is the file the
+    description came from, for messages.
+    """
+
+    name: str
+    unit_id: int
+    sampling_rate: float  # Hz
+    registers: Mapping[str, Register]
+    host: str = "127.0.0.1"
+    port: int = 502
+    framing: Framing = "tcp"
+    tls: Tls = field(default_factory=Tls)
+    serial: Serial | None = None
+    read_write_multiple: bool = False
+    source: Path | None = None
+
+    def __getitem__(self, name: str) -> Register:
+        """Return the register called ``name``; raise InputError where the device has none."""
+        try:
+            return self.registers[name]
+        except KeyError:
+            raise InputError(
+                f"the device has no register {name!r}",
+                file=self.source,
+                field="registers",
+                remedy=f"Describe it; there are {', '.join(sorted(self.registers))}.",
+            ) from None
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.registers

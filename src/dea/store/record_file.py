@@ -1,0 +1,71 @@
+"""One way to read a record, whatever wrote it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from dea.errors import InputError
+from dea.store.files import read
+from dea.store.foreign import FORMATS, import_record
+from dea.store.records import check_record
+
+_ROLES = ("input", "output", "time")
+_KNOWN = {*_ROLES, "sampling_interval", "rows"}
+_EXAMPLE = (
+    "read_record(path, sampling_interval=0.02, input={'column': 'volts', 'units': 'V'}, "
+    "output={'column': 'position', 'units': 'mm'})"
+)
+
+
+def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
+    """Read a record of the study, or one made elsewhere whose columns are named, and check it.
+
+    Parameters
+    ----------
+    path
+        A record of the study (NetCDF), or a CSV, NetCDF or MATLAB file of any columns.
+    columns
+        For a file of other columns, what a case file says of it: ``input`` and ``output``, each
+        ``{"column": …, "units": …}`` with optionally a ``name``; ``time`` likewise in ``s``, or
+        ``sampling_interval`` in seconds; optionally ``rows`` = [first, last + 1].
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column is missing or not named, or the record is not whole
+        (:func:`check_record`).
+    """
+    file = Path(path)
+    if columns:
+        _check_columns(columns, file)
+        return import_record({"file": str(file), **columns})
+    if file.suffix.lower() in FORMATS and file.suffix.lower() != ".nc":
+        raise InputError(
+            "nothing says which of its columns are input and output",
+            file=file,
+            remedy=f"Name them: {_EXAMPLE}",
+        )
+    dataset = read(file)
+    check_record(dataset, file)
+    return dataset
+
+
+def _check_columns(columns: Mapping[str, Any], file: Path) -> None:
+    """A case file's schema asks for the same."""
+    remedy = f"As in {_EXAMPLE}"
+    for name in columns:
+        if name not in _KNOWN:
+            known = ", ".join(sorted(_KNOWN))
+            raise InputError("unknown", file=file, field=name, remedy=f"Known are {known}")
+    for role in ("input", "output"):
+        if role not in columns:
+            raise InputError("it is not named", file=file, field=role, remedy=remedy)
+    for role in set(_ROLES) & set(columns):
+        if not isinstance(columns[role], Mapping) or not {"column", "units"} <= set(columns[role]):
+            raise InputError("column and units are wanted", file=file, field=role, remedy=remedy)
+    if ("time" in columns) == ("sampling_interval" in columns):
+        raise InputError(
+            "one of them is wanted", file=file, field="time, sampling_interval", remedy=remedy
+        )
