@@ -37,3 +37,24 @@ def diagnosed(name):
         test_records={part: read(record) for part, record in case["test_records"].items()},
         settings=Settings.of(leaves),
     ).verdict
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "published"),
+    [("coupled_drives_1", "record_2", 1.26), ("coupled_drives_2", "record_1", 0.87)],
+)
+def test_the_drives_sensor_is_named_and_serves_on_the_other_record(name, part, published):
+    verdict = diagnosed(name)
+    assert verdict.status == "named", verdict.sentence
+    assert verdict.names == ("sensor_nonlinearity",)
+    other = verdict.certified["records"][part]
+    assert other["after"] <= published
+    assert other["after"] < 0.75 * other["before"]
+
+
+def test_the_tanks_overflow_is_named_and_serves_on_the_other_record():
+    verdict = diagnosed("cascaded_tanks")
+    assert verdict.status == "named", verdict.sentence
+    assert "end_stop" in verdict.names
+    other = verdict.certified["records"]["validation"]
+    assert other["after"] <= 0.354 < other["before"]
