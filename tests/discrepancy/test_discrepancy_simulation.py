@@ -172,12 +172,71 @@ def test_a_users_simulation_loads_and_runs(tmp_path):
     assert np.allclose(found, 1 - np.exp(-2.0 * T), atol=1e-6)
 
 
+def test_a_users_simulation_is_found_again_by_what_is_saved(tmp_path):
+    extended = ExtendedSimulation(load_simulation(write_own(tmp_path / "own.py")))
+    values = extended.values(np.full(extended.free.size, 0.3))
+    path = tmp_path / "extended_simulation.yaml"
+    extended.save(values, DT, path)
+    loaded, same, _ = load_extended(path)
+    u = np.sin(T)
+    assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()
+
+
+def test_a_constant_can_add_to_the_input(tmp_path):
+    own = replace(load_simulation(write_own(tmp_path / "own.py")), input_offset_spread=0.5)
+    extended = ExtendedSimulation(own)
+    values = extended.values(np.zeros(extended.free.size))
+    values[extended.names.index("input_offset")] = 0.4
+    moved = extended.simulate(values, np.sin(T), DT)
+    values[extended.names.index("input_offset")] = 0.0
+    assert np.allclose(moved, extended.simulate(values, np.sin(T) + 0.4, DT), rtol=0, atol=1e-12)
+
+
+def test_what_one_vessel_loses_the_next_receives():
+    simulation = load_simulation("cascaded_tanks")
+    u, interval = 3.0 + 2.0 * np.sin(0.03 * np.arange(300)), 4.0
+    extended = base(simulation, u, interval, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    problem = Problem(u, u, interval, *(np.ones(u.size, bool) for _ in range(3)))
+    [port] = [i for i, b in enumerate(simulation.balances) if b.reaction]
+    told = scales(problem, extended, values, ("V", "V"), port)
+    stopped = extended.attach(catalogue()["strain_stiffening"], told, port)
+    frame = extended.frames[port]
+
+    def slopes(x, v, p, dx):
+        simulation.derivative(x, v, p, dx)
+        flow = frame.unit_force * 0.3 * (x[0] / frame.scale) ** 3
+        dx[0] -= flow
+        dx[1] += flow
+
+    found = stopped.simulate(np.concatenate([values, [0.3, 3.0, 0.0]]), u, interval)
+    assert np.allclose(found, reference(simulation, u, interval, slopes), atol=5e-3)
+    assert stopped.label(stopped.attached[0]) == "strain_stiffening@upper_level>lower_level"
+
+
+def test_forces_on_what_nothing_pulls_back_are_measured_by_the_drive():
+    def derivative(x, u, p, dx):
+        dx[0] = x[1]
+        dx[1] = p[0] * u
+
+    carriage = Simulation(
+        name="carriage", input_unit="V", output_unit="m",
+        states=(State("position", "m", 0.0), State("velocity", "m/s", 0.0)),
+        parameters=(Parameter("gain", "m/s^2/V", 3.0, 0.2),), derivative=derivative,
+        output=lambda x, u, p: x[0], drive="gain",
+        balances=(Balance("velocity", "position", "velocity"),),
+    )  # fmt: skip
+    [frame] = base(carriage, 0.5 * np.sin(9 * T), DT, 1e-3).frames
+    assert frame.unit_force == pytest.approx(3.0, rel=1e-2)
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
         ({"drive": "power"}, "the drive port names 'power'"),
         ({"equation": "speed"}, "force-balance port names 'speed'"),
         ({"slope": "p[0] * (u - x[0]) / x[0]"}, "derivative of level is not a number"),
+        ({"slope": "p[0] * u - x[1]"}, "a state or parameter that is not declared"),
         ({"slope": "undefined_name"}, "numba cannot compile it"),
         ({"slope": "1 +"}, "cannot be run"),
     ],

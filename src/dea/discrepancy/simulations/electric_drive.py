@@ -13,7 +13,7 @@ from dea.discrepancy.simulation import Balance, Simulation, State
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x, u, p, dx):
-    """Current x₀ follows the voltage, the motors' speed x₁ the current, and the belt swings x₂."""
+    """Current x₀ follows the voltage, the motors' speed x₁ the current, the pulley x₂ the belt."""
     winding, motor, omega = p[0], p[1], 6.283185307179586 * p[2]
     dx[0] = (u - x[0]) / winding
     dx[1] = (p[4] * x[0] - x[1]) / motor
@@ -40,10 +40,10 @@ simulation = Simulation(
     ),
     parameters=(
         Parameter("winding_time", "s", 0.02, 0.7, 1e-3, 1.0, log=True),
-        Parameter("motor_time", "s", 0.3, 1.0, 1e-2, 10.0, log=True),
-        Parameter("belt_frequency", "Hz", 2.0, 1.0, 0.1, 20.0, log=True),
-        Parameter("belt_damping", "1", 0.3, 1.0, 1e-2, 5.0, log=True),
-        Parameter("speed_gain", "ticks/s/V", 2.0, 1.0, 1e-2, 1e2, log=True),
+        Parameter("motor_time", "s", 0.2, 0.7, 1e-2, 10.0, log=True),
+        Parameter("belt_frequency", "Hz", 3.0, 0.5, 0.1, 20.0, log=True),
+        Parameter("belt_damping", "1", 0.2, 0.7, 1e-2, 5.0, log=True),
+        Parameter("speed_gain", "ticks/s/V", 2.0, 0.7, 1e-2, 1e2, log=True),
     ),
     derivative=derivative,
     output=output,

@@ -1,0 +1,60 @@
+"""Measured records of public benchmarks: what is named, and what it is worth on another record."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from dea import store
+from dea.discrepancy import Settings, diagnose
+
+ROOT = Path(__file__).parents[2]
+DATA = ROOT.parent / "shared" / "data"
+CASES = ROOT / "config" / "cases"
+pytestmark = pytest.mark.skipif(
+    not DATA.exists(), reason="the public measured records are not in ../shared/data"
+)
+
+
+def diagnosed(name):
+    """Diagnose a case as its rule does, from where the tests find its records."""
+    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
+    case = yaml.safe_load((CASES / f"{name}.yaml").read_text())
+
+    def read(record):
+        file = record["file"].removeprefix("data/")
+        return store.import_record(record | {"file": file}, CASES, DATA)
+
+    leaves = {
+        "discrepancy": config["discrepancy"],
+        "split": case.get("split", {}),
+        "seed": config["seed"],
+        "system": name,
+    }
+    return diagnose(
+        read(case["record"]),
+        case["simulation"],
+        test_records={part: read(record) for part, record in case["test_records"].items()},
+        settings=Settings.of(leaves),
+    ).verdict
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "published"),
+    [("coupled_drives_1", "record_2", 1.26), ("coupled_drives_2", "record_1", 0.87)],
+)
+def test_the_drives_sensor_is_named_and_serves_on_the_other_record(name, part, published):
+    verdict = diagnosed(name)
+    assert verdict.status == "named", verdict.sentence
+    assert verdict.names == ("sensor_nonlinearity",)
+    other = verdict.certified["records"][part]
+    assert other["after"] <= published
+    assert other["after"] < 0.75 * other["before"]
+
+
+def test_the_tanks_overflow_is_named_and_serves_on_the_other_record():
+    verdict = diagnosed("cascaded_tanks")
+    assert verdict.status == "named", verdict.sentence
+    assert "end_stop" in verdict.names
+    other = verdict.certified["records"]["validation"]
+    assert other["after"] <= 0.354 < other["before"]

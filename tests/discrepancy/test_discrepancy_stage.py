@@ -1,0 +1,84 @@
+"""What is wrong with a case is said before anything is written, with its name and the remedy."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea import store
+from dea.errors import InputError
+from dea.stages.diagnose import diagnose
+
+DT = 0.02
+OUTPUTS = ("localisation", "candidates", "verdict", "extended", "certificate")
+SERVO = """
+from dea.discrepancy import Balance, Parameter, Simulation, State
+
+
+def derivative(x, u, p, dx):
+    dx[0] = {slope}
+
+
+def output(x, u, p):
+    return x[0]
+
+
+simulation = Simulation(
+    name="mine", input_unit="V", output_unit="mm", states=(State("level", "mm", 0.0),),
+    parameters=(Parameter("rate", "1/s", 2.0, 0.5, log=True), Parameter("gain", "mm/V", 1.0, 0.5)),
+    derivative=derivative, output=output, {ports}
+)
+"""
+PORTS = 'drive="gain", balances=(Balance("level", "level", None),),'
+
+
+def settings(simulation):
+    return {
+        "seed": 1,
+        "system": "my_case",
+        "simulation": str(simulation),
+        "split": {},
+        "discrepancy": {
+            "effects": [], "warm_up": 0.0, "workers": 1, "budget": {}, "rules": {}
+        },
+    }  # fmt: skip
+
+
+def run(folder, samples=2000, unit="mm", slope="p[0] * (p[1] * u - x[0])", ports=PORTS):
+    rng = np.random.default_rng(0)
+    u = np.repeat(rng.uniform(0.0, 1.0, samples // 20 + 1), 20)[:samples]
+    record = xr.Dataset(
+        {"input": ("time", u, {"units": "V"}), "output": ("time", u + 1.0, {"units": unit})},
+        coords={"time": ("time", np.arange(samples) * DT, {"units": "s"})},
+    )
+    store.write(record, folder / "record.nc", title="Mine")
+    (folder / "mine.py").write_text(SERVO.format(slope=slope, ports=ports))
+    diagnose(
+        settings(folder / "mine.py"),
+        record=folder / "record.nc",
+        tests=[],
+        **{name: folder / "out" / name for name in OUTPUTS},
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"samples": 60}, ["the split needs", "Record longer"]),
+        ({"unit": "cm"}, ["output is in 'cm'", "Convert the record"]),
+        ({"slope": "40.0 * x[0] + p[1] * u"}, ["runs away at its nominal", "nominal values"]),
+        ({"slope": "p[1] * u / x[0]"}, ["derivative of level is not a number", "Check"]),
+        ({"slope": "p[1] * u - x[1]"}, ["not declared", "There are 1 states"]),
+        ({"ports": PORTS.replace('drive="gain", ', "")}, ["drive", "worked example"]),
+        ({"ports": PORTS.replace('"gain"', '"power"')}, ["drive port names 'power'", "rate, gain"]),
+        ({"ports": PORTS.replace('("level",', '("speed",')}, ["names 'speed'", "level"]),
+        ({"ports": "**absent"}, ["absent", "worked example"]),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_is_written(change, words, tmp_path):
+    with pytest.raises(InputError) as error:
+        run(tmp_path, **change)
+    said = str(error.value)
+    for word in [*words, "case my_case"]:
+        assert word in said
+    assert error.value.file
+    assert not (tmp_path / "out").exists()
