@@ -8,7 +8,7 @@ import numpy as np
 
 from dea.discrepancy.effects import Effect, Scales
 from dea.discrepancy.fit import Fit, fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.problem import Problem, rmse
 
 _GLANCE_ITERATIONS, _SCREEN_ITERATIONS = 1, 4
 
@@ -26,12 +26,17 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
     """Fit an effect by a few cheap steps; return the stable ones of ``kept`` fits, best first.
 
     One step from each of its starts on each of the ``bases`` (fits of the same simulation) tells
-    the best start of each base; the ``kept`` best of these go on. Shapes of laws are held, and the
-    Jacobian of what is there already is kept as it was in its base. An effect without a start in
+    the best start of each base. Shapes of laws are held, and the Jacobian of what is there already
+    is kept as it was in its base. The ``kept`` best after a few such steps go on with a whole one;
+    where one is kept, it is chosen at the first step. An effect without a start in
     this record has no fit.
     """
     extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance)
     held = extended.shapes
+
+    def error(candidate: Fit) -> float:
+        return rmse(candidate.gap, problem.seen)
+
     starts = offer.effect.starts(offer.scales)
     if not starts:
         return []
@@ -47,11 +52,9 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
             held=held,
         )
 
-    glances = [
-        (min((glance(base, start) for start in starts), key=lambda f: f.cost), base)
-        for base in bases
-    ]
-    glances.sort(key=lambda glance: glance[0].cost)
+    glances = [(min((glance(base, start) for start in starts), key=error), base) for base in bases]
+    if kept == 1:
+        glances = [min(glances, key=lambda glance: error(glance[0]))]
     further = [
         fit(
             problem,
@@ -61,11 +64,12 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
             kept=base.jacobian,
             held=held,
         )
-        for best, base in glances[:kept]
+        for best, base in glances
     ]
     if kept > 1:
-        further = [refine(problem, each, _SCREEN_ITERATIONS, held) for each in further]
-    return sorted((each for each in further if each.stable), key=lambda f: f.cost)
+        further.sort(key=error)
+        further = [refine(problem, each, _SCREEN_ITERATIONS, held) for each in further[:kept]]
+    return sorted((each for each in further if each.stable), key=error)
 
 
 def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | None = None) -> Fit:

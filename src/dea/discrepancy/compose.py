@@ -89,10 +89,9 @@ def seen_error(problem: Problem, fit: Fit) -> float:
     A law has a handful of parameters against thousands of samples, so that what it was fitted on
     counts as evidence too; the charge is that of the Bayesian information criterion.
     """
-    seen = problem.fit | problem.select
-    count = int(seen.sum())
+    count = int(problem.seen.sum())
     charge = np.exp(0.5 * fit.coordinates.size * np.log(count) / count)
-    return rmse(fit.gap, seen) * float(charge)
+    return rmse(fit.gap, problem.seen) * float(charge)
 
 
 def judge(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
@@ -116,25 +115,29 @@ def extend_by_each(
     kept = int(np.clip(_SHORT // problem.u.size, 1, 6))
     offers = _offers(problem, before, effects, units)
     screened = in_parallel(lambda offer: screen(problem, bases, offer, kept), offers, workers)
-    stable = sorted((fits for fits in screened if fits), key=lambda fits: fits[0].cost)
+
+    def error(candidate: Fit) -> float:
+        return rmse(candidate.gap, problem.seen)
+
+    stable = sorted((fits for fits in screened if fits), key=lambda fits: error(fits[0]))
     ahead = in_parallel(
         lambda fits: min(
             (refine(problem, each, _FIRST_STEPS) for each in fits[:_RUNNERS_UP]),
-            key=lambda f: f.cost,
+            key=error,
         ),
         stable[: budget.finished],
         workers,
     )
-    leader = min((each.cost for each in ahead), default=0.0)
-    near = [each for each in ahead if each.cost <= _NEAR**2 * leader]
+    leader = min(map(error, ahead), default=0.0)
+    near = [each for each in ahead if error(each) <= _NEAR * leader]
     finished = in_parallel(lambda each: refine(problem, each, _LAST_STEPS), near, workers)
-    finished.sort(key=lambda f: f.cost)
+    finished.sort(key=error)
     finished[:_POLISHED] = in_parallel(
         lambda each: fit(problem, each.extended, each.coordinates, iterations=_LAST_STEPS),
         finished[:_POLISHED],
         workers,
     )
-    finished += [each for each in ahead if each.cost > _NEAR**2 * leader]
+    finished += [each for each in ahead if error(each) > _NEAR * leader]
     candidates = [judge(problem, each) for each in finished]
     candidates += [judge(problem, fits[0], finished=False) for fits in stable[budget.finished :]]
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))

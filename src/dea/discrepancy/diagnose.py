@@ -143,9 +143,9 @@ def diagnose(
     problem, parts, extended = _prepare(u, y, interval, own, settings)
     nominal = fit_nominal(problem, extended, budget.starts, rng, settings.workers)
     near = fit_near_prior(problem, nominal)
-    blocks = parts.blocks(problem.fit | problem.select, problem.u.size / _BLOCKS)
+    blocks = parts.blocks(problem.seen, problem.u.size / _BLOCKS)
     select = parts.blocks(problem.select, problem.u.size / _BLOCKS)
-    counted = problem.fit | problem.select
+    counted = problem.seen
 
     starts = bases(problem, nominal, near, rng)
     rounds = search(problem, starts, offered, units, budget, settings.rules, settings.workers)

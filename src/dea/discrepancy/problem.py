@@ -1,6 +1,7 @@
 """A record to be explained: its signals, which samples are for what, and its noise."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -41,6 +42,14 @@ class Problem:
     def time(self) -> np.ndarray:
         """Time since the start in s."""
         return np.arange(self.u.size) * self.interval
+
+    @cached_property
+    def seen(self) -> np.ndarray:
+        """Samples to fit on or to choose by, shape (n,).
+
+        Candidates are ranked on all of them: some blocks a wrong simulation can be fitted to.
+        """
+        return self.fit | self.select
 
     def gap(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
         """Return measured minus simulated output, shape (n,); infinite where unstable."""

@@ -33,7 +33,7 @@ def confusion(problem: Problem, fits: Sequence[Fit]) -> np.ndarray:
     """
     from scipy.stats import norm
 
-    seen = problem.fit | problem.select
+    seen = problem.seen
     simulated = [(problem.y - fit.gap)[seen] for fit in fits]
     bases = [np.linalg.qr(_weighted(fit, problem, seen))[0] for fit in fits]
     count = len(fits)
