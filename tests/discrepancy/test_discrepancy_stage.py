@@ -46,9 +46,14 @@ def settings(simulation):
 def run(folder, samples=2000, unit="mm", slope="p[0] * (p[1] * u - x[0])", ports=PORTS):
     rng = np.random.default_rng(0)
     u = np.repeat(rng.uniform(0.0, 1.0, samples // 20 + 1), 20)[:samples]
+    y_attributes = {"units": unit, "long_name": "level"}
     record = xr.Dataset(
-        {"input": ("time", u, {"units": "V"}), "output": ("time", u + 1.0, {"units": unit})},
-        coords={"time": ("time", np.arange(samples) * DT, {"units": "s"})},
+        {
+            "input": ("time", u, {"units": "V", "long_name": "voltage"}),
+            "output": ("time", u + 1.0, y_attributes),
+        },
+        coords={"time": ("time", np.arange(samples) * DT, {"units": "s", "long_name": "time"})},
+        attrs={"contract": "imported_record"},
     )
     store.write(record, folder / "record.nc", title="Mine")
     (folder / "mine.py").write_text(SERVO.format(slope=slope, ports=ports))
