@@ -14,6 +14,7 @@ from dea.discrepancy import (
     load_extended,
     localisation_dataset,
     read_verdict,
+    save_extended,
 )
 from dea.discrepancy.problem import rmse
 from dea.errors import InputError
@@ -79,7 +80,7 @@ def test_the_verdict_can_be_written_and_read(creeping, tmp_path):
 def test_the_extended_simulation_gives_the_proven_output(creeping, tmp_path):
     path = tmp_path / "extended_simulation.yaml"
     problem = creeping.problem
-    creeping.extended.extended.save(creeping.extended.values, problem.interval, path)
+    save_extended(creeping.extended.extended, creeping.extended.values, problem.interval, path)
     extended, values, interval = load_extended(path)
     gap = problem.y - extended.simulate(values, problem.u, interval)
     assert rmse(gap, problem.certify) == creeping.verdict.certified["rmse_after"]

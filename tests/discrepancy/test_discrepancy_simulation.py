@@ -16,6 +16,7 @@ from dea.discrepancy import (
     catalogue,
     load_extended,
     load_simulation,
+    save_extended,
 )
 from dea.discrepancy.problem import Problem, base, scales
 from dea.discrepancy.simulation import BUILT_IN
@@ -130,7 +131,7 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
         extended = extended.attach(effect, told)
         values = np.concatenate([values, effect.starts(told)[0]])
     path = tmp_path / "extended_simulation.yaml"
-    extended.save(values, DT, path)
+    save_extended(extended, values, DT, path)
     loaded, same, interval = load_extended(path)
     assert interval == DT
     assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()
@@ -176,7 +177,7 @@ def test_a_users_simulation_is_found_again_by_what_is_saved(tmp_path):
     extended = ExtendedSimulation(load_simulation(write_own(tmp_path / "own.py")))
     values = extended.values(np.full(extended.free.size, 0.3))
     path = tmp_path / "extended_simulation.yaml"
-    extended.save(values, DT, path)
+    save_extended(extended, values, DT, path)
     loaded, same, _ = load_extended(path)
     u = np.sin(T)
     assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()

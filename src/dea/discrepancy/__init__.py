@@ -9,8 +9,9 @@ from dea.discrepancy.datasets import (
 from dea.discrepancy.decide import Rules
 from dea.discrepancy.diagnose import Diagnosis, Settings, diagnose
 from dea.discrepancy.effects import Effect, Family, Port, catalogue
-from dea.discrepancy.extended import ExtendedSimulation, load_extended
+from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.parameter import Parameter
+from dea.discrepancy.saved import load_extended, save_extended
 from dea.discrepancy.simulation import Balance, Simulation, State, load_simulation
 from dea.discrepancy.verdict import Estimate, NamedEffect, Verdict, read_verdict
 
@@ -38,4 +39,5 @@ __all__ = [
     "load_simulation",
     "localisation_dataset",
     "read_verdict",
+    "save_extended",
 ]

@@ -1,18 +1,15 @@
 """A simulation with effects attached: the thing that is fitted, saved and simulated."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from dea.discrepancy.effects import Effect, Scales, catalogue
+from dea.discrepancy.effects import Effect, Scales
 from dea.discrepancy.integrate import MEMORY, SLOTS, integrate, no_force, no_update
 from dea.discrepancy.parameter import Parameter
-from dea.discrepancy.simulation import Simulation, load_simulation
-from dea.errors import InputError
+from dea.discrepancy.simulation import Simulation
 
 # Prior spreads that a parameter of the simulation may be from its nominal value.
 _REACH = 3.0
@@ -213,89 +210,3 @@ class ExtendedSimulation:
     def _frames(self) -> np.ndarray:
         frames = self.frames or (Frame(),) * len(self.simulation.balances)
         return np.array([[f.rest, f.scale, f.unit_force] for f in frames])
-
-    def save(self, values: np.ndarray, interval: float, path: Path) -> None:
-        """Write the simulation, its effects and all parameter values as YAML."""
-        import yaml
-
-        from dea.store import atomic
-
-        content = {
-            "simulation": self.simulation.source or self.simulation.name,
-            "interval": float(interval),
-            "substeps": self.substeps,
-            "frames": [
-                {key: float(value) for key, value in asdict(frame).items()} for frame in self.frames
-            ],
-            "effects": [
-                {
-                    "name": a.effect.name,
-                    "port": str(a.effect.port),
-                    "balance": a.balance,
-                    "scales": _plain(asdict(a.scales)),
-                }
-                for a in self.attached
-            ],
-            "parameters": {
-                p.name: {"value": float(value), "unit": p.unit}
-                for p, value in zip(self.parameters, values, strict=True)
-            },
-        }
-        with atomic(path) as partial:
-            partial.write_text(yaml.safe_dump(content, sort_keys=False))
-
-
-def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, float]:
-    """Read an extended simulation; return it with its parameter values and interval (s).
-
-    Raises
-    ------
-    InputError
-        If the file is no extended simulation, or names an unknown effect or parameter.
-    """
-    import yaml
-
-    file = Path(path)
-    if not file.exists():
-        raise InputError("the file does not exist", file=file)
-    content = yaml.safe_load(file.read_text())
-    try:
-        effects = content["effects"]
-        unknown = sorted({e["name"] for e in effects} - set(catalogue()))
-        if unknown:
-            raise InputError(
-                f"there is no effect {unknown[0]!r}",
-                file=file,
-                field="effects",
-                remedy=f"Known are {', '.join(catalogue())}",
-            )
-        attached = tuple(
-            Attached(catalogue()[e["name"]], Scales(**_tuples(e["scales"])), e["balance"])
-            for e in effects
-        )
-        extended = ExtendedSimulation(
-            load_simulation(content["simulation"]),
-            attached,
-            tuple(Frame(**frame) for frame in content["frames"]),
-            content["substeps"],
-        )
-        values = np.array([content["parameters"][name]["value"] for name in extended.names])
-        return extended, values, float(content["interval"])
-    except (KeyError, TypeError) as error:
-        raise InputError(
-            f"it is no extended simulation ({type(error).__name__}: {error})",
-            file=file,
-            remedy="Make it again with `dea.diagnose` or the rule diagnose",
-        ) from error
-
-
-def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        key: [float(v) for v in value] if isinstance(value, Sequence) and not isinstance(value, str)
-        else float(value) if isinstance(value, int | float) else value
-        for key, value in values.items()
-    }  # fmt: skip
-
-
-def _tuples(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}

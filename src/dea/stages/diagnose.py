@@ -25,6 +25,7 @@ def diagnose(
         certificate_dataset,
         diagnose,
         localisation_dataset,
+        save_extended,
     )
     from dea.errors import InputError
 
@@ -57,7 +58,7 @@ def diagnose(
             settings=settings,
             seed=settings["seed"],
         )
-    found.extended.extended.save(found.extended.values, found.problem.interval, extended)
+    save_extended(found.extended.extended, found.extended.values, found.problem.interval, extended)
     found.verdict.write(verdict)
 
 
