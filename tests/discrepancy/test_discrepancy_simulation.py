@@ -6,6 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lsim
 
 from dea.discrepancy import (
     Balance,
@@ -74,6 +75,45 @@ def test_one_step_is_exact_for_a_stiff_linear_system():
     assert np.allclose(found, finer, atol=1e-6)
 
 
+@pytest.mark.parametrize(("frequency", "damping"), [(8.0, 0.05), (8.0, 1.0), (1.0, 3.0)])
+@pytest.mark.parametrize("states", [2, 3])
+def test_one_step_is_exact_for_an_input_that_is_straight_between_samples(
+    frequency, damping, states
+):
+    own = load_simulation("mass_spring_damper")
+
+    def derivative(x, u, p, dx):
+        omega = 6.283185307179586 * p[0]
+        dx[0] = x[1]
+        dx[1] = omega * omega * (p[2] * u - x[0]) - 2.0 * p[1] * omega * x[1]
+        if x.size > 2:
+            dx[2] = 30.0 * (x[0] - x[2])
+
+    def output(x, u, p):
+        return x[x.size - 1] if x.size > 2 else x[0]
+
+    more = (State("behind", "V", 0.0),) if states == 3 else ()
+    simulation = replace(
+        own, derivative=derivative, output=output, states=(*own.states, *more), balances=()
+    )
+    extended = ExtendedSimulation(simulation)
+    values = extended.values(np.zeros(extended.free.size))
+    values[:3] = frequency, damping, 1.5
+    start = np.array([0.1, 5.0, 0.2])[:states]
+    values[3 : 3 + states] = start
+    u = np.random.default_rng(3).standard_normal(T.size)
+    omega = 2 * pi * frequency
+    A = np.array([[0.0, 1.0, 0.0], [-(omega**2), -2 * damping * omega, 0.0], [30.0, 0.0, -30.0]])
+    system = (
+        A[:states, :states],
+        np.array([[0.0], [1.5 * omega**2], [0.0]])[:states],
+        np.eye(states)[[2 if states == 3 else 0]],
+        np.zeros((1, 1)),
+    )
+    _, expected, _ = lsim(system, u, T, X0=start)
+    assert np.allclose(extended.simulate(values, u, DT), expected, atol=1e-5)
+
+
 def test_a_force_enters_the_balance():
     simulation = replace(load_simulation("mass_spring_damper"), hold="zero")
     u = np.sin(2 * np.pi * 3 * T)
@@ -92,7 +132,7 @@ def test_a_force_enters_the_balance():
         simulation.derivative(x, v, p, dx)
         dx[1] -= frame.unit_force * 0.4 * (x[0] / frame.scale) ** 3
 
-    found = stiffer.simulate(np.concatenate([values, [0.4, 3.0, 0.0]]), u, DT)
+    found = stiffer.simulate(np.concatenate([values, [0.4, 3.0, 0.0, 0.0]]), u, DT)
     assert np.allclose(found, reference(simulation, u, DT, slopes), atol=2e-3)
 
 

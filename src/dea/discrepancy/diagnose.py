@@ -38,6 +38,8 @@ _BLOCKS = 48
 _NOISE_MARGIN = 1.5
 # Error of integration, in noise deviations; the refit takes up most of it.
 _STEP_ERROR = 0.5
+# The same, as a part of the output's deviation: no simulation is that good.
+_RELATIVE_ERROR = 1e-3
 
 
 @dataclass(frozen=True)
@@ -234,7 +236,10 @@ def _prepare(
     """Split the record, estimate its noise, and choose the integration step to match."""
     noise = white_level(y, [slice(0, y.size)])
     extended = base(
-        simulation, u, interval, tolerance=max(_STEP_ERROR * noise, 1e-4 * float(np.std(y)))
+        simulation,
+        u,
+        interval,
+        tolerance=max(_STEP_ERROR * noise, _RELATIVE_ERROR * float(np.std(y))),
     )
     slowest = settings.slowest_time
     if slowest is None:

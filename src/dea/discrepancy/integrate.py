@@ -57,9 +57,9 @@ def _positions(x, ports, frames, z):
 _F, _U = types.FunctionType(FORCE), types.FunctionType(UPDATE)
 
 
-@njit(types.void(_MATRIX, _VECTOR, float64, _VECTOR), cache=True)
-def _advance_two(J, slope, h, step):
-    """Write h φ₁(h J) f for two states, φ₁ interpolated at the eigenvalues of h J."""
+@njit(types.void(_MATRIX, _VECTOR, _VECTOR, float64, _VECTOR), cache=True)
+def _advance_two(J, slope, ramp, h, step):
+    """Write h φ₁(h J) f + h φ₂(h J) Δf for two states, interpolated at the eigenvalues of h J."""
     a, b, c, d = h * J[0, 0], h * J[0, 1], h * J[1, 0], h * J[1, 1]
     middle = 0.5 * (a + d)
     square = 0.25 * (a - d) ** 2 + b * c
@@ -68,18 +68,25 @@ def _advance_two(J, slope, h, step):
         first, second = middle + apart, middle - apart
         f1 = np.expm1(first) / first if abs(first) > 1e-8 else 1.0
         f2 = np.expm1(second) / second if abs(second) > 1e-8 else 1.0
-        slope_of_phi = (f1 - f2) / (2.0 * apart)
-        constant = f1 - slope_of_phi * first
+        g1 = (f1 - 1.0) / first if abs(first) > 1e-4 else 0.5 + first / 6.0
+        g2 = (f2 - 1.0) / second if abs(second) > 1e-4 else 0.5 + second / 6.0
+        slope_1, slope_2 = (f1 - f2) / (2.0 * apart), (g1 - g2) / (2.0 * apart)
+        constant_1, constant_2 = f1 - slope_1 * first, g1 - slope_2 * first
     else:
-        # φ₁ at the complex pair middle ± i apart, in its real and imaginary part.
-        growth = np.exp(middle)
+        # φ₁ and φ₂ at the complex pair middle ± i apart, in real and imaginary parts.
+        growth, radius = np.exp(middle), middle * middle + apart * apart
         real, imaginary = growth * np.cos(apart) - 1.0, growth * np.sin(apart)
-        radius = middle * middle + apart * apart
-        slope_of_phi = (imaginary * middle - real * apart) / (radius * apart)
-        constant = (real * middle + imaginary * apart) / radius - slope_of_phi * middle
-    f, g = slope[0], slope[1]
-    step[0] = h * (constant * f + slope_of_phi * (a * f + b * g))
-    step[1] = h * (constant * g + slope_of_phi * (c * f + d * g))
+        real_1 = (real * middle + imaginary * apart) / radius
+        imaginary_1 = (imaginary * middle - real * apart) / radius
+        real_2 = ((real_1 - 1.0) * middle + imaginary_1 * apart) / radius
+        imaginary_2 = (imaginary_1 * middle - (real_1 - 1.0) * apart) / radius
+        slope_1, slope_2 = imaginary_1 / apart, imaginary_2 / apart
+        constant_1, constant_2 = real_1 - slope_1 * middle, real_2 - slope_2 * middle
+    f, g, up, to = slope[0], slope[1], ramp[0], ramp[1]
+    step[0] = h * (constant_1 * f + slope_1 * (a * f + b * g))
+    step[1] = h * (constant_1 * g + slope_1 * (c * f + d * g))
+    step[0] += h * (constant_2 * up + slope_2 * (a * up + b * to))
+    step[1] += h * (constant_2 * to + slope_2 * (c * up + d * to))
 
 
 @njit(_MATRIX(_MATRIX, _MATRIX), cache=True)
@@ -93,9 +100,12 @@ def _product(A, B):
     return C
 
 
-@njit(types.void(_MATRIX, _VECTOR, float64, _VECTOR), cache=True)
-def _advance(J, slope, h, step):
-    """Write h φ₁(h J) f by Taylor series of a halved step, doubled back (Higham 2008, 10.7.4)."""
+@njit(types.void(_MATRIX, _VECTOR, _VECTOR, float64, _VECTOR), cache=True)
+def _advance(J, slope, ramp, h, step):
+    """Write h φ₁(h J) f + h φ₂(h J) Δf by Taylor series of a halved step, doubled back.
+
+    Higham 2008, section 10.7.4.
+    """
     n = slope.size
     size = 0.0
     for i in range(n):
@@ -109,18 +119,20 @@ def _advance(J, slope, h, step):
         doublings += 1
     A = J * (h * 0.5**doublings)
     identity = np.eye(n)
-    phi, term = identity.copy(), identity.copy()
+    phi, phi_2, term = identity.copy(), 0.5 * identity, identity.copy()
     for k in range(2, 11):
         term = _product(term, A) / k
         phi += term
+        phi_2 += term / (k + 1)
     exponential = identity + _product(A, phi)
     for _ in range(doublings):
+        phi_2 = 0.25 * (_product(phi, phi) + 2.0 * phi_2)
         phi = 0.5 * _product(exponential + identity, phi)
         exponential = _product(exponential, exponential)
     for i in range(n):
         step[i] = 0.0
         for j in range(n):
-            step[i] += h * phi[i, j] * slope[j]
+            step[i] += h * (phi[i, j] * slope[j] + phi_2[i, j] * ramp[j])
 
 
 @njit(
@@ -157,8 +169,9 @@ def integrate(
 ):
     """Integrate by the exponential Rosenbrock-Euler method with steps of ``interval/substeps``.
 
-    The method is exact for a linear simulation under a held input, however stiff, and of second
-    order otherwise (Hochbruck and Ostermann 2010, Acta Numerica 19:209, section 2.4). Effects with
+    The method is exact for a linear simulation under an input that is held, or straight between
+    samples, however stiff, and of second order otherwise (Hochbruck and Ostermann 2010, Acta
+    Numerica 19:209, sections 2.4 and 3.4 with the change of the input over the step). Effects with
     memory are split off (Strang 1968): within a step the force is evaluated with the memory of
     the step's middle, which is then brought forward by the motion over the step.
 
@@ -184,7 +197,7 @@ def integrate(
     n, states = u.size, x0.size
     result = np.full((2, n), np.nan)
     x, moved, step = x0.copy(), np.empty(states), np.empty(states)
-    slope, beside = np.empty(states), np.empty(states)
+    slope, beside, ramp = np.empty(states), np.empty(states), np.zeros(states)
     pushes, J = np.zeros(SLOTS), np.empty((states, states))
     typical = np.abs(x0) + 1e-6
     p = p.copy()
@@ -209,7 +222,7 @@ def integrate(
         result[1, i] = z[SLOTS]
         climb = (u[i + 1] - u[i]) / interval if linear_hold and i + 1 < n else 0.0
         for s in range(substeps):
-            v = u[i] + climb * (s + 0.5) * h
+            v = u[i] + climb * s * h
             # Column 0 is the slope at x; column j that beside it in state j - 1.
             for column in range(states + 1):
                 nudge = 0.0
@@ -246,10 +259,15 @@ def integrate(
                         J[j, column - 1] = (beside[j] - slope[j]) / nudge
                     else:
                         slope[j] = beside[j]
+            if linear_hold:
+                derivative(x, v, p, moved)
+                derivative(x, v + climb * h, p, beside)
+                for j in range(states):
+                    ramp[j] = beside[j] - moved[j]
             if states == 2:
-                _advance_two(J, slope, h, step)
+                _advance_two(J, slope, ramp, h, step)
             else:
-                _advance(J, slope, h, step)
+                _advance(J, slope, ramp, h, step)
             for e in range(forces):
                 if ports[e, 1] < 0:
                     z_next[e] = z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / frames[e, 1]
