@@ -36,5 +36,6 @@ simulation = Simulation(
     drive="static_gain",
     balances=(Balance(equation="velocity", position="position", velocity="velocity"),),
     output_offset_spread=0.05,
+    accuracy=1e-3,
     hold="linear",
 )
