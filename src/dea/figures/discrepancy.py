@@ -88,9 +88,8 @@ def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
     rungs = dict(verdict["ladder"])
     floor = rungs.pop("noise floor")
     ax.bar(range(len(rungs)), list(rungs.values()), color=style.BLUE, width=0.55)
-    ax.axhline(floor, color=style.BLACK, lw=0.8, ls="--")
-    ax.annotate("noise floor", (1, floor), (0, 2), xycoords=("axes fraction", "data"),
-                textcoords="offset points", ha="right", fontsize=6.5)  # fmt: skip
+    ax.axhline(floor, color=style.BLACK, lw=0.8, ls="--", label="noise floor")
+    ax.legend(loc="upper right")
     ax.set_xticks(range(len(rungs)), [name.replace("_", " ") for name in rungs])
     ax.set(ylabel=style.quantity("held-out RMSE", verdict["unit"]), yscale="log")
     style.plain_log_ticks(ax.yaxis)
