@@ -8,7 +8,7 @@ import numpy as np
 
 from dea.discrepancy.effects import Effect, Scales
 from dea.discrepancy.fit import Fit, fit
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.problem import Problem
 
 _GLANCE_ITERATIONS, _SCREEN_ITERATIONS = 1, 4
 
@@ -28,14 +28,14 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
     One step from each of its starts on each of the ``bases`` (fits of the same simulation) tells
     the best start of each base. Shapes of laws are held, and the Jacobian of what is there already
     is kept as it was in its base. The ``kept`` best after a few such steps go on with a whole one;
-    where one is kept, it is chosen at the first step. An effect without a start in
-    this record has no fit.
+    where one is kept, it is chosen at the first step. An effect without a start in this record has
+    no fit.
     """
     extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance)
     held = extended.shapes
 
     def error(candidate: Fit) -> float:
-        return rmse(candidate.gap, problem.seen)
+        return problem.seen_rmse(candidate.gap)
 
     starts = offer.effect.starts(offer.scales)
     if not starts:

@@ -91,7 +91,7 @@ def seen_error(problem: Problem, fit: Fit) -> float:
     """
     count = int(problem.seen.sum())
     charge = np.exp(0.5 * fit.coordinates.size * np.log(count) / count)
-    return rmse(fit.gap, problem.seen) * float(charge)
+    return problem.seen_rmse(fit.gap) * float(charge)
 
 
 def judge(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
@@ -117,7 +117,7 @@ def extend_by_each(
     screened = in_parallel(lambda offer: screen(problem, bases, offer, kept), offers, workers)
 
     def error(candidate: Fit) -> float:
-        return rmse(candidate.gap, problem.seen)
+        return problem.seen_rmse(candidate.gap)
 
     stable = sorted((fits for fits in screened if fits), key=lambda fits: error(fits[0]))
     ahead = in_parallel(

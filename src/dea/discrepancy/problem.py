@@ -45,11 +45,15 @@ class Problem:
 
     @cached_property
     def seen(self) -> np.ndarray:
-        """Samples to fit on or to choose by, shape (n,).
+        """Samples to fit on or to choose by, shape (n,)."""
+        return self.fit | self.select
+
+    def seen_rmse(self, gap: np.ndarray) -> float:
+        """Return the RMSE over all samples that may choose; infinite if ``gap`` is anywhere.
 
         Candidates are ranked on all of them: some blocks a wrong simulation can be fitted to.
         """
-        return self.fit | self.select
+        return rmse(gap, self.seen)
 
     def gap(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
         """Return measured minus simulated output, shape (n,); infinite where unstable."""

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from dea.errors import InputError
+from dea.figures.published import check_units
 from dea.figures.symbols import DASH, number
 from dea.figures.tables import Table
 
@@ -56,10 +56,5 @@ def cases(
 def _published(entry: Mapping[str, Any] | None, units: str, field: str) -> float | None:
     if entry is None:
         return None
-    if entry["units"] != units:
-        raise InputError(
-            f"it is in {entry['units']!r}, the record in {units!r}",
-            field=f"errors.{field}.units",
-            remedy="Give the published error in the units of the record",
-        )
+    check_units(entry, units, f"errors.{field}")
     return float(entry["rmse"])

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from dea.errors import InputError
+from dea.figures.published import check_units
 from dea.figures.symbols import DASH, number
 from dea.figures.tables import Table
 
@@ -41,7 +41,8 @@ def real_records(
         effects = " + ".join(effect["name"] for effect in verdict["effects"])
         for part, errors in _certified(verdict["certified"]).items():
             goal = published.get(name, {}).get(part)
-            _check_units(goal, verdict["unit"], f"{name}.{part}")
+            if goal and "units" in goal:
+                check_units(goal, verdict["unit"], f"extensions.{name}.{part}")
             label = {"case": name, "verdict": verdict["status"], "effects": effects}
             values = {
                 "rmse before": errors["before"],
@@ -78,12 +79,3 @@ def _met(goal: Mapping[str, Any] | None, named: bool, after: float) -> bool | No
     if goal.get("effect") == "none":
         return not named
     return named and after <= goal["after"]
-
-
-def _check_units(goal: Mapping[str, Any] | None, units: str, field: str) -> None:
-    if goal is not None and goal.get("units", units) != units:
-        raise InputError(
-            f"it is in {goal['units']!r}, the record in {units!r}",
-            field=f"extensions.{field}.units",
-            remedy="Give the published error in the units of the record",
-        )
