@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import lsim
+from user_simulation import SLOPE, write_simulation
 
 from dea.discrepancy import (
     Balance,
@@ -180,30 +181,9 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
         load_extended(path)
 
 
-OWN = """
-from dea.discrepancy import Balance, Parameter, Simulation, State
-
-
-def derivative(x, u, p, dx):
-    dx[0] = {slope}
-
-
-def output(x, u, p):
-    return x[0]
-
-
-simulation = Simulation(
-    name="own", input_unit="V", output_unit="mm", states=(State("level", "mm", 0.0),),
-    parameters=(Parameter("rate", "1/s", 2.0, 0.5, log=True), Parameter("gain", "mm/V", 1.0, 0.5)),
-    derivative=derivative, output=output, drive="{drive}",
-    balances=(Balance("{equation}", "level", None),),
-)
-"""
-
-
-def write_own(path, slope="p[0] * (p[1] * u - x[0])", drive="gain", equation="level"):
-    path.write_text(OWN.format(slope=slope, drive=drive, equation=equation))
-    return path
+def write_own(path, slope=SLOPE, drive="gain", equation="level"):
+    ports = f'drive="{drive}", balances=(Balance("{equation}", "level", None),),'
+    return write_simulation(path, slope, ports)
 
 
 def test_a_users_simulation_loads_and_runs(tmp_path):

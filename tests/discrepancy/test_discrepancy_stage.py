@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from user_simulation import PORTS, SLOPE, write_simulation
 
 from dea import store
 from dea.errors import InputError
@@ -10,25 +11,6 @@ from dea.stages.diagnose import diagnose
 
 DT = 0.02
 OUTPUTS = ("localisation", "candidates", "verdict", "extended", "certificate")
-SERVO = """
-from dea.discrepancy import Balance, Parameter, Simulation, State
-
-
-def derivative(x, u, p, dx):
-    dx[0] = {slope}
-
-
-def output(x, u, p):
-    return x[0]
-
-
-simulation = Simulation(
-    name="mine", input_unit="V", output_unit="mm", states=(State("level", "mm", 0.0),),
-    parameters=(Parameter("rate", "1/s", 2.0, 0.5, log=True), Parameter("gain", "mm/V", 1.0, 0.5)),
-    derivative=derivative, output=output, {ports}
-)
-"""
-PORTS = 'drive="gain", balances=(Balance("level", "level", None),),'
 
 
 def settings(simulation):
@@ -43,7 +25,7 @@ def settings(simulation):
     }  # fmt: skip
 
 
-def run(folder, samples=2000, unit="mm", slope="p[0] * (p[1] * u - x[0])", ports=PORTS):
+def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS):
     rng = np.random.default_rng(0)
     u = np.repeat(rng.uniform(0.0, 1.0, samples // 20 + 1), 20)[:samples]
     y_attributes = {"units": unit, "long_name": "level"}
@@ -56,7 +38,7 @@ def run(folder, samples=2000, unit="mm", slope="p[0] * (p[1] * u - x[0])", ports
         attrs={"contract": "imported_record"},
     )
     store.write(record, folder / "record.nc", title="Mine")
-    (folder / "mine.py").write_text(SERVO.format(slope=slope, ports=ports))
+    write_simulation(folder / "mine.py", slope, ports)
     diagnose(
         settings(folder / "mine.py"),
         record=folder / "record.nc",
