@@ -87,7 +87,7 @@ def _from_its_own_start(other: OtherRecord, fitted: Fit) -> np.ndarray:
 
 
 def _is_start(name: str) -> bool:
-    return name.startswith("initial.") or name.endswith(".start_position")
+    return name.startswith("initial.") or name.rpartition(".")[2].startswith("start_")
 
 
 @dataclass(frozen=True)

@@ -147,11 +147,10 @@ def diagnose(
     near = fit_near_prior(problem, nominal)
     blocks = parts.blocks(problem.seen, problem.u.size / _BLOCKS)
     select = parts.blocks(problem.select, problem.u.size / _BLOCKS)
-    counted = problem.seen
 
     starts = bases(problem, nominal, near, rng)
     rounds = search(problem, starts, offered, units, budget, settings.rules, settings.workers)
-    floor = noise_floor(rounds, parts.blocks(counted, max(problem.u.size / 8, 64)))
+    floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
     nominal_error = judge(problem, nominal).error
     singles = list(rounds[0].candidates)
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
@@ -174,8 +173,8 @@ def diagnose(
     answer = decision.chosen if decision.status in ("named", "ambiguous") else None
     final = answer.fit if answer else nominal
 
-    before = localise(problem, near.gap, units, counted, rng)
-    after = localise(problem, final.gap, units, counted, rng)
+    before = localise(problem, near.gap, units, problem.seen, rng)
+    after = localise(problem, final.gap, units, problem.seen, rng)
     rivals = _rivals_to_show(decision, pool)
     noisy = problem.with_noise(expected)
     experiment = _experiment(noisy, decision, settings.seed)

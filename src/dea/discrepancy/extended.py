@@ -88,10 +88,14 @@ class ExtendedSimulation:
         bends a known mass or film further than that hides what is missing in them.
         """
         pairs = np.array([self.parameters[i].coordinate_bounds() for i in self.free])
-        laws = sum(len(a.parameters) for a in self.attached)
-        own = self.free < len(self.parameters) - laws
+        own = self.free < self._laws_from
         pairs[own] = np.clip(pairs[own], -_REACH, _REACH)
         return pairs[:, 0], pairs[:, 1]
+
+    @cached_property
+    def _laws_from(self) -> int:
+        """Where in ``values`` the effects' parameters begin."""
+        return len(self.parameters) - sum(len(a.parameters) for a in self.attached)
 
     @cached_property
     def shapes(self) -> np.ndarray:
@@ -101,7 +105,7 @@ class ExtendedSimulation:
     @cached_property
     def effect_slices(self) -> tuple[slice, ...]:
         """Where in ``values`` each effect's parameters are."""
-        position = len(self.parameters) - sum(len(a.parameters) for a in self.attached)
+        position = self._laws_from
         slices = []
         for a in self.attached:
             slices.append(slice(position, position + len(a.parameters)))

@@ -94,13 +94,14 @@ def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -
     """Return the fits to start candidates from: the refit, and others where it is far from them.
 
     A refit that has bent the parameters to make up for what is missing is a bad place to start;
-    the fit near the prior and those of one half of the output are others, and a short record
-    affords draws of the prior as well.
+    the fit near the prior, those of one half of the output and the prior itself are others, and a
+    short record affords draws of the prior as well.
     """
     size = nominal.coordinates.size
     draws = int(min(_DRAWS, _SHORT // problem.u.size))
     drawn = [at(problem, nominal.extended, x) for x in 0.7 * rng.standard_normal((draws, size))]
     others = [near, *fit_parts(problem, near)] if near.stable else []
+    others.append(at(problem, nominal.extended, np.zeros(size)))
     far = [
         other
         for other in others

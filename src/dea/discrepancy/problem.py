@@ -12,6 +12,8 @@ from dea.errors import InputError
 
 # Part of the drive's force below which an elastic force is none to measure others by.
 _SLACK = 1e-3
+# Part of the motion at the prior below which a fitted simulation counts as standing still.
+_STILL = 0.3
 # Steps of integration per sample that are tried, coarsest first.
 _SUBSTEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128, 256)
 
@@ -163,8 +165,15 @@ def scales(
     z = np.zeros(2)
     if extended.simulation.balances:
         port = extended.simulation.balances[balance]
-        z = deflection(extended, port, values, problem.u, problem.interval)
-        z = z / extended.frames[balance].scale
+        prior = extended.values(np.zeros(extended.free.size))
+        z, z_prior = (
+            deflection(extended, port, v, problem.u, problem.interval)
+            / extended.frames[balance].scale
+            for v in (values, prior)
+        )
+        # Fitted to a device that is stuck, a simulation stands still and tells no scale.
+        if np.ptp(z) < _STILL * np.ptp(z_prior):
+            z = z_prior
     rate = np.abs(np.diff(problem.u)) / problem.interval
     return Scales(
         u_unit=units[0],

@@ -35,9 +35,15 @@ def search(
     whole = [slice(0, problem.u.size)]
     nominal_error = judge(problem, nominals[0]).error
 
+    def floor_of(candidates: Sequence[Candidate]) -> float:
+        return min((white_level(c.fit.gap, whole) for c in candidates), default=0.0)
+
     def explained(candidates: Sequence[Candidate]) -> bool:
-        floor = min((white_level(c.fit.gap, whole) for c in candidates), default=0.0)
+        floor = floor_of(candidates)
         return not candidates or not leaves_room(candidates[0].error, nominal_error, floor, rules)
+
+    def clean(candidates: Sequence[Candidate]) -> bool:
+        return not candidates or candidates[0].error <= rules.clean * floor_of(candidates)
 
     def extend(candidates: Sequence[Candidate]) -> list[Round]:
         return [
@@ -51,7 +57,7 @@ def search(
             break
         grown = extend(beam)
         best = pool_of(grown)[: budget.beam]
-        if size == 2 and not explained(best):
+        if size == 2 and not clean(best):
             partners = {c.labels[-1] for c in best} - {c.labels[-1] for c in beam}
             grown += extend([c for c in singles if c.labels[-1] in partners])
         rounds += grown

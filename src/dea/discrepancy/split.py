@@ -10,14 +10,14 @@ from dea.errors import InputError
 # Fitting and choosing alternate, so that what changes with time, or shows only now and then, is
 # seen by both; the certified block lies inside the record, where a drift can be interpolated.
 _ALTERNATING = (("fit", 1), ("select", 1)) * 4
+# Each pattern of (role, weight), and its shortest block in gaps; the first that fits is used.
 _PATTERNS = (
-    (*_ALTERNATING, ("fit", 1), ("certify", 3), *_ALTERNATING, ("fit", 1)),
-    (("fit", 2), ("select", 2), ("fit", 2), ("select", 2), ("fit", 2), ("certify", 3), ("fit", 2),
-     ("select", 2), ("fit", 2)),
-    (("fit", 3), ("select", 2), ("certify", 2), ("fit", 3)),
+    ((*_ALTERNATING, ("fit", 1), ("certify", 3), *_ALTERNATING, ("fit", 1)), 3.0),
+    ((("fit", 2), ("select", 2), ("fit", 2), ("select", 2), ("fit", 2), ("certify", 3), ("fit", 2),
+      ("select", 2), ("fit", 2)), 1.0),
+    ((("fit", 3), ("select", 2), ("certify", 2), ("fit", 3)), 1.0),
 )  # fmt: skip
 _GAP_IN_TIME_CONSTANTS = 3.0
-_SHORTEST_BLOCK_IN_GAPS = 3.0, 1.0, 1.0
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def split(samples: int, interval: float, slowest: float, warm_up: float = 0.0) -
     """
     gap = max(1, int(np.ceil(_GAP_IN_TIME_CONSTANTS * slowest / interval)))
     skipped = int(np.ceil(warm_up / interval))
-    for pattern, in_gaps in zip(_PATTERNS, _SHORTEST_BLOCK_IN_GAPS, strict=True):
+    for pattern, in_gaps in _PATTERNS:
         total = sum(weight for _, weight in pattern)
         usable = samples - skipped - gap * (len(pattern) - 1)
         shortest = usable * min(weight for _, weight in pattern) / total
@@ -63,8 +63,9 @@ def split(samples: int, interval: float, slowest: float, warm_up: float = 0.0) -
             masks[role][round(position) : round(position + length)] = True
             position += length + gap
         return Split(**masks, gap=gap)
-    blocks = len(_PATTERNS[-1])
-    needed = skipped + gap * (blocks - 1) + 5 * max(_SHORTEST_BLOCK_IN_GAPS[-1] * gap, 10)
+    pattern, in_gaps = _PATTERNS[-1]
+    shortest = 5 * max(in_gaps * gap, 10)
+    needed = skipped + gap * (len(pattern) - 1) + shortest
     raise InputError(
         f"the record holds {samples * interval:g} s; with a slowest time constant of "
         f"{slowest:g} s the split needs {needed * interval:g} s",

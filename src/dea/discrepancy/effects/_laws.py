@@ -34,14 +34,17 @@ def limited(x: float, limit: float, sharpness: float) -> float:
     )
 
 
-@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
-def held_lag(u: np.ndarray, tau: float, interval: float) -> np.ndarray:
-    """Return the mean over each interval of a held input behind a first-order lag, exactly."""
+@njit(_VECTOR(_VECTOR, float64, float64, float64), cache=True, error_model="numpy")
+def held_lag(u: np.ndarray, start: float, tau: float, interval: float) -> np.ndarray:
+    """Return the mean over each interval of a held input behind a first-order lag, exactly.
+
+    The lag stands at ``start`` when the record begins.
+    """
     ratio = interval / tau
     decay = np.exp(-ratio)
     mean_weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
     result = np.empty(u.size)
-    v = u[0]
+    v = start
     for k in range(u.size):
         result[k] = u[k] + (v - u[k]) * mean_weight
         v = u[k] + (v - u[k]) * decay

@@ -47,9 +47,9 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return weak and strong friction."""
+    """Return weak friction to such that holds the device most of the time."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
-    return tuple((part * span, 0.015 * span, 0.0, 0.1 * span, middle) for part in (0.02, 0.08))
+    return tuple((part * span, 0.015 * span, 0.0, 0.1 * span, middle) for part in (0.02, 0.08, 0.2))
 
 
 EFFECT = Effect(

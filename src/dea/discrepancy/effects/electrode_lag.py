@@ -12,26 +12,28 @@ from dea.discrepancy.parameter import Parameter
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Charge the far part of the electrodes through a slow lag, the near part through a fast one.
 
-    The two lags stand for the ladder of resistances and capacitances that an electrode is.
+    The two lags stand for the ladder of resistances and capacitances that an electrode is. What
+    it was charged to before the record is unknown.
     """
-    slow, ratio, near = q[0], q[1], q[2]
-    far = held_lag(u, slow, interval)
-    return (1.0 - near) * far + near * held_lag(u, slow * ratio, interval)
+    slow, ratio, near, start = q[0], q[1], q[2], q[3]
+    far = held_lag(u, u[0] + start, slow, interval)
+    return (1.0 - near) * far + near * held_lag(u, u[0], slow * ratio, interval)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the slow time constant, the fast one's ratio to it, and the near part."""
+    """Return the slow time constant, the fast one's ratio to it, near part, and charge at the start."""
     dt = scales.interval
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
         Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
         Parameter("near_part", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
+        Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return slow time constants of a few intervals."""
-    return tuple((samples * scales.interval, 0.1, 0.1) for samples in (2.0, 8.0, 30.0))
+    return tuple((samples * scales.interval, 0.1, 0.1, 0.0) for samples in (2.0, 8.0, 30.0))
 
 
 EFFECT = Effect(
