@@ -129,6 +129,10 @@ def test_lags_solve_their_differential_equation():
     quick = law(U, values("electrode_lag", time_constant=0.3 * tau, near_part=0.0), DT)
     both = law(U, values("electrode_lag", time_constant=tau, fast_ratio=0.3, near_part=0.4), DT)
     assert np.allclose(both, 0.6 * mean + 0.4 * quick)
+    held = np.full(100, 2.0)
+    charged = law(held, values("electrode_lag", time_constant=tau, start_charge=-0.5), DT)
+    t = (np.arange(100) + 0.5) * DT
+    assert np.allclose(charged, 2.0 - 0.9 * 0.5 * np.exp(-t / tau), atol=2e-3)
     q = values("sensor_lag", time_constant=tau, second_ratio=0.0)
     smooth = catalogue()["sensor_lag"].shape_output(Y, T, q, DT)
     omega = 2 * np.pi * 0.23
@@ -137,14 +141,26 @@ def test_lags_solve_their_differential_equation():
     assert np.allclose(smooth[200:], expected[200:], atol=2e-4)
 
 
-def test_charge_leakage_relaxes_to_the_part_that_is_left():
-    q = values("charge_leakage", loss=0.2, field_growth=0.0, time_constant=0.5)
-    u = np.concatenate([np.full(50, 1.0), np.full(500, 2.0)])
-    v = catalogue()["charge_leakage"].shape_input(u, q, DT)
-    assert v[0] == pytest.approx(0.8)
-    assert v[-1] == pytest.approx(1.6, rel=1e-6)
-    t = (np.arange(500) + 0.5) * DT
-    assert np.allclose(v[50:], 2.0 - 0.4 + 0.2 * np.exp(-t / 0.5), atol=2e-4)
+@pytest.mark.parametrize("growth", [0.0, 2.0])
+def test_charge_leakage_solves_its_differential_equation(growth):
+    loss, tau, part, fine = 0.3, 2.0, 0.4, 200
+    q = values(
+        "charge_leakage", loss=loss, field_growth=growth, time_constant=tau, start_part=part,
+        full_field=4.0,
+    )  # fmt: skip
+
+    def target(field):
+        return loss * np.exp(growth * (abs(field) / 4.0 - 1.0)) * field
+
+    lost, expected = part * target(U[0]), []
+    for u in U:
+        total = 0.0
+        for _ in range(fine):
+            before = lost
+            lost += DT / fine * (target(u - lost) - lost) / tau
+            total += u - 0.5 * (before + lost)
+        expected.append(total / fine)
+    assert np.allclose(catalogue()["charge_leakage"].shape_input(U, q, DT), expected, atol=5e-3)
 
 
 def test_creep_is_a_sum_of_maxwell_branches():

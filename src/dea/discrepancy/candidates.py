@@ -11,6 +11,8 @@ from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.problem import Problem
 
 _GLANCE_ITERATIONS, _SCREEN_ITERATIONS = 1, 4
+# Bases beyond the kept ones that a first step does not rule out.
+_MORE = 1
 
 
 @dataclass(frozen=True)
@@ -27,9 +29,9 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
 
     One step from each of its starts on each of the ``bases`` (fits of the same simulation) tells
     the best start of each base. Shapes of laws are held, and the Jacobian of what is there already
-    is kept as it was in its base. The ``kept`` best after a few such steps go on with a whole one;
-    where one is kept, it is chosen at the first step. An effect without a start in this record has
-    no fit.
+    is kept as it was in its base. Little more than ``kept`` of them go on with such steps, and the
+    ``kept`` best then with whole ones; where one is kept, the first step decides. An effect
+    without a start in this record has no fit.
     """
     extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance)
     held = extended.shapes
@@ -53,8 +55,8 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
         )
 
     glances = [(min((glance(base, start) for start in starts), key=error), base) for base in bases]
-    if kept == 1:
-        glances = [min(glances, key=lambda glance: error(glance[0]))]
+    glances.sort(key=lambda glance: error(glance[0]))
+    promising = 1 if kept == 1 else kept + _MORE
     further = [
         fit(
             problem,
@@ -64,7 +66,7 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
             kept=base.jacobian,
             held=held,
         )
-        for best, base in glances
+        for best, base in glances[:promising]
     ]
     if kept > 1:
         further.sort(key=error)

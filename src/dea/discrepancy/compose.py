@@ -9,7 +9,7 @@ from dea.discrepancy.candidates import Offer, in_parallel, refine, screen
 from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.hints import jumps, lines
-from dea.discrepancy.problem import Problem, rmse, scales
+from dea.discrepancy.problem import Problem, rmse, scales, with_fine_steps
 
 # Steps every finished candidate gets, and those that only candidates within a factor of the
 # leader's error go on to.
@@ -18,6 +18,9 @@ _FIRST_STEPS, _LAST_STEPS, _NEAR = 6, 20, 2.5
 _RUNNERS_UP = 2
 # Leaders whose last steps have every column of the Jacobian computed anew.
 _POLISHED = 2
+# Times that the steps of the simulation alone may be cut for an effect; laws with corners would
+# never have enough.
+_SHORTER = 4
 # Samples up to which more than the best start of a law goes on: a short record affords it.
 _SHORT = 24_000
 
@@ -130,7 +133,9 @@ def extend_by_each(
     )
     leader = min(map(error, ahead), default=0.0)
     near = [each for each in ahead if error(each) <= _NEAR * leader]
-    finished = in_parallel(lambda each: refine(problem, each, _LAST_STEPS), near, workers)
+    finished = in_parallel(
+        lambda each: refine(problem, _with_fine_steps(problem, each), _LAST_STEPS), near, workers
+    )
     finished.sort(key=error)
     finished[:_POLISHED] = in_parallel(
         lambda each: fit(problem, each.extended, each.coordinates, iterations=_LAST_STEPS),
@@ -141,6 +146,19 @@ def extend_by_each(
     candidates = [judge(problem, each) for each in finished]
     candidates += [judge(problem, fits[0], finished=False) for fits in stable[budget.finished :]]
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
+
+
+def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:
+    """Return a fit whose steps suit its effects; those of the simulation alone may be too long."""
+    extended = with_fine_steps(
+        fitted.extended,
+        fitted.values,
+        problem.u,
+        problem.interval,
+        problem.tolerance,
+        most=_SHORTER * fitted.extended.substeps,
+    )
+    return replace(fitted, extended=extended)
 
 
 def _offers(

@@ -234,18 +234,14 @@ def _prepare(
 ) -> tuple[Problem, Split, ExtendedSimulation]:
     """Split the record, estimate its noise, and choose the integration step to match."""
     noise = white_level(y, [slice(0, y.size)])
-    extended = base(
-        simulation,
-        u,
-        interval,
-        tolerance=max(_STEP_ERROR * noise, _RELATIVE_ERROR * float(np.std(y))),
-    )
+    tolerance = max(_STEP_ERROR * noise, _RELATIVE_ERROR * float(np.std(y)))
+    extended = base(simulation, u, interval, tolerance)
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)
     parts = split(u.size, interval, slowest, min(settings.warm_up, 0.02 * u.size * interval))
     problem = Problem(
-        u, y, interval, parts.fit, parts.select, parts.certify, noise=_NOISE_MARGIN * noise
+        u, y, interval, parts.fit, parts.select, parts.certify, _NOISE_MARGIN * noise, tolerance
     )
     return problem, parts, extended
 

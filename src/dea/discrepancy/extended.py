@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from dea.discrepancy.effects import Effect, Scales
+from dea.discrepancy.hold import at_steps
 from dea.discrepancy.integrate import MEMORY, SLOTS, integrate, no_force, no_update
 from dea.discrepancy.parameter import Parameter
 from dea.discrepancy.simulation import Simulation
@@ -155,6 +156,7 @@ class ExtendedSimulation:
                 v = effect.shape_input(v, q, interval)
             if effect.scale_drive is not None:
                 drive_scale = drive_scale * effect.scale_drive(t, q)
+        v, drive_scale = (np.concatenate([np.full(lead, x[0]), x]) for x in (v, drive_scale))
         forces = [
             (a, q)
             for a, (_, q) in zip(self.attached, laws, strict=True)
@@ -176,19 +178,21 @@ class ExtendedSimulation:
                     memory[slot] = effect.memory(q)
             else:
                 slots += [no_force, no_update]
+        substeps = self.substeps * max([1, *(a.effect.refine for a, _ in forces)])
         result = integrate(  # type: ignore[call-arg]
             own.compiled_derivative,
             own.compiled_output,
             *slots,
             len(forces),
-            np.concatenate([np.full(lead, v[0]), v]),
-            int(own.hold == "linear"),
+            v,
+            at_steps(v, substeps, own.hold),
+            int(own.hold != "zero"),
             values[:p_count].copy(),
             own.parameter_names.index(own.drive),
-            np.concatenate([np.full(lead, drive_scale[0]), drive_scale]),
+            drive_scale,
             values[p_count : p_count + x_count].copy(),
             interval,
-            self.substeps * max([1, *(a.effect.refine for a, _ in forces)]),
+            substeps,
             ports,
             frames,
             memory,

@@ -138,7 +138,7 @@ def _advance(J, slope, ramp, h, step):
 @njit(
     _MATRIX(
         types.FunctionType(DERIVATIVE), types.FunctionType(OUTPUT), _F, _U, _F, _U, _F, _U, int64,
-        _VECTOR, int64, _VECTOR, int64, _VECTOR, _VECTOR, float64, int64,
+        _VECTOR, _VECTOR, int64, _VECTOR, int64, _VECTOR, _VECTOR, float64, int64,
         _INDEX, _MATRIX, _MATRIX, _MATRIX,
     ),
     cache=True,
@@ -155,7 +155,8 @@ def integrate(
     update_3,
     forces,
     u,
-    linear_hold,
+    course,
+    straight,
     p,
     drive,
     drive_scale,
@@ -178,7 +179,10 @@ def integrate(
     Parameters
     ----------
     u : (n,)
-        Input; held over each interval, or interpolated if ``linear_hold``.
+        Input at each sample, which the output may depend on.
+    course : (n substeps + 1,)
+        Input at the start of each step and at the end of the last; held over a step, or
+        ``straight`` from one to the next.
     drive, drive_scale : int, (n,)
         Index of the parameter that is multiplied by ``drive_scale`` at each sample.
     ports : (SLOTS + 1, 4)
@@ -220,9 +224,8 @@ def integrate(
         _positions(x, ports, frames, z)
         result[0, i] = output(x, u[i], p)
         result[1, i] = z[SLOTS]
-        climb = (u[i + 1] - u[i]) / interval if linear_hold and i + 1 < n else 0.0
         for s in range(substeps):
-            v = u[i] + climb * s * h
+            v = course[i * substeps + s]
             # Column 0 is the slope at x; column j that beside it in state j - 1.
             for column in range(states + 1):
                 nudge = 0.0
@@ -259,9 +262,9 @@ def integrate(
                         J[j, column - 1] = (beside[j] - slope[j]) / nudge
                     else:
                         slope[j] = beside[j]
-            if linear_hold:
+            if straight:
                 derivative(x, v, p, moved)
-                derivative(x, v + climb * h, p, beside)
+                derivative(x, course[i * substeps + s + 1], p, beside)
                 for j in range(states):
                     ramp[j] = beside[j] - moved[j]
             if states == 2:

@@ -30,6 +30,8 @@ class Problem:
         Samples to fit on, to choose candidates by, and to certify on.
     noise : float
         Standard deviation of the noise, in the output's unit.
+    tolerance : float
+        Error of integration that is small enough (root mean square, in the output's unit).
     """
 
     u: np.ndarray
@@ -39,6 +41,7 @@ class Problem:
     select: np.ndarray
     certify: np.ndarray
     noise: float = 1.0
+    tolerance: float = np.inf
 
     @property
     def time(self) -> np.ndarray:
@@ -90,17 +93,12 @@ def base(
     """
     extended = ExtendedSimulation(simulation)
     values = extended.values(np.zeros(extended.free.size))
-    coarse = extended.run(values, u, interval)
-    for substeps in _SUBSTEPS:
-        finer = replace(extended, substeps=substeps)
-        fine = finer.run(values, u, interval)
-        if rmse(fine[0] - coarse[0], np.ones(u.size, bool)) < tolerance:
-            break
-        extended, coarse = finer, fine
-    if not np.isfinite(coarse).all():
+    extended = with_fine_steps(extended, values, u, interval, tolerance)
+    y = extended.simulate(values, u, interval)
+    if not np.isfinite(y).all():
         raise InputError(
             f"it runs away at its nominal parameters after "
-            f"{interval * np.argmin(np.isfinite(coarse[0])):g} s of this input",
+            f"{interval * np.argmin(np.isfinite(y)):g} s of this input",
             file=simulation.source or f"simulation {simulation.name}",
             field="parameters",
             remedy="Correct the nominal values, or the units of the record's input",
@@ -109,6 +107,29 @@ def base(
         _frame(extended, balance, values, u, interval) for balance in simulation.balances
     )
     return replace(extended, frames=frames)
+
+
+def with_fine_steps(
+    extended: ExtendedSimulation,
+    values: np.ndarray,
+    u: np.ndarray,
+    interval: float,
+    tolerance: float,
+    most: int = _SUBSTEPS[-1],
+) -> ExtendedSimulation:
+    """Return the simulation with steps so short that shorter ones change less than ``tolerance``.
+
+    The change is the root mean square of the output's, at these parameter ``values``; a sample
+    has at ``most`` so many steps.
+    """
+    coarse = extended.simulate(values, u, interval)
+    for substeps in (s for s in _SUBSTEPS if extended.substeps < s <= most):
+        finer = replace(extended, substeps=substeps)
+        fine = finer.simulate(values, u, interval)
+        if rmse(fine - coarse, np.ones(u.size, bool)) < tolerance:
+            break
+        extended, coarse = finer, fine
+    return extended
 
 
 def deflection(

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
+from dea.discrepancy.hold import Hold
 from dea.discrepancy.integrate import DERIVATIVE, OUTPUT, compiled
 from dea.discrepancy.parameter import Parameter
 from dea.errors import InputError
@@ -89,7 +90,8 @@ class Simulation:
         Time (s) for which the first input is held before the record starts, so that the device
         has settled.
     hold
-        How the input behaves between samples: ``zero`` holds it, ``linear`` interpolates.
+        How the input behaves between samples: ``zero`` holds it, as a converter does, ``linear``
+        joins samples by straight lines, ``smooth`` suits a band-limited input that is measured.
     """
 
     name: str
@@ -106,7 +108,7 @@ class Simulation:
     output_offset_spread: float = 0.0
     accuracy: float = 0.0
     lead_in: float = 0.0
-    hold: Literal["zero", "linear"] = "zero"
+    hold: Hold = "zero"
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:

@@ -24,14 +24,14 @@ def update(z, z_next, h, memory, q):
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return a slack contact."""
+    """Return a contact that is slack at rest, where the device has come from."""
     state = np.zeros(MEMORY)
     state[1] = q[4]
     return state
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the force, deflection before slip, excess of stiction, Stribeck rate, and start."""
+    """Return the force, deflection before slip, excess of stiction, Stribeck rate, and rest."""
     span = scales.z_span
     return (
         Parameter("force", "1", 0.05 * span, 1.5, 1e-5, 10.0, log=True),
@@ -42,14 +42,14 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter(
             "stribeck_rate", "1/s", 0.1 * span, 1.0, 1e-3 * span, 10.0 * span, log=True, shape=True
         ),
-        Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+        Parameter("rest_position", "1", 0.0, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return weak friction to such that holds the device most of the time."""
-    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
-    return tuple((part * span, 0.015 * span, 0.0, 0.1 * span, middle) for part in (0.02, 0.08, 0.2))
+    span = scales.z_span
+    return tuple((part * span, 0.015 * span, 0.0, 0.1 * span, 0.0) for part in (0.02, 0.08, 0.2))
 
 
 EFFECT = Effect(

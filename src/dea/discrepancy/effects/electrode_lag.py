@@ -21,7 +21,7 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the slow time constant, the fast one's ratio to it, near part, and charge at the start."""
+    """Return the slow time, the fast one's ratio to it, the near part, and the charge at start."""
     dt = scales.interval
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),

@@ -35,7 +35,7 @@ def update(z, z_next, h, memory, q):
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return slack stops."""
+    """Return stops that are slack where the device has come from: at rest, if nothing is known."""
     state = np.zeros(MEMORY)
     state[OPERATORS] = q[3]
     return state
@@ -45,10 +45,10 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return stiffness, largest radius, weight of the larger radii, start, and growth in space."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
     return (
-        Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 10.0, log=True),
+        Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True),
         Parameter("largest_radius", "1", 0.5 * span, 1.0, 0.02 * span, 5 * span, log=True),
         Parameter("weight_exponent", "1", 0.0, 0.7, -3.0, 3.0, shape=True),
-        Parameter("start_position", "1", middle, span),
+        Parameter("start_position", "1", 0.0, span),
         Parameter("tilt", "1", 0.0, 0.3, -0.5, 0.5, shape=True),
         Parameter("growth_at_ends", "1", 0.0, 0.3, 0.0, 5.0, shape=True),
         Parameter("middle", "1", middle, 0.0),
@@ -59,7 +59,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return loops narrower and wider than the motion."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
-    rest = (middle, 0.0, 0.0, middle, 0.5 * span)
+    rest = (0.0, 0.0, 0.0, middle, 0.5 * span)
     return tuple((0.2, part * span, 0.0, *rest) for part in (0.2, 0.6, 1.5))
 
 

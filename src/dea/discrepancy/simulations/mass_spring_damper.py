@@ -37,5 +37,5 @@ simulation = Simulation(
     balances=(Balance(equation="velocity", position="position", velocity="velocity"),),
     output_offset_spread=0.05,
     accuracy=1e-3,
-    hold="linear",
+    hold="smooth",
 )
