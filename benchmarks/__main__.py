@@ -8,7 +8,7 @@ import sys
 import venv
 from pathlib import Path
 
-from benchmarks import acquisition, identification, tracking
+from benchmarks import acquisition, discrepancy, identification, tracking
 
 ROOT = Path(__file__).parents[1]
 REQUIREMENTS = ROOT / "benchmarks" / "peers.txt"
@@ -31,7 +31,8 @@ def peers_python() -> Path:
 def main() -> int:
     """Run, print and store; the status is 1 where a target is missed."""
     python = peers_python()
-    rows = [row for module in (identification, tracking, acquisition) for row in module.run(python)]
+    modules = identification, tracking, discrepancy, acquisition
+    rows = [row for module in modules for row in module.run(python)]
     print(f"{'what':<66}{'ours':>11}{'peer':>11}{'ratio':>9}{'target':>9}")
     for row in rows:
         print(

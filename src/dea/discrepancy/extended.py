@@ -8,7 +8,7 @@ import numpy as np
 
 from dea.discrepancy.effects import Effect, Scales
 from dea.discrepancy.hold import at_steps
-from dea.discrepancy.integrate import MEMORY, SLOTS, integrate, no_force, no_update
+from dea.discrepancy.integrate import MEMORY, SLOTS, first_class, integrate, no_force, no_update
 from dea.discrepancy.parameter import Parameter
 from dea.discrepancy.simulation import Simulation
 
@@ -171,17 +171,17 @@ class ExtendedSimulation:
             if slot < len(forces):
                 a, q = forces[slot]
                 effect = a.effect
-                slots += [effect.force, effect.update]
+                slots += [first_class(effect.force), first_class(effect.update)]
                 ports[slot], frames[slot] = self._ports[a.balance], self._frames[a.balance]
                 parameters[slot, : q.size] = q
                 if effect.memory is not None:
                     memory[slot] = effect.memory(q)
             else:
-                slots += [no_force, no_update]
+                slots += [first_class(no_force), first_class(no_update)]
         substeps = self.substeps * max([1, *(a.effect.refine for a, _ in forces)])
         result = integrate(  # type: ignore[call-arg]
-            own.compiled_derivative,
-            own.compiled_output,
+            first_class(own.compiled_derivative),
+            first_class(own.compiled_output),
             *slots,
             len(forces),
             v,

@@ -6,6 +6,7 @@ effect nor a new parameter compiles anything.
 
 import warnings
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,32 @@ def compiled(function: Callable[..., Any], signature: Any) -> Any:
         return function
     # Divisions by zero give infinities, which are data; an exception would not be.
     return njit(signature, error_model="numpy")(function)
+
+
+class FirstClass(types.WrapperAddressProtocol):
+    """A compiled function as an argument of another one, its address looked up once.
+
+    Numba looks up the address of a plain one at every call, which takes longer than a short
+    record does.
+    """
+
+    def __init__(self, function: Any) -> None:
+        self._function = function
+        (self._signature,) = function.nopython_signatures
+        result = function.get_compile_result(self._signature)
+        self._address = result.library.get_pointer_to_function(
+            result.fndesc.llvm_cfunc_wrapper_name
+        )
+
+    def __wrapper_address__(self) -> int:
+        return self._address
+
+    def signature(self) -> Any:
+        """Return the signature the function is compiled for."""
+        return self._signature
+
+
+first_class = cache(FirstClass)
 
 
 @njit(FORCE, cache=True)

@@ -47,9 +47,13 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return weak friction to such that holds the device most of the time."""
+    """Return weak friction to such that holds the device most of the time, soft and hard."""
     span = scales.z_span
-    return tuple((part * span, 0.015 * span, 0.0, 0.1 * span, 0.0) for part in (0.02, 0.08, 0.2))
+    return tuple(
+        (part * span, slip * span, 0.0, 0.1 * span, 0.0)
+        for part in (0.02, 0.08, 0.2)
+        for slip in (0.015, 0.002)
+    )
 
 
 EFFECT = Effect(

@@ -1,0 +1,101 @@
+"""How long a free run of the membrane takes against LSODA's, and a diagnosis of half an hour."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+from dea import signals
+from dea.bench import Rig
+from dea.bench.configuration import read_parameters
+from dea.discrepancy import Settings, diagnose
+from dea.discrepancy.extended import ExtendedSimulation
+from dea.discrepancy.simulation import load_simulation
+
+RATE = 50.0
+PIECE, REPEATS = 1000, 5
+TARGET_SIMULATION = 100.0
+LONGEST_DIAGNOSIS = 60.0  # s, of thirty minutes
+BENCH, ACTUATOR = Path("config/bench.yaml"), "dea5"
+
+
+def run(peers_python: Path) -> list[dict[str, Any]]:
+    """Time both; compilation is apart. No foreign package is needed."""
+    return [_simulation(), _diagnosis()]
+
+
+def _simulation() -> dict[str, Any]:
+    own = load_simulation("dea_membrane")
+    extended = ExtendedSimulation(own)
+    values = extended.values(np.zeros(extended.free.size))
+    u = _volts(PIECE / RATE)
+    extended.simulate(values, u, 1.0 / RATE)
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        y = extended.simulate(values, u, 1.0 / RATE)
+        seconds.append(time.perf_counter() - start)
+
+    def slopes(t: float, x: np.ndarray, level: float) -> np.ndarray:
+        own.compiled_derivative(x, level, own.nominal, dx := np.empty(x.size))
+        return dx
+
+    start = time.perf_counter()
+    x = np.array([state.initial for state in own.states])
+    x = solve_ivp(slopes, (0.0, own.lead_in), x, "LSODA", args=(u[0],)).y[:, -1]
+    expected = np.empty(PIECE)
+    for k, level in enumerate(u):
+        expected[k] = own.compiled_output(x, level, own.nominal)
+        x = solve_ivp(slopes, (0.0, 1.0 / RATE), x, "LSODA", args=(level,)).y[:, -1]
+    peer = time.perf_counter() - start
+    np.testing.assert_allclose(y, expected, atol=2e-3 * np.ptp(expected))
+    return {
+        "name": f"free run of the membrane, {PIECE} samples, against LSODA",
+        "ours_s": min(seconds),
+        "peer_s": peer,
+        "ratio": peer / min(seconds),
+        "target": TARGET_SIMULATION,
+    }
+
+
+def _diagnosis() -> dict[str, Any]:
+    record = _half_an_hour()
+    warm = record.isel(time=slice(0, 5000))
+    settings = Settings(workers=2)
+    diagnose(warm, "dea_membrane", settings=settings)
+    start = time.perf_counter()
+    found = diagnose(record, "dea_membrane", settings=settings)
+    seconds = time.perf_counter() - start
+    return {
+        "name": f"diagnosis of {record.time.size} samples on two threads, against a minute",
+        "ours_s": seconds,
+        "peer_s": LONGEST_DIAGNOSIS,
+        "ratio": LONGEST_DIAGNOSIS / seconds,
+        "target": 1.0,
+        "detail": found.verdict.sentence,
+    }
+
+
+def _volts(duration: float) -> np.ndarray:
+    return signals.design(
+        "gaussian", duration=duration, sampling_rate=RATE, low=1.1, high=3.75, seed=2, band=1.0
+    )
+
+
+def _half_an_hour() -> xr.Dataset:
+    parameters = read_parameters(BENCH, ACTUATOR)
+    volts = _volts(1800.0)
+    counts = parameters.output_converter.to_counts(volts)
+    moved = Rig(parameters, seed=3).respond(counts)
+    moved = moved + parameters.sensor.noise * np.random.default_rng(4).standard_normal(moved.size)
+    return xr.Dataset(
+        {
+            "voltage": ("time", volts, {"units": "V"}),
+            "displacement": ("time", 1e3 * moved, {"units": "mm"}),
+        },
+        {"time": ("time", np.arange(volts.size) / RATE, {"units": "s"})},
+        {"sampling_rate": RATE},
+    )
