@@ -67,6 +67,7 @@ def decide(
     problem: Problem,
     chosen: Candidate | None,
     pool: Sequence[Candidate],
+    proven: Sequence[Candidate],
     nominal_error: float,
     floor: float,
     unexplained: ResidualModel,
@@ -74,7 +75,10 @@ def decide(
     rules: Rules,
     rng: np.random.Generator,
 ) -> Decision:
-    """Name the chosen candidate unless something speaks against it."""
+    """Name the chosen candidate unless something speaks against it.
+
+    ``pool`` holds all candidates, ``proven`` the single effects that help for sure.
+    """
     if chosen is None:
         if nominal_error <= rules.clean * floor and unexplained.ratio > 1.0 - rules.margin:
             return Decision("none", None, reason="the gap is at the noise floor")
@@ -88,12 +92,11 @@ def decide(
         akin = _rivals(chosen, pool, floor, blocks, rules, rng, akin=True)
         return Decision("named", chosen, tuple(akin))
     shared = set(chosen.names).intersection(*(rival.names for rival in rivals))
-    for candidate in pool:
+    for candidate in proven:
         # Many seconds do as well: the first is sure, and what is left of it a law of another form.
         if (
             len(chosen.names) > 1
             and len(shared) == 1
-            and candidate.finished
             and candidate.names == tuple(shared)
             and _explained(candidate, nominal_error, floor, unexplained, rules)
             and not _rivals(candidate, pool, floor, blocks, rules, rng)

@@ -20,7 +20,7 @@ from dea.discrepancy.noise import white_level
 from dea.discrepancy.nominal import bases, fit_near_prior, fit_nominal, slowest_time
 from dea.discrepancy.problem import Problem, base
 from dea.discrepancy.rivals import confusion
-from dea.discrepancy.search import best_extension, noise_floor, pool_of, search
+from dea.discrepancy.search import best_extension, noise_floor, pool_of, proven_alone, search
 from dea.discrepancy.separate import Experiment, separating_experiment
 from dea.discrepancy.simulation import Simulation, load_simulation
 from dea.discrepancy.split import Split, split
@@ -145,8 +145,9 @@ def diagnose(
     problem, parts, extended = _prepare(u, y, interval, own, settings)
     nominal = fit_nominal(problem, extended, budget.starts, rng, settings.workers)
     near = fit_near_prior(problem, nominal)
-    blocks = parts.blocks(problem.seen, problem.u.size / _BLOCKS)
-    select = parts.blocks(problem.select, problem.u.size / _BLOCKS)
+    # Blocks shorter than the device's memory would pass for more evidence than they are.
+    length = max(problem.u.size / _BLOCKS, parts.gap)
+    blocks, select = (parts.blocks(mask, length) for mask in (problem.seen, problem.select))
 
     starts = bases(problem, nominal, near, rng)
     rounds = search(problem, starts, offered, units, budget, settings.rules, settings.workers)
@@ -161,13 +162,14 @@ def diagnose(
     )
     gained = gains(held_out_gap(problem, nominal), held_out, blocks, null, rng)
     expected = float(np.hypot(floor, own.accuracy))
-    chosen = best_extension(rounds, nominal_error, gained, expected, blocks, settings.rules, rng)
+    proven = proven_alone(rounds, gained, settings.rules)
+    chosen = best_extension(rounds, nominal_error, proven, expected, blocks, settings.rules, rng)
 
     best = chosen.fit if chosen else nominal
     unexplained = residual_model(problem, best.gap)
     pool = pool_of(rounds)
     decision = decide(
-        problem, chosen, pool, nominal_error, expected, unexplained, blocks,
+        problem, chosen, pool, proven, nominal_error, expected, unexplained, blocks,
         settings.rules, rng,
     )  # fmt: skip
     answer = decision.chosen if decision.status in ("named", "ambiguous") else None

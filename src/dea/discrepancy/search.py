@@ -80,19 +80,24 @@ def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
     return min(white_level(gap, list(blocks)) for gap in gaps)
 
 
+def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[Candidate]:
+    """Return the single effects whose gain is beyond the margin and beyond chance, best first."""
+    needed = max(-np.log1p(-rules.margin), gained.null)
+    pairs = zip(rounds[0].candidates, gained.low, strict=True)
+    return [c for c, low in pairs if c.finished and low > needed]
+
+
 def best_extension(
     rounds: Sequence[Round],
     nominal_error: float,
-    gained: Gains,
+    proven: Sequence[Candidate],
     floor: float,
     blocks: Sequence[slice],
     rules: Rules,
     rng: np.random.Generator,
 ) -> Candidate | None:
-    """Return the best single effect that helps, or the best larger set that helps more."""
-    singles = rounds[0].candidates
-    helping = [c for i, c in enumerate(singles) if c.finished and _significant(gained, i, rules)]
-    chosen = helping[0] if helping else None
+    """Return the best single effect that is proven, or the best larger set that helps more."""
+    chosen = proven[0] if proven else None
     larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
     for size in sorted({len(c.names) for c in larger}):
         best = min((c for c in larger if len(c.names) == size), key=lambda c: c.error)
@@ -112,9 +117,3 @@ def best_extension(
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
     """Return all candidates of all rounds, best first."""
     return sorted((c for r in rounds for c in r.candidates), key=lambda c: c.error)
-
-
-def _significant(gains: Gains, index: int, rules: Rules) -> bool:
-    """Return whether a candidate's gain is beyond the margin and beyond chance."""
-    needed = max(-np.log1p(-rules.margin), gains.null)
-    return bool(gains.low[index] > needed)
