@@ -194,7 +194,7 @@ def test_hysteresis_is_rate_independent_and_keeps_return_point_memory():
 
 def test_stops_equal_plays():
     """A stop is the motion less the play operator of the same radius."""
-    q = values("rate_independent_hysteresis", stiffness=1.0, largest_radius=0.2)
+    q = values("rate_independent_hysteresis", stiffness=1.0, largest_radius=0.2, start_position=0.7)
     radii = 0.2 * (np.arange(1, 9) / 8) ** 2
     play = np.full(8, 0.7)
     expected = []
