@@ -1,6 +1,7 @@
 # Every target makes the environment it needs; nothing is installed by hand.
 PYTHON ?= python3.11
-CORES ?= $(shell nproc)
+# nproc alone would count the threads that OMP_NUM_THREADS allows one program.
+CORES ?= $(shell env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 # One thread per job: the same sums in the same order, whatever the machine.
@@ -12,7 +13,7 @@ SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study case cases report discrepancy real trials records faults peers interoperability \
+.PHONY: help study case cases report diagnose discrepancy real trials records faults peers interoperability \
 	soak check test benchmark clean
 
 help: ## list the targets
@@ -38,6 +39,11 @@ cases: $(VENV)/installed ## every case of config/cases, and their errors on unse
 
 report: study ## write results/report.html with captions
 	$(SNAKEMAKE) study --report results/report.html
+
+diagnose: $(VENV)/installed ## name what one simulation is missing: make diagnose NAME=mine
+	$(if $(NAME),,$(error Name a file of config/cases, or an actuator: make diagnose NAME=dea1))
+	$(SNAKEMAKE) results/figures/discrepancy/$(NAME).png
+	@python -c "import json; print(json.load(open('results/discrepancy/$(NAME)/verdict.json'))['sentence'])"
 
 discrepancy: $(VENV)/installed ## name what the simulation of each actuator is missing
 	$(SNAKEMAKE) discrepancy

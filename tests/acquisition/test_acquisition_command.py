@@ -76,8 +76,17 @@ def test_a_broken_acquisition_is_rescued_with_its_flags(serve_bench, tmp_path, c
     assert caught.value.code == 1
     assert "overwritten before they were read" in capsys.readouterr().err
     assert not output.exists()
-    main(["recover", str(tmp_path / "record.partial"), "--device", str(DEVICE), "--output",
-          str(tmp_path / "rescued.nc")])  # fmt: skip
+    recover = [
+        "recover",
+        str(tmp_path / "record.partial"),
+        "--output",
+        str(tmp_path / "rescued.nc"),
+    ]
+    with pytest.raises(SystemExit):
+        main([*recover, "--device", str(DEVICE.with_name("analogue_module.yaml"))])
+    assert "recorded from 'virtual bench'" in capsys.readouterr().err
+    assert not (tmp_path / "rescued.nc").exists()
+    main([*recover, "--device", str(DEVICE)])
     shown = capsys.readouterr().out
     assert "flagged" in shown
     assert "overwritten before they were read" in shown

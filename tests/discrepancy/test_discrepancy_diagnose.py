@@ -1,6 +1,7 @@
 """Diagnoses of a membrane whose hidden effects obey other laws than the catalogue's."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from dea.discrepancy import (
     certificate_dataset,
     diagnose,
     load_extended,
+    load_simulation,
     localisation_dataset,
     read_verdict,
     save_extended,
@@ -104,6 +106,12 @@ def test_a_diagnosis_does_not_depend_on_the_number_of_threads():
         for workers in (1, 2)
     )
     assert one.verdict == two.verdict
+
+
+def test_effects_that_find_no_port_are_refused():
+    simulation = replace(load_simulation("dea_membrane"), balances=())
+    with pytest.raises(InputError, match="none of the effects offered can attach"):
+        diagnose(record(duration=40.0), simulation, settings=Settings(effects=("end_stop",)))
 
 
 def test_an_unknown_effect_is_refused():

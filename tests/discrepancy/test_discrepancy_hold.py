@@ -1,10 +1,15 @@
 """What an input does between its samples."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lsim
 
+from dea.discrepancy import ExtendedSimulation, load_simulation
 from dea.discrepancy.hold import at_steps
+from dea.errors import InputError
 
 U = np.random.default_rng(5).standard_normal(50)
 
@@ -13,6 +18,7 @@ def test_zero_holds_each_sample():
     found = at_steps(U, 3, "zero")
     assert found.size == 151
     assert np.array_equal(found[:-1], np.repeat(U, 3))
+    assert found[-1] == U[-1]
 
 
 def test_linear_joins_samples_and_stays_after_the_last():
@@ -45,3 +51,25 @@ def test_a_system_feels_a_smooth_input_as_the_sine_it_was_sampled_from(share):
     lost = 1.0 - np.sinc(share) ** 2
     assert errors["linear"] == pytest.approx(lost, rel=0.3)
     assert errors["smooth"] < 0.2 * errors["linear"] + 1e-6
+
+
+@pytest.mark.parametrize("substeps", [1, 3])
+def test_a_simulation_moves_as_its_device_under_the_band_limited_input(substeps):
+    own = replace(load_simulation("mass_spring_damper"), hold="smooth", lead_in=0.5)
+    dt, fine, n = 1.0 / 600.0, 20, 600
+    extended = ExtendedSimulation(own, substeps=substeps)
+    values = extended.values(np.zeros(extended.free.size))
+    values[:3] = 40.0, 0.3, 1.0
+    t = np.arange(n * fine) * dt / fine
+    u = sum(np.sin(2 * np.pi * f * t + f) for f in (7.0, 31.0, 60.0, 90.0))
+    omega = 2 * np.pi * 40.0
+    system = [omega**2], [1.0, 2 * 0.3 * omega, omega**2]
+    _, y, _ = lsim(system, u, t)
+    found = extended.simulate(values, u[::fine], dt)
+    # What the device remembers of its start has gone after a third.
+    assert np.std((found - y[::fine])[n // 3 :]) < 0.01 * np.std(y)
+
+
+def test_another_behaviour_between_samples_is_refused():
+    with pytest.raises(InputError, match="Choose from zero, linear, smooth"):
+        replace(load_simulation("mass_spring_damper"), hold="cubic")

@@ -2,18 +2,15 @@
 
 from pathlib import Path
 
-import pytest
 import yaml
 
 from dea import store
 from dea.discrepancy import Settings, diagnose
+from measured_records import DATA, needs_records
 
 ROOT = Path(__file__).parents[2]
-DATA = ROOT.parent / "shared" / "data"
 CASES = ROOT / "config" / "cases"
-pytestmark = pytest.mark.skipif(
-    not DATA.exists(), reason="the public measured records are not in ../shared/data"
-)
+pytestmark = needs_records
 
 
 def diagnosed(name):

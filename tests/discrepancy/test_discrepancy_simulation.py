@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 from user_simulation import SLOPE, write_simulation
@@ -20,6 +21,7 @@ from dea.discrepancy import (
     load_simulation,
     save_extended,
 )
+from dea.discrepancy.integrate import OUTPUT, compiled
 from dea.discrepancy.problem import Problem, base, scales
 from dea.discrepancy.simulation import BUILT_IN
 from dea.errors import InputError
@@ -201,6 +203,40 @@ def test_a_users_simulation_is_found_again_by_what_is_saved(tmp_path):
     loaded, same, _ = load_extended(path)
     u = np.sin(T)
     assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()
+
+
+def test_what_is_saved_keeps_how_the_input_behaves(tmp_path):
+    linear = replace(load_simulation("mass_spring_damper"), hold="linear")
+    extended = ExtendedSimulation(linear)
+    values = extended.values(np.zeros(extended.free.size))
+    save_extended(extended, values, DT, tmp_path / "extended.yaml")
+    assert load_extended(tmp_path / "extended.yaml")[0].simulation.hold == "linear"
+
+
+def test_a_function_is_compiled_anew_unless_it_is_compiled_just_so():
+    own = load_simulation("mass_spring_damper")
+    assert own.compiled_derivative is own.derivative
+
+    @njit
+    def output(x, u, p):
+        return 1.0 / x[0]
+
+    assert output(np.ones(1), 0.0, np.ones(1)) == 1.0
+    assert compiled(output, OUTPUT)(np.zeros(1), 0.0, np.ones(1)) == np.inf
+
+
+def test_only_so_many_forces_can_be_attached():
+    simulation = load_simulation("mass_spring_damper")
+    u = np.sin(T)
+    extended = base(simulation, u, DT, 1e-3)
+    values = extended.values(np.zeros(extended.free.size))
+    problem = Problem(u, u, DT, *(np.ones(u.size, bool) for _ in range(3)))
+    told = scales(problem, extended, values, ("V", "V"))
+    for name in ("coulomb_friction", "end_stop", "second_mode"):
+        extended = extended.attach(catalogue()[name], told)
+    extended = extended.attach(catalogue()["dead_zone"], told)
+    with pytest.raises(InputError, match="3 forces are attached already"):
+        extended.attach(catalogue()["viscoelastic_creep"], told)
 
 
 def test_a_constant_can_add_to_the_input(tmp_path):

@@ -1,18 +1,16 @@
 """Tracking a measured system that does not change: the Silverbox circuit."""
 
-from pathlib import Path
-
 import numpy as np
-import pytest
 
 from dea.narx import select_terms
 from dea.tracking import METHODS, compare_free_runs, track_parameters
+from measured_records import DATA, needs_records
 
-RECORD = Path(__file__).parents[3] / "shared" / "data" / "silverbox" / "SNLS80mV.csv"
+RECORD = DATA / "silverbox" / "SNLS80mV.csv"
 RATE = 610.35
 
 
-@pytest.mark.skipif(not RECORD.exists(), reason=f"the measured record {RECORD} is not here")
+@needs_records
 def test_noise_on_measured_outputs_biases_all_but_the_output_error_smoother():
     u, y = np.loadtxt(RECORD, delimiter=",", skiprows=1, usecols=(0, 1))[80_000:100_000].T
     model = select_terms(u[:5000], y[:5000], y_lags=3, u_lags=3, degree=3)

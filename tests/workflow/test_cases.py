@@ -12,11 +12,8 @@ from dea import store
 from dea.errors import InputError
 from dea.narx import rmse, select_terms
 from dea.stages.select import select
+from measured_records import DATA, needs_records
 
-DATA = ROOT.parent / "shared" / "data"
-needs_records = pytest.mark.skipif(
-    not DATA.exists(), reason="the public measured records are not in ../shared/data"
-)
 CASES = ROOT / "config" / "cases"
 QUICK = {
     "identification": {"length": 30, "y_lags": 1, "u_lags": 1, "degree": 2, "resamples": 0},

@@ -84,6 +84,13 @@ def rescue(options: argparse.Namespace) -> None:
     if not found.notes or not found.samples.position.size:
         raise InputError("holds no samples", file=options.partial)
     heading = found.notes[0]
+    if heading["device"] != device.name:
+        raise InputError(
+            f"was recorded from {heading['device']!r}, and the description is of {device.name!r}",
+            file=options.partial,
+            field="device",
+            remedy="Give the description it was recorded with: --device",
+        )
     record = record_dataset(device, found.samples, heading["lead"], heading["length"])
     reasons = [note["broken"] for note in found.notes if "broken" in note]
     flagged = int(np.count_nonzero(record["quality"] != Quality.GOOD))

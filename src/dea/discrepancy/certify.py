@@ -87,7 +87,8 @@ def _from_its_own_start(other: OtherRecord, fitted: Fit) -> np.ndarray:
 
 
 def _is_start(name: str) -> bool:
-    return name.startswith("initial.") or name.rpartition(".")[2].startswith("start_")
+    owner, _, own = name.rpartition(".")
+    return owner == "initial" or (owner != "" and own.startswith("start_"))
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,6 @@ _FIRST_STEPS, _LAST_STEPS, _NEAR = 6, 20, 2.5
 _RUNNERS_UP = 2
 # Leaders whose last steps have every column of the Jacobian computed anew.
 _POLISHED = 2
-# Times that the steps of the simulation alone may be cut for an effect; laws with corners would
-# never have enough.
-_SHORTER = 4
 # Samples up to which more than the best start of a law goes on: a short record affords it.
 _SHORT = 24_000
 
@@ -156,7 +153,7 @@ def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:
         problem.u,
         problem.interval,
         problem.tolerance,
-        most=_SHORTER * fitted.extended.substeps,
+        problem.most_steps,
     )
     return replace(fitted, extended=extended)
 

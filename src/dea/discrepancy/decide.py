@@ -8,7 +8,7 @@ import numpy as np
 from dea.discrepancy.compose import Candidate
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rivals import beaten
-from dea.discrepancy.unknown import ResidualModel
+from dea.discrepancy.unknown import ResidualModel, residual_model
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,13 @@ def decide(
             len(chosen.names) > 1
             and len(shared) == 1
             and candidate.names == tuple(shared)
-            and _explained(candidate, nominal_error, floor, unexplained, rules)
+            and _explained(
+                candidate,
+                nominal_error,
+                floor,
+                residual_model(problem, candidate.fit.gap),
+                rules,
+            )
             and not _rivals(candidate, pool, floor, blocks, rules, rng)
         ):
             return Decision("named", candidate)

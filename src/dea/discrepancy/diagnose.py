@@ -40,6 +40,9 @@ _NOISE_MARGIN = 1.5
 _STEP_ERROR = 0.5
 # The same, as a part of the output's deviation: no simulation is that good.
 _RELATIVE_ERROR = 1e-3
+# Times that the steps of the simulation alone may be cut for an effect; laws with corners would
+# never have enough.
+_SHORTER = 4
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ class Settings:
     slowest_time
         Slowest time constant (s) for the gaps of the split; the simulation's own if ``None``.
     warm_up
-        Time (s) at the start of the record that no error counts.
+        Time (s) at the start of the record that no error counts; at most a fiftieth of it.
     workers
         Threads that candidates are fitted on.
     """
@@ -145,7 +148,7 @@ def diagnose(
     problem, parts, extended = _prepare(u, y, interval, own, settings)
     nominal = fit_nominal(problem, extended, budget.starts, rng, settings.workers)
     near = fit_near_prior(problem, nominal)
-    # Blocks shorter than the device's memory would pass for more evidence than they are.
+    # Blocks much shorter than the device's memory would pass for more evidence than they are.
     length = max(problem.u.size / _BLOCKS, parts.gap)
     blocks, select = (parts.blocks(mask, length) for mask in (problem.seen, problem.select))
 
@@ -154,6 +157,13 @@ def diagnose(
     floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
     nominal_error = judge(problem, nominal).error
     singles = list(rounds[0].candidates)
+    if not singles:
+        raise InputError(
+            "none of the effects offered can attach to this simulation and stay stable",
+            file=own.source or f"simulation {own.name}",
+            field="balances",
+            remedy="Declare its force balances, or offer effects of other ports",
+        )
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
     held_out = in_parallel(
         lambda c: held_out_gap(problem, c.fit) if c.finished else c.fit.gap,
@@ -188,7 +198,7 @@ def diagnose(
         problem=problem, nominal=nominal, decision=decision, first=rounds[0], gained=gained,
         before=before, after=after, floor=floor, unexplained=unexplained, experiment=experiment,
         signatures=signatures, elsewhere={name: e[0] for name, e in elsewhere.items()},
-        unit=own.output_unit,
+        unit=own.output_unit, blocks=select, rng=rng,
     )  # fmt: skip
     return Diagnosis(
         verdict=verdict, problem=noisy, split=parts, units=units, nominal=nominal, extended=final,
@@ -243,8 +253,9 @@ def _prepare(
         slowest = slowest_time(extended, u)
     parts = split(u.size, interval, slowest, min(settings.warm_up, 0.02 * u.size * interval))
     problem = Problem(
-        u, y, interval, parts.fit, parts.select, parts.certify, _NOISE_MARGIN * noise, tolerance
-    )
+        u, y, interval, parts.fit, parts.select, parts.certify, _NOISE_MARGIN * noise, tolerance,
+        _SHORTER * extended.substeps,
+    )  # fmt: skip
     return problem, parts, extended
 
 

@@ -11,6 +11,7 @@ from dea.discrepancy.hold import at_steps
 from dea.discrepancy.integrate import MEMORY, SLOTS, first_class, integrate, no_force, no_update
 from dea.discrepancy.parameter import Parameter
 from dea.discrepancy.simulation import Simulation
+from dea.errors import InputError
 
 # Prior spreads that a parameter of the simulation may be from its nominal value.
 _REACH = 3.0
@@ -132,7 +133,14 @@ class ExtendedSimulation:
         return f"{attached.effect.name}@{balances[attached.balance].name}"
 
     def attach(self, effect: Effect, scales: Scales, balance: int = 0) -> "ExtendedSimulation":
-        """Return this simulation with one effect more."""
+        """Return this simulation with one effect more, of which at most three may be forces."""
+        forces = sum(a.effect.force is not None for a in self.attached)
+        if effect.force is not None and forces == SLOTS:
+            raise InputError(
+                f"{SLOTS} forces are attached already",
+                field="effects",
+                remedy="Leave one of them out",
+            )
         return replace(self, attached=(*self.attached, Attached(effect, scales, balance)))
 
     def simulate(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:

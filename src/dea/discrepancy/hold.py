@@ -1,10 +1,11 @@
 """What an input does between its samples."""
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 Hold = Literal["zero", "linear", "smooth"]
+HOLDS: tuple[str, ...] = get_args(Hold)
 
 # Series of (ω/2)² / sin²(ω/2) in the second difference: what straight lines take off a spectrum.
 _STRAIGHT_LINES = (1.0, -1 / 12, 1 / 90, -1 / 560, 1 / 3150)

@@ -32,6 +32,8 @@ class Problem:
         Standard deviation of the noise, in the output's unit.
     tolerance : float
         Error of integration that is small enough (root mean square, in the output's unit).
+    most_steps : int
+        Steps of integration that a sample may have.
     """
 
     u: np.ndarray
@@ -42,6 +44,7 @@ class Problem:
     certify: np.ndarray
     noise: float = 1.0
     tolerance: float = np.inf
+    most_steps: int = 1
 
     @property
     def time(self) -> np.ndarray:
@@ -117,10 +120,10 @@ def with_fine_steps(
     tolerance: float,
     most: int = _SUBSTEPS[-1],
 ) -> ExtendedSimulation:
-    """Return the simulation with steps so short that shorter ones change less than ``tolerance``.
+    """Return the simulation with so many steps that a few more change less than ``tolerance``.
 
-    The change is the root mean square of the output's, at these parameter ``values``; a sample
-    has at ``most`` so many steps.
+    The change is the root mean square of the output's, at these parameter ``values``. A sample
+    has at ``most`` so many steps, enough or not.
     """
     coarse = extended.simulate(values, u, interval)
     for substeps in (s for s in _SUBSTEPS if extended.substeps < s <= most):
@@ -141,9 +144,13 @@ def deflection(
 ) -> np.ndarray:
     """Return what moves at a balance, from rest and in its own unit, without any effect."""
     own = extended.simulation
-    bare = ExtendedSimulation(
-        replace(own, balances=(balance,)), (), (Frame(balance.rest),), extended.substeps
+    alone = replace(
+        own,
+        balances=(balance,),
+        derivative=own.compiled_derivative,
+        output=own.compiled_output,
     )
+    bare = ExtendedSimulation(alone, (), (Frame(balance.rest),), extended.substeps)
     output, position = bare.run(values[: len(bare.parameters)], u, interval)
     return output if balance.position is None else position
 
@@ -192,8 +199,9 @@ def scales(
             / extended.frames[balance].scale
             for v in (values, prior)
         )
-        # Fitted to a device that is stuck, a simulation stands still and tells no scale.
-        if np.ptp(z) < _STILL * np.ptp(z_prior):
+        # Fitted to a device that is stuck, a simulation stands still and tells no scale; without
+        # the effect that holds it, it may run away.
+        if not np.ptp(z) >= _STILL * np.ptp(z_prior):
             z = z_prior
     rate = np.abs(np.diff(problem.u)) / problem.interval
     return Scales(

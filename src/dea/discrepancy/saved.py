@@ -1,7 +1,7 @@
 """Extended simulations as files: they load and simulate without the record they came from."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ def save_extended(
 
     content = {
         "simulation": extended.simulation.source or extended.simulation.name,
+        "hold": extended.simulation.hold,
         "interval": float(interval),
         "substeps": extended.substeps,
         "frames": [
@@ -75,7 +76,7 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
             for e in effects
         )
         extended = ExtendedSimulation(
-            load_simulation(content["simulation"]),
+            replace(load_simulation(content["simulation"]), hold=content["hold"]),
             attached,
             tuple(Frame(**frame) for frame in content["frames"]),
             content["substeps"],

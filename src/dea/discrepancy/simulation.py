@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dea.discrepancy.hold import Hold
+from dea.discrepancy.hold import HOLDS, Hold
 from dea.discrepancy.integrate import DERIVATIVE, OUTPUT, compiled
 from dea.discrepancy.parameter import Parameter
 from dea.errors import InputError
@@ -121,6 +121,12 @@ class Simulation:
                 f"the drive port names {self.drive!r}, which is no parameter",
                 "drive",
                 f"Name the parameter that scales the input: {', '.join(self.parameter_names)}",
+            )
+        if self.hold not in HOLDS:
+            raise self._error(
+                f"the input cannot behave as {self.hold!r} between samples",
+                "hold",
+                f"Choose from {', '.join(HOLDS)}",
             )
         for balance in self.balances:
             self._check_balance(balance)

@@ -26,8 +26,8 @@ class NamedEffect:
     """An effect as it is in the extended simulation.
 
     ``gap_before`` and ``gap_after`` are free-run errors on the chosen blocks without and with
-    it; ``gain`` is the part of the error it removes, with an interval that holds over the whole
-    catalogue; ``rivals`` are effects this record cannot tell from it.
+    it; ``gain`` is the logarithm of their ratio with its 95 % interval, which holds over the whole
+    catalogue for an effect alone; ``rivals`` are effects this record cannot tell from it.
     """
 
     name: str

@@ -1,6 +1,6 @@
 """Put a diagnosis into words and numbers."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -9,7 +9,7 @@ from dea.discrepancy.certify import Certified, certify
 from dea.discrepancy.compose import Round
 from dea.discrepancy.decide import Decision
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.gain import Gains
+from dea.discrepancy.gain import Gains, gains
 from dea.discrepancy.identifiability import DETECTABLE
 from dea.discrepancy.localise import Localisation
 from dea.discrepancy.problem import Problem, rmse
@@ -65,13 +65,15 @@ def verdict_of(
     signatures: Mapping[str, tuple[float, float]],
     elsewhere: Mapping[str, Certified],
     unit: str,
+    blocks: Sequence[slice],
+    rng: np.random.Generator,
 ) -> Verdict:
-    """Return the verdict with its sentence."""
+    """Return the verdict with its sentence; ``blocks`` are those to choose by."""
     named = decision.status in ("named", "ambiguous") and decision.chosen is not None
     final = decision.chosen.fit if named and decision.chosen else nominal
     certified = certify(problem, nominal, final)
-    ladder = _ladder(problem, nominal, final, first)
-    effects = _effects(problem, decision, final, first, gained, ladder) if named else ()
+    rungs = _rungs(nominal, final, first)
+    effects = _effects(problem, decision, rungs, first, gained, blocks, rng) if named else ()
     return Verdict(
         status=decision.status,
         sentence=_sentence(
@@ -92,56 +94,52 @@ def verdict_of(
             "records": {name: asdict(value) for name, value in elsewhere.items()},
         },
         unit=unit,
-        ladder=ladder | {"noise floor": floor},
+        ladder={name: rmse(fit.gap, problem.select) for name, fit in rungs}
+        | {"noise floor": floor},
         experiment=asdict(experiment) if experiment else None,
         equation=unexplained.equation if decision.status == "unknown" else None,
         not_identifiable=tuple(name for name, (size, _) in signatures.items() if size < DETECTABLE),
     )
 
 
-def _ladder(problem: Problem, nominal: Fit, final: Fit, first: Round) -> dict[str, float]:
-    """Return the held-out errors from the nominal simulation up, one effect at a time."""
-    rungs = {"nominal": rmse(nominal.gap, problem.select)}
-    attached = final.extended.attached
-    if len(attached) > 1:
-        for candidate in first.candidates:
-            if candidate.names == (attached[0].effect.name,):
-                rungs[f"+ {attached[0].effect.name}"] = candidate.held_out
-    if attached:
-        rungs[f"+ {attached[-1].effect.name}"] = rmse(final.gap, problem.select)
-    return rungs
+def _rungs(nominal: Fit, final: Fit, first: Round) -> list[tuple[str, Fit]]:
+    """Return the nominal simulation, its first effect alone where it was tried so, and all."""
+    labels = [final.extended.label(a) for a in final.extended.attached]
+    alone = [c.fit for c in first.candidates if len(labels) > 1 and c.labels == (labels[0],)]
+    rungs = [("nominal", nominal)] + [(f"+ {labels[0]}", fit) for fit in alone[:1]]
+    return [*rungs, (f"+ {labels[-1]}", final)] if labels else rungs
 
 
 def _effects(
     problem: Problem,
     decision: Decision,
-    final: Fit,
+    rungs: Sequence[tuple[str, Fit]],
     first: Round,
     gained: Gains,
-    ladder: Mapping[str, float],
+    blocks: Sequence[slice],
+    rng: np.random.Generator,
 ) -> tuple[NamedEffect, ...]:
-    rungs = list(ladder.values())
+    final = rungs[-1][1]
     rivals = tuple("+".join(rival.names) for rival in decision.rivals)
-    singles = [c.names[0] for c in first.candidates]
+    singles = [c.labels for c in first.candidates]
     result = []
     for index, attached in enumerate(final.extended.attached):
-        name = attached.effect.name
-        before, after = rungs[min(index, len(rungs) - 2)], rungs[min(index + 1, len(rungs) - 1)]
-        at = singles.index(name) if name in singles else None
-        interval = (
-            (float(gained.gain[at]), float(gained.low[at]), float(gained.high[at]))
-            if at is not None and len(final.extended.attached) == 1
-            else (float(np.log(before / after)),) * 3
-        )
+        last = min(index + 1, len(rungs) - 1)
+        before, after = (fit.gap for _, fit in rungs[last - 1 : last + 1])
+        found, at = gained, 0
+        if len(final.extended.attached) == 1:
+            at = singles.index((final.extended.label(attached),))
+        else:
+            found = gains(before, [after], blocks, 0.0, rng)
         result.append(
             NamedEffect(
-                name=name,
+                name=attached.effect.name,
                 port=str(attached.effect.port),
                 family=str(attached.effect.family),
                 parameters=estimates(problem, final, index),
-                gap_before=before,
-                gap_after=after,
-                gain=interval,
+                gap_before=rmse(before, problem.select),
+                gap_after=rmse(after, problem.select),
+                gain=(float(found.gain[at]), float(found.low[at]), float(found.high[at])),
                 rivals=rivals,
             )
         )

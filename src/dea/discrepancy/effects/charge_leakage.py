@@ -40,7 +40,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return slow and fast losses, with and without growth."""
+    """Return slow and fast losses, the faster the more they grow with the field."""
     peak = scales.u_peak
     return tuple(
         (0.1, growth, max(part * scales.duration, 15 * scales.interval), peak, 0.7)
