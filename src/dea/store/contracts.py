@@ -61,6 +61,8 @@ def _plain(*dims: str, units: str | None = None) -> Variable:
 
 
 _METRIC = ("model", "approach", "window")
+_RECOVERY = ("plant", "excitation", "search")
+_RECOVERY_SCORES = ("nmse", "h1_error", "h2_error", "terms_common", "terms_foreign")
 _TRIAL_TEXTS = ("hidden", "kind", "excitation", "status", "said", "rivals", "outcome")
 
 CONTRACTS: Mapping[str, Contract] = {
@@ -140,6 +142,12 @@ CONTRACTS: Mapping[str, Contract] = {
             "samples": _plain("part", units="1"),
             "terms": _plain(units="1"),
             "initial_outputs": _plain(units="1"),
+        }
+    ),
+    "recovery": Contract(
+        required={
+            **{name: _plain(*_RECOVERY, units="1") for name in _RECOVERY_SCORES},
+            "plant_terms": _plain("plant", units="1"),
         }
     ),
     "track": Contract(
