@@ -13,8 +13,11 @@ CASES = ROOT / "config" / "cases"
 pytestmark = needs_records
 
 
-def diagnosed(name):
-    """Diagnose a case as its rule does, from where the tests find its records."""
+def diagnosed(name, effects=(), **record):
+    """Diagnose a case as its rule does, from where the tests find its records.
+
+    ``effects`` are offered instead of all; ``record`` changes the case's.
+    """
     config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text())
     case = yaml.safe_load((CASES / f"{name}.yaml").read_text())
 
@@ -23,13 +26,13 @@ def diagnosed(name):
         return store.import_record(record | {"file": file}, CASES, DATA)
 
     leaves = {
-        "discrepancy": config["discrepancy"],
+        "discrepancy": config["discrepancy"] | {"effects": effects},
         "split": case.get("split", {}),
         "seed": config["seed"],
         "system": name,
     }
     return diagnose(
-        read(case["record"]),
+        read(case["record"] | record),
         case["simulation"],
         test_records={part: read(record) for part, record in case["test_records"].items()},
         settings=Settings.of(leaves),
@@ -51,3 +54,13 @@ def test_the_tanks_overflow_is_named_and_serves_on_the_other_record():
     assert "end_stop" in verdict.names
     other = verdict.certified["records"]["validation"]
     assert other["after"] <= 0.354 < other["before"]
+
+
+def test_the_cubic_spring_of_the_silverbox_is_named_and_serves_beyond_what_was_seen():
+    offered = ("strain_stiffening", "sensor_nonlinearity", "dead_zone")
+    verdict = diagnosed("silverbox", offered, rows=[40_650, 58_650])
+    assert verdict.status == "named", verdict.sentence
+    assert verdict.names == ("strain_stiffening",)
+    exponent = verdict.effects[0].parameters["exponent"]
+    assert abs(exponent.value - 3.0) < 0.2
+    assert verdict.certified["records"]["arrow"]["after"] <= 1.12e-3
