@@ -13,8 +13,8 @@ SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study case cases report diagnose discrepancy real trials records faults peers interoperability \
-	soak check test benchmark clean
+.PHONY: help study case cases report diagnose discrepancy real trials records faults peers \
+	interoperability soak check test benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
