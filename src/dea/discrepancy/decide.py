@@ -96,7 +96,6 @@ def decide(
         # Many seconds do as well: the first is sure, and what is left of it a law of another form.
         if (
             len(chosen.names) > 1
-            and len(shared) == 1
             and candidate.names == tuple(shared)
             and _explained(
                 candidate,

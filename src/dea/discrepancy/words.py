@@ -105,9 +105,13 @@ def verdict_of(
 def _rungs(nominal: Fit, final: Fit, first: Round) -> list[tuple[str, Fit]]:
     """Return the nominal simulation, its first effect alone where it was tried so, and all."""
     labels = [final.extended.label(a) for a in final.extended.attached]
-    alone = [c.fit for c in first.candidates if len(labels) > 1 and c.labels == (labels[0],)]
-    rungs = [("nominal", nominal)] + [(f"+ {labels[0]}", fit) for fit in alone[:1]]
-    return [*rungs, (f"+ {labels[-1]}", final)] if labels else rungs
+    rungs = [("nominal", nominal)]
+    if len(labels) > 1:
+        alone = (labels[0],)
+        rungs += [(f"+ {labels[0]}", c.fit) for c in first.candidates if c.labels == alone]
+    if labels:
+        rungs.append((f"+ {labels[-1]}", final))
+    return rungs
 
 
 def _effects(
@@ -126,11 +130,10 @@ def _effects(
     for index, attached in enumerate(final.extended.attached):
         last = min(index + 1, len(rungs) - 1)
         before, after = (fit.gap for _, fit in rungs[last - 1 : last + 1])
-        found, at = gained, 0
         if len(final.extended.attached) == 1:
-            at = singles.index((final.extended.label(attached),))
+            found, at = gained, singles.index((final.extended.label(attached),))
         else:
-            found = gains(before, [after], blocks, 0.0, rng)
+            found, at = gains(before, [after], blocks, 0.0, rng), 0
         result.append(
             NamedEffect(
                 name=attached.effect.name,
