@@ -179,9 +179,7 @@ def test_creep_is_a_sum_of_maxwell_branches():
 
 
 def test_hysteresis_is_rate_independent_and_keeps_return_point_memory():
-    q = values(
-        "rate_independent_hysteresis", stiffness=0.4, largest_radius=0.3, weight_exponent=0.5
-    )
+    q = values("rate_independent_hysteresis", stiffness=0.4, largest_radius=0.3, weight_decay=0.5)
     path = np.concatenate(
         [np.linspace(a, b, 200) for a, b in ((0.7, 1.0), (1.0, 0.4), (0.4, 0.8), (0.8, 0.4))]
     )
@@ -194,14 +192,32 @@ def test_hysteresis_is_rate_independent_and_keeps_return_point_memory():
 
 def test_stops_equal_plays():
     """A stop is the motion less the play operator of the same radius."""
-    q = values("rate_independent_hysteresis", stiffness=1.0, largest_radius=0.2, start_position=0.7)
-    radii = 0.2 * (np.arange(1, 9) / 8) ** 2
-    play = np.full(8, 0.7)
+    q = values(
+        "rate_independent_hysteresis",
+        stiffness=1.0, largest_radius=0.2, weight_decay=1.5, start_position=0.7,
+    )  # fmt: skip
+    rank = np.arange(1, 12)
+    radii, weights = 0.2 * (rank / 11) ** 2, rank * np.exp(-1.5 * rank / 11)
+    play = np.full(11, 0.7)
     expected = []
     for z in Z[:-1]:
         play = np.minimum(np.maximum(play, z - radii), z + radii)
-        expected.append(-np.sum(z - play) / 8)
+        expected.append(-weights @ (z - play) / 11)
     assert np.allclose(forces("rate_independent_hysteresis", q)[1:], expected[1:], atol=1e-12)
+
+
+def test_slipping_stops_pull_harder_where_they_have_grown():
+    q = values(
+        "rate_independent_hysteresis", stiffness=1.0, largest_radius=0.2, weight_decay=1.5,
+        start_position=0.0, tilt=0.4, growth_at_ends=0.3, middle=0.5, half_range=0.5,
+    )  # fmt: skip
+    path = np.linspace(0.0, 1.0, 4001)
+    found = forces("rate_independent_hysteresis", q, path)
+    place = (path[2000:-1] - 0.5) / 0.5
+    rank = np.arange(1, 12)
+    slipping = np.sum(rank * np.exp(-1.5 * rank / 11) * 0.2 * (rank / 11) ** 2) / 11
+    expected = -slipping * (1.0 + 0.4 * place + 0.3 * place**2)
+    assert np.allclose(found[2000:], expected, rtol=1e-3)
 
 
 def test_coulomb_friction_opposes_the_motion_with_one_force():

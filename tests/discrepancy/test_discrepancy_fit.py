@@ -1,5 +1,7 @@
 """The fit against other optimisers, and the estimates that a verdict rests on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,12 +9,14 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from dea.discrepancy import load_simulation
-from dea.discrepancy.fit import cost_of, fit, step_in_box
-from dea.discrepancy.gain import gains
+from dea.discrepancy.effects import catalogue
+from dea.discrepancy.fit import at, cost_of, fit, step_in_box
+from dea.discrepancy.gain import gains, held_out_gap
 from dea.discrepancy.localise import localise
 from dea.discrepancy.noise import white_level
-from dea.discrepancy.problem import Problem, base
+from dea.discrepancy.problem import Problem, base, rmse, scales
 from dea.discrepancy.split import split
+from dea.errors import InputError
 
 INTERVAL = 0.02
 
@@ -41,7 +45,7 @@ def carriage(seed: int) -> tuple[Problem, "object"]:
     extended = base(simulation, u, INTERVAL, tolerance=1e-4)
     truth = extended.values(rng.uniform(-1, 1, extended.free.size))
     y = extended.simulate(truth, u, INTERVAL) + 0.01 * rng.standard_normal(u.size)
-    parts = split(u.size, INTERVAL, 0.1)
+    parts = split(u, INTERVAL, 0.1)
     return Problem(u, y, INTERVAL, parts.fit, parts.select, parts.certify, noise=0.01), extended
 
 
@@ -124,3 +128,86 @@ def test_a_gap_is_found_where_it_is():
     found = localise(problem, gap, ("V", "mm"), problem.fit, rng)
     assert found.strongest == "input"
     assert "where the input is between" in found.sentence
+
+
+def test_columns_of_the_reading_are_those_of_whole_simulations():
+    problem, extended = carriage(5)
+    plain = at(problem, extended, np.zeros(extended.free.size))
+    for name in ("sensor_lag", "strain_stiffening", "baseline_drift"):
+        told = scales(problem, extended, plain.values, ("N", "mm"))
+        longer = extended.attach(catalogue()[name], told)
+        coordinates = np.full(longer.free.size, 0.1)
+        found = at(problem, longer, coordinates).jacobian
+        for i in range(coordinates.size):
+            moved = coordinates.copy()
+            moved[i] += 1e-3
+            there, here = (
+                longer.simulate(longer.values(c), problem.u, INTERVAL) for c in (moved, coordinates)
+            )
+            slope = (here - there) / 1e-3
+            assert np.allclose(found[:, i], slope, atol=1e-9 + 1e-6 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("half", ["fit", "select"])
+def test_what_is_held_out_has_no_say_in_its_own_prediction(half):
+    problem, extended = carriage(6)
+    fitted = fit(problem, extended, np.zeros(extended.free.size))
+    spoiled = np.where(getattr(problem, half), problem.y + 1.0, problem.y)
+    other = replace(problem, y=spoiled)
+    predicted = problem.y - held_out_gap(problem, fitted)
+    again = spoiled - held_out_gap(other, replace(fitted, gap=fitted.gap + spoiled - problem.y))
+    held_out = getattr(problem, half)
+    assert np.allclose(again[held_out], predicted[held_out], atol=1e-9)
+    assert not np.allclose(again[~held_out & problem.seen], predicted[~held_out & problem.seen])
+
+
+def test_held_out_gaps_are_those_of_fits_to_the_other_half():
+    problem, extended = carriage(7)
+    fitted = fit(problem, extended, np.zeros(extended.free.size), tolerance=1e-9)
+    expected = np.empty(problem.u.size)
+    for own, other in ((problem.fit, problem.select), (problem.select, problem.fit)):
+        only = fit(
+            problem.seeing(other), extended, np.zeros(extended.free.size),
+            iterations=40, tolerance=1e-9,
+        )  # fmt: skip
+        expected[own] = only.gap[own]
+    found = held_out_gap(problem, fitted)
+    assert rmse(found - expected, problem.seen) < 0.05 * problem.noise
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    samples=st.integers(300, 9000),
+    slowest=st.floats(0.01, 0.3),
+    warm_up=st.floats(0.0, 1.0),
+)
+def test_blocks_are_apart_and_the_certified_one_lies_inside(seed, samples, slowest, warm_up):
+    u = np.random.default_rng(seed).standard_normal(samples)
+    try:
+        parts = split(u, INTERVAL, slowest, warm_up)
+    except InputError:
+        return
+    masks = np.array([parts.fit, parts.select, parts.certify])
+    assert (masks.sum(0) <= 1).all()
+    assert masks.any(1).all()
+    assert not masks[:, : int(warm_up / INTERVAL)].any()
+    # Where the role changes, a gap lies between.
+    used = np.flatnonzero(masks.any(0))
+    role = masks[:, used].argmax(0)
+    change = np.flatnonzero(np.diff(role))
+    assert (np.diff(used)[change] > parts.gap - 2).all()
+    kept = np.flatnonzero(parts.certify)
+    assert used[0] < kept[0]
+    assert kept[-1] < used[-1]
+    assert (np.diff(kept) == 1).all()
+
+
+def test_what_the_input_does_only_once_is_not_kept_for_proof():
+    t = np.arange(6000) * INTERVAL
+    u = np.sin(0.7 * t)
+    middle = split(u, INTERVAL, 0.1)
+    assert middle.certify[3000]
+    u[2900:3100] *= 3.0
+    elsewhere = split(u, INTERVAL, 0.1)
+    assert not elsewhere.certify[2900:3100].any()

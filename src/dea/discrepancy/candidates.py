@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from dea.discrepancy.effects import Effect, Scales
+from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.problem import Problem
 
-_GLANCE_ITERATIONS, _SCREEN_ITERATIONS = 1, 4
-# Bases beyond the kept ones that a first step does not rule out.
+_SCREEN_ITERATIONS = 4
+# Fits beyond the kept ones that a few cheap steps do not rule out.
 _MORE = 1
 
 
@@ -27,51 +28,72 @@ class Offer:
 def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> list[Fit]:
     """Fit an effect by a few cheap steps; return the stable ones of ``kept`` fits, best first.
 
-    One step from each of its starts on each of the ``bases`` (fits of the same simulation) tells
-    the best start of each base. Shapes of laws are held, and the Jacobian of what is there already
-    is kept as it was in its base. Little more than ``kept`` of them go on with such steps, and the
-    ``kept`` best then with whole ones; where one is kept, the first step decides. An effect
-    without a start in this record has no fit.
+    From each of the ``bases`` (fits of the same simulation), the start that promises most goes on,
+    first with the Jacobian of what is there already as it was in the base; little more than
+    ``kept`` of them then with whole ones. Shapes of laws are held. An effect without a start in
+    this record has no fit.
     """
     extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance)
     held = extended.shapes
-
-    def error(candidate: Fit) -> float:
-        return problem.seen_rmse(candidate.gap)
-
     starts = offer.effect.starts(offer.scales)
     if not starts:
         return []
 
-    def glance(base: Fit, start: tuple[float, ...]) -> Fit:
-        values = np.concatenate([base.values, start])
-        return fit(
-            problem,
-            extended,
-            extended.coordinates(values),
-            iterations=_GLANCE_ITERATIONS,
-            kept=base.jacobian,
-            held=held,
-        )
+    def error(candidate: Fit) -> float:
+        return problem.seen_rmse(candidate.gap)
 
-    glances = [(min((glance(base, start) for start in starts), key=error), base) for base in bases]
-    glances.sort(key=lambda glance: error(glance[0]))
-    promising = 1 if kept == 1 else kept + _MORE
-    further = [
+    cheap = [
         fit(
             problem,
             extended,
-            best.coordinates,
+            most_promising(problem, base, extended, starts),
             iterations=_SCREEN_ITERATIONS,
             kept=base.jacobian,
             held=held,
         )
-        for best, base in glances[:promising]
+        for base in bases
     ]
-    if kept > 1:
-        further.sort(key=error)
-        further = [refine(problem, each, _SCREEN_ITERATIONS, held) for each in further[:kept]]
-    return sorted((each for each in further if each.stable), key=error)
+    cheap.sort(key=error)
+    whole = [
+        refine(problem, each, _SCREEN_ITERATIONS, held)
+        for each in cheap[: kept + _MORE]
+        if each.stable
+    ]
+    return sorted((each for each in whole if each.stable), key=error)[:kept]
+
+
+def most_promising(
+    problem: Problem,
+    base: Fit,
+    extended: ExtendedSimulation,
+    starts: Sequence[tuple[float, ...]],
+) -> np.ndarray:
+    """Return the coordinates of the start whose signature explains most of a base's gap.
+
+    The signature is the change of the output that the law makes at that start, at its best size,
+    with the simulation's parameters refitted by a linear step.
+    """
+    seen = problem.seen
+    size = base.coordinates.size
+    weighted = np.vstack([base.jacobian[seen], problem.noise * np.eye(size)])
+    basis, _ = np.linalg.qr(weighted)
+
+    def unexplained(gap: np.ndarray) -> np.ndarray:
+        padded = np.concatenate([gap, np.zeros(size)])
+        return padded - basis @ (basis.T @ padded)
+
+    left = unexplained(base.gap[seen])
+    best, promise = extended.coordinates(np.concatenate([base.values, starts[0]])), -1.0
+    for start in starts:
+        coordinates = extended.coordinates(np.concatenate([base.values, start]))
+        gap = problem.gap(extended, extended.values(coordinates))
+        if not np.isfinite(gap).all():
+            continue
+        change = unexplained((base.gap - gap)[seen])
+        explained = max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
+        if explained > promise:
+            best, promise = coordinates, explained
+    return best
 
 
 def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | None = None) -> Fit:

@@ -9,7 +9,7 @@ from dea.discrepancy.candidates import Offer, in_parallel, refine, screen
 from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.hints import jumps, lines
-from dea.discrepancy.problem import Problem, rmse, scales, with_fine_steps
+from dea.discrepancy.problem import Problem, scales, with_fine_steps
 
 # Steps every finished candidate gets, and those that only candidates within a factor of the
 # leader's error go on to.
@@ -56,7 +56,6 @@ class Candidate:
 
     fit: Fit
     error: float
-    held_out: float
     finished: bool = True
 
     @property
@@ -95,8 +94,8 @@ def seen_error(problem: Problem, fit: Fit) -> float:
 
 
 def judge(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
-    """Return a fit with its errors."""
-    return Candidate(fit, seen_error(problem, fit), rmse(fit.gap, problem.select), finished)
+    """Return a fit with its error."""
+    return Candidate(fit, seen_error(problem, fit), finished)
 
 
 def extend_by_each(
@@ -112,7 +111,7 @@ def extend_by_each(
     ``bases`` are fits of that simulation to start from; the first is the one to beat.
     """
     before = bases[0]
-    kept = int(np.clip(_SHORT // problem.u.size, 1, 6))
+    kept = int(np.clip(_SHORT // problem.u.size, 2, 6))
     offers = _offers(problem, before, effects, units)
     screened = in_parallel(lambda offer: screen(problem, bases, offer, kept), offers, workers)
 

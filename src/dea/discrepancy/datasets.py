@@ -40,13 +40,13 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             "gain": column(gained.gain, "1", "log ratio of held-out RMSE without and with it"),
             "gain_low": column(gained.low, "1", "lower end of the 95 % interval over all effects"),
             "gain_high": column(gained.high, "1", "upper end of the 95 % interval"),
-            "error": column([c.held_out for c in singles], unit, "held-out RMSE"),
+            "error": column([c.error for c in singles], unit, "RMSE, charged for parameters"),
             "finished": column([c.finished for c in singles], "1", "whether fitted to the end"),
             "visible": column([s[0] for s in signatures], "1", "signature left over the noise"),
             "independent": column([s[1] for s in signatures], "1", "part of the signature left"),
             "null_gain": ((), gained.null, _attributes("1", "gain that chance exceeds in 5 %")),
             "set_error": (
-                "set", [c.held_out for c in sets], _attributes(unit, "held-out RMSE of the set"),
+                "set", [c.error for c in sets], _attributes(unit, "RMSE, charged for parameters"),
             ),
             "confusion": (
                 ("present", "called"), diagnosis.confusion,

@@ -10,6 +10,9 @@ from dea.discrepancy.problem import Problem
 from dea.discrepancy.rivals import beaten
 from dea.discrepancy.unknown import ResidualModel, residual_model
 
+# Part of the noise floor below which no misfit is told from another.
+_NEGLIGIBLE = 0.05
+
 
 @dataclass(frozen=True)
 class Rules:
@@ -61,6 +64,12 @@ class Decision:
 def misfit(error: float, floor: float) -> float:
     """Return what an error holds beyond the noise floor (root mean square)."""
     return float(np.sqrt(max(error**2 - floor**2, 0.0)))
+
+
+def as_good(other: Candidate, best: Candidate, floor: float, rules: Rules) -> bool:
+    """Return whether a candidate's misfit is that of the best, or nearly so."""
+    left = max(misfit(best.error, floor), _NEGLIGIBLE * floor)
+    return misfit(other.error, floor) <= rules.rival_margin * left
 
 
 def decide(
@@ -148,7 +157,6 @@ def _rivals(
     akin: bool = False,
 ) -> list[Candidate]:
     """Return the candidates that explain the record as well: of another class, or of the same."""
-    left = max(misfit(chosen.error, floor), 0.05 * floor)
     rivals = []
     for other in pool:
         if len(other.names) != len(chosen.names) or not other.finished:
@@ -156,6 +164,6 @@ def _rivals(
         if set(other.names) == set(chosen.names) or same_class(chosen, other) is not akin:
             continue
         _, low = beaten(chosen.fit.gap, other.fit.gap, blocks, rng)
-        if low <= 0 or misfit(other.error, floor) <= rules.rival_margin * left:
+        if low <= 0 or as_good(other, chosen, floor, rules):
             rivals.append(other)
     return rivals

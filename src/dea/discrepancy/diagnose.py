@@ -150,7 +150,7 @@ def diagnose(
     near = fit_near_prior(problem, nominal)
     # Blocks much shorter than the device's memory would pass for more evidence than they are.
     length = max(problem.u.size / _BLOCKS, parts.gap)
-    blocks, select = (parts.blocks(mask, length) for mask in (problem.seen, problem.select))
+    blocks = parts.blocks(problem.seen, length)
 
     starts = bases(problem, nominal, near, rng)
     rounds = search(problem, starts, offered, units, budget, settings.rules, settings.workers)
@@ -164,7 +164,7 @@ def diagnose(
             field="balances",
             remedy="Declare its force balances, or offer effects of other ports",
         )
-    null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, select, rng)
+    null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, blocks, rng)
     held_out = in_parallel(
         lambda c: held_out_gap(problem, c.fit) if c.finished else c.fit.gap,
         singles,
@@ -198,7 +198,7 @@ def diagnose(
         problem=problem, nominal=nominal, decision=decision, first=rounds[0], gained=gained,
         before=before, after=after, floor=floor, unexplained=unexplained, experiment=experiment,
         signatures=signatures, elsewhere={name: e[0] for name, e in elsewhere.items()},
-        unit=own.output_unit, blocks=select, rng=rng,
+        unit=own.output_unit, blocks=blocks, rng=rng,
     )  # fmt: skip
     return Diagnosis(
         verdict=verdict, problem=noisy, split=parts, units=units, nominal=nominal, extended=final,
@@ -251,7 +251,7 @@ def _prepare(
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)
-    parts = split(u.size, interval, slowest, min(settings.warm_up, 0.02 * u.size * interval))
+    parts = split(u, interval, slowest, min(settings.warm_up, 0.02 * u.size * interval))
     problem = Problem(
         u, y, interval, parts.fit, parts.select, parts.certify, _NOISE_MARGIN * noise, tolerance,
         _SHORTER * extended.substeps,

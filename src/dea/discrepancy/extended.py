@@ -145,18 +145,16 @@ class ExtendedSimulation:
 
     def simulate(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
         """Return the free-run output, shape (n,); NaN from where the simulation runs away."""
-        return self.run(values, u, interval)[0]
+        return self.read(self.run(values, u, interval)[0], values, interval)
 
     def run(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
-        """Return output and normalised position, shape (2, n)."""
+        """Return the output before any sensor, and the normalised position, shape (2, n)."""
         own = self.simulation
         lead = round(own.lead_in / interval)
         t = np.arange(u.size) * interval
-        laws = [
-            (a.effect, values[s]) for a, s in zip(self.attached, self.effect_slices, strict=True)
-        ]
+        laws = self._laws(values)
         p_count, x_count = len(own.parameters), len(own.states)
-        input_offset, gain, offset = values[p_count + x_count : p_count + x_count + 3]
+        input_offset = values[p_count + x_count]
         v = np.ascontiguousarray(u, dtype=float) + input_offset
         drive_scale = np.ones(u.size)
         for effect, q in laws:
@@ -187,7 +185,7 @@ class ExtendedSimulation:
             else:
                 slots += [first_class(no_force), first_class(no_update)]
         substeps = self.substeps * max([1, *(a.effect.refine for a, _ in forces)])
-        result = integrate(  # type: ignore[call-arg]
+        return integrate(  # type: ignore[call-arg]
             first_class(own.compiled_derivative),
             first_class(own.compiled_output),
             *slots,
@@ -206,11 +204,32 @@ class ExtendedSimulation:
             memory,
             parameters,
         )[:, lead:]
-        y = gain * result[0] + offset
-        for effect, q in laws:
+
+    def read(self, output: np.ndarray, values: np.ndarray, interval: float) -> np.ndarray:
+        """Return what the sensor makes of an output, shape (n,)."""
+        gain, offset = values[self._laws_from - 2 : self._laws_from]
+        y = gain * output + offset
+        t = np.arange(y.size) * interval
+        for effect, q in self._laws(values):
             if effect.shape_output is not None:
                 y = effect.shape_output(y, t, q, interval)
-        return np.stack([y, result[1]])
+        return y
+
+    @cached_property
+    def only_read(self) -> np.ndarray:
+        """Which free coordinates change the reading alone, and not the motion."""
+        sensing = {self._laws_from - 2, self._laws_from - 1}
+        for a, own in zip(self.attached, self.effect_slices, strict=True):
+            if a.effect.only_reads:
+                sensing.update(range(own.start, own.stop))
+        return np.isin(self.free, list(sensing))
+
+    def _laws(self, values: np.ndarray) -> list[tuple[Effect, np.ndarray]]:
+        """Return each effect with its parameters."""
+        return [
+            (a.effect, values[own])
+            for a, own in zip(self.attached, self.effect_slices, strict=True)
+        ]
 
     @cached_property
     def _ports(self) -> np.ndarray:

@@ -33,7 +33,7 @@ class Fit:
     jacobian : (n, k)
         Derivative of the gap by the coordinates, at the last step.
     cost : float
-        Sum of squares over the fitted samples in units of the noise, plus the prior.
+        Sum of squares over the seen samples in units of the noise, plus the prior.
     """
 
     extended: ExtendedSimulation
@@ -59,8 +59,8 @@ class Fit:
 
 
 def cost_of(gap: np.ndarray, coordinates: np.ndarray, problem: Problem) -> float:
-    """Return the sum of squares over the fitted samples in units of the noise, plus the prior."""
-    chosen = gap[problem.fit]
+    """Return the sum of squares over the seen samples in units of the noise, plus the prior."""
+    chosen = gap[problem.seen]
     if not np.isfinite(chosen).all():
         return np.inf
     return float(chosen @ chosen / problem.noise**2 + coordinates @ coordinates)
@@ -75,12 +75,17 @@ def columns(
 ) -> np.ndarray:
     """Return the derivative of the gap by the coordinates ``which``, shape (n, len(which))."""
     _, high = extended.bounds
+    reading = extended.only_read
+    output = None
+    if reading[which].any():
+        output = problem.moved(extended, extended.values(coordinates))
     result = np.zeros((problem.u.size, which.size))
     for column, i in enumerate(which):
         moved = coordinates.copy()
         step = _STEP if moved[i] + _STEP <= high[i] else -_STEP
         moved[i] += step
-        change = problem.gap(extended, extended.values(moved)) - gap
+        known = output if reading[i] else None
+        change = problem.gap(extended, extended.values(moved), known) - gap
         # A direction in which the simulation runs away is not one to go.
         result[:, column] = change / step if np.isfinite(change).all() else 0.0
     return result
@@ -139,9 +144,9 @@ def fit(
             J[:, :first] = kept
         fresh = np.flatnonzero(free & (np.arange(size) >= first))
         J[:, fresh] = columns(problem, extended, coordinates, gap, fresh)
-        chosen = J[problem.fit] / problem.noise
+        chosen = J[problem.seen] / problem.noise
         A = chosen.T @ chosen + np.eye(size)
-        g = chosen.T @ (gap[problem.fit] / problem.noise) + coordinates
+        g = chosen.T @ (gap[problem.seen] / problem.noise) + coordinates
         improved = False
         for _ in range(_TRIES):
             H = A + damping * np.diag(np.diag(A))

@@ -15,7 +15,7 @@ def signature(problem: Problem, before: Fit, candidate: Fit) -> tuple[float, flo
     change within one prior spread, after the simulation's own parameters have been refitted to
     take up as much of it as they can. The part is what was left of it then.
     """
-    seen = problem.fit
+    seen = problem.seen
     own = before.coordinates.size
     J = candidate.jacobian[seen]
     if J.shape[1] <= own or not np.isfinite(J).all():

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numba import float64, int64, njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.extending import typeof_impl
 
 # First-class functions are what keeps this to one compilation.
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
@@ -39,10 +40,10 @@ def compiled(function: Callable[..., Any], signature: Any) -> Any:
 
 
 class FirstClass(types.WrapperAddressProtocol):
-    """A compiled function as an argument of another one, its address looked up once.
+    """A compiled function as an argument of another one, its address and type looked up once.
 
-    Numba looks up the address of a plain one at every call, which takes longer than a short
-    record does. An exception would not leave such a function.
+    Numba looks up those of a plain one at every call, which takes longer than a short record
+    does. An exception would not leave such a function.
     """
 
     def __init__(self, function: Any) -> None:
@@ -52,6 +53,7 @@ class FirstClass(types.WrapperAddressProtocol):
         self._address = result.library.get_pointer_to_function(
             result.fndesc.llvm_cfunc_wrapper_name
         )
+        self.numba_type = types.FunctionType(self._signature)
 
     def __wrapper_address__(self) -> int:
         return self._address
@@ -59,6 +61,11 @@ class FirstClass(types.WrapperAddressProtocol):
     def signature(self) -> Any:
         """Return the signature the function is compiled for."""
         return self._signature
+
+
+@typeof_impl.register(FirstClass)
+def _type_of(function: FirstClass, context: Any) -> types.FunctionType:
+    return function.numba_type
 
 
 first_class = cache(FirstClass)

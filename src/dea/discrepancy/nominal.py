@@ -1,7 +1,5 @@
 """What the simulation alone makes of a record: its refit, and a second one near the prior."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from dea.discrepancy.candidates import in_parallel
@@ -70,7 +68,7 @@ def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
 
     Refitting smears a gap over the whole record; this fit leaves it where it is.
     """
-    trust = rmse(refitted.gap, problem.fit) * np.sqrt(problem.fit.sum()) / 3.0
+    trust = rmse(refitted.gap, problem.seen) * np.sqrt(problem.seen.sum()) / 3.0
     start = np.zeros(refitted.coordinates.size)
     return fit(problem.with_noise(max(trust, problem.noise)), refitted.extended, start)
 
@@ -84,8 +82,7 @@ def fit_parts(problem: Problem, near: Fit) -> list[Fit]:
     middle = np.median(problem.y)
     parts = []
     for half in (problem.y <= middle, problem.y >= middle):
-        only = replace(problem, fit=problem.fit & half)
-        fitted = fit(only, near.extended, near.coordinates, iterations=_ITERATIONS)
+        fitted = fit(problem.seeing(half), near.extended, near.coordinates, iterations=_ITERATIONS)
         parts.append(at(problem, near.extended, fitted.coordinates))
     return parts
 

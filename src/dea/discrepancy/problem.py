@@ -27,7 +27,8 @@ class Problem:
     u, y : (n,)
         Input and output in the simulation's units.
     fit, select, certify : (n,) bool
-        Samples to fit on, to choose candidates by, and to certify on.
+        Two halves to fit and to choose on, each held out from a fit to the other alone, and the
+        samples to certify on.
     noise : float
         Standard deviation of the noise, in the output's unit.
     tolerance : float
@@ -53,7 +54,7 @@ class Problem:
 
     @cached_property
     def seen(self) -> np.ndarray:
-        """Samples to fit on or to choose by, shape (n,)."""
+        """Samples that a fit sees, shape (n,)."""
         return self.fit | self.select
 
     def seen_rmse(self, gap: np.ndarray) -> float:
@@ -63,10 +64,25 @@ class Problem:
         """
         return rmse(gap, self.seen)
 
-    def gap(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
-        """Return measured minus simulated output, shape (n,); infinite where unstable."""
-        y = extended.simulate(values, self.u, self.interval)
+    def moved(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
+        """Return the output before any sensor, shape (n,)."""
+        return extended.run(values, self.u, self.interval)[0]
+
+    def gap(
+        self, extended: ExtendedSimulation, values: np.ndarray, output: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Return measured minus simulated output, shape (n,); infinite where unstable.
+
+        ``output`` is that before any sensor, where it is known already.
+        """
+        if output is None:
+            output = self.moved(extended, values)
+        y = extended.read(output, values, self.interval)
         return np.where(np.isfinite(y), self.y - y, np.inf)
+
+    def seeing(self, samples: np.ndarray) -> "Problem":
+        """Return the same record of which a fit sees only some of the samples (n, bool)."""
+        return replace(self, fit=self.fit & samples, select=self.select & samples)
 
     def with_noise(self, noise: float) -> "Problem":
         """Return the same record with another noise level."""
@@ -151,8 +167,9 @@ def deflection(
         output=own.compiled_output,
     )
     bare = ExtendedSimulation(alone, (), (Frame(balance.rest),), extended.substeps)
-    output, position = bare.run(values[: len(bare.parameters)], u, interval)
-    return output if balance.position is None else position
+    values = values[: len(bare.parameters)]
+    output, position = bare.run(values, u, interval)
+    return bare.read(output, values, interval) if balance.position is None else position
 
 
 def _frame(

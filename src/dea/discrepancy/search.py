@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.discrepancy.compose import Budget, Candidate, Round, extend_by_each, judge
-from dea.discrepancy.decide import Rules, misfit
+from dea.discrepancy.decide import Rules, as_good, misfit
 from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.gain import Gains
@@ -96,11 +96,20 @@ def best_extension(
     rules: Rules,
     rng: np.random.Generator,
 ) -> Candidate | None:
-    """Return the best single effect that is proven, or the best larger set that helps more."""
-    chosen = proven[0] if proven else None
+    """Return the best single effect that is proven, or the best larger set that helps more.
+
+    Of those that are as good as the best, it is the one with the fewest parameters.
+    """
+
+    def simplest(candidates: Sequence[Candidate]) -> Candidate:
+        best = min(candidates, key=lambda c: c.error)
+        equal = [c for c in candidates if as_good(c, best, floor, rules)]
+        return min(equal, key=lambda c: (c.fit.coordinates.size, c.error))
+
+    chosen = simplest(proven) if proven else None
     larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
     for size in sorted({len(c.names) for c in larger}):
-        best = min((c for c in larger if len(c.names) == size), key=lambda c: c.error)
+        best = simplest([c for c in larger if len(c.names) == size])
         if chosen is None:
             _, low = beaten(best.fit.gap, rounds[0].before.gap, blocks, rng)
             if low > -np.log1p(-2 * rules.margin):

@@ -1,5 +1,6 @@
 """Split a record into contiguous blocks: to fit on, to choose by, and to certify on, once."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -8,16 +9,12 @@ import numpy as np
 from dea.errors import InputError
 
 # Fitting and choosing alternate, so that what changes with time, or shows only now and then, is
-# seen by both; the certified block lies inside the record, where a drift can be interpolated.
-_ALTERNATING = (("fit", 1), ("select", 1)) * 4
-# Each pattern of (role, weight), and its shortest block in gaps; the first that fits is used.
-_PATTERNS = (
-    ((*_ALTERNATING, ("fit", 1), ("certify", 3), *_ALTERNATING, ("fit", 1)), 3.0),
-    ((("fit", 2), ("select", 2), ("fit", 2), ("select", 2), ("fit", 2), ("certify", 3), ("fit", 2),
-      ("select", 2), ("fit", 2)), 1.0),
-    ((("fit", 3), ("select", 2), ("certify", 2), ("fit", 3)), 1.0),
-)  # fmt: skip
+# seen by both. How many such blocks, how long the certified one is in theirs, and how many gaps
+# the shortest must hold; the first that fits is used.
+_PATTERNS = ((18, 3.0, 3.0), (8, 1.5, 1.0), (3, 0.75, 1.0))
 _GAP_IN_TIME_CONSTANTS = 3.0
+# Part of the input's range by which the certified block may go beyond the others.
+_BEYOND = 0.02
 
 
 @dataclass(frozen=True)
@@ -40,8 +37,11 @@ class Split:
         return result
 
 
-def split(samples: int, interval: float, slowest: float, warm_up: float = 0.0) -> Split:
-    """Split ``samples`` at ``interval`` (s) with gaps of three of the ``slowest`` times (s).
+def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) -> Split:
+    """Split a record of input ``u`` (n,) with gaps of three of the ``slowest`` times (s).
+
+    The certified block lies inside the record, where a drift can be interpolated, and as near its
+    middle as the input allows: what an input does that no other block has seen, nobody can tell.
 
     Raises
     ------
@@ -50,25 +50,44 @@ def split(samples: int, interval: float, slowest: float, warm_up: float = 0.0) -
     """
     gap = max(1, int(np.ceil(_GAP_IN_TIME_CONSTANTS * slowest / interval)))
     skipped = int(np.ceil(warm_up / interval))
-    for pattern, in_gaps in _PATTERNS:
-        total = sum(weight for _, weight in pattern)
-        usable = samples - skipped - gap * (len(pattern) - 1)
-        shortest = usable * min(weight for _, weight in pattern) / total
-        if shortest < max(in_gaps * gap, 10):
+    for count, certified, in_gaps in _PATTERNS:
+        usable = u.size - skipped - gap * count
+        if usable / (count + certified) * min(1.0, certified) < max(in_gaps * gap, 10):
             continue
-        masks = {role: np.zeros(samples, bool) for role in ("fit", "select", "certify")}
-        position = float(skipped)
-        for role, weight in pattern:
-            length = usable * weight / total
-            masks[role][round(position) : round(position + length)] = True
-            position += length + gap
-        return Split(**masks, gap=gap)
-    pattern, in_gaps = _PATTERNS[-1]
-    shortest = 5 * max(in_gaps * gap, 10)
-    needed = skipped + gap * (len(pattern) - 1) + shortest
+        candidates = _placed(u.size, skipped, gap, usable, count, certified)
+        return min(candidates, key=lambda found: max(_beyond(u, found) - _BEYOND, 0.0))
+    count, certified, in_gaps = _PATTERNS[-1]
+    shortest = (count + certified) / min(1.0, certified) * max(in_gaps * gap, 10)
+    needed = skipped + gap * count + shortest
     raise InputError(
-        f"the record holds {samples * interval:g} s; with a slowest time constant of "
+        f"the record holds {u.size * interval:g} s; with a slowest time constant of "
         f"{slowest:g} s the split needs {needed * interval:g} s",
         field="record",
         remedy="Record longer, or give the case a shorter `split.slowest_time`",
     )
+
+
+def _placed(
+    samples: int, skipped: int, gap: int, usable: int, count: int, certified: float
+) -> Iterator[Split]:
+    """Yield the splits with the certified block at each place inside, the middle first."""
+    for place in sorted(range(1, count), key=lambda place: abs(2 * place - count)):
+        roles = [("fit", "select")[i % 2] for i in range(count)]
+        roles.insert(place, "certify")
+        masks = {role: np.zeros(samples, bool) for role in ("fit", "select", "certify")}
+        position = float(skipped)
+        for role in roles:
+            length = usable / (count + certified) * (certified if role == "certify" else 1.0)
+            masks[role][round(position) : round(position + length)] = True
+            position += length + gap
+        yield Split(**masks, gap=gap)
+
+
+def _beyond(u: np.ndarray, found: Split) -> float:
+    """Return by which part of its range the certified input is beyond that of either half."""
+    kept = u[found.certify]
+    excess = max(
+        max(kept.max() - u[half].max(), u[half].min() - kept.min())
+        for half in (found.fit, found.select)
+    )
+    return float(excess / (np.ptp(u) or 1.0))

@@ -24,12 +24,12 @@ class ResidualModel:
     Parameters
     ----------
     ratio : float
-        Root mean square of the chosen samples after the prediction over that before; one where
+        Root mean square on held-out samples after the prediction over that before; one where
         nothing can be predicted.
     equation : str
         The sparse equation, in the output's unit.
     explained : float
-        Part of the gap's energy on the chosen samples that the sparse equation explains.
+        Part of the gap's energy on held-out samples that the sparse equation explains.
     """
 
     ratio: float
@@ -70,7 +70,7 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
 
 
 def residual_model(problem: Problem, gap: np.ndarray) -> ResidualModel:
-    """Fit the dictionary to ``gap`` on the fitted samples; judge it on the chosen ones."""
+    """Fit the dictionary to ``gap`` on one half of the samples; judge it on the other."""
     names, X = dictionary(problem, problem.y - gap)
     train, test = problem.fit, problem.select
     mean, scale = X[train].mean(0), X[train].std(0) + 1e-12
@@ -91,7 +91,7 @@ def residual_model(problem: Problem, gap: np.ndarray) -> ResidualModel:
 def _sparse(
     names: list[str], X: np.ndarray, e: np.ndarray, train: np.ndarray, test: np.ndarray
 ) -> tuple[str, float]:
-    """Select terms one by one while the chosen samples are predicted better."""
+    """Select terms one by one while the half for choosing is predicted better."""
     chosen: list[int] = []
     weights = np.zeros(0)
     error = float(np.mean(e[test] ** 2))

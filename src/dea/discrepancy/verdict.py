@@ -25,8 +25,8 @@ class Estimate:
 class NamedEffect:
     """An effect as it is in the extended simulation.
 
-    ``gap_before`` and ``gap_after`` are free-run errors on the chosen blocks without and with
-    it; ``gain`` is the logarithm of their ratio with its 95 % interval, which holds over the whole
+    ``gap_before`` and ``gap_after`` are free-run errors on held-out blocks without and with it;
+    ``gain`` is the logarithm of their ratio with its 95 % interval, which holds over the whole
     catalogue for an effect alone; ``rivals`` are effects this record cannot tell from it.
     """
 

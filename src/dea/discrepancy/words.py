@@ -9,7 +9,7 @@ from dea.discrepancy.certify import Certified, certify
 from dea.discrepancy.compose import Round
 from dea.discrepancy.decide import Decision
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.gain import Gains, gains
+from dea.discrepancy.gain import Gains, gains, held_out_gap
 from dea.discrepancy.identifiability import DETECTABLE
 from dea.discrepancy.localise import Localisation
 from dea.discrepancy.problem import Problem, rmse
@@ -26,7 +26,7 @@ def estimates(problem: Problem, fit: Fit, index: int) -> dict[str, Estimate]:
     """
     extended = fit.extended
     where = extended.effect_slices[index]
-    gap = fit.gap[problem.fit]
+    gap = fit.gap[problem.seen]
     spectrum = np.abs(np.fft.rfft(gap - gap.mean(), 2 * gap.size)) ** 2
     correlation = np.fft.irfft(spectrum)[: gap.size // 4]
     correlation /= correlation[0] or 1.0
@@ -34,7 +34,7 @@ def estimates(problem: Problem, fit: Fit, index: int) -> dict[str, Estimate]:
     crossing = int(np.argmax(correlation <= 0)) or correlation.size
     inflation = 1.0 + 2.0 * float(np.sum(correlation[1:crossing]))
     variance = float(np.mean(gap**2)) * inflation
-    deviation = np.sqrt(np.diag(fit.covariance(problem.fit, variance)))
+    deviation = np.sqrt(np.diag(fit.covariance(problem.seen, variance)))
     values = fit.values
     result = {}
     for position, i in enumerate(extended.free):
@@ -68,11 +68,11 @@ def verdict_of(
     blocks: Sequence[slice],
     rng: np.random.Generator,
 ) -> Verdict:
-    """Return the verdict with its sentence; ``blocks`` are those to choose by."""
+    """Return the verdict with its sentence; ``blocks`` hold the samples seen."""
     named = decision.status in ("named", "ambiguous") and decision.chosen is not None
     final = decision.chosen.fit if named and decision.chosen else nominal
     certified = certify(problem, nominal, final)
-    rungs = _rungs(nominal, final, first)
+    rungs = _rungs(problem, nominal, final, first)
     effects = _effects(problem, decision, rungs, first, gained, blocks, rng) if named else ()
     return Verdict(
         status=decision.status,
@@ -94,16 +94,17 @@ def verdict_of(
             "records": {name: asdict(value) for name, value in elsewhere.items()},
         },
         unit=unit,
-        ladder={name: rmse(fit.gap, problem.select) for name, fit in rungs}
-        | {"noise floor": floor},
+        ladder={name: rmse(gap, problem.seen) for name, gap in rungs} | {"noise floor": floor},
         experiment=asdict(experiment) if experiment else None,
         equation=unexplained.equation if decision.status == "unknown" else None,
         not_identifiable=tuple(name for name, (size, _) in signatures.items() if size < DETECTABLE),
     )
 
 
-def _rungs(nominal: Fit, final: Fit, first: Round) -> list[tuple[str, Fit]]:
-    """Return the nominal simulation, its first effect alone where it was tried so, and all."""
+def _rungs(
+    problem: Problem, nominal: Fit, final: Fit, first: Round
+) -> list[tuple[str, np.ndarray]]:
+    """Return held-out gaps of the nominal simulation, of its first effect alone, and of all."""
     labels = [final.extended.label(a) for a in final.extended.attached]
     rungs = [("nominal", nominal)]
     if len(labels) > 1:
@@ -111,25 +112,26 @@ def _rungs(nominal: Fit, final: Fit, first: Round) -> list[tuple[str, Fit]]:
         rungs += [(f"+ {labels[0]}", c.fit) for c in first.candidates if c.labels == alone]
     if labels:
         rungs.append((f"+ {labels[-1]}", final))
-    return rungs
+    return [(name, held_out_gap(problem, fit)) for name, fit in rungs]
 
 
 def _effects(
     problem: Problem,
     decision: Decision,
-    rungs: Sequence[tuple[str, Fit]],
+    rungs: Sequence[tuple[str, np.ndarray]],
     first: Round,
     gained: Gains,
     blocks: Sequence[slice],
     rng: np.random.Generator,
 ) -> tuple[NamedEffect, ...]:
-    final = rungs[-1][1]
+    assert decision.chosen is not None
+    final = decision.chosen.fit
     rivals = tuple("+".join(rival.names) for rival in decision.rivals)
     singles = [c.labels for c in first.candidates]
     result = []
     for index, attached in enumerate(final.extended.attached):
         last = min(index + 1, len(rungs) - 1)
-        before, after = (fit.gap for _, fit in rungs[last - 1 : last + 1])
+        before, after = (gap for _, gap in rungs[last - 1 : last + 1])
         if len(final.extended.attached) == 1:
             found, at = gained, singles.index((final.extended.label(attached),))
         else:
@@ -140,8 +142,8 @@ def _effects(
                 port=str(attached.effect.port),
                 family=str(attached.effect.family),
                 parameters=estimates(problem, final, index),
-                gap_before=rmse(before, problem.select),
-                gap_after=rmse(after, problem.select),
+                gap_before=rmse(before, problem.seen),
+                gap_after=rmse(after, problem.seen),
                 gain=(float(found.gain[at]), float(found.low[at]), float(found.high[at])),
                 rivals=rivals,
             )

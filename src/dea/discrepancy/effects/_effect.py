@@ -131,3 +131,8 @@ class Effect:
     shape_output: Law | None = None
     uses_position: bool = True
     refine: int = 1
+
+    @property
+    def only_reads(self) -> bool:
+        """Whether the law changes the reading alone, and not the motion."""
+        return self.shape_input is None and self.force is None and self.scale_drive is None

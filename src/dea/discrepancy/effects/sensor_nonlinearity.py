@@ -7,12 +7,12 @@ from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
 from dea.discrepancy.effects._laws import knee
 from dea.discrepancy.parameter import Parameter
 
-DEGREES = 5
+DEGREES = 8
 
 
 @njit(cache=True, error_model="numpy")
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Fold the output at a place, and bend it by Legendre polynomials of degree 2 to 6."""
+    """Fold the output at a place, and bend it by Legendre polynomials of degree 2 to 9."""
     fold, corner, middle, half = q[DEGREES], q[DEGREES + 1], q[DEGREES + 2], q[DEGREES + 3]
     result = np.empty(y.size)
     for k in range(y.size):
