@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from dea.discrepancy import load_simulation
+from dea.discrepancy.compose import Candidate
+from dea.discrepancy.decide import Decision, Rules, confirmed
 from dea.discrepancy.effects import catalogue
 from dea.discrepancy.fit import at, cost_of, fit, step_in_box
 from dea.discrepancy.gain import gains, held_out_gap
@@ -211,3 +213,26 @@ def test_what_the_input_does_only_once_is_not_kept_for_proof():
     u[2900:3100] *= 3.0
     elsewhere = split(u, INTERVAL, 0.1)
     assert not elsewhere.certify[2900:3100].any()
+
+
+@pytest.mark.parametrize(
+    ("status", "before", "after", "expected"),
+    [
+        ("none", 1.0, 1.0, "none"),
+        ("none", 9.0, 9.0, "unknown"),
+        ("named", 9.0, 1.0, "named"),
+        ("named", 9.0, 3.0, "named"),
+        ("named", 1.0, 1.1, "named"),
+        ("named", 2.0, 3.0, "unknown"),
+        ("ambiguous", 2.0, 3.0, "unknown"),
+    ],
+)
+def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, after, expected):
+    problem, extended = carriage(8)
+    fitted = at(problem, extended, np.zeros(extended.free.size))
+    nominal, final = (
+        replace(fitted, gap=np.where(problem.certify, error, 0.0)) for error in (before, after)
+    )
+    chosen = None if status == "none" else Candidate(final, 0.0)
+    found = confirmed(Decision(status, chosen), problem, nominal, 1.0, Rules())
+    assert found.status == expected

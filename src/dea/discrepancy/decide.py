@@ -6,12 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from dea.discrepancy.compose import Candidate
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.rivals import beaten
 from dea.discrepancy.unknown import ResidualModel, residual_model
 
 # Part of the noise floor below which no misfit is told from another.
 _NEGLIGIBLE = 0.05
+# Noise floors up to which a gap that nothing narrows counts as noise.
+_BARELY = 1.5
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ def decide(
     if chosen is None:
         if nominal_error <= rules.clean * floor and unexplained.ratio > 1.0 - rules.margin:
             return Decision("none", None, reason="the gap is at the noise floor")
-        if unexplained.ratio > 1.0 - rules.margin and nominal_error <= 1.5 * floor:
+        if unexplained.ratio > 1.0 - rules.margin and nominal_error <= _BARELY * floor:
             return Decision("none", None, reason="no effect and no flexible model narrows the gap")
         return Decision("unknown", None, reason="no effect of the catalogue narrows the gap")
     if not _explained(chosen, nominal_error, floor, unexplained, rules):
@@ -117,6 +120,21 @@ def decide(
         ):
             return Decision("named", candidate)
     return Decision("ambiguous", chosen, tuple(rivals), "a rival explains the record as well")
+
+
+def confirmed(
+    decision: Decision, problem: Problem, nominal: Fit, floor: float, rules: Rules
+) -> Decision:
+    """Withdraw what the samples kept for proof contradict; they choose nothing."""
+    before = rmse(nominal.gap, problem.certify)
+    if decision.status == "none" and before > _BARELY * floor:
+        return Decision("unknown", None, reason="only the samples kept for proof show it")
+    if decision.status in ("named", "ambiguous") and decision.chosen is not None:
+        after = rmse(decision.chosen.fit.gap, problem.certify)
+        if after > max(before, rules.clean * floor):
+            reason = "the best effect fails on the samples kept for proof"
+            return Decision("unknown", decision.chosen, reason=reason)
+    return decision
 
 
 def same_class(first: Candidate, second: Candidate) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from dea.discrepancy import certify as proof
 from dea.discrepancy.candidates import in_parallel
 from dea.discrepancy.compose import Budget, Candidate, Round, judge
-from dea.discrepancy.decide import Decision, Rules, decide
+from dea.discrepancy.decide import Decision, Rules, confirmed, decide
 from dea.discrepancy.effects import Effect, catalogue
 from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.fit import Fit
@@ -182,6 +182,7 @@ def diagnose(
         problem, chosen, pool, proven, nominal_error, expected, unexplained, blocks,
         settings.rules, rng,
     )  # fmt: skip
+    decision = confirmed(decision, problem, nominal, expected, settings.rules)
     answer = decision.chosen if decision.status in ("named", "ambiguous") else None
     final = answer.fit if answer else nominal
 
