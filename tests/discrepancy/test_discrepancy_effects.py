@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.interpolate import BSpline
 from scipy.signal import lfilter
 
 from dea.discrepancy import Port, catalogue
@@ -312,10 +313,13 @@ def test_sensor_nonlinearity_bends_and_folds():
         q = values("sensor_nonlinearity", fold=place, corner_width=1e-9)
         signed = Y - 0.8 + place
         assert np.allclose(law(signed, T, q, DT), place + np.abs(signed - place))
-    q = values("sensor_nonlinearity", degree_2=0.1, degree_3=0.05, degree_4=0.02, degree_6=0.01)
-    x = (Y - 0.8) / 0.4
-    bend = np.polynomial.legendre.legval(x, [0, 0, 0.1, 0.05, 0.02, 0, 0.01])
+    weights = np.random.default_rng(3).uniform(-0.1, 0.1, 12)
+    q = values("sensor_nonlinearity", **{f"bend_{n + 1}": w for n, w in enumerate(weights)})
+    knots = np.linspace(-1 - 6 / 9, 1 + 6 / 9, 16)
+    bend = BSpline(knots, weights, 3)((Y - 0.8) / 0.4)
     assert np.allclose(law(Y, T, q, DT), Y + 0.4 * bend)
+    # Beyond its range the curve is as it was at the end.
+    assert law(np.array([1.2, 1.5]), T[:2], q, DT) @ [-1, 1] == pytest.approx(0.3)
 
 
 def test_periodic_disturbance_adds_its_lines():

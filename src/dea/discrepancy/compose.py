@@ -9,6 +9,7 @@ from dea.discrepancy.candidates import Offer, in_parallel, refine, screen
 from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.hints import jumps, lines
+from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem, scales, with_fine_steps
 
 # Steps every finished candidate gets, and those that only candidates within a factor of the
@@ -18,6 +19,9 @@ _FIRST_STEPS, _LAST_STEPS, _NEAR = 6, 20, 2.5
 _RUNNERS_UP = 2
 # Leaders whose last steps have every column of the Jacobian computed anew.
 _POLISHED = 2
+# Noise floors above which they are fitted again from places around, how often, and how far away
+# these are (in prior spreads of the law).
+_NEARLY_NOISE, _SHAKES, _SHAKE = 1.15, 4, 0.5
 # Samples up to which more than the best start of a law goes on: a short record affords it.
 _SHORT = 24_000
 
@@ -134,14 +138,33 @@ def extend_by_each(
     )
     finished.sort(key=error)
     finished[:_POLISHED] = in_parallel(
-        lambda each: fit(problem, each.extended, each.coordinates, iterations=_LAST_STEPS),
-        finished[:_POLISHED],
-        workers,
+        lambda each: _polished(problem, each), finished[:_POLISHED], workers
     )
     finished += [each for each in ahead if error(each) > _NEAR * leader]
     candidates = [judge(problem, each) for each in finished]
     candidates += [judge(problem, fits[0], finished=False) for fits in stable[budget.finished :]]
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
+
+
+def _polished(problem: Problem, fitted: Fit) -> Fit:
+    """Fit with every column anew, and where much is left, from places around as well.
+
+    Laws with corners leave the least squares kinks to get caught on. Of several effects, the last
+    has been fitted from enough places already.
+    """
+    whole = [slice(0, problem.u.size)]
+    best = fit(problem, fitted.extended, fitted.coordinates, iterations=_LAST_STEPS)
+    own = fitted.extended.free >= fitted.extended.effect_slices[-1].start
+    shakes = _SHAKES if len(fitted.extended.attached) == 1 else 0
+    for push in _SHAKE * np.random.default_rng(0).standard_normal((shakes, own.size)):
+        if problem.seen_rmse(best.gap) <= _NEARLY_NOISE * white_level(best.gap, whole):
+            break
+        shaken = best.coordinates + np.where(own, push, 0.0)
+        best = min(
+            (best, fit(problem, fitted.extended, shaken, iterations=_LAST_STEPS)),
+            key=lambda each: each.cost,
+        )
+    return best
 
 
 def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:

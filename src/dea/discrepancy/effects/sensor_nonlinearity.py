@@ -7,23 +7,29 @@ from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
 from dea.discrepancy.effects._laws import knee
 from dea.discrepancy.parameter import Parameter
 
-DEGREES = 8
+INTERVALS = 9
+# Cubic B-splines that are not zero somewhere in the range.
+WEIGHTS = INTERVALS + 3
 
 
 @njit(cache=True, error_model="numpy")
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Fold the output at a place, and bend it by Legendre polynomials of degree 2 to 9."""
-    fold, corner, middle, half = q[DEGREES], q[DEGREES + 1], q[DEGREES + 2], q[DEGREES + 3]
+    """Fold the output at a place, and bend it by cubic B-splines.
+
+    Splines act where their knots are: a stretch that a fit has not seen stays as it was.
+    """
+    fold, corner, middle, half = q[WEIGHTS], q[WEIGHTS + 1], q[WEIGHTS + 2], q[WEIGHTS + 3]
     result = np.empty(y.size)
     for k in range(y.size):
         read = y[k] + 2.0 * knee(fold - y[k], corner)
-        # Beyond the range the curve goes on straight: a polynomial would run away.
-        x = min(max((read - middle) / half, -1.3), 1.3)
-        before, legendre, bend = 1.0, x, 0.0
-        for n in range(2, DEGREES + 2):
-            before, legendre = legendre, ((2 * n - 1) * x * legendre - (n - 1) * before) / n
-            bend += q[n - 2] * legendre
-        result[k] = read + half * bend
+        place = 0.5 * INTERVALS * (1.0 + min(max((read - middle) / half, -1.0), 1.0))
+        first = min(int(place), INTERVALS - 1)
+        right = place - first
+        left = 1.0 - right
+        bend = q[first] * left**3 + q[first + 3] * right**3
+        bend += q[first + 1] * (4.0 - 6.0 * right**2 + 3.0 * right**3)
+        bend += q[first + 2] * (4.0 - 6.0 * left**2 + 3.0 * left**3)
+        result[k] = read + half * bend / 6.0
     return result
 
 
@@ -31,7 +37,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the curve's weights, place and corner of the fold, middle and half of the range."""
     low, high, span, unit = scales.y_low, scales.y_high, scales.y_span, scales.y_unit
     return (
-        *(Parameter(f"degree_{n}", "1", 0.0, 0.2 / n, -2.0, 2.0) for n in range(2, DEGREES + 2)),
+        *(Parameter(f"bend_{n}", "1", 0.0, 0.1, -2.0, 2.0) for n in range(1, WEIGHTS + 1)),
         Parameter("fold", unit, low - span, span, low - 3.0 * span, high),
         Parameter(
             "corner_width", unit, 0.01 * span, 1.0, 1e-4 * span, 0.3 * span, log=True, shape=True
@@ -45,9 +51,9 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return curves bent either way without a fold, and folds at and above the least reading."""
     low, span = scales.y_low, scales.y_span
     rest = (0.01 * span, 0.5 * (low + scales.y_high), 0.5 * span)
-    straight = (0.0,) * (DEGREES - 1)
-    bent = tuple((weight, *straight, low - span, *rest) for weight in (0.05, -0.05))
-    folded = tuple((0.0, *straight, low + part * span, *rest) for part in (0.01, 0.1))
+    parabola = np.linspace(-1.0, 1.0, WEIGHTS) ** 2 - 1.0 / 3.0
+    bent = tuple((*size * parabola, low - span, *rest) for size in (0.075, -0.075))
+    folded = tuple((*(0.0,) * WEIGHTS, low + part * span, *rest) for part in (0.01, 0.1))
     return (*bent, *folded)
 
 
