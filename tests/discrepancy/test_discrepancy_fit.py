@@ -13,7 +13,7 @@ from dea.discrepancy.compose import Candidate
 from dea.discrepancy.decide import Decision, Rules, confirmed
 from dea.discrepancy.effects import catalogue
 from dea.discrepancy.fit import at, cost_of, fit, step_in_box
-from dea.discrepancy.gain import gains, held_out_gap
+from dea.discrepancy.gain import folds, gains, held_out_gap
 from dea.discrepancy.localise import localise
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem, base, rmse, scales
@@ -150,29 +150,37 @@ def test_columns_of_the_reading_are_those_of_whole_simulations():
             assert np.allclose(found[:, i], slope, atol=1e-9 + 1e-6 * np.abs(slope).max())
 
 
-@pytest.mark.parametrize("half", ["fit", "select"])
-def test_what_is_held_out_has_no_say_in_its_own_prediction(half):
+def test_folds_deal_out_every_seen_block_once():
+    problem, _ = carriage(6)
+    dealt = np.array(folds(problem))
+    assert len(dealt) == 6
+    assert (dealt.sum(0) == problem.seen).all()
+    alone = problem.seeing(np.arange(problem.u.size) < 400)
+    assert (np.array(folds(alone)).sum(0) == alone.seen).all()
+
+
+def test_what_is_held_out_has_no_say_in_its_own_prediction():
     problem, extended = carriage(6)
     fitted = fit(problem, extended, np.zeros(extended.free.size))
-    spoiled = np.where(getattr(problem, half), problem.y + 1.0, problem.y)
-    other = replace(problem, y=spoiled)
     predicted = problem.y - held_out_gap(problem, fitted)
-    again = spoiled - held_out_gap(other, replace(fitted, gap=fitted.gap + spoiled - problem.y))
-    held_out = getattr(problem, half)
-    assert np.allclose(again[held_out], predicted[held_out], atol=1e-9)
-    assert not np.allclose(again[~held_out & problem.seen], predicted[~held_out & problem.seen])
+    fold = folds(problem)[2]
+    spoiled = problem.y + fold
+    again = spoiled - held_out_gap(
+        replace(problem, y=spoiled), replace(fitted, gap=fitted.gap + fold)
+    )
+    assert np.allclose(again[fold], predicted[fold], atol=1e-9)
+    others = problem.seen & ~fold
+    assert not np.allclose(again[others], predicted[others], atol=1e-3)
 
 
-def test_held_out_gaps_are_those_of_fits_to_the_other_half():
+def test_held_out_gaps_are_those_of_fits_to_the_other_folds():
     problem, extended = carriage(7)
-    fitted = fit(problem, extended, np.zeros(extended.free.size), tolerance=1e-9)
-    expected = np.empty(problem.u.size)
-    for own, other in ((problem.fit, problem.select), (problem.select, problem.fit)):
-        only = fit(
-            problem.seeing(other), extended, np.zeros(extended.free.size),
-            iterations=40, tolerance=1e-9,
-        )  # fmt: skip
-        expected[own] = only.gap[own]
+    start = np.zeros(extended.free.size)
+    fitted = fit(problem, extended, start, tolerance=1e-9)
+    expected = np.zeros(problem.u.size)
+    for fold in folds(problem):
+        only = fit(problem.seeing(~fold), extended, start, iterations=40, tolerance=1e-9)
+        expected[fold] = only.gap[fold]
     found = held_out_gap(problem, fitted)
     assert rmse(found - expected, problem.seen) < 0.05 * problem.noise
 
@@ -233,6 +241,6 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
     nominal, final = (
         replace(fitted, gap=np.where(problem.certify, error, 0.0)) for error in (before, after)
     )
-    chosen = None if status == "none" else Candidate(final, 0.0)
+    chosen = None if status == "none" else Candidate(final, 0.0, 0.0)
     found = confirmed(Decision(status, chosen), problem, nominal, 1.0, Rules())
     assert found.status == expected

@@ -29,9 +29,9 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
     """Fit an effect by a few cheap steps; return the stable ones of ``kept`` fits, best first.
 
     From each of the ``bases`` (fits of the same simulation), the start that promises most goes on,
-    first with the Jacobian of what is there already as it was in the base; little more than
-    ``kept`` of them then with whole ones. Shapes of laws are held. An effect without a start in
-    this record has no fit.
+    or half as many as are ``kept``, first with the Jacobian of what is there already as it was in
+    the base; little more than ``kept`` of them then with whole ones. Shapes of laws are held. An
+    effect without a start in this record has no fit.
     """
     extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance)
     held = extended.shapes
@@ -46,12 +46,13 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
         fit(
             problem,
             extended,
-            most_promising(problem, base, extended, starts),
+            start,
             iterations=_SCREEN_ITERATIONS,
             kept=base.jacobian,
             held=held,
         )
         for base in bases
+        for start in promising(problem, base, extended, starts)[: max(1, kept // 2)]
     ]
     cheap.sort(key=error)
     whole = [
@@ -62,16 +63,16 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
     return sorted((each for each in whole if each.stable), key=error)[:kept]
 
 
-def most_promising(
+def promising(
     problem: Problem,
     base: Fit,
     extended: ExtendedSimulation,
     starts: Sequence[tuple[float, ...]],
-) -> np.ndarray:
-    """Return the coordinates of the start whose signature explains most of a base's gap.
+) -> list[np.ndarray]:
+    """Return the coordinates of the starts, first those that explain most of a base's gap.
 
-    The signature is the change of the output that the law makes at that start, at its best size,
-    with the simulation's parameters refitted by a linear step.
+    What explains it is the signature: the change of the output that the law makes at that start,
+    at its best size, with the simulation's parameters refitted by a linear step.
     """
     seen = problem.seen
     size = base.coordinates.size
@@ -83,17 +84,16 @@ def most_promising(
         return padded - basis @ (basis.T @ padded)
 
     left = unexplained(base.gap[seen])
-    best, promise = extended.coordinates(np.concatenate([base.values, starts[0]])), -1.0
-    for start in starts:
-        coordinates = extended.coordinates(np.concatenate([base.values, start]))
+
+    def explained(coordinates: np.ndarray) -> float:
         gap = problem.gap(extended, extended.values(coordinates))
         if not np.isfinite(gap).all():
-            continue
+            return -1.0
         change = unexplained((base.gap - gap)[seen])
-        explained = max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
-        if explained > promise:
-            best, promise = coordinates, explained
-    return best
+        return max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
+
+    placed = [extended.coordinates(np.concatenate([base.values, start])) for start in starts]
+    return sorted(placed, key=explained, reverse=True)
 
 
 def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | None = None) -> Fit:

@@ -66,10 +66,10 @@ def certify_elsewhere(
 
 
 def _from_its_own_start(other: OtherRecord, fitted: Fit) -> np.ndarray:
-    extended, values = fitted.extended, fitted.values
-    starting = [i for i in extended.free if _is_start(extended.names[i])]
-    if not starting:
-        return extended.simulate(values, other.u, other.interval)
+    extended = fitted.extended
+    starting = np.array([_is_start(extended.names[i]) for i in extended.free])
+    if not starting.any():
+        return extended.simulate(fitted.values, other.u, other.interval)
     head = np.arange(other.u.size) < max(10, round(_HEAD * other.u.size))
     nothing = np.zeros_like(head)
     problem = Problem(
@@ -81,37 +81,10 @@ def _from_its_own_start(other: OtherRecord, fitted: Fit) -> np.ndarray:
         nothing,
         max(rmse(fitted.gap, np.isfinite(fitted.gap)), 1e-12),
     )
-    held = _Held(extended, values, np.array(starting))
-    own = fit(problem, held, held.coordinates(values), iterations=10)  # type: ignore[arg-type]
-    return extended.simulate(held.values(own.coordinates), other.u, other.interval)
+    own = fit(problem, extended, fitted.coordinates, iterations=10, held=~starting)
+    return extended.simulate(own.values, other.u, other.interval)
 
 
 def _is_start(name: str) -> bool:
     owner, _, own = name.rpartition(".")
     return owner == "initial" or (owner != "" and own.startswith("start_"))
-
-
-@dataclass(frozen=True)
-class _Held:
-    """An extended simulation of which only some parameters are free."""
-
-    extended: ExtendedSimulation
-    fixed: np.ndarray
-    free: np.ndarray
-
-    @property
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        pairs = [self.extended.parameters[i].coordinate_bounds() for i in self.free]
-        return np.array([low for low, _ in pairs]), np.array([high for _, high in pairs])
-
-    def values(self, coordinates: np.ndarray) -> np.ndarray:
-        result = self.fixed.copy()
-        for i, coordinate in zip(self.free, coordinates, strict=True):
-            result[i] = self.extended.parameters[i].value(coordinate)
-        return result
-
-    def coordinates(self, values: np.ndarray) -> np.ndarray:
-        return np.array([self.extended.parameters[i].coordinate(values[i]) for i in self.free])
-
-    def simulate(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
-        return self.extended.simulate(values, u, interval)

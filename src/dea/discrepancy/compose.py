@@ -56,9 +56,18 @@ class Budget:
 
 @dataclass(frozen=True)
 class Candidate:
-    """One effect more on a fitted simulation, and how well it explains the record."""
+    """One effect more on a fitted simulation, and how well it explains the record.
+
+    Parameters
+    ----------
+    rmse : float
+        Over all samples seen.
+    error : float
+        The same with a charge for each parameter, to rank by.
+    """
 
     fit: Fit
+    rmse: float
     error: float
     finished: bool = True
 
@@ -86,20 +95,16 @@ class Round:
     candidates: tuple[Candidate, ...] = field(default_factory=tuple)
 
 
-def seen_error(problem: Problem, fit: Fit) -> float:
-    """Return the RMSE over all samples that may choose, with a charge for each parameter.
+def judge(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
+    """Return a fit with its errors over all samples that may choose.
 
     A law has a handful of parameters against thousands of samples, so that what it was fitted on
     counts as evidence too; the charge is that of the Bayesian information criterion.
     """
     count = int(problem.seen.sum())
-    charge = np.exp(0.5 * fit.coordinates.size * np.log(count) / count)
-    return problem.seen_rmse(fit.gap) * float(charge)
-
-
-def judge(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
-    """Return a fit with its error."""
-    return Candidate(fit, seen_error(problem, fit), finished)
+    charge = float(np.exp(0.5 * fit.coordinates.size * np.log(count) / count))
+    rmse = problem.seen_rmse(fit.gap)
+    return Candidate(fit, rmse, rmse * charge, finished)
 
 
 def extend_by_each(

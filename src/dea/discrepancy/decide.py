@@ -47,7 +47,7 @@ class Rules:
     margin: float = 0.10
     clean: float = 1.15
     misfit: float = 0.25
-    further: float = 0.6
+    further: float = 0.4
     grow: float = 1.8
     second: float = 0.5
     rival_margin: float = 1.05
@@ -82,6 +82,7 @@ def decide(
     proven: Sequence[Candidate],
     nominal_error: float,
     floor: float,
+    accuracy: float,
     unexplained: ResidualModel,
     blocks: Sequence[slice],
     rules: Rules,
@@ -89,8 +90,11 @@ def decide(
 ) -> Decision:
     """Name the chosen candidate unless something speaks against it.
 
-    ``pool`` holds all candidates, ``proven`` the single effects that help for sure.
+    ``pool`` holds all candidates, ``proven`` the single effects that help for sure. ``accuracy``
+    is how well the simulation is said to describe the device, ``floor`` that and the noise.
     """
+    if nominal_error <= _BARELY * accuracy:
+        return Decision("none", None, reason="the simulation is as good as it is said to be")
     if chosen is None:
         if nominal_error <= rules.clean * floor and unexplained.ratio > 1.0 - rules.margin:
             return Decision("none", None, reason="the gap is at the noise floor")
@@ -142,8 +146,14 @@ def same_class(first: Candidate, second: Candidate) -> bool:
 
     Such effects are one class: seen from outside they are hard, or impossible, to tell apart.
     """
-    own = [a.effect for a in first.fit.extended.attached if a.effect.name not in second.names]
-    other = [a.effect for a in second.fit.extended.attached if a.effect.name not in first.names]
+    own, other = (
+        [
+            a.effect
+            for a in mine.fit.extended.attached
+            if mine.fit.extended.label(a) not in theirs.labels
+        ]
+        for mine, theirs in ((first, second), (second, first))
+    )
     return len(own) == len(other) and all(
         any(a.port is b.port or a.family is b.family for b in other) for a in own
     )
@@ -157,9 +167,9 @@ def _explained(
     rules: Rules,
 ) -> bool:
     """Return whether too little is left over for another effect to be hidden in it."""
-    if chosen.error <= rules.clean * floor:
+    if chosen.rmse <= rules.clean * floor:
         return True
-    left, whole = misfit(chosen.error, floor), misfit(nominal_error, floor)
+    left, whole = misfit(chosen.rmse, floor), misfit(nominal_error, floor)
     if left > rules.misfit * whole * rules.further ** (len(chosen.names) - 1):
         return False
     return unexplained.ratio >= rules.predictable or left <= 0.5 * rules.misfit * whole

@@ -8,7 +8,7 @@ import numpy as np
 
 from dea.discrepancy import certify as proof
 from dea.discrepancy.candidates import in_parallel
-from dea.discrepancy.compose import Budget, Candidate, Round, judge
+from dea.discrepancy.compose import Budget, Candidate, Round
 from dea.discrepancy.decide import Decision, Rules, confirmed, decide
 from dea.discrepancy.effects import Effect, catalogue
 from dea.discrepancy.extended import ExtendedSimulation
@@ -155,7 +155,7 @@ def diagnose(
     starts = bases(problem, nominal, near, rng)
     rounds = search(problem, starts, offered, units, budget, settings.rules, settings.workers)
     floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
-    nominal_error = judge(problem, nominal).error
+    nominal_error = problem.seen_rmse(nominal.gap)
     singles = list(rounds[0].candidates)
     if not singles:
         raise InputError(
@@ -173,13 +173,16 @@ def diagnose(
     gained = gains(held_out_gap(problem, nominal), held_out, blocks, null, rng)
     expected = float(np.hypot(floor, own.accuracy))
     proven = proven_alone(rounds, gained, settings.rules)
-    chosen = best_extension(rounds, nominal_error, proven, expected, blocks, settings.rules, rng)
+    chosen = best_extension(
+        problem, rounds, nominal_error, proven, expected, blocks, settings.rules, rng
+    )
 
     best = chosen.fit if chosen else nominal
     unexplained = residual_model(problem, best.gap)
     pool = pool_of(rounds)
     decision = decide(
-        problem, chosen, pool, proven, nominal_error, expected, unexplained, blocks,
+        problem, chosen, pool, proven, nominal_error, expected, own.accuracy,
+        unexplained, blocks,
         settings.rules, rng,
     )  # fmt: skip
     decision = confirmed(decision, problem, nominal, expected, settings.rules)

@@ -10,8 +10,9 @@ from dea.discrepancy.problem import Problem
 
 _DRAWS = 2000
 _NULL_DRAWS = 60
-# Steps of a fit to half of the blocks, from where the fit to all of them ended.
-_CROSSING = 6
+# Parts of the blocks that are held out in turn, and steps of the fit to the others, from where the
+# fit to all of them ended.
+_FOLDS, _CROSSING = 6, 6
 
 
 @dataclass(frozen=True)
@@ -36,20 +37,33 @@ def energies(gap: np.ndarray, blocks: Sequence[slice]) -> np.ndarray:
 def held_out_gap(problem: Problem, fitted: Fit) -> np.ndarray:
     """Return a gap of which no block was seen by the parameters it comes from, shape (n,).
 
-    The parameters are fitted once more to either half of the blocks alone, and judged on the
-    other (two-fold cross-fitting). They move so little that the Jacobian is kept.
+    The blocks are dealt into folds, and each is predicted by a fit to all others (Geisser 1975,
+    cross-validation). The parameters move so little that the Jacobian is kept.
     """
-    first, second = (
-        fit(
-            problem.seeing(half),
+    result = fitted.gap.copy()
+    for fold in folds(problem):
+        again = fit(
+            problem.seeing(~fold),
             fitted.extended,
             fitted.coordinates,
             iterations=_CROSSING,
             kept=fitted.jacobian,
         )
-        for half in (problem.fit, problem.select)
-    )
-    return np.where(problem.fit, second.gap, first.gap)
+        result[fold] = again.gap[fold]
+    return result
+
+
+def folds(problem: Problem) -> list[np.ndarray]:
+    """Return masks (n, bool) that deal the contiguous seen blocks out, in turn."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], problem.seen.astype(int), [0]])))
+    runs = list(zip(edges[::2], edges[1::2], strict=True))
+    result = []
+    for first in range(min(_FOLDS, len(runs))):
+        mask = np.zeros(problem.u.size, bool)
+        for start, stop in runs[first::_FOLDS]:
+            mask[start:stop] = True
+        result.append(mask)
+    return result
 
 
 def gains(

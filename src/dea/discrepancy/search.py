@@ -8,11 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.compose import Budget, Candidate, Round, extend_by_each, judge
+from dea.discrepancy.compose import Budget, Candidate, Round, extend_by_each
 from dea.discrepancy.decide import Rules, as_good, misfit
 from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.gain import Gains
+from dea.discrepancy.gain import Gains, held_out_gap
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rivals import beaten
@@ -33,17 +33,17 @@ def search(
     """
     rounds = [extend_by_each(problem, nominals, offered, units, budget, workers)]
     whole = [slice(0, problem.u.size)]
-    nominal_error = judge(problem, nominals[0]).error
+    nominal_error = problem.seen_rmse(nominals[0].gap)
 
     def floor_of(candidates: Sequence[Candidate]) -> float:
         return min((white_level(c.fit.gap, whole) for c in candidates), default=0.0)
 
     def explained(candidates: Sequence[Candidate]) -> bool:
         floor = floor_of(candidates)
-        return not candidates or not leaves_room(candidates[0].error, nominal_error, floor, rules)
+        return not candidates or not leaves_room(candidates[0].rmse, nominal_error, floor, rules)
 
     def clean(candidates: Sequence[Candidate]) -> bool:
-        return not candidates or candidates[0].error <= rules.clean * floor_of(candidates)
+        return not candidates or candidates[0].rmse <= rules.clean * floor_of(candidates)
 
     def extend(candidates: Sequence[Candidate]) -> list[Round]:
         return [
@@ -88,6 +88,7 @@ def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[C
 
 
 def best_extension(
+    problem: Problem,
     rounds: Sequence[Round],
     nominal_error: float,
     proven: Sequence[Candidate],
@@ -106,19 +107,24 @@ def best_extension(
         equal = [c for c in candidates if as_good(c, best, floor, rules)]
         return min(equal, key=lambda c: (c.fit.coordinates.size, c.error))
 
+    def held_out_rmse(fitted: Fit) -> float:
+        return problem.seen_rmse(held_out_gap(problem, fitted))
+
     chosen = simplest(proven) if proven else None
     larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
     for size in sorted({len(c.names) for c in larger}):
         best = simplest([c for c in larger if len(c.names) == size])
+        before = chosen.fit if chosen else rounds[0].before
+        _, low = beaten(best.fit.gap, before.gap, blocks, rng)
+        if held_out_rmse(best.fit) >= held_out_rmse(before):
+            continue
         if chosen is None:
-            _, low = beaten(best.fit.gap, rounds[0].before.gap, blocks, rng)
             if low > -np.log1p(-2 * rules.margin):
                 chosen = best
             continue
-        _, low = beaten(best.fit.gap, chosen.fit.gap, blocks, rng)
-        needed = leaves_room(chosen.error, nominal_error, floor, rules)
-        left = (1.0 - rules.second) * misfit(chosen.error, floor)
-        if needed and low > -np.log1p(-rules.margin) and misfit(best.error, floor) <= left:
+        needed = leaves_room(chosen.rmse, nominal_error, floor, rules)
+        left = (1.0 - rules.second) * misfit(chosen.rmse, floor)
+        if needed and low > -np.log1p(-rules.margin) and misfit(best.rmse, floor) <= left:
             chosen = best
     return chosen
 
