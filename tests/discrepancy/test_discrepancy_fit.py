@@ -10,14 +10,15 @@ from scipy.optimize import minimize
 
 from dea.discrepancy import load_simulation
 from dea.discrepancy.compose import Candidate
-from dea.discrepancy.decide import Decision, Rules, confirmed
+from dea.discrepancy.decide import Decision, Rules, confirmed, decide, same_class
 from dea.discrepancy.effects import catalogue
-from dea.discrepancy.fit import at, cost_of, fit, step_in_box
+from dea.discrepancy.fit import Fit, at, cost_of, fit, step_in_box
 from dea.discrepancy.gain import folds, gains, held_out_gap
 from dea.discrepancy.localise import localise
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem, base, rmse, scales
 from dea.discrepancy.split import split
+from dea.discrepancy.unknown import ResidualModel
 from dea.errors import InputError
 
 INTERVAL = 0.02
@@ -244,3 +245,34 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
     chosen = None if status == "none" else Candidate(final, 0.0, 0.0)
     found = confirmed(Decision(status, chosen), problem, nominal, 1.0, Rules())
     assert found.status == expected
+
+
+@pytest.mark.parametrize(("error", "expected"), [(0.2, "none"), (0.25, "unknown")])
+def test_a_simulation_as_good_as_it_is_said_to_be_misses_nothing(error, expected):
+    problem, _ = carriage(9)
+    predictable = ResidualModel(ratio=0.5, equation="0", explained=0.0)
+    found = decide(
+        problem, None, [], [], error, 0.15, 0.15, predictable, [], Rules(),
+        np.random.default_rng(0),
+    )  # fmt: skip
+    assert found.status == expected
+
+
+def test_effects_of_one_port_are_one_class_wherever_they_attach():
+    simulation = load_simulation("cascaded_tanks")
+    extended = base(simulation, np.full(200, 3.0), 4.0, tolerance=1.0)
+    told = scales(
+        Problem(np.linspace(0, 5, 200), np.linspace(0, 9, 200), 4.0, *np.ones((3, 200), bool)),
+        extended, extended.values(np.zeros(extended.free.size)), ("V", "V"),
+    )  # fmt: skip
+
+    def candidate(*places):
+        longer = extended
+        for name, balance in places:
+            longer = longer.attach(catalogue()[name], told, balance)
+        return Candidate(Fit(longer, np.zeros(0), np.zeros(0), np.zeros((0, 0)), 0.0), 0.0, 0.0)
+
+    twice = candidate(("end_stop", 0), ("end_stop", 1))
+    assert same_class(twice, candidate(("end_stop", 0), ("strain_stiffening", 1)))
+    assert not same_class(twice, candidate(("end_stop", 0), ("sensor_lag", 0)))
+    assert not same_class(twice, candidate(("end_stop", 0)))

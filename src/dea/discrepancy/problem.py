@@ -27,8 +27,7 @@ class Problem:
     u, y : (n,)
         Input and output in the simulation's units.
     fit, select, certify : (n,) bool
-        Two halves to fit and to choose on, each held out from a fit to the other alone, and the
-        samples to certify on.
+        Samples that a fit sees, in two halves of alternating blocks, and those to certify on.
     noise : float
         Standard deviation of the noise, in the output's unit.
     tolerance : float
