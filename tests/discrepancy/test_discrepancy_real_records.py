@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
+import pytest
 import yaml
 
 from dea import store
-from dea.discrepancy import Settings, diagnose
+from dea.discrepancy import Settings, catalogue, diagnose
 from measured_records import DATA, needs_records
 
 ROOT = Path(__file__).parents[2]
@@ -48,12 +50,21 @@ def test_the_drives_sensor_is_named_and_serves_on_the_other_record():
     assert other["after"] < 0.75 * other["before"]
 
 
-def test_the_tanks_overflow_is_named_and_serves_on_the_other_record():
-    verdict = diagnosed("cascaded_tanks")
-    assert verdict.status == "named", verdict.sentence
-    assert "end_stop" in verdict.names
-    other = verdict.certified["records"]["validation"]
+@pytest.fixture(scope="module")
+def tanks():
+    return diagnosed("cascaded_tanks")
+
+
+def test_the_tanks_overflow_serves_on_the_other_record(tanks):
+    assert tanks.status in ("named", "ambiguous"), tanks.sentence
+    assert "end_stop" in tanks.names
+    other = tanks.certified["records"]["validation"]
     assert other["after"] <= 0.354 < other["before"]
+
+
+@pytest.mark.xfail(strict=True, reason="nine blocks do not rule out a periodic disturbance")
+def test_the_tanks_overflow_has_no_rival(tanks):
+    assert tanks.status == "named", tanks.sentence
 
 
 def test_the_cubic_spring_of_the_silverbox_is_named_and_serves_beyond_what_was_seen():
@@ -61,6 +72,8 @@ def test_the_cubic_spring_of_the_silverbox_is_named_and_serves_beyond_what_was_s
     verdict = diagnosed("silverbox", offered, rows=[40_650, 58_650])
     assert verdict.status == "named", verdict.sentence
     assert verdict.names == ("strain_stiffening",)
-    exponent = verdict.effects[0].parameters["exponent"]
-    assert abs(exponent.value - 3.0) < 0.2
+    q = np.array([estimate.value for estimate in verdict.effects[0].parameters.values()])
+    force = catalogue()["strain_stiffening"].force
+    odd = [force(z, 0.0, np.zeros(1), q) - force(-z, 0.0, np.zeros(1), q) for z in (0.5, 1.0)]
+    assert abs(np.log2(odd[1] / odd[0]) - 3.0) < 0.2
     assert verdict.certified["records"]["arrow"]["after"] <= 1.12e-3

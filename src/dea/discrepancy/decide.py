@@ -103,9 +103,11 @@ def decide(
         return Decision("unknown", None, reason="no effect of the catalogue narrows the gap")
     if not _explained(chosen, nominal_error, floor, unexplained, rules):
         return Decision("unknown", chosen, reason="the best effect leaves too much unexplained")
-    rivals = _rivals(chosen, pool, floor, blocks, rules, rng)
+    # Rivals are told apart down to the noise, however good the simulation is said to be.
+    noise = misfit(floor, accuracy)
+    rivals = _rivals(chosen, pool, noise, blocks, rules, rng)
     if not rivals:
-        akin = _rivals(chosen, pool, floor, blocks, rules, rng, akin=True)
+        akin = _rivals(chosen, pool, noise, blocks, rules, rng, akin=True)
         return Decision("named", chosen, tuple(akin))
     shared = set(chosen.names).intersection(*(rival.names for rival in rivals))
     for candidate in proven:
@@ -120,7 +122,7 @@ def decide(
                 residual_model(problem, candidate.fit.gap),
                 rules,
             )
-            and not _rivals(candidate, pool, floor, blocks, rules, rng)
+            and not _rivals(candidate, pool, noise, blocks, rules, rng)
         ):
             return Decision("named", candidate)
     return Decision("ambiguous", chosen, tuple(rivals), "a rival explains the record as well")

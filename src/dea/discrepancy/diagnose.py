@@ -174,7 +174,7 @@ def diagnose(
     expected = float(np.hypot(floor, own.accuracy))
     proven = proven_alone(rounds, gained, settings.rules)
     chosen = best_extension(
-        problem, rounds, nominal_error, proven, expected, blocks, settings.rules, rng
+        problem, rounds, nominal_error, proven, expected, own.accuracy, blocks, settings.rules, rng
     )
 
     best = chosen.fit if chosen else nominal

@@ -93,18 +93,21 @@ def best_extension(
     nominal_error: float,
     proven: Sequence[Candidate],
     floor: float,
+    accuracy: float,
     blocks: Sequence[slice],
     rules: Rules,
     rng: np.random.Generator,
 ) -> Candidate | None:
     """Return the best single effect that is proven, or the best larger set that helps more.
 
-    Of those that are as good as the best, it is the one with the fewest parameters.
+    Of those that are as good as the best, down to the noise, it is the one with the fewest
+    parameters.
     """
+    noise = misfit(floor, accuracy)
 
     def simplest(candidates: Sequence[Candidate]) -> Candidate:
         best = min(candidates, key=lambda c: c.error)
-        equal = [c for c in candidates if as_good(c, best, floor, rules)]
+        equal = [c for c in candidates if as_good(c, best, noise, rules)]
         return min(equal, key=lambda c: (c.fit.coordinates.size, c.error))
 
     def held_out_rmse(fitted: Fit) -> float:
