@@ -8,7 +8,7 @@ import numpy as np
 
 from dea.discrepancy.effects import Effect, Scales
 from dea.discrepancy.extended import ExtendedSimulation
-from dea.discrepancy.fit import Fit, fit
+from dea.discrepancy.fit import Fit, fit, remainder
 from dea.discrepancy.problem import Problem
 
 _SCREEN_ITERATIONS = 4
@@ -75,14 +75,7 @@ def promising(
     at its best size, with the simulation's parameters refitted by a linear step.
     """
     seen = problem.seen
-    size = base.coordinates.size
-    weighted = np.vstack([base.jacobian[seen], problem.noise * np.eye(size)])
-    basis, _ = np.linalg.qr(weighted)
-
-    def unexplained(gap: np.ndarray) -> np.ndarray:
-        padded = np.concatenate([gap, np.zeros(size)])
-        return padded - basis @ (basis.T @ padded)
-
+    unexplained = remainder(base.jacobian[seen], problem.noise)
     left = unexplained(base.gap[seen])
 
     def explained(coordinates: np.ndarray) -> float:

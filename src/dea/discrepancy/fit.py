@@ -4,6 +4,7 @@ Levenberg (1944), Marquardt (1963); the prior makes it a maximum a posteriori es
 keeps parameters that the record says nothing about where they were.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,6 +90,22 @@ def columns(
         # A direction in which the simulation runs away is not one to go.
         result[:, column] = change / step if np.isfinite(change).all() else 0.0
     return result
+
+
+def remainder(J: np.ndarray, noise: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Return what takes from a change of the output all that the parameters can make up for.
+
+    A linear step in the parameters does so, held back by their prior; with the Jacobian (n, k) it
+    turns changes of shape (n,) or (n, m) into what is left of them, with k rows of the prior below.
+    """
+    size = J.shape[1]
+    basis, _ = np.linalg.qr(np.vstack([J, noise * np.eye(size)]))
+
+    def left(change: np.ndarray) -> np.ndarray:
+        padded = np.concatenate([change, np.zeros((size, *change.shape[1:]))])
+        return padded - basis @ (basis.T @ padded)
+
+    return left
 
 
 def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) -> Fit:

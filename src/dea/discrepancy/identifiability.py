@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, remainder
 from dea.discrepancy.problem import Problem
 
 DETECTABLE = 0.2
@@ -20,9 +20,8 @@ def signature(problem: Problem, before: Fit, candidate: Fit) -> tuple[float, flo
     J = candidate.jacobian[seen]
     if J.shape[1] <= own or not np.isfinite(J).all():
         return 0.0, 0.0
-    basis, _ = np.linalg.qr(np.vstack([J[:, :own], problem.noise * np.eye(own)]))
-    law = np.vstack([J[:, own:], np.zeros((own, J.shape[1] - own))])
-    rest = law - basis @ (basis.T @ law)
+    law = J[:, own:]
+    rest = remainder(J[:, :own], problem.noise)(law)
     energy, left = np.sum(law**2, axis=0), np.sum(rest**2, axis=0)
     size = float(np.sqrt(left.max() / seen.sum()) / problem.noise)
     return size, float(np.sqrt(left.max() / max(energy.max(), 1e-300)))

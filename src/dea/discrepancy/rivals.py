@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, remainder
 from dea.discrepancy.gain import energies
 from dea.discrepancy.problem import Problem
 
@@ -35,20 +35,13 @@ def confusion(problem: Problem, fits: Sequence[Fit]) -> np.ndarray:
 
     seen = problem.seen
     simulated = [(problem.y - fit.gap)[seen] for fit in fits]
-    bases = [np.linalg.qr(_weighted(fit, problem, seen))[0] for fit in fits]
+    left = [remainder(fit.jacobian[seen], problem.noise) for fit in fits]
     count = len(fits)
     distance = np.zeros((count, count))
     for i in range(count):
         for j in range(count):
             if i != j:
-                apart = np.concatenate([simulated[i] - simulated[j], np.zeros(bases[j].shape[1])])
-                rest = apart - bases[j] @ (bases[j].T @ apart)
+                rest = left[j](simulated[i] - simulated[j])
                 distance[i, j] = np.linalg.norm(rest) / problem.noise
     odds = 2.0 * norm.cdf(-0.5 * distance)
     return odds / odds.sum(1, keepdims=True)
-
-
-def _weighted(fit: Fit, problem: Problem, seen: np.ndarray) -> np.ndarray:
-    """The Jacobian with the prior's rows below it."""
-    J = fit.jacobian[seen]
-    return np.vstack([J, problem.noise * np.eye(J.shape[1])])

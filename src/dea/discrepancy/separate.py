@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, columns
+from dea.discrepancy.fit import Fit, columns, remainder
 from dea.discrepancy.problem import Problem
 from dea.signals import design
 
@@ -78,8 +78,4 @@ def _one_way(problem: Problem, u: np.ndarray, truth: Fit, rival: Fit) -> float:
     if not np.isfinite(gap).all():
         return 0.0
     J = columns(imagined, rival.extended, rival.coordinates, gap, np.arange(rival.coordinates.size))
-    augmented = np.vstack([J, problem.noise * np.eye(J.shape[1])])
-    basis, _ = np.linalg.qr(augmented)
-    rest = np.concatenate([gap, np.zeros(J.shape[1])])
-    rest -= basis @ (basis.T @ rest)
-    return float(np.linalg.norm(rest) / problem.noise)
+    return float(np.linalg.norm(remainder(J, problem.noise)(gap)) / problem.noise)
