@@ -17,6 +17,8 @@ _MARGIN, _LARGEST_PANEL = 36.0, 52.0  # mm
 _CONTOURS = 3
 _FLAT = 0.01  # of the largest; lines of a map that varies less show no shape worth reading
 _BEYOND = 1.4
+_LABELLED = 0.6  # of the way from the middle to the edge; a label further out would be cut
+_APART = 0.75  # of the way from the middle to the edge, between labels
 
 
 @style.styled
@@ -85,11 +87,40 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
     if not high - low > _FLAT * high:
         return
     levels = np.linspace(low, high, _CONTOURS + 2)[1:-1]
+    known = trusted.notnull()
+    f1 = trusted["frequency_1"].values[known.any("frequency_2").values]
+    f2 = trusted["frequency_2"].values[known.any("frequency_1").values]
     lines = ax.contour(
         trusted["frequency_1"], trusted["frequency_2"],
         trusted.transpose("frequency_2", "frequency_1"), levels, colors="white", linewidths=0.5,
     )  # fmt: skip
-    ax.clabel(lines, fmt=dict(zip(levels.tolist(), _labels(levels), strict=True)), fontsize=5)
+    places: list[np.ndarray] = []
+    for path in lines.get_paths():
+        places += _place_for_label(np.asarray(path.vertices), places, f1, f2)
+    ax.clabel(
+        lines,
+        fmt=dict(zip(levels.tolist(), _labels(levels), strict=True)),
+        fontsize=5,
+        manual=places,
+    )
+
+
+def _place_for_label(
+    line: np.ndarray, taken: list[np.ndarray], f1: np.ndarray, f2: np.ndarray
+) -> list[np.ndarray]:
+    """Return where a line (k, 2) is nearest to the middle of the map and away from other labels.
+
+    There is no such place where a label would be cut by the edge, or cross another.
+    """
+    middle = np.array([f1[0] + f1[-1], f2[0] + f2[-1]]) / 2
+    half = np.array([np.ptp(f1), np.ptp(f2)]) / 2
+    off_centre = (np.abs(line - middle) / half).max(1)
+    free = off_centre <= _LABELLED
+    for place in taken:
+        free &= (np.abs(line - place) / half).max(1) >= _APART
+    if not free.any():
+        return []
+    return [line[np.argmin(np.where(free, off_centre, np.inf))]]
 
 
 def _labels(levels: np.ndarray) -> list[str]:
