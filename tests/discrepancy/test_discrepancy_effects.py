@@ -134,12 +134,17 @@ def test_lags_solve_their_differential_equation():
     charged = law(held, values("electrode_lag", time_constant=tau, start_charge=-0.5), DT)
     t = (np.arange(100) + 0.5) * DT
     assert np.allclose(charged, 2.0 - 0.9 * 0.5 * np.exp(-t / tau), atol=2e-3)
-    q = values("sensor_lag", time_constant=tau, second_ratio=0.0)
+
+
+@pytest.mark.parametrize("damping", [0.3, 1.0, 5.0])
+def test_sensor_lag_has_the_frequency_response_of_second_order(damping):
+    tau, omega = 0.3, 2 * np.pi * 0.23
+    q = values("sensor_lag", time_constant=tau, damping=damping)
     smooth = catalogue()["sensor_lag"].shape_output(Y, T, q, DT)
-    omega = 2 * np.pi * 0.23
-    gain = 1.0 / (1.0 + 1j * omega * tau)
+    natural = 2.0 * damping / tau
+    gain = 1.0 / (1.0 - (omega / natural) ** 2 + 1j * omega * tau)
     expected = 0.8 + 0.4 * np.imag(gain * np.exp(1j * omega * T))
-    assert np.allclose(smooth[200:], expected[200:], atol=2e-4)
+    assert np.allclose(smooth[1000:], expected[1000:], atol=2e-4)
 
 
 @pytest.mark.parametrize("growth", [0.0, 2.0])

@@ -10,22 +10,23 @@ PORT = "output path"
 
 
 @njit(cache=True)
-def _second_order(c: Array, m: Array, y: Array) -> None:
-    """A second-order low-pass, stepped with its velocity first."""
-    angular, damping = c
+def _third_order(c: Array, m: Array, y: Array) -> None:
+    """A second-order low-pass, stepped with its velocity first, and a first-order one behind."""
+    angular, damping, behind = c
     if m[0] == 0.0:
-        m[0], m[1], m[2] = 1.0, y[0], 0.0
+        m[0], m[1], m[2], m[3] = 1.0, y[0], 0.0, y[0]
     for k in range(y.shape[0]):
         m[2] += SUBSTEP * angular * (angular * (y[k] - m[1]) - 2.0 * damping * m[2])
         m[1] += SUBSTEP * m[2]
-        y[k] = m[1]
+        m[3] += SUBSTEP / (behind + SUBSTEP) * (m[1] - m[3])
+        y[k] = m[3]
 
 
 def sensor_lag(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
-    """Hide a second-order sensor whose delay at low frequency is ``size`` seconds."""
-    damping = rng.uniform(0.7, 1.3)
-    constants = [2.0 * damping / size, damping]
-    return Stage(_second_order, constants, np.zeros(3), output=True)
+    """Hide a third-order sensor whose delay at low frequency is ``size`` seconds."""
+    damping, behind = rng.uniform(0.5, 1.3), rng.uniform(0.1, 0.4) * size
+    constants = [2.0 * damping / (size - behind), damping, behind]
+    return Stage(_third_order, constants, np.zeros(4), output=True)
 
 
 @njit(cache=True)
