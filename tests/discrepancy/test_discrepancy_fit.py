@@ -10,10 +10,10 @@ from scipy.optimize import minimize
 
 from dea.discrepancy import load_simulation
 from dea.discrepancy.compose import Candidate
-from dea.discrepancy.decide import Decision, Rules, confirmed, decide, same_class
+from dea.discrepancy.decide import Decision, Evidence, Rules, confirmed, decide, same_class
 from dea.discrepancy.effects import catalogue
-from dea.discrepancy.fit import Fit, at, cost_of, fit, step_in_box
-from dea.discrepancy.gain import folds, gains, held_out_gap
+from dea.discrepancy.fit import Fit, at, cost_of, fit, step_in_box, without
+from dea.discrepancy.gain import HeldOut, folds, gains
 from dea.discrepancy.localise import localise
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem, base, rmse, scales
@@ -65,6 +65,23 @@ def test_the_fit_ends_where_a_simplex_search_ends(seed):
     searched = minimize(cost, start, method="Nelder-Mead", options=options)
     assert found.cost <= searched.fun + 1e-3
     assert found.cost == pytest.approx(searched.fun, rel=1e-3)
+
+
+def test_a_fit_without_an_effect_is_the_rest_of_it():
+    problem, extended = carriage(4)
+    told = scales(problem, extended, extended.values(np.zeros(extended.free.size)), ("V", "V"))
+    rest = np.linspace(-0.3, 0.3, extended.free.size)
+    longer, starts = extended, []
+    for name in ("dead_zone", "sensor_lag"):
+        longer = longer.attach(catalogue()[name], told)
+        starts.append(catalogue()[name].starts(told)[0])
+    both = at(problem, longer, longer.coordinates(np.r_[extended.values(rest), *starts]))
+    lagged = extended.attach(catalogue()["sensor_lag"], told)
+    expected = at(problem, lagged, lagged.coordinates(np.r_[extended.values(rest), starts[1]]))
+    found = without(problem, both, 0)
+    assert [a.effect.name for a in found.extended.attached] == ["sensor_lag"]
+    assert np.allclose(found.coordinates, expected.coordinates)
+    assert np.allclose(found.gap, expected.gap)
 
 
 def test_held_coordinates_stay():
@@ -163,12 +180,11 @@ def test_folds_deal_out_every_seen_block_once():
 def test_what_is_held_out_has_no_say_in_its_own_prediction():
     problem, extended = carriage(6)
     fitted = fit(problem, extended, np.zeros(extended.free.size))
-    predicted = problem.y - held_out_gap(problem, fitted)
+    predicted = problem.y - HeldOut(problem).gap(fitted)
     fold = folds(problem)[2]
     spoiled = problem.y + fold
-    again = spoiled - held_out_gap(
-        replace(problem, y=spoiled), replace(fitted, gap=fitted.gap + fold)
-    )
+    held_out = HeldOut(replace(problem, y=spoiled))
+    again = spoiled - held_out.gap(replace(fitted, gap=fitted.gap + fold))
     assert np.allclose(again[fold], predicted[fold], atol=1e-9)
     others = problem.seen & ~fold
     assert not np.allclose(again[others], predicted[others], atol=1e-3)
@@ -182,7 +198,7 @@ def test_held_out_gaps_are_those_of_fits_to_the_other_folds():
     for fold in folds(problem):
         only = fit(problem.seeing(~fold), extended, start, iterations=40, tolerance=1e-9)
         expected[fold] = only.gap[fold]
-    found = held_out_gap(problem, fitted)
+    found = HeldOut(problem).gap(fitted)
     assert rmse(found - expected, problem.seen) < 0.05 * problem.noise
 
 
@@ -224,6 +240,12 @@ def test_what_the_input_does_only_once_is_not_kept_for_proof():
     assert not elsewhere.certify[2900:3100].any()
 
 
+def judged_by(problem, nominal_error=0.0, floor=0.0, accuracy=0.0):
+    rng = np.random.default_rng(0)
+    held_out = HeldOut(problem)
+    return Evidence(problem, held_out, [], nominal_error, floor, accuracy, Rules(), rng)
+
+
 @pytest.mark.parametrize(
     ("status", "before", "after", "expected"),
     [
@@ -243,7 +265,8 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
         replace(fitted, gap=np.where(problem.certify, error, 0.0)) for error in (before, after)
     )
     chosen = None if status == "none" else Candidate(final, 0.0, 0.0)
-    found = confirmed(Decision(status, chosen), problem, nominal, 1.0, Rules())
+    evidence = judged_by(problem, floor=1.0)
+    found = confirmed(Decision(status, chosen), evidence, nominal)
     assert found.status == expected
 
 
@@ -251,10 +274,8 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
 def test_a_simulation_as_good_as_it_is_said_to_be_misses_nothing(error, expected):
     problem, _ = carriage(9)
     predictable = ResidualModel(ratio=0.5, equation="0", explained=0.0)
-    found = decide(
-        problem, None, [], [], error, 0.15, 0.15, predictable, [], Rules(),
-        np.random.default_rng(0),
-    )  # fmt: skip
+    evidence = judged_by(problem, error, floor=0.15, accuracy=0.15)
+    found = decide(evidence, None, [], [], predictable)
     assert found.status == expected
 
 

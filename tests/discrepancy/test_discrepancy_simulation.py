@@ -169,9 +169,9 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
     values = extended.values(np.zeros(extended.free.size))
     problem = Problem(u, u, DT, *(np.ones(u.size, bool) for _ in range(3)))
     told = scales(problem, extended, values, ("V", "mm"))
-    for name in ("viscoelastic_creep", "dead_zone"):
+    for name in ("viscoelastic_creep", "dead_zone", "input_saturation"):
         effect = catalogue()[name]
-        extended = extended.attach(effect, told)
+        extended = extended.attach(effect, told, upstream=name == "input_saturation")
         values = np.concatenate([values, effect.starts(told)[0]])
     path = tmp_path / "extended_simulation.yaml"
     save_extended(extended, values, DT, path)
@@ -181,6 +181,24 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
     path.write_text(path.read_text().replace("dead_zone", "dead_zoo"))
     with pytest.raises(InputError, match="no effect 'dead_zoo'"):
         load_extended(path)
+
+
+def test_a_signal_meets_the_laws_on_its_way_from_upstream_down():
+    u = 3.0 * np.sin(4 * T)
+    extended = base(load_simulation("mass_spring_damper"), u, DT, 1e-3)
+    problem = Problem(u, u, DT, *(np.ones(u.size, bool) for _ in range(3)))
+    told = scales(problem, extended, extended.values(np.zeros(extended.free.size)), ("V", "V"))
+    slow, limit = catalogue()["slew_limit"], catalogue()["input_saturation"]
+    own = extended.values(np.zeros(extended.free.size))
+    late, cut = slow.starts(told)[0], limit.starts(told)[0]
+
+    def simulated(first, then, *laws, upstream):
+        longer = extended.attach(first, told).attach(then, told, upstream=upstream)
+        return longer.simulate(np.concatenate([own, *laws]), u, DT)
+
+    slow_first = simulated(slow, limit, late, cut, upstream=False)
+    assert (slow_first == simulated(limit, slow, cut, late, upstream=True)).all()
+    assert not np.allclose(slow_first, simulated(slow, limit, late, cut, upstream=True))
 
 
 def write_own(path, slope=SLOPE, drive="gain", equation="level"):

@@ -23,6 +23,7 @@ class Offer:
     effect: Effect
     scales: Scales
     balance: int = 0
+    upstream: bool = False
 
 
 def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> list[Fit]:
@@ -33,7 +34,7 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
     the base; little more than ``kept`` of them then with whole ones. Shapes of laws are held. An
     effect without a start in this record has no fit.
     """
-    extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance)
+    extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance, offer.upstream)
     held = extended.shapes
     starts = offer.effect.starts(offer.scales)
     if not starts:

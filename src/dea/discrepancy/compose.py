@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dea.discrepancy.candidates import Offer, in_parallel, refine, screen
-from dea.discrepancy.effects import Effect
+from dea.discrepancy.effects import Effect, Port
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.hints import jumps, lines
 from dea.discrepancy.noise import white_level
@@ -24,6 +24,8 @@ _POLISHED = 2
 _NEARLY_NOISE, _SHAKES, _SHAKE = 1.15, 4, 0.5
 # Samples up to which more than the best start of a law goes on: a short record affords it.
 _SHORT = 24_000
+# Ports at which it matters which of two laws a signal meets first.
+_SIGNAL_PATHS = {Port.INPUT, Port.OUTPUT}
 
 
 @dataclass(frozen=True)
@@ -196,6 +198,7 @@ def _offers(
         for i in range(max(1, len(balances)))
     ]
     there = {(a.effect.name, a.balance) for a in before.extended.attached}
+    on_the_way = {a.effect.port for a in before.extended.attached} & _SIGNAL_PATHS
     offers = []
     for effect in effects:
         places = [0]
@@ -205,9 +208,11 @@ def _offers(
                 for i, b in enumerate(balances)
                 if b.position is not None or not effect.uses_position
             ]
+        sides = (False, True) if effect.port in on_the_way else (False,)
         offers += [
-            Offer(effect, told[place], place)
+            Offer(effect, told[place], place, upstream)
             for place in places
             if (effect.name, place) not in there
+            for upstream in sides
         ]
     return offers

@@ -7,6 +7,7 @@ import numpy as np
 
 from dea.discrepancy.compose import Candidate
 from dea.discrepancy.fit import Fit
+from dea.discrepancy.gain import HeldOut
 from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.rivals import beaten
 from dea.discrepancy.unknown import ResidualModel, residual_model
@@ -15,6 +16,8 @@ from dea.discrepancy.unknown import ResidualModel, residual_model
 _NEGLIGIBLE = 0.05
 # Noise floors up to which a gap that nothing narrows counts as noise.
 _BARELY = 1.5
+# Errors of the chosen candidate up to which another is looked at closely.
+_NEAR = 2.5
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,8 @@ class Rules:
     clean: float = 1.15
     misfit: float = 0.25
     further: float = 0.4
-    grow: float = 1.8
-    second: float = 0.5
+    grow: float = 1.25
+    second: float = 0.65
     rival_margin: float = 1.05
     predictable: float = 0.80
 
@@ -64,6 +67,39 @@ class Decision:
     reason: str = ""
 
 
+@dataclass(frozen=True)
+class Evidence:
+    """What candidates are judged by.
+
+    Parameters
+    ----------
+    held_out
+        Gaps on blocks that the parameters have not seen.
+    blocks
+        Blocks of the seen samples, that are drawn from with replacement.
+    nominal_error
+        What the simulation alone leaves over (root mean square).
+    floor
+        What may be left over: noise, and how well the simulation is said to describe the device.
+    accuracy
+        The latter alone.
+    """
+
+    problem: Problem
+    held_out: HeldOut
+    blocks: Sequence[slice]
+    nominal_error: float
+    floor: float
+    accuracy: float
+    rules: Rules
+    rng: np.random.Generator
+
+    @property
+    def noise(self) -> float:
+        """The noise alone, down to which rivals are told apart."""
+        return misfit(self.floor, self.accuracy)
+
+
 def misfit(error: float, floor: float) -> float:
     """Return what an error holds beyond the noise floor (root mean square)."""
     return float(np.sqrt(max(error**2 - floor**2, 0.0)))
@@ -76,68 +112,52 @@ def as_good(other: Candidate, best: Candidate, floor: float, rules: Rules) -> bo
 
 
 def decide(
-    problem: Problem,
+    evidence: Evidence,
     chosen: Candidate | None,
     pool: Sequence[Candidate],
     proven: Sequence[Candidate],
-    nominal_error: float,
-    floor: float,
-    accuracy: float,
     unexplained: ResidualModel,
-    blocks: Sequence[slice],
-    rules: Rules,
-    rng: np.random.Generator,
 ) -> Decision:
     """Name the chosen candidate unless something speaks against it.
 
-    ``pool`` holds all candidates, ``proven`` the single effects that help for sure. ``accuracy``
-    is how well the simulation is said to describe the device, ``floor`` that and the noise.
+    ``pool`` holds all candidates, ``proven`` the single effects that help for sure.
     """
-    if nominal_error <= _BARELY * accuracy:
+    error, floor, rules = evidence.nominal_error, evidence.floor, evidence.rules
+    if error <= _BARELY * evidence.accuracy:
         return Decision("none", None, reason="the simulation is as good as it is said to be")
     if chosen is None:
-        if nominal_error <= rules.clean * floor and unexplained.ratio > 1.0 - rules.margin:
+        if error <= rules.clean * floor and unexplained.ratio > 1.0 - rules.margin:
             return Decision("none", None, reason="the gap is at the noise floor")
-        if unexplained.ratio > 1.0 - rules.margin and nominal_error <= _BARELY * floor:
+        if unexplained.ratio > 1.0 - rules.margin and error <= _BARELY * floor:
             return Decision("none", None, reason="no effect and no flexible model narrows the gap")
         return Decision("unknown", None, reason="no effect of the catalogue narrows the gap")
-    if not _explained(chosen, nominal_error, floor, unexplained, rules):
+    if not _explained(evidence, chosen, unexplained):
         return Decision("unknown", chosen, reason="the best effect leaves too much unexplained")
-    # Rivals are told apart down to the noise, however good the simulation is said to be.
-    noise = misfit(floor, accuracy)
-    rivals = _rivals(chosen, pool, noise, blocks, rules, rng)
+    rivals = _rivals(evidence, chosen, pool)
     if not rivals:
-        akin = _rivals(chosen, pool, noise, blocks, rules, rng, akin=True)
-        return Decision("named", chosen, tuple(akin))
+        return Decision("named", chosen, tuple(_rivals(evidence, chosen, pool, akin=True)))
     shared = set(chosen.names).intersection(*(rival.names for rival in rivals))
     for candidate in proven:
         # Many seconds do as well: the first is sure, and what is left of it a law of another form.
         if (
             len(chosen.names) > 1
             and candidate.names == tuple(shared)
-            and _explained(
-                candidate,
-                nominal_error,
-                floor,
-                residual_model(problem, candidate.fit.gap),
-                rules,
-            )
-            and not _rivals(candidate, pool, noise, blocks, rules, rng)
+            and _explained(evidence, candidate, residual_model(evidence.problem, candidate.fit.gap))
+            and not _rivals(evidence, candidate, pool)
         ):
             return Decision("named", candidate)
     return Decision("ambiguous", chosen, tuple(rivals), "a rival explains the record as well")
 
 
-def confirmed(
-    decision: Decision, problem: Problem, nominal: Fit, floor: float, rules: Rules
-) -> Decision:
+def confirmed(decision: Decision, evidence: Evidence, nominal: Fit) -> Decision:
     """Withdraw what the samples kept for proof contradict; they choose nothing."""
-    before = rmse(nominal.gap, problem.certify)
+    certify, floor = evidence.problem.certify, evidence.floor
+    before = rmse(nominal.gap, certify)
     if decision.status == "none" and before > _BARELY * floor:
         return Decision("unknown", None, reason="only the samples kept for proof show it")
     if decision.status in ("named", "ambiguous") and decision.chosen is not None:
-        after = rmse(decision.chosen.fit.gap, problem.certify)
-        if after > max(before, rules.clean * floor):
+        after = rmse(decision.chosen.fit.gap, certify)
+        if after > max(before, evidence.rules.clean * floor):
             reason = "the best effect fails on the samples kept for proof"
             return Decision("unknown", decision.chosen, reason=reason)
     return decision
@@ -161,39 +181,37 @@ def same_class(first: Candidate, second: Candidate) -> bool:
     )
 
 
-def _explained(
-    chosen: Candidate,
-    nominal_error: float,
-    floor: float,
-    unexplained: ResidualModel,
-    rules: Rules,
-) -> bool:
+def _explained(evidence: Evidence, chosen: Candidate, unexplained: ResidualModel) -> bool:
     """Return whether too little is left over for another effect to be hidden in it."""
+    floor, rules = evidence.floor, evidence.rules
     if chosen.rmse <= rules.clean * floor:
         return True
-    left, whole = misfit(chosen.rmse, floor), misfit(nominal_error, floor)
+    left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     if left > rules.misfit * whole * rules.further ** (len(chosen.names) - 1):
         return False
     return unexplained.ratio >= rules.predictable or left <= 0.5 * rules.misfit * whole
 
 
 def _rivals(
-    chosen: Candidate,
-    pool: Sequence[Candidate],
-    floor: float,
-    blocks: Sequence[slice],
-    rules: Rules,
-    rng: np.random.Generator,
-    akin: bool = False,
+    evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate], akin: bool = False
 ) -> list[Candidate]:
-    """Return the candidates that explain the record as well: of another class, or of the same."""
+    """Return the candidates that explain the record as well: of another class, or of the same.
+
+    They are compared on blocks that neither was fitted to: the freer of two laws bends to more.
+    """
+    held_out = evidence.held_out
     rivals = []
+    known = {frozenset(chosen.names)}
     for other in pool:
         if len(other.names) != len(chosen.names) or not other.finished:
             continue
-        if set(other.names) == set(chosen.names) or same_class(chosen, other) is not akin:
+        if frozenset(other.names) in known or same_class(chosen, other) is not akin:
             continue
-        _, low = beaten(chosen.fit.gap, other.fit.gap, blocks, rng)
-        if low <= 0 or as_good(other, chosen, floor, rules):
+        known.add(frozenset(other.names))
+        gaps = chosen.fit.gap, other.fit.gap
+        if other.error <= _NEAR * chosen.error:
+            gaps = held_out.gap(chosen.fit), held_out.gap(other.fit)
+        _, low = beaten(*gaps, evidence.blocks, evidence.rng)
+        if low <= 0 or as_good(other, chosen, evidence.noise, evidence.rules):
             rivals.append(other)
     return rivals

@@ -9,11 +9,11 @@ import numpy as np
 from dea.discrepancy import certify as proof
 from dea.discrepancy.candidates import in_parallel
 from dea.discrepancy.compose import Budget, Candidate, Round
-from dea.discrepancy.decide import Decision, Rules, confirmed, decide
+from dea.discrepancy.decide import Decision, Evidence, Rules, confirmed, decide
 from dea.discrepancy.effects import Effect, catalogue
 from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.gain import Gains, gains, held_out_gap, null_gain
+from dea.discrepancy.gain import Gains, HeldOut, gains, null_gain
 from dea.discrepancy.identifiability import signature
 from dea.discrepancy.localise import Localisation, localise
 from dea.discrepancy.noise import white_level
@@ -155,7 +155,6 @@ def diagnose(
     starts = bases(problem, nominal, near, rng)
     rounds = search(problem, starts, offered, units, budget, settings.rules, settings.workers)
     floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
-    nominal_error = problem.seen_rmse(nominal.gap)
     singles = list(rounds[0].candidates)
     if not singles:
         raise InputError(
@@ -165,32 +164,26 @@ def diagnose(
             remedy="Declare its force balances, or offer effects of other ports",
         )
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, blocks, rng)
-    held_out = in_parallel(
-        lambda c: held_out_gap(problem, c.fit) if c.finished else c.fit.gap,
-        singles,
-        settings.workers,
+    held_out = HeldOut(problem)
+    after = in_parallel(
+        lambda c: held_out.gap(c.fit) if c.finished else c.fit.gap, singles, settings.workers
     )
-    gained = gains(held_out_gap(problem, nominal), held_out, blocks, null, rng)
+    gained = gains(held_out.gap(nominal), after, blocks, null, rng)
     expected = float(np.hypot(floor, own.accuracy))
-    proven = proven_alone(rounds, gained, settings.rules)
-    chosen = best_extension(
-        problem, rounds, nominal_error, proven, expected, own.accuracy, blocks, settings.rules, rng
-    )
-
-    best = chosen.fit if chosen else nominal
-    unexplained = residual_model(problem, best.gap)
-    pool = pool_of(rounds)
-    decision = decide(
-        problem, chosen, pool, proven, nominal_error, expected, own.accuracy,
-        unexplained, blocks,
+    evidence = Evidence(
+        problem, held_out, blocks, problem.seen_rmse(nominal.gap), expected, own.accuracy,
         settings.rules, rng,
     )  # fmt: skip
-    decision = confirmed(decision, problem, nominal, expected, settings.rules)
+    proven = proven_alone(rounds, gained, settings.rules)
+    chosen = best_extension(evidence, rounds, proven)
+    pool = pool_of(rounds)
+    unexplained = residual_model(problem, (chosen.fit if chosen else nominal).gap)
+    decision = confirmed(decide(evidence, chosen, pool, proven, unexplained), evidence, nominal)
     answer = decision.chosen if decision.status in ("named", "ambiguous") else None
     final = answer.fit if answer else nominal
 
-    before = localise(problem, near.gap, units, problem.seen, rng)
-    after = localise(problem, final.gap, units, problem.seen, rng)
+    where_before = localise(problem, near.gap, units, problem.seen, rng)
+    where_after = localise(problem, final.gap, units, problem.seen, rng)
     rivals = _rivals_to_show(decision, pool)
     noisy = problem.with_noise(expected)
     experiment = _experiment(noisy, decision, settings.seed)
@@ -200,13 +193,14 @@ def diagnose(
     signatures = {"+".join(c.labels): signature(noisy, nominal, c.fit) for c in singles}
     verdict = verdict_of(
         problem=problem, nominal=nominal, decision=decision, first=rounds[0], gained=gained,
-        before=before, after=after, floor=floor, unexplained=unexplained, experiment=experiment,
+        held_out=held_out, before=where_before, after=where_after, floor=floor,
+        unexplained=unexplained, experiment=experiment,
         signatures=signatures, elsewhere={name: e[0] for name, e in elsewhere.items()},
         unit=own.output_unit, blocks=blocks, rng=rng,
     )  # fmt: skip
     return Diagnosis(
         verdict=verdict, problem=noisy, split=parts, units=units, nominal=nominal, extended=final,
-        before=before, after=after, first=rounds[0], gains=gained, pool=tuple(pool),
+        before=where_before, after=where_after, first=rounds[0], gains=gained, pool=tuple(pool),
         decision=decision, confusion_of=rivals,
         confusion=confusion(noisy, [c.fit for c in rivals]), elsewhere=elsewhere, floor=floor,
         unexplained=unexplained, signatures=signatures,

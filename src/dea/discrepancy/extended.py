@@ -34,11 +34,16 @@ class Frame:
 
 @dataclass(frozen=True)
 class Attached:
-    """An effect on a record of these scales; a force acts on the simulation's ``balance``."""
+    """An effect on a record of these scales.
+
+    A force acts on the simulation's ``balance``; ``upstream``, a law on the way of a signal comes
+    before those attached earlier, and after them otherwise.
+    """
 
     effect: Effect
     scales: Scales
     balance: int = 0
+    upstream: bool = False
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -132,7 +137,9 @@ class ExtendedSimulation:
             return attached.effect.name
         return f"{attached.effect.name}@{balances[attached.balance].name}"
 
-    def attach(self, effect: Effect, scales: Scales, balance: int = 0) -> "ExtendedSimulation":
+    def attach(
+        self, effect: Effect, scales: Scales, balance: int = 0, upstream: bool = False
+    ) -> "ExtendedSimulation":
         """Return this simulation with one effect more, of which at most three may be forces."""
         forces = sum(a.effect.force is not None for a in self.attached)
         if effect.force is not None and forces == SLOTS:
@@ -141,7 +148,11 @@ class ExtendedSimulation:
                 field="effects",
                 remedy="Leave one of them out",
             )
-        return replace(self, attached=(*self.attached, Attached(effect, scales, balance)))
+        return replace(self, attached=(*self.attached, Attached(effect, scales, balance, upstream)))
+
+    def without(self, index: int) -> "ExtendedSimulation":
+        """Return this simulation without one of the effects attached."""
+        return replace(self, attached=self.attached[:index] + self.attached[index + 1 :])
 
     def simulate(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
         """Return the free-run output, shape (n,); NaN from where the simulation runs away."""
@@ -164,8 +175,8 @@ class ExtendedSimulation:
                 drive_scale = drive_scale * effect.scale_drive(t, q)
         v, drive_scale = (np.concatenate([np.full(lead, x[0]), x]) for x in (v, drive_scale))
         forces = [
-            (a, q)
-            for a, (_, q) in zip(self.attached, laws, strict=True)
+            (a, values[own])
+            for a, own in zip(self.attached, self.effect_slices, strict=True)
             if a.effect.force is not None
         ]
         ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
@@ -225,11 +236,11 @@ class ExtendedSimulation:
         return np.isin(self.free, list(sensing))
 
     def _laws(self, values: np.ndarray) -> list[tuple[Effect, np.ndarray]]:
-        """Return each effect with its parameters."""
-        return [
-            (a.effect, values[own])
-            for a, own in zip(self.attached, self.effect_slices, strict=True)
-        ]
+        """Return each effect with its parameters, in the order in which a signal meets them."""
+        laws: list[tuple[Effect, np.ndarray]] = []
+        for a, own in zip(self.attached, self.effect_slices, strict=True):
+            laws.insert(0 if a.upstream else len(laws), (a.effect, values[own]))
+        return laws
 
     @cached_property
     def _ports(self) -> np.ndarray:

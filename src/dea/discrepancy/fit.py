@@ -21,9 +21,11 @@ _LEAST_DAMPING, _TRIES = 1e-6, 9
 _LONGEST_STEP = 3.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     """A fitted simulation: coordinates, what they leave over, and how well they are known.
+
+    Each is equal to itself alone, so that it can be a key.
 
     Parameters
     ----------
@@ -115,6 +117,13 @@ def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) 
     if np.isfinite(gap).all():
         J = columns(problem, extended, coordinates, gap, np.arange(coordinates.size))
     return Fit(extended, coordinates, gap, J, cost_of(gap, coordinates, problem))
+
+
+def without(problem: Problem, fitted: Fit, index: int) -> Fit:
+    """Return a fitted simulation less one of its effects, all else as it was."""
+    extended = fitted.extended.without(index)
+    kept = np.delete(fitted.values, np.r_[fitted.extended.effect_slices[index]])
+    return at(problem, extended, extended.coordinates(kept))
 
 
 def fit(

@@ -34,23 +34,39 @@ def energies(gap: np.ndarray, blocks: Sequence[slice]) -> np.ndarray:
     return np.array([float(gap[block] @ gap[block]) for block in blocks])
 
 
-def held_out_gap(problem: Problem, fitted: Fit) -> np.ndarray:
-    """Return a gap of which no block was seen by the parameters it comes from, shape (n,).
+class HeldOut:
+    """Gaps of which no block was seen by the parameters it comes from; each is found once.
 
     The blocks are dealt into folds, and each is predicted by a fit to all others (Geisser 1975,
     cross-validation). The parameters move so little that the Jacobian is kept.
     """
-    result = fitted.gap.copy()
-    for fold in folds(problem):
-        again = fit(
-            problem.seeing(~fold),
-            fitted.extended,
-            fitted.coordinates,
-            iterations=_CROSSING,
-            kept=fitted.jacobian,
-        )
-        result[fold] = again.gap[fold]
-    return result
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._found: dict[Fit, np.ndarray] = {}
+
+    def gap(self, fitted: Fit) -> np.ndarray:
+        """Return the held-out gap of a fit, shape (n,)."""
+        if fitted not in self._found:
+            self._found[fitted] = self._crossed(fitted)
+        return self._found[fitted]
+
+    def rmse(self, fitted: Fit) -> float:
+        """Return its root mean square over the seen samples."""
+        return self._problem.seen_rmse(self.gap(fitted))
+
+    def _crossed(self, fitted: Fit) -> np.ndarray:
+        result = fitted.gap.copy()
+        for fold in folds(self._problem):
+            again = fit(
+                self._problem.seeing(~fold),
+                fitted.extended,
+                fitted.coordinates,
+                iterations=_CROSSING,
+                kept=fitted.jacobian,
+            )
+            result[fold] = again.gap[fold]
+        return result
 
 
 def folds(problem: Problem) -> list[np.ndarray]:

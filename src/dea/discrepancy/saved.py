@@ -34,6 +34,7 @@ def save_extended(
                 "name": a.effect.name,
                 "port": str(a.effect.port),
                 "balance": a.balance,
+                "upstream": a.upstream,
                 "scales": _plain(asdict(a.scales)),
             }
             for a in extended.attached
@@ -72,7 +73,9 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
                 remedy=f"Known are {', '.join(catalogue())}",
             )
         attached = tuple(
-            Attached(catalogue()[e["name"]], Scales(**_tuples(e["scales"])), e["balance"])
+            Attached(
+                catalogue()[e["name"]], Scales(**_tuples(e["scales"])), e["balance"], e["upstream"]
+            )
             for e in effects
         )
         extended = ExtendedSimulation(

@@ -1,7 +1,8 @@
 """Which extensions are tried, and which is best: effects come alone, in twos and in threes.
 
 Two effects may each explain little, and a third one may pass for both; so the search goes on from
-the best, and then once more from the partners it has found.
+the best, then once more from the partners it has found, and at last gives up each effect of the
+best pair in turn for others beside the one that is kept (backfitting, Breiman and Friedman 1985).
 """
 
 from collections.abc import Sequence
@@ -9,13 +10,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.discrepancy.compose import Budget, Candidate, Round, extend_by_each
-from dea.discrepancy.decide import Rules, as_good, misfit
+from dea.discrepancy.decide import Evidence, Rules, as_good, misfit
 from dea.discrepancy.effects import Effect
-from dea.discrepancy.fit import Fit
-from dea.discrepancy.gain import Gains, held_out_gap
+from dea.discrepancy.fit import Fit, without
+from dea.discrepancy.gain import Gains
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rivals import beaten
+
+# Noise floors above which a pair may be one law taken for another.
+_NOISE_ALONE = 1.05
+# How often the best pair gives up its effects in turn, and the factor its error must fall by for
+# one time more.
+_EXCHANGES, _BETTER = 3, 0.9
 
 
 def search(
@@ -43,7 +50,17 @@ def search(
         return not candidates or not leaves_room(candidates[0].rmse, nominal_error, floor, rules)
 
     def clean(candidates: Sequence[Candidate]) -> bool:
-        return not candidates or candidates[0].rmse <= rules.clean * floor_of(candidates)
+        return not candidates or candidates[0].rmse <= _NOISE_ALONE * floor_of(candidates)
+
+    def exchange(pair: Candidate) -> list[Round]:
+        leading = {c.names[-1] for c in singles if c.finished} | set(pair.names)
+        kept = [without(problem, pair.fit, i) for i in range(len(pair.names))]
+        effects = [effect for effect in offered if effect.name in leading]
+        return [
+            extend_by_each(problem, [fitted], effects, units, budget, workers)
+            for fitted in kept
+            if fitted.stable
+        ]
 
     def extend(candidates: Sequence[Candidate]) -> list[Round]:
         return [
@@ -60,6 +77,13 @@ def search(
         if size == 2 and not clean(best):
             partners = {c.labels[-1] for c in best} - {c.labels[-1] for c in beam}
             grown += extend([c for c in singles if c.labels[-1] in partners])
+            for _ in range(_EXCHANGES):
+                pair = pool_of(grown)[0]
+                if clean([pair]):
+                    break
+                grown += exchange(pair)
+                if pool_of(grown)[0].error > _BETTER * pair.error:
+                    break
         rounds += grown
         beam = [c for c in pool_of(grown) if c.finished][: budget.beam]
     return rounds
@@ -88,44 +112,33 @@ def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[C
 
 
 def best_extension(
-    problem: Problem,
-    rounds: Sequence[Round],
-    nominal_error: float,
-    proven: Sequence[Candidate],
-    floor: float,
-    accuracy: float,
-    blocks: Sequence[slice],
-    rules: Rules,
-    rng: np.random.Generator,
+    evidence: Evidence, rounds: Sequence[Round], proven: Sequence[Candidate]
 ) -> Candidate | None:
     """Return the best single effect that is proven, or the best larger set that helps more.
 
     Of those that are as good as the best, down to the noise, it is the one with the fewest
     parameters.
     """
-    noise = misfit(floor, accuracy)
+    held_out, floor, rules = evidence.held_out, evidence.floor, evidence.rules
 
     def simplest(candidates: Sequence[Candidate]) -> Candidate:
         best = min(candidates, key=lambda c: c.error)
-        equal = [c for c in candidates if as_good(c, best, noise, rules)]
+        equal = [c for c in candidates if as_good(c, best, evidence.noise, rules)]
         return min(equal, key=lambda c: (c.fit.coordinates.size, c.error))
-
-    def held_out_rmse(fitted: Fit) -> float:
-        return problem.seen_rmse(held_out_gap(problem, fitted))
 
     chosen = simplest(proven) if proven else None
     larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
     for size in sorted({len(c.names) for c in larger}):
         best = simplest([c for c in larger if len(c.names) == size])
         before = chosen.fit if chosen else rounds[0].before
-        _, low = beaten(best.fit.gap, before.gap, blocks, rng)
-        if held_out_rmse(best.fit) >= held_out_rmse(before):
+        _, low = beaten(best.fit.gap, before.gap, evidence.blocks, evidence.rng)
+        if held_out.rmse(best.fit) >= held_out.rmse(before):
             continue
         if chosen is None:
             if low > -np.log1p(-2 * rules.margin):
                 chosen = best
             continue
-        needed = leaves_room(chosen.rmse, nominal_error, floor, rules)
+        needed = leaves_room(chosen.rmse, evidence.nominal_error, floor, rules)
         left = (1.0 - rules.second) * misfit(chosen.rmse, floor)
         if needed and low > -np.log1p(-rules.margin) and misfit(best.rmse, floor) <= left:
             chosen = best

@@ -9,7 +9,7 @@ from dea.discrepancy.certify import Certified, certify
 from dea.discrepancy.compose import Round
 from dea.discrepancy.decide import Decision
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.gain import Gains, gains, held_out_gap
+from dea.discrepancy.gain import Gains, HeldOut, gains
 from dea.discrepancy.identifiability import DETECTABLE
 from dea.discrepancy.localise import Localisation
 from dea.discrepancy.problem import Problem, rmse
@@ -57,6 +57,7 @@ def verdict_of(
     decision: Decision,
     first: Round,
     gained: Gains,
+    held_out: HeldOut,
     before: Localisation,
     after: Localisation,
     floor: float,
@@ -72,7 +73,7 @@ def verdict_of(
     named = decision.status in ("named", "ambiguous") and decision.chosen is not None
     final = decision.chosen.fit if named and decision.chosen else nominal
     certified = certify(problem, nominal, final)
-    rungs = _rungs(problem, nominal, final, first)
+    rungs = _rungs(held_out, nominal, final, first)
     effects = _effects(problem, decision, rungs, first, gained, blocks, rng) if named else ()
     return Verdict(
         status=decision.status,
@@ -102,7 +103,7 @@ def verdict_of(
 
 
 def _rungs(
-    problem: Problem, nominal: Fit, final: Fit, first: Round
+    held_out: HeldOut, nominal: Fit, final: Fit, first: Round
 ) -> list[tuple[str, np.ndarray]]:
     """Return held-out gaps of the nominal simulation, of its first effect alone, and of all."""
     labels = [final.extended.label(a) for a in final.extended.attached]
@@ -112,7 +113,7 @@ def _rungs(
         rungs += [(f"+ {labels[0]}", c.fit) for c in first.candidates if c.labels == alone]
     if labels:
         rungs.append((f"+ {labels[-1]}", final))
-    return [(name, held_out_gap(problem, fit)) for name, fit in rungs]
+    return [(name, held_out.gap(fit)) for name, fit in rungs]
 
 
 def _effects(
