@@ -1,6 +1,6 @@
 """Fit every effect of the catalogue to a record, each with the same freedom and budget."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -17,6 +17,19 @@ _MORE = 1
 
 
 @dataclass(frozen=True)
+class Base:
+    """A fit to start from, and what is left of a change once its parameters have made up for it."""
+
+    fit: Fit
+    left: Callable[[np.ndarray], np.ndarray]
+
+    @classmethod
+    def of(cls, problem: Problem, fitted: Fit) -> "Base":
+        """Prepare a fit; all effects offered share it."""
+        return cls(fitted, remainder(fitted.jacobian[problem.seen], problem.noise))
+
+
+@dataclass(frozen=True)
 class Offer:
     """An effect, where it would attach, and the scales it is told."""
 
@@ -26,7 +39,7 @@ class Offer:
     upstream: bool = False
 
 
-def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> list[Fit]:
+def screen(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) -> list[Fit]:
     """Fit an effect by a few cheap steps; return the stable ones of ``kept`` fits, best first.
 
     From each of the ``bases`` (fits of the same simulation), the start that promises most goes on,
@@ -34,7 +47,9 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
     the base; little more than ``kept`` of them then with whole ones. Shapes of laws are held. An
     effect without a start in this record has no fit.
     """
-    extended = bases[0].extended.attach(offer.effect, offer.scales, offer.balance, offer.upstream)
+    extended = bases[0].fit.extended.attach(
+        offer.effect, offer.scales, offer.balance, offer.upstream
+    )
     held = extended.shapes
     starts = offer.effect.starts(offer.scales)
     if not starts:
@@ -49,7 +64,7 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
             extended,
             start,
             iterations=_SCREEN_ITERATIONS,
-            kept=base.jacobian,
+            kept=base.fit.jacobian,
             held=held,
         )
         for base in bases
@@ -66,7 +81,7 @@ def screen(problem: Problem, bases: Sequence[Fit], offer: Offer, kept: int) -> l
 
 def promising(
     problem: Problem,
-    base: Fit,
+    base: Base,
     extended: ExtendedSimulation,
     starts: Sequence[tuple[float, ...]],
 ) -> list[np.ndarray]:
@@ -75,18 +90,17 @@ def promising(
     What explains it is the signature: the change of the output that the law makes at that start,
     at its best size, with the simulation's parameters refitted by a linear step.
     """
-    seen = problem.seen
-    unexplained = remainder(base.jacobian[seen], problem.noise)
-    left = unexplained(base.gap[seen])
+    seen, before = problem.seen, base.fit.gap
+    left = base.left(before[seen])
 
     def explained(coordinates: np.ndarray) -> float:
         gap = problem.gap(extended, extended.values(coordinates))
         if not np.isfinite(gap).all():
             return -1.0
-        change = unexplained((base.gap - gap)[seen])
+        change = base.left((before - gap)[seen])
         return max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
 
-    placed = [extended.coordinates(np.concatenate([base.values, start])) for start in starts]
+    placed = [extended.coordinates(np.concatenate([base.fit.values, start])) for start in starts]
     return sorted(placed, key=explained, reverse=True)
 
 

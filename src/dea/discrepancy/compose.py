@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from dea.discrepancy.candidates import Offer, in_parallel, refine, screen
+from dea.discrepancy.candidates import Base, Offer, in_parallel, refine, screen
 from dea.discrepancy.effects import Effect, Port
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.hints import jumps, lines
@@ -124,7 +124,8 @@ def extend_by_each(
     before = bases[0]
     kept = int(np.clip(_SHORT // problem.u.size, 2, 6))
     offers = _offers(problem, before, effects, units)
-    screened = in_parallel(lambda offer: screen(problem, bases, offer, kept), offers, workers)
+    prepared = [Base.of(problem, each) for each in bases]
+    screened = in_parallel(lambda offer: screen(problem, prepared, offer, kept), offers, workers)
 
     def error(candidate: Fit) -> float:
         return problem.seen_rmse(candidate.gap)

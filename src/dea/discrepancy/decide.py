@@ -105,6 +105,14 @@ def misfit(error: float, floor: float) -> float:
     return float(np.sqrt(max(error**2 - floor**2, 0.0)))
 
 
+def leaves_room(error: float, nominal_error: float, floor: float, rules: Rules) -> bool:
+    """Return whether an error leaves room for a further effect."""
+    if error <= rules.clean * floor:
+        return False
+    left, whole = misfit(error, floor), misfit(nominal_error, floor)
+    return error > rules.grow * floor or left > rules.misfit * whole
+
+
 def as_good(other: Candidate, best: Candidate, floor: float, rules: Rules) -> bool:
     """Return whether a candidate's misfit is that of the best, or nearly so."""
     left = max(misfit(best.error, floor), _NEGLIGIBLE * floor)

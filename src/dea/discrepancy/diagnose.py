@@ -8,6 +8,7 @@ import numpy as np
 
 from dea.discrepancy import certify as proof
 from dea.discrepancy.candidates import in_parallel
+from dea.discrepancy.choose import best_extension, proven_alone
 from dea.discrepancy.compose import Budget, Candidate, Round
 from dea.discrepancy.decide import Decision, Evidence, Rules, confirmed, decide
 from dea.discrepancy.effects import Effect, catalogue
@@ -20,7 +21,7 @@ from dea.discrepancy.noise import white_level
 from dea.discrepancy.nominal import bases, fit_near_prior, fit_nominal, slowest_time
 from dea.discrepancy.problem import Problem, base
 from dea.discrepancy.rivals import confusion
-from dea.discrepancy.search import best_extension, noise_floor, pool_of, proven_alone, search
+from dea.discrepancy.search import Search, noise_floor, pool_of
 from dea.discrepancy.separate import Experiment, separating_experiment
 from dea.discrepancy.simulation import Simulation, load_simulation
 from dea.discrepancy.split import Split, split
@@ -153,7 +154,9 @@ def diagnose(
     blocks = parts.blocks(problem.seen, length)
 
     starts = bases(problem, nominal, near, rng)
-    rounds = search(problem, starts, offered, units, budget, settings.rules, settings.workers)
+    rounds = Search(
+        problem, starts, offered, units, budget, settings.rules, settings.workers
+    ).rounds()
     floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
     singles = list(rounds[0].candidates)
     if not singles:

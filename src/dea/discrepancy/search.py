@@ -1,100 +1,112 @@
 """Which extensions are tried, and which is best: effects come alone, in twos and in threes.
 
 Two effects may each explain little, and a third one may pass for both; so the search goes on from
-the best, then once more from the partners it has found, and at last gives up each effect of the
-best pair in turn for others beside the one that is kept (backfitting, Breiman and Friedman 1985).
+the best, and where a pair explains much but not all, from the partners it has found, from each of
+its effects in turn (backfitting, Breiman and Friedman 1985), and from the next best.
 """
 
 from collections.abc import Sequence
-
-import numpy as np
+from dataclasses import dataclass
+from functools import cached_property
 
 from dea.discrepancy.compose import Budget, Candidate, Round, extend_by_each
-from dea.discrepancy.decide import Evidence, Rules, as_good, misfit
+from dea.discrepancy.decide import Rules, leaves_room, misfit
 from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit, without
-from dea.discrepancy.gain import Gains
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem
-from dea.discrepancy.rivals import beaten
 
-# Noise floors above which a pair may be one law taken for another.
-_NOISE_ALONE = 1.05
+# Noise floors above which a pair may be one law taken for another, if it leaves less than the first
+# part of the misfit of the best effect alone; the second part, and it surely is.
+_NOISE_ALONE, _PARTLY, _MOSTLY = 1.05, 0.8, 0.5
 # How often the best pair gives up its effects in turn, and the factor its error must fall by for
 # one time more.
 _EXCHANGES, _BETTER = 3, 0.9
 
 
-def search(
-    problem: Problem,
-    nominals: Sequence[Fit],
-    offered: Sequence[Effect],
-    units: tuple[str, str],
-    budget: Budget,
-    rules: Rules,
-    workers: int,
-) -> list[Round]:
-    """Offer every effect to the nominal simulation, then to its best extensions, and so on.
+@dataclass(frozen=True)
+class Search:
+    """What is offered to a simulation, and how much is spent on it.
 
     ``nominals`` are fits of the simulation to start from, the one to beat first.
     """
-    rounds = [extend_by_each(problem, nominals, offered, units, budget, workers)]
-    whole = [slice(0, problem.u.size)]
-    nominal_error = problem.seen_rmse(nominals[0].gap)
 
-    def floor_of(candidates: Sequence[Candidate]) -> float:
-        return min((white_level(c.fit.gap, whole) for c in candidates), default=0.0)
+    problem: Problem
+    nominals: Sequence[Fit]
+    offered: Sequence[Effect]
+    units: tuple[str, str]
+    budget: Budget
+    rules: Rules
+    workers: int
 
-    def explained(candidates: Sequence[Candidate]) -> bool:
-        floor = floor_of(candidates)
-        return not candidates or not leaves_room(candidates[0].rmse, nominal_error, floor, rules)
+    def rounds(self) -> list[Round]:
+        """Offer every effect to the nominal simulation, then to its best extensions, and so on."""
+        rounds = [self.singles]
+        beam = self._leading(rounds)
+        for size in range(2, self.budget.effects + 1):
+            if not beam or not self._lacking(beam):
+                break
+            grown = self._pairs_from(beam) if size == 2 else self._extended(beam)
+            rounds += grown
+            beam = self._leading(grown)
+        return rounds
 
-    def clean(candidates: Sequence[Candidate]) -> bool:
-        return not candidates or candidates[0].rmse <= _NOISE_ALONE * floor_of(candidates)
+    @cached_property
+    def singles(self) -> Round:
+        """The round of effects that come alone."""
+        return self._round(self.nominals, self.offered)
 
-    def exchange(pair: Candidate) -> list[Round]:
-        leading = {c.names[-1] for c in singles if c.finished} | set(pair.names)
-        kept = [without(problem, pair.fit, i) for i in range(len(pair.names))]
-        effects = [effect for effect in offered if effect.name in leading]
-        return [
-            extend_by_each(problem, [fitted], effects, units, budget, workers)
-            for fitted in kept
-            if fitted.stable
-        ]
+    def _round(self, bases: Sequence[Fit], effects: Sequence[Effect]) -> Round:
+        return extend_by_each(self.problem, bases, effects, self.units, self.budget, self.workers)
 
-    def extend(candidates: Sequence[Candidate]) -> list[Round]:
-        return [
-            extend_by_each(problem, [c.fit], offered, units, budget, workers) for c in candidates
-        ]
+    def _extended(self, candidates: Sequence[Candidate]) -> list[Round]:
+        return [self._round([c.fit], self.offered) for c in candidates]
 
-    singles = rounds[0].candidates
-    beam = [c for c in singles if c.finished][: budget.beam]
-    for size in range(2, budget.effects + 1):
-        if explained(beam):
-            break
-        grown = extend(beam)
-        best = pool_of(grown)[: budget.beam]
-        if size == 2 and not clean(best):
-            partners = {c.labels[-1] for c in best} - {c.labels[-1] for c in beam}
-            grown += extend([c for c in singles if c.labels[-1] in partners])
-            for _ in range(_EXCHANGES):
-                pair = pool_of(grown)[0]
-                if clean([pair]):
-                    break
-                grown += exchange(pair)
-                if pool_of(grown)[0].error > _BETTER * pair.error:
-                    break
-        rounds += grown
-        beam = [c for c in pool_of(grown) if c.finished][: budget.beam]
-    return rounds
+    def _leading(self, rounds: Sequence[Round]) -> list[Candidate]:
+        return [c for c in pool_of(rounds) if c.finished][: self.budget.beam]
 
+    def _pairs_from(self, beam: Sequence[Candidate]) -> list[Round]:
+        grown = self._extended(beam)
+        if self._open(grown, _PARTLY):
+            found = {c.labels[-1] for c in self._leading(grown)} - {c.labels[-1] for c in beam}
+            partners = [c for c in self.singles.candidates if c.labels[-1] in found]
+            grown += self._extended(partners)
+        for _ in range(_EXCHANGES):
+            if not self._open(grown, _PARTLY):
+                break
+            pair = pool_of(grown)[0]
+            grown += self._exchanged(pair)
+            if pool_of(grown)[0].error > _BETTER * pair.error:
+                break
+        if self._open(grown, _MOSTLY):
+            tried = {r.before for r in grown}
+            others = [c for c in self.singles.candidates if c.finished and c.fit not in tried]
+            grown += self._extended(others[: self.budget.beam])
+        return grown
 
-def leaves_room(error: float, nominal_error: float, floor: float, rules: Rules) -> bool:
-    """Return whether an error leaves room for a further effect."""
-    if error <= rules.clean * floor:
-        return False
-    left, whole = misfit(error, floor), misfit(nominal_error, floor)
-    return error > rules.grow * floor or left > rules.misfit * whole
+    def _exchanged(self, pair: Candidate) -> list[Round]:
+        """Offer the leading effects beside each of a pair, as the pair has fitted it."""
+        leading = {c.names[-1] for c in self.singles.candidates if c.finished} | set(pair.names)
+        effects = [effect for effect in self.offered if effect.name in leading]
+        kept = [without(self.problem, pair.fit, i) for i in range(len(pair.names))]
+        return [self._round([fitted], effects) for fitted in kept if fitted.stable]
+
+    def _lacking(self, candidates: Sequence[Candidate]) -> bool:
+        nominal_error = self.problem.seen_rmse(self.nominals[0].gap)
+        return leaves_room(candidates[0].rmse, nominal_error, self._floor(candidates), self.rules)
+
+    def _open(self, grown: Sequence[Round], part: float) -> bool:
+        """Return whether the best pair is better than any single effect, but not the answer."""
+        pairs, singles = self._leading(grown), self._leading([self.singles])
+        if not pairs or pairs[0].rmse <= _NOISE_ALONE * self._floor(pairs):
+            return False
+        return self._left(pairs) <= part * self._left(singles)
+
+    def _left(self, candidates: Sequence[Candidate]) -> float:
+        return misfit(candidates[0].rmse, self._floor(candidates))
+
+    def _floor(self, candidates: Sequence[Candidate]) -> float:
+        return min(white_level(c.fit.gap, [slice(0, c.fit.gap.size)]) for c in candidates)
 
 
 def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
@@ -102,47 +114,6 @@ def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
     gaps = [rounds[0].before.gap]
     gaps += [c.fit.gap for r in rounds for c in r.candidates[:3] if c.finished]
     return min(white_level(gap, list(blocks)) for gap in gaps)
-
-
-def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[Candidate]:
-    """Return the single effects whose gain is beyond the margin and beyond chance, best first."""
-    needed = max(-np.log1p(-rules.margin), gained.null)
-    pairs = zip(rounds[0].candidates, gained.low, strict=True)
-    return [c for c, low in pairs if c.finished and low > needed]
-
-
-def best_extension(
-    evidence: Evidence, rounds: Sequence[Round], proven: Sequence[Candidate]
-) -> Candidate | None:
-    """Return the best single effect that is proven, or the best larger set that helps more.
-
-    Of those that are as good as the best, down to the noise, it is the one with the fewest
-    parameters.
-    """
-    held_out, floor, rules = evidence.held_out, evidence.floor, evidence.rules
-
-    def simplest(candidates: Sequence[Candidate]) -> Candidate:
-        best = min(candidates, key=lambda c: c.error)
-        equal = [c for c in candidates if as_good(c, best, evidence.noise, rules)]
-        return min(equal, key=lambda c: (c.fit.coordinates.size, c.error))
-
-    chosen = simplest(proven) if proven else None
-    larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
-    for size in sorted({len(c.names) for c in larger}):
-        best = simplest([c for c in larger if len(c.names) == size])
-        before = chosen.fit if chosen else rounds[0].before
-        _, low = beaten(best.fit.gap, before.gap, evidence.blocks, evidence.rng)
-        if held_out.rmse(best.fit) >= held_out.rmse(before):
-            continue
-        if chosen is None:
-            if low > -np.log1p(-2 * rules.margin):
-                chosen = best
-            continue
-        needed = leaves_room(chosen.rmse, evidence.nominal_error, floor, rules)
-        left = (1.0 - rules.second) * misfit(chosen.rmse, floor)
-        if needed and low > -np.log1p(-rules.margin) and misfit(best.rmse, floor) <= left:
-            chosen = best
-    return chosen
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
