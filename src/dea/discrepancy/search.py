@@ -1,8 +1,8 @@
 """Which extensions are tried, and which is best: effects come alone, in twos and in threes.
 
 Two effects may each explain little, and a third one may pass for both; so the search goes on from
-the best, and where a pair explains much but not all, from the partners it has found, from each of
-its effects in turn (backfitting, Breiman and Friedman 1985), and from the next best.
+the best, and where a pair explains much but not all, from the partners it has found and from each
+of its effects in turn (backfitting, Breiman and Friedman 1985).
 """
 
 from collections.abc import Sequence
@@ -16,9 +16,9 @@ from dea.discrepancy.fit import Fit, without
 from dea.discrepancy.noise import white_level
 from dea.discrepancy.problem import Problem
 
-# Noise floors above which a pair may be one law taken for another, if it leaves less than the first
-# part of the misfit of the best effect alone; the second part, and it surely is.
-_NOISE_ALONE, _PARTLY, _MOSTLY = 1.05, 0.8, 0.5
+# Noise floors above which a pair may hold one law taken for another, if it leaves less than this
+# part of the misfit of the best effect alone.
+_NOISE_ALONE, _PARTLY = 1.05, 0.8
 # How often the best pair gives up its effects in turn, and the factor its error must fall by for
 # one time more.
 _EXCHANGES, _BETTER = 3, 0.9
@@ -67,21 +67,17 @@ class Search:
 
     def _pairs_from(self, beam: Sequence[Candidate]) -> list[Round]:
         grown = self._extended(beam)
-        if self._open(grown, _PARTLY):
+        if self._open(grown):
             found = {c.labels[-1] for c in self._leading(grown)} - {c.labels[-1] for c in beam}
             partners = [c for c in self.singles.candidates if c.labels[-1] in found]
             grown += self._extended(partners)
         for _ in range(_EXCHANGES):
-            if not self._open(grown, _PARTLY):
+            if not self._open(grown):
                 break
-            pair = pool_of(grown)[0]
+            pair = self._leading(grown)[0]
             grown += self._exchanged(pair)
-            if pool_of(grown)[0].error > _BETTER * pair.error:
+            if self._leading(grown)[0].error > _BETTER * pair.error:
                 break
-        if self._open(grown, _MOSTLY):
-            tried = {r.before for r in grown}
-            others = [c for c in self.singles.candidates if c.finished and c.fit not in tried]
-            grown += self._extended(others[: self.budget.beam])
         return grown
 
     def _exchanged(self, pair: Candidate) -> list[Round]:
@@ -95,12 +91,12 @@ class Search:
         nominal_error = self.problem.seen_rmse(self.nominals[0].gap)
         return leaves_room(candidates[0].rmse, nominal_error, self._floor(candidates), self.rules)
 
-    def _open(self, grown: Sequence[Round], part: float) -> bool:
+    def _open(self, grown: Sequence[Round]) -> bool:
         """Return whether the best pair is better than any single effect, but not the answer."""
         pairs, singles = self._leading(grown), self._leading([self.singles])
         if not pairs or pairs[0].rmse <= _NOISE_ALONE * self._floor(pairs):
             return False
-        return self._left(pairs) <= part * self._left(singles)
+        return self._left(pairs) <= _PARTLY * self._left(singles)
 
     def _left(self, candidates: Sequence[Candidate]) -> float:
         return misfit(candidates[0].rmse, self._floor(candidates))
