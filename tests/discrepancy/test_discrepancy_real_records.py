@@ -52,7 +52,7 @@ def test_the_drives_sensor_is_named_and_serves_on_the_other_record():
 def test_the_tanks_overflow_is_named_and_serves_on_the_other_record():
     verdict = diagnosed("cascaded_tanks")
     assert verdict.status == "named", verdict.sentence
-    assert "end_stop" in verdict.names
+    assert verdict.names == ("end_stop", "end_stop")
     other = verdict.certified["records"]["validation"]
     assert other["after"] <= 0.354 < other["before"]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from dea.discrepancy.candidates import Base, Offer, in_parallel, refine, screen
-from dea.discrepancy.effects import Effect, Port
+from dea.discrepancy.effects import Effect
 from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.hints import jumps, lines
 from dea.discrepancy.noise import white_level
@@ -24,8 +24,6 @@ _POLISHED = 2
 _NEARLY_NOISE, _SHAKES, _SHAKE = 1.15, 4, 0.5
 # Samples up to which more than the best start of a law goes on: a short record affords it.
 _SHORT = 24_000
-# Ports at which it matters which of two laws a signal meets first.
-_SIGNAL_PATHS = {Port.INPUT, Port.OUTPUT}
 
 
 @dataclass(frozen=True)
@@ -130,13 +128,17 @@ def extend_by_each(
     def error(candidate: Fit) -> float:
         return problem.seen_rmse(candidate.gap)
 
-    stable = sorted((fits for fits in screened if fits), key=lambda fits: error(fits[0]))
+    stable: dict[str, list[Fit]] = {}
+    for fits in sorted((fits for fits in screened if fits), key=lambda fits: error(fits[0])):
+        # Of one effect before and after another on a signal's way, the better goes on.
+        stable.setdefault(fits[0].extended.label(fits[0].extended.attached[-1]), fits)
+    leaders = list(stable.values())
     ahead = in_parallel(
         lambda fits: min(
             (refine(problem, each, _FIRST_STEPS) for each in fits[:_RUNNERS_UP]),
             key=error,
         ),
-        stable[: budget.finished],
+        leaders[: budget.finished],
         workers,
     )
     leader = min(map(error, ahead), default=0.0)
@@ -150,7 +152,7 @@ def extend_by_each(
     )
     finished += [each for each in ahead if error(each) > _NEAR * leader]
     candidates = [judge(problem, each) for each in finished]
-    candidates += [judge(problem, fits[0], finished=False) for fits in stable[budget.finished :]]
+    candidates += [judge(problem, fits[0], finished=False) for fits in leaders[budget.finished :]]
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
 
 
@@ -199,7 +201,8 @@ def _offers(
         for i in range(max(1, len(balances)))
     ]
     there = {(a.effect.name, a.balance) for a in before.extended.attached}
-    on_the_way = {a.effect.port for a in before.extended.attached} & _SIGNAL_PATHS
+    on_input = any(a.effect.shape_input for a in before.extended.attached)
+    on_output = any(a.effect.shape_output for a in before.extended.attached)
     offers = []
     for effect in effects:
         places = [0]
@@ -209,7 +212,8 @@ def _offers(
                 for i, b in enumerate(balances)
                 if b.position is not None or not effect.uses_position
             ]
-        sides = (False, True) if effect.port in on_the_way else (False,)
+        meets = (effect.shape_input and on_input) or (effect.shape_output and on_output)
+        sides = (False, True) if meets else (False,)
         offers += [
             Offer(effect, told[place], place, upstream)
             for place in places

@@ -16,7 +16,7 @@ from dea.discrepancy.unknown import ResidualModel, residual_model
 _NEGLIGIBLE = 0.05
 # Noise floors up to which a gap that nothing narrows counts as noise.
 _BARELY = 1.5
-# Errors of the chosen candidate up to which another is looked at closely.
+# Errors of the chosen candidate beyond which another is not worth a fit without each fold.
 _NEAR = 2.5
 
 
@@ -79,25 +79,29 @@ class Evidence:
         Blocks of the seen samples, that are drawn from with replacement.
     nominal_error
         What the simulation alone leaves over (root mean square).
-    floor
-        What may be left over: noise, and how well the simulation is said to describe the device.
+    noise
+        Noise floor, down to which rivals are told apart.
     accuracy
-        The latter alone.
+        How well the simulation is said to describe the device.
+    rng
+        Draws of the blocks.
+
+    Errors are in the output's unit.
     """
 
     problem: Problem
     held_out: HeldOut
     blocks: Sequence[slice]
     nominal_error: float
-    floor: float
+    noise: float
     accuracy: float
     rules: Rules
     rng: np.random.Generator
 
     @property
-    def noise(self) -> float:
-        """The noise alone, down to which rivals are told apart."""
-        return misfit(self.floor, self.accuracy)
+    def floor(self) -> float:
+        """What may be left over: the noise, and what the simulation is said to miss."""
+        return float(np.hypot(self.noise, self.accuracy))
 
 
 def misfit(error: float, floor: float) -> float:
@@ -205,7 +209,8 @@ def _rivals(
 ) -> list[Candidate]:
     """Return the candidates that explain the record as well: of another class, or of the same.
 
-    They are compared on blocks that neither was fitted to: the freer of two laws bends to more.
+    Those near the chosen one are compared with it on blocks that neither was fitted to: the freer
+    of two laws bends to more.
     """
     held_out = evidence.held_out
     rivals = []

@@ -172,9 +172,8 @@ def diagnose(
         lambda c: held_out.gap(c.fit) if c.finished else c.fit.gap, singles, settings.workers
     )
     gained = gains(held_out.gap(nominal), after, blocks, null, rng)
-    expected = float(np.hypot(floor, own.accuracy))
     evidence = Evidence(
-        problem, held_out, blocks, problem.seen_rmse(nominal.gap), expected, own.accuracy,
+        problem, held_out, blocks, problem.seen_rmse(nominal.gap), floor, own.accuracy,
         settings.rules, rng,
     )  # fmt: skip
     proven = proven_alone(rounds, gained, settings.rules)
@@ -188,7 +187,7 @@ def diagnose(
     where_before = localise(problem, near.gap, units, problem.seen, rng)
     where_after = localise(problem, final.gap, units, problem.seen, rng)
     rivals = _rivals_to_show(decision, pool)
-    noisy = problem.with_noise(expected)
+    noisy = problem.with_noise(evidence.floor)
     experiment = _experiment(noisy, decision, settings.seed)
     elsewhere = proof.certify_elsewhere(
         others if proof.transferable(final.extended) else {}, nominal, final

@@ -36,8 +36,8 @@ class Frame:
 class Attached:
     """An effect on a record of these scales.
 
-    A force acts on the simulation's ``balance``; ``upstream``, a law on the way of a signal comes
-    before those attached earlier, and after them otherwise.
+    A force acts on the simulation's ``balance``. A law on a signal's way comes after those attached
+    earlier, or before them if ``upstream``.
     """
 
     effect: Effect
@@ -175,8 +175,8 @@ class ExtendedSimulation:
                 drive_scale = drive_scale * effect.scale_drive(t, q)
         v, drive_scale = (np.concatenate([np.full(lead, x[0]), x]) for x in (v, drive_scale))
         forces = [
-            (a, values[own])
-            for a, own in zip(self.attached, self.effect_slices, strict=True)
+            (a, values[part])
+            for a, part in zip(self.attached, self.effect_slices, strict=True)
             if a.effect.force is not None
         ]
         ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))

@@ -1,8 +1,8 @@
-"""Which extensions are tried, and which is best: effects come alone, in twos and in threes.
+"""Which extensions are tried: effects come alone, in twos and in threes.
 
 Two effects may each explain little, and a third one may pass for both; so the search goes on from
 the best, and where a pair explains much but not all, from the partners it has found and from each
-of its effects in turn (backfitting, Breiman and Friedman 1985).
+of its effects in turn (sequential replacement: Miller 2002, Subset Selection in Regression, ch. 3).
 """
 
 from collections.abc import Sequence
@@ -113,5 +113,11 @@ def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
-    """Return all candidates of all rounds, best first."""
-    return sorted((c for r in rounds for c in r.candidates), key=lambda c: c.error)
+    """Return the best candidate of every set of effects that was tried, best first.
+
+    A set is tried from several starts, in several orders.
+    """
+    best: dict[tuple[frozenset[str], bool], Candidate] = {}
+    for candidate in sorted((c for r in rounds for c in r.candidates), key=lambda c: c.error):
+        best.setdefault((frozenset(candidate.labels), candidate.finished), candidate)
+    return list(best.values())

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.effects import sampled_lag
+from dea.discrepancy.effects import low_pass
 from dea.discrepancy.problem import Problem, rmse
 
 _RIDGES = np.logspace(-4, 2, 7)
@@ -56,7 +56,7 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
     tau = 3.0 * problem.interval
     while tau < 0.3 * t[-1]:
         for name, signal in (("u", u), ("u^2", u**2), ("y^2", y**2)):
-            terms[f"lag({name}, {tau:.2g} s)"] = sampled_lag(signal, tau, problem.interval)
+            terms[f"lag({name}, {tau:.2g} s)"] = low_pass(signal, [tau / problem.interval, 1.0])
         tau *= 3.0
     for radius in (0.2, 0.6, 1.2):
         terms[f"play(y, {radius:g})"] = _play(y, radius)

@@ -5,9 +5,9 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
-from dea.discrepancy.effects._laws import sampled_lag
+from dea.discrepancy.effects._laws import low_pass
 
-__all__ = ["Effect", "Family", "Port", "Scales", "catalogue", "sampled_lag"]
+__all__ = ["Effect", "Family", "Port", "Scales", "catalogue", "low_pass"]
 
 
 @cache

@@ -1,4 +1,6 @@
-"""Compiled pieces that several laws share."""
+"""Pieces that several laws share."""
+
+from collections.abc import Sequence
 
 import numpy as np
 from numba import float64, njit, types
@@ -52,20 +54,6 @@ def held_lag(u: np.ndarray, start: float, tau: float, interval: float) -> np.nda
 
 
 @njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
-def sampled_lag(y: np.ndarray, tau: float, interval: float) -> np.ndarray:
-    """Return a signal that is straight between samples behind a first-order lag, exactly."""
-    ratio = interval / tau
-    decay = np.exp(-ratio)
-    mean_weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
-    result = np.empty(y.size)
-    result[0] = y[0]
-    for k in range(1, y.size):
-        result[k] = decay * result[k - 1] + (mean_weight - decay) * y[k - 1]
-        result[k] += (1.0 - mean_weight) * y[k]
-    return result
-
-
-@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
 def delayed(u: np.ndarray, delay: float, interval: float) -> np.ndarray:
     """Return a signal shifted by a delay, with a straight line between samples."""
     shift = delay / interval
@@ -75,6 +63,19 @@ def delayed(u: np.ndarray, delay: float, interval: float) -> np.ndarray:
     for k in range(u.size):
         result[k] = (1.0 - part) * u[max(k - whole, 0)] + part * u[max(k - whole - 1, 0)]
     return result
+
+
+def low_pass(y: np.ndarray, polynomial: Sequence[float]) -> np.ndarray:
+    """Return a signal (n,) behind 1/(polynomial in s), s in units of the sampling rate, exactly.
+
+    The signal is straight between samples, and at rest before the first.
+    """
+    from scipy.signal import cont2discrete, lfilter, lfilter_zi
+
+    numerator, denominator, _ = cont2discrete(([1.0], polynomial), 1.0, method="foh")
+    weights = numerator.ravel()
+    smooth, _ = lfilter(weights, denominator, y, zi=y[0] * lfilter_zi(weights, denominator))
+    return smooth
 
 
 DRIFT_DEGREES = 8

@@ -3,28 +3,20 @@
 import numpy as np
 
 from dea.discrepancy.effects._effect import Effect, Family, Port, Scales
-from dea.discrepancy.effects._laws import delayed
+from dea.discrepancy.effects._laws import delayed, low_pass
 from dea.discrepancy.parameter import Parameter
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Pass the output through a second-order lag, which may ring, and read it late.
-
-    The output is taken as straight between samples, and as at rest before the first.
-    """
-    from scipy.signal import cont2discrete, lfilter, lfilter_zi
-
+    """Pass the output through a second-order lag, which may ring, and read it late."""
     time_constant, damping, delay_ratio = q
-    own = [(0.5 * time_constant / damping) ** 2, time_constant, 1.0]
-    numerator, denominator, _ = cont2discrete(([1.0], own), interval, method="foh")
-    weights = numerator.ravel()
-    at_rest = y[0] * lfilter_zi(weights, denominator)
-    smooth, _ = lfilter(weights, denominator, y, zi=at_rest)
+    samples = time_constant / interval
+    smooth = low_pass(y, [(0.5 * samples / damping) ** 2, samples, 1.0])
     return delayed(smooth, time_constant * delay_ratio, interval)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the delay of slow signals, the damping ratio, and a dead time in such delays."""
+    """Return the time constant 2ζ/ω₀, the damping ratio ζ, and a dead time in time constants."""
     dt = scales.interval
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.3 * scales.duration, log=True),

@@ -1,0 +1,117 @@
+"""Which sets of effects are tried, and what their rivals are judged by."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dea.discrepancy import load_simulation
+from dea.discrepancy.compose import Budget, Candidate, extend_by_each
+from dea.discrepancy.decide import Evidence, Rules, decide
+from dea.discrepancy.effects import catalogue
+from dea.discrepancy.fit import Fit, at, fit
+from dea.discrepancy.gain import HeldOut
+from dea.discrepancy.problem import Problem, base, scales
+from dea.discrepancy.search import Search, pool_of
+from dea.discrepancy.split import split
+from dea.discrepancy.unknown import ResidualModel
+
+INTERVAL, NOISE = 0.02, 0.002
+UNITS = ("V", "V")
+PRESENT = {
+    "slew_limit": {"rate": 20.0},
+    "input_saturation": {"limit": 1.0},
+    "dead_zone": {"threshold": 0.4},
+    "sensor_lag": {"time_constant": 0.12},
+}
+
+
+def hidden(*names, seed=1):
+    """Return a problem in which the named effects are hidden, and the simulation without them."""
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.uniform(-2, 2, 60), 25)
+    extended = base(load_simulation("mass_spring_damper"), u, INTERVAL, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    everything = np.ones(u.size, bool)
+    told = scales(
+        Problem(u, u, INTERVAL, everything, everything, everything), extended, values, UNITS
+    )
+    truth = extended
+    for name in names:
+        effect = catalogue()[name]
+        truth = truth.attach(effect, told)
+        own = dict(
+            zip((p.name for p in effect.parameters(told)), effect.starts(told)[0], strict=True)
+        )
+        values = np.concatenate([values, list((own | PRESENT[name]).values())])
+    y = truth.simulate(values, u, INTERVAL) + NOISE * rng.standard_normal(u.size)
+    parts = split(u, INTERVAL, 0.1)
+    problem = Problem(
+        u, y, INTERVAL, parts.fit, parts.select, parts.certify, NOISE, 1e-4, extended.substeps
+    )
+    return problem, extended
+
+
+@pytest.mark.parametrize("first", ["slew_limit", "input_saturation"])
+def test_the_order_of_two_laws_on_the_inputs_way_is_found(first):
+    [second] = {"slew_limit", "input_saturation"} - {first}
+    problem, extended = hidden(first, second)
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    effects = catalogue()
+    alone = extend_by_each(problem, [nominal], [effects["slew_limit"]], UNITS, Budget(), 1)
+    [both] = extend_by_each(
+        problem, [alone.candidates[0].fit], [effects["input_saturation"]], UNITS, Budget(), 1
+    ).candidates
+    assert both.rmse < 1.5 * NOISE
+    assert alone.candidates[0].rmse > 10 * NOISE
+    assert both.fit.extended.attached[-1].upstream is (first == "input_saturation")
+
+
+def test_two_effects_are_found_beside_laws_that_pass_for_them():
+    problem, extended = hidden("dead_zone", "sensor_lag")
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    offered = [
+        catalogue()[name]
+        for name in ("dead_zone", "sensor_lag", "coulomb_friction", "electrode_lag", "second_mode")
+    ]
+    rounds = Search(problem, [nominal], offered, UNITS, Budget(), Rules(), 1).rounds()
+    pool = pool_of(rounds)
+    assert set(pool[0].names) == {"dead_zone", "sensor_lag"}
+    assert pool[0].rmse < 1.1 * NOISE < rounds[0].candidates[0].rmse
+    sets = [(frozenset(c.labels), c.finished) for c in pool]
+    assert len(sets) == len(set(sets))
+
+
+@pytest.mark.parametrize(("held_out_rival", "status"), [(1.5, "named"), (1.0, "ambiguous")])
+def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, status):
+    problem, extended = hidden("dead_zone")
+    plain = at(problem, extended, np.zeros(extended.free.size))
+    values = extended.values(np.zeros(extended.free.size))
+    told = scales(problem, extended, values, UNITS)
+    gap = NOISE * np.random.default_rng(2).standard_normal(problem.u.size)
+
+    def candidate(name, size, error):
+        attached = extended.attach(catalogue()[name], told)
+        return Candidate(
+            Fit(attached, plain.coordinates, size * gap, plain.jacobian, 0.0), error, error
+        )
+
+    chosen = candidate("dead_zone", 1.0, 1.1 * NOISE)
+    rival = candidate("strain_stiffening", 0.9, 1.3 * NOISE)
+    known = {chosen.fit: gap, rival.fit: held_out_rival * gap}
+    blocks = [slice(k, k + 100) for k in range(0, 1500, 100)]
+    evidence = Evidence(
+        problem, SimpleNamespace(gap=known.get), blocks, 9 * NOISE, NOISE, 0.0, Rules(),
+        np.random.default_rng(3),
+    )  # fmt: skip
+    nothing_left = ResidualModel(ratio=1.0, equation="0", explained=0.0)
+    found = decide(evidence, chosen, [chosen, rival], [chosen], nothing_left)
+    assert found.status == status
+
+
+def test_a_held_out_gap_is_found_once():
+    problem, extended = hidden("dead_zone")
+    fitted = fit(problem, extended, np.zeros(extended.free.size))
+    held_out = HeldOut(problem)
+    assert held_out.gap(fitted) is held_out.gap(fitted)
+    assert held_out.rmse(fitted) == problem.seen_rmse(held_out.gap(fitted))
