@@ -328,6 +328,15 @@ def test_the_sensor_lags_by_its_size_at_low_frequency():
     assert (time - lagged)[-1] == pytest.approx(0.15, rel=0.02)
 
 
+def test_the_sensor_takes_a_step_up_as_the_cube_of_time():
+    step = np.ones(40)
+    step[0] = 0.0
+    taken = through(law("sensor_lag", 0.5), step)
+    start = slice(12, 40)
+    order = np.polyfit(np.log(np.arange(40)[start]), np.log(taken[start]), 1)[0]
+    assert order == pytest.approx(3.0, abs=0.4)
+
+
 def test_the_reading_ends_at_its_limit():
     y = np.linspace(CONDITIONS.bottom, CONDITIONS.top, 500)
     read = through(law("output_saturation", 0.3), y)

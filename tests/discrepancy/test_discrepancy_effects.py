@@ -113,7 +113,7 @@ def test_transport_delay_is_linear_interpolation():
     assert np.allclose(delayed[5:], expected[5:])
 
 
-def test_lags_solve_their_differential_equation():
+def test_electrode_lag_solves_its_differential_equation():
     tau, fine = 0.13, 200
     q = values("electrode_lag", time_constant=tau, near_part=0.0)
     law = catalogue()["electrode_lag"].shape_input
@@ -145,6 +145,12 @@ def test_sensor_lag_has_the_frequency_response_of_second_order(damping):
     gain = 1.0 / (1.0 - (omega / natural) ** 2 + 1j * omega * tau)
     expected = 0.8 + 0.4 * np.imag(gain * np.exp(1j * omega * T))
     assert np.allclose(smooth[1000:], expected[1000:], atol=2e-4)
+
+
+def test_a_sensor_that_lags_is_at_rest_before_the_record():
+    q = values("sensor_lag", time_constant=0.3, damping=0.3, delay_ratio=0.5)
+    smooth = catalogue()["sensor_lag"].shape_output(np.full(T.size, 0.8), T, q, DT)
+    assert np.allclose(smooth, 0.8, rtol=1e-9)
 
 
 @pytest.mark.parametrize("growth", [0.0, 2.0])

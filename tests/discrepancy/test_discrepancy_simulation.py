@@ -183,22 +183,26 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
         load_extended(path)
 
 
-def test_a_signal_meets_the_laws_on_its_way_from_upstream_down():
+@pytest.mark.parametrize(
+    ("slow", "limit"), [("slew_limit", "input_saturation"), ("sensor_lag", "output_saturation")]
+)
+def test_a_signal_meets_the_laws_on_its_way_from_upstream_down(slow, limit):
     u = 3.0 * np.sin(4 * T)
     extended = base(load_simulation("mass_spring_damper"), u, DT, 1e-3)
-    problem = Problem(u, u, DT, *(np.ones(u.size, bool) for _ in range(3)))
-    told = scales(problem, extended, extended.values(np.zeros(extended.free.size)), ("V", "V"))
-    slow, limit = catalogue()["slew_limit"], catalogue()["input_saturation"]
     own = extended.values(np.zeros(extended.free.size))
-    late, cut = slow.starts(told)[0], limit.starts(told)[0]
+    y = extended.simulate(own, u, DT)
+    problem = Problem(u, y, DT, *(np.ones(u.size, bool) for _ in range(3)))
+    told = scales(problem, extended, own, ("V", "V"))
 
-    def simulated(first, then, *laws, upstream):
-        longer = extended.attach(first, told).attach(then, told, upstream=upstream)
+    def simulated(first, then, upstream):
+        effects = [catalogue()[name] for name in (first, then)]
+        longer = extended.attach(effects[0], told).attach(effects[1], told, upstream=upstream)
+        laws = [effect.starts(told)[0] for effect in effects]
         return longer.simulate(np.concatenate([own, *laws]), u, DT)
 
-    slow_first = simulated(slow, limit, late, cut, upstream=False)
-    assert (slow_first == simulated(limit, slow, cut, late, upstream=True)).all()
-    assert not np.allclose(slow_first, simulated(slow, limit, late, cut, upstream=True))
+    slow_first = simulated(slow, limit, upstream=False)
+    assert (slow_first == simulated(limit, slow, upstream=True)).all()
+    assert not np.allclose(slow_first, simulated(slow, limit, upstream=True))
 
 
 def write_own(path, slope=SLOPE, drive="gain", equation="level"):

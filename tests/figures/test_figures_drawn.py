@@ -175,15 +175,23 @@ def test_what_was_not_excited_is_hatched_and_only_that():
     assert not [c for c in bare.collections if any(getattr(c, "hatches", ()))]
 
 
-@pytest.mark.parametrize(("spread", "lines"), [(1.0, 3), (0.03, 3), (1e-3, 0), (0.0, 0)])
-def test_contours_have_different_labels_or_are_left_out(spread, lines):
+@pytest.mark.parametrize(
+    ("spread", "labelled"), [(1.0, True), (0.03, True), (1e-3, False), (0.0, False)]
+)
+def test_contours_have_different_labels_inside_their_panel_and_apart(spread, labelled):
     gfrf = made.gfrf(1)
     f1, f2 = gfrf["frequency_1"], gfrf["frequency_2"]
     gfrf["H2"][..., 0] = 0.0123456 * (1 + spread * (f1 + f2) / 4)
     gfrf["H2"][..., 1] = 0.0
-    ax = fig4_h2({"dea1": gfrf}).axes[0]
-    labels = [text.get_text() for text in ax.texts]
-    assert len(set(labels)) == lines
+    labels = fig4_h2({"dea1": gfrf}).axes[0].texts
+    assert bool(labels) is labelled
+    assert len({label.get_text() for label in labels}) == len(labels)
+    excited = f1.values[gfrf["excited_h2"].any("frequency_2").values]
+    half = 0.5 * np.ptp(excited)
+    places = [(np.array(label.get_position()) - excited[0]) / half - 1.0 for label in labels]
+    assert all(np.abs(place).max() <= 0.6 for place in places)
+    for one, other in itertools.combinations(places, 2):
+        assert np.abs(one - other).max() >= 0.7
 
 
 def test_every_tracker_stands_once_in_the_legend_and_the_band_too():

@@ -96,7 +96,9 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
     )  # fmt: skip
     places: list[np.ndarray] = []
     for path in lines.get_paths():
-        places += _place_for_label(np.asarray(path.vertices), places, f1, f2)
+        place = _place_for_label(np.asarray(path.vertices), places, f1, f2)
+        if place is not None:
+            places.append(place)
     ax.clabel(
         lines,
         fmt=dict(zip(levels.tolist(), _labels(levels), strict=True)),
@@ -107,7 +109,7 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
 
 def _place_for_label(
     line: np.ndarray, taken: list[np.ndarray], f1: np.ndarray, f2: np.ndarray
-) -> list[np.ndarray]:
+) -> np.ndarray | None:
     """Return where a line (k, 2) is nearest to the middle of the map and away from other labels.
 
     There is no such place where a label would be cut by the edge, or cross another.
@@ -119,8 +121,8 @@ def _place_for_label(
     for place in taken:
         free &= (np.abs(line - place) / half).max(1) >= _APART
     if not free.any():
-        return []
-    return [line[np.argmin(np.where(free, off_centre, np.inf))]]
+        return None
+    return line[np.argmin(np.where(free, off_centre, np.inf))]
 
 
 def _labels(levels: np.ndarray) -> list[str]:

@@ -1,0 +1,62 @@
+"""What a fitted simulation is worth on a record it has not seen."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dea.discrepancy import load_simulation
+from dea.discrepancy.certify import OtherRecord, certify_elsewhere, transferable
+from dea.discrepancy.effects import catalogue
+from dea.discrepancy.extended import ExtendedSimulation
+from dea.discrepancy.fit import at
+from dea.discrepancy.problem import Problem, base, scales
+
+INTERVAL, NOISE = 0.02, 0.01
+U = np.repeat(np.random.default_rng(1).uniform(-1, 1, 60), 25)
+
+
+def slow_carriage() -> tuple[Problem, ExtendedSimulation, np.ndarray]:
+    """Return a carriage of 0.5 Hz, hardly damped, that was at rest, and its parameter values."""
+    own = load_simulation("mass_spring_damper")
+    frequency, damping, gain = own.parameters
+    parameters = (replace(frequency, nominal=0.5), replace(damping, nominal=0.01), gain)
+    extended = base(replace(own, parameters=parameters), U, INTERVAL, 1e-3)
+    values = extended.values(np.zeros(extended.free.size))
+    everything = np.ones(U.size, bool)
+    y = extended.simulate(values, U, INTERVAL)
+    y += NOISE * np.random.default_rng(3).standard_normal(U.size)
+    return Problem(U, y, INTERVAL, everything, everything, everything, NOISE), extended, values
+
+
+def recorded(extended, values, **changed):
+    values = values.copy()
+    for name, value in changed.items():
+        values[extended.names.index(name.replace("__", "."))] = value
+    y = extended.simulate(values, -U, INTERVAL)
+    return OtherRecord(-U, y + NOISE * np.random.default_rng(2).standard_normal(U.size), INTERVAL)
+
+
+def test_elsewhere_only_the_state_at_the_start_is_fitted():
+    problem, extended, values = slow_carriage()
+    fitted = at(problem, extended, extended.coordinates(values))
+    others = {
+        "moving": recorded(extended, values, initial__position=0.2, initial__velocity=5.0),
+        "stiffer": recorded(extended, values, natural_frequency=0.7),
+    }
+    found = certify_elsewhere(others, fitted, fitted)
+    assert found["moving"][0].after == pytest.approx(NOISE, rel=0.1)
+    assert found["moving"][0].samples == U.size
+    assert found["stiffer"][0].after > 10 * NOISE
+    assert np.std(others["moving"].y - problem.y[: U.size]) > 10 * NOISE
+
+
+@pytest.mark.parametrize(
+    ("name", "moves_on"),
+    [("dead_zone", True), ("step_fault", False), ("baseline_drift", False),
+     ("periodic_disturbance", False)],
+)  # fmt: skip
+def test_what_happened_at_a_time_says_nothing_of_another_record(name, moves_on):
+    problem, extended, values = slow_carriage()
+    told = scales(problem, extended, values, ("V", "V"))
+    assert transferable(extended.attach(catalogue()[name], told)) is moves_on
