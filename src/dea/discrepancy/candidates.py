@@ -44,8 +44,8 @@ def screen(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) -> 
 
     From each of the ``bases`` (fits of the same simulation), the start that promises most goes on,
     or half as many as are ``kept``, first with the Jacobian of what is there already as it was in
-    the base; little more than ``kept`` of them then with whole ones. Shapes of laws are held. An
-    effect without a start in this record has no fit.
+    the base; little more than ``kept`` of them then with whole ones, or the one. Shapes of laws are
+    held. An effect without a start in this record has no fit.
     """
     extended = bases[0].fit.extended.attach(
         offer.effect, offer.scales, offer.balance, offer.upstream
@@ -73,7 +73,7 @@ def screen(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) -> 
     cheap.sort(key=error)
     whole = [
         refine(problem, each, _SCREEN_ITERATIONS, held)
-        for each in cheap[: kept + _MORE]
+        for each in cheap[: kept + _MORE if kept > 1 else 1]
         if each.stable
     ]
     return sorted((each for each in whole if each.stable), key=error)[:kept]

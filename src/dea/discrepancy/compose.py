@@ -19,11 +19,12 @@ _FIRST_STEPS, _LAST_STEPS, _NEAR = 6, 20, 2.5
 _RUNNERS_UP = 2
 # Leaders whose last steps have every column of the Jacobian computed anew.
 _POLISHED = 2
-# Noise floors above which they are fitted again from places around, how often, and how far away
-# these are (in prior spreads of the law).
-_NEARLY_NOISE, _SHAKES, _SHAKE = 1.15, 4, 0.5
-# Samples up to which more than the best start of a law goes on: a short record affords it.
-_SHORT = 24_000
+# Noise floors above which they are fitted again from places around, and how far away these are
+# (in prior spreads of the law).
+_NEARLY_NOISE, _SHAKE = 1.15, 0.5
+# A short record affords more than the least number of fits of one effect that go on: so many
+# samples shared among them, and at most so many fits.
+_SHORT, _MOST_KEPT = 24_000, 6
 
 
 @dataclass(frozen=True)
@@ -32,13 +33,19 @@ class Budget:
 
     The nominal simulation is fitted from ``starts``; ``finished`` candidates of a round are
     fitted to the end, the rest only screened; from the ``beam`` best, the next round goes on; at
-    most ``effects`` are attached. A record of more than ``long_record`` samples has half of each.
+    most ``effects`` are attached. At least ``kept`` fits of one effect go on after a few cheap
+    steps. The best single effects are fitted again from so many ``shakes`` around, and the best
+    pair gives up its effects ``exchanges`` times at most. A record of more than ``long_record``
+    samples has half of the starts, finished, beam and kept, one shake and no exchange.
     """
 
     starts: int = 4
     finished: int = 6
     beam: int = 2
     effects: int = 2
+    kept: int = 2
+    shakes: int = 4
+    exchanges: int = 3
     long_record: int = 30_000
 
     def of(self, samples: int) -> "Budget":
@@ -50,7 +57,13 @@ class Budget:
             return max(1, count // 2)
 
         return replace(
-            self, starts=half(self.starts), finished=half(self.finished), beam=half(self.beam)
+            self,
+            starts=half(self.starts),
+            finished=half(self.finished),
+            beam=half(self.beam),
+            kept=half(self.kept),
+            shakes=min(1, self.shakes),
+            exchanges=0,
         )
 
 
@@ -120,7 +133,7 @@ def extend_by_each(
     ``bases`` are fits of that simulation to start from; the first is the one to beat.
     """
     before = bases[0]
-    kept = int(np.clip(_SHORT // problem.u.size, 2, 6))
+    kept = int(np.clip(_SHORT // problem.u.size, budget.kept, _MOST_KEPT))
     offers = _offers(problem, before, effects, units)
     prepared = [Base.of(problem, each) for each in bases]
     screened = in_parallel(lambda offer: screen(problem, prepared, offer, kept), offers, workers)
@@ -148,7 +161,7 @@ def extend_by_each(
     )
     finished.sort(key=error)
     finished[:_POLISHED] = in_parallel(
-        lambda each: _polished(problem, each), finished[:_POLISHED], workers
+        lambda each: _polished(problem, each, budget.shakes), finished[:_POLISHED], workers
     )
     finished += [each for each in ahead if error(each) > _NEAR * leader]
     candidates = [judge(problem, each) for each in finished]
@@ -156,7 +169,7 @@ def extend_by_each(
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
 
 
-def _polished(problem: Problem, fitted: Fit) -> Fit:
+def _polished(problem: Problem, fitted: Fit, shakes: int) -> Fit:
     """Fit with every column anew, and where much is left, from places around as well.
 
     Laws with corners leave the least squares kinks to get caught on. Of several effects, the last
@@ -165,8 +178,8 @@ def _polished(problem: Problem, fitted: Fit) -> Fit:
     whole = [slice(0, problem.u.size)]
     best = fit(problem, fitted.extended, fitted.coordinates, iterations=_LAST_STEPS)
     own = fitted.extended.free >= fitted.extended.effect_slices[-1].start
-    shakes = _SHAKES if len(fitted.extended.attached) == 1 else 0
-    for push in _SHAKE * np.random.default_rng(0).standard_normal((shakes, own.size)):
+    count = shakes if len(fitted.extended.attached) == 1 else 0
+    for push in _SHAKE * np.random.default_rng(0).standard_normal((count, own.size)):
         if problem.seen_rmse(best.gap) <= _NEARLY_NOISE * white_level(best.gap, whole):
             break
         shaken = best.coordinates + np.where(own, push, 0.0)

@@ -132,10 +132,15 @@ class ExtendedSimulation:
 
     def label(self, attached: Attached) -> str:
         """Return an effect's name, with its balance where the simulation has several."""
+        balance = self.balance_of(attached)
+        return f"{attached.effect.name}@{balance}" if balance else attached.effect.name
+
+    def balance_of(self, attached: Attached) -> str | None:
+        """Return the name of the balance a force acts on, if the simulation has several."""
         balances = self.simulation.balances
         if attached.effect.force is None or len(balances) < 2:
-            return attached.effect.name
-        return f"{attached.effect.name}@{balances[attached.balance].name}"
+            return None
+        return balances[attached.balance].name
 
     def attach(
         self, effect: Effect, scales: Scales, balance: int = 0, upstream: bool = False

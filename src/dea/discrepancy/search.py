@@ -19,9 +19,8 @@ from dea.discrepancy.problem import Problem
 # Noise floors above which a pair may hold one law taken for another, if it leaves less than this
 # part of the misfit of the best effect alone.
 _NOISE_ALONE, _PARTLY = 1.05, 0.8
-# How often the best pair gives up its effects in turn, and the factor its error must fall by for
-# one time more.
-_EXCHANGES, _BETTER = 3, 0.9
+# Factor that the error of the best pair must fall by for it to give up its effects once more.
+_BETTER = 0.9
 
 
 @dataclass(frozen=True)
@@ -67,11 +66,13 @@ class Search:
 
     def _pairs_from(self, beam: Sequence[Candidate]) -> list[Round]:
         grown = self._extended(beam)
+        if not self.budget.exchanges:
+            return grown
         if self._open(grown):
             found = {c.labels[-1] for c in self._leading(grown)} - {c.labels[-1] for c in beam}
             partners = [c for c in self.singles.candidates if c.labels[-1] in found]
             grown += self._extended(partners)
-        for _ in range(_EXCHANGES):
+        for _ in range(self.budget.exchanges):
             if not self._open(grown):
                 break
             pair = self._leading(grown)[0]

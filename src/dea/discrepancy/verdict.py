@@ -27,7 +27,8 @@ class NamedEffect:
 
     ``gap_before`` and ``gap_after`` are free-run errors on held-out blocks without and with it;
     ``gain`` is the logarithm of their ratio with its 95 % interval, which holds over the whole
-    catalogue for an effect alone; ``rivals`` are effects this record cannot tell from it.
+    catalogue for an effect alone; ``rivals`` are effects this record cannot tell from it;
+    ``balance`` is where a force acts, if the simulation has several.
     """
 
     name: str
@@ -38,6 +39,7 @@ class NamedEffect:
     gap_after: float
     gain: tuple[float, float, float]
     rivals: tuple[str, ...] = ()
+    balance: str | None = None
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,9 @@ from dea.discrepancy.verdict import Estimate, NamedEffect, Verdict
 def estimates(problem: Problem, fit: Fit, index: int) -> dict[str, Estimate]:
     """Return the free parameters of the attached effect ``index`` with 95 % intervals.
 
+    Those come first of which the record says most (beyond the prior), and last those that only
+    shape the law.
+
     The residual's own correlation widens the intervals: its variance is multiplied by the sum of
     its autocorrelation.
     """
@@ -36,10 +39,10 @@ def estimates(problem: Problem, fit: Fit, index: int) -> dict[str, Estimate]:
     variance = float(np.mean(gap**2)) * inflation
     deviation = np.sqrt(np.diag(fit.covariance(problem.seen, variance)))
     values = fit.values
+    own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
     result = {}
-    for position, i in enumerate(extended.free):
-        if not where.start <= i < where.stop:
-            continue
+    for position in sorted(own, key=lambda k: (extended.shapes[k], deviation[k])):
+        i = extended.free[position]
         parameter = extended.parameters[i]
         ends = [
             parameter.value(fit.coordinates[position] + side * 1.96 * deviation[position])
@@ -147,6 +150,7 @@ def _effects(
                 gap_after=rmse(after, problem.seen),
                 gain=(float(found.gain[at]), float(found.low[at]), float(found.high[at])),
                 rivals=rivals,
+                balance=final.extended.balance_of(attached),
             )
         )
     return tuple(result)
@@ -178,7 +182,7 @@ def _sentence(
             f"{unit}, noise floor {floor:.3g} {unit}. The best equation for what is left: "
             f"{unexplained.equation} (explains {100 * unexplained.explained:.0f} %)."
         )
-    laws = " and ".join(f"`{effect.name}` ({_main(effect)})" for effect in effects)
+    laws = " and ".join(f"`{effect.name}`{_place(effect)} ({_main(effect)})" for effect in effects)
     if decision.status == "ambiguous":
         other = " or ".join(effects[0].rivals)
         advice = (
@@ -193,15 +197,17 @@ def _sentence(
     return f"{place}: {laws}{doubt}; {proof}."
 
 
+def _place(effect: NamedEffect) -> str:
+    if effect.balance is None:
+        return ""
+    giver, _, taker = effect.balance.replace("_", " ").partition(">")
+    return f" from {giver} to {taker}" if taker else f" at {giver}"
+
+
 def _main(effect: NamedEffect) -> str:
-    """Say the two best known parameters."""
-
-    def doubt(estimate: Estimate) -> float:
-        return (estimate.high - estimate.low) / max(abs(estimate.value), 1e-12)
-
-    best: list[tuple[str, Estimate]] = sorted(effect.parameters.items(), key=lambda p: doubt(p[1]))
+    """Say the two parameters of which the record says most."""
     return ", ".join(
         f"{name.replace('_', ' ')} {e.value:.3g} ± {0.5 * (e.high - e.low):.2g}"
         + (f" {e.unit}" if e.unit != "1" else "")
-        for name, e in best[:2]
+        for name, e in list(effect.parameters.items())[:2]
     )

@@ -1,5 +1,6 @@
 """A diagnosis in one picture: where, the ladder of gaps, the law, and the record's confusion."""
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,7 +11,10 @@ from matplotlib.figure import Figure
 
 from dea.figures import style
 
-_WIDEST_NAME = 34
+# Above the highest gap, room for the legend.
+_HEADROOM = 1.3
+# Rungs that the ladder has room for at least.
+_FEW = 3
 
 
 @style.styled
@@ -29,8 +33,8 @@ def discrepancy(
     verdict
         The content of ``verdict.json``.
     """
-    figure = style.page_figure(style.FULL_WIDTH, 150)
-    grid = figure.add_gridspec(3, 2, height_ratios=[1.0, 1.0, 1.15])
+    figure = style.page_figure(style.FULL_WIDTH, 160)
+    grid = figure.add_gridspec(3, 2, height_ratios=[1.0, 1.0, 1.5])
     series = figure.add_subplot(grid[0, :])
     where, ladder = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
     law, confusion = figure.add_subplot(grid[2, 0]), figure.add_subplot(grid[2, 1])
@@ -65,6 +69,7 @@ def _series(ax: Axes, certificate: xr.Dataset) -> None:
 def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> None:
     """Draw the gap along the quantity it is concentrated on, before and after."""
     along = verdict["where"]["along"] or "output"
+    highest = 0.0
     for when, colour in (("before", style.GREY), ("after", style.VERMILION)):
         low = localisation[f"{along}_low_{when}"].values
         high = localisation[f"{along}_high_{when}"].values
@@ -73,51 +78,65 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
         ax.stairs(gap.values, edges, color=colour, label=when, lw=1.1)
         null = localisation[f"{along}_null_{when}"].values
         ax.stairs(null, edges, color=colour, ls=":", lw=0.7)
-    ax.plot([], [], color=style.GREY, ls=":", lw=0.7, label="chance, 95 %")
+        highest = max(highest, float(gap.max()), float(null.max()))
+    ax.plot([], [], color=style.GREY, ls=":", lw=0.7, label="chance 95 %")
     unit = localisation[f"{along}_low_before"].attrs["units"]
     ax.set(
         xlabel=style.quantity(along.replace("_", " "), unit),
         ylabel=style.quantity("RMS gap", gap.attrs["units"]),
-        ylim=(0, None),
+        ylim=(0, _HEADROOM * highest),
     )
-    ax.legend()
+    ax.legend(ncols=3, loc="upper center", columnspacing=0.7, handlelength=0.9)
 
 
 def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
     """Draw the held-out error, one effect at a time, down to the noise floor."""
     rungs = dict(verdict["ladder"])
     floor = rungs.pop("noise floor")
-    ax.bar(range(len(rungs)), list(rungs.values()), color=style.BLUE, width=0.55)
-    ax.axhline(floor, color=style.BLACK, lw=0.8, ls="--", label="noise floor")
-    ax.legend(loc="upper right")
-    ax.set_xticks(range(len(rungs)), [name.replace("_", " ") for name in rungs])
-    ax.set(ylabel=style.quantity("held-out RMSE", verdict["unit"]), yscale="log")
-    style.plain_log_ticks(ax.yaxis)
+    ax.barh(range(len(rungs)), list(rungs.values()), color=style.BLUE, height=0.55)
+    ax.axvline(floor, color=style.BLACK, lw=0.8, ls="--", label="noise floor")
+    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
+    ax.set_yticks(range(len(rungs)), [_in_words(name) for name in rungs])
+    ax.set_ylim(max(len(rungs), _FEW) - 0.5, -0.5)
+    ax.set(xlabel=style.quantity("held-out RMSE", verdict["unit"]), xscale="log")
+    style.plain_log_ticks(ax.xaxis)
+
+
+def _in_words(label: str) -> str:
+    """Write effects a line each, and below each the balance it acts on, if it is told."""
+    label = re.sub("@([^>+]*)>", r"\nfrom \1 to ", label.replace("_", " "))
+    return label.replace("@", "\nat ")
 
 
 def _law(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> None:
     """Draw each named parameter with its interval, or every effect's gain where none is named."""
-    rows = [
-        (effect["name"], name, estimate)
-        for effect in verdict["effects"]
-        for name, estimate in effect["parameters"].items()
-    ]
-    if not rows:
+    effects = verdict["effects"]
+    if not effects:
         _gains(ax, candidates)
         return
-    for y, (_, _, estimate) in enumerate(rows):
-        size = max(abs(estimate["value"]), 1e-12)
-        ends = [100 * (estimate[end] - estimate["value"]) / size for end in ("low", "high")]
-        ax.plot(np.clip(ends, -100, 100), [y, y], color=style.VERMILION, lw=1.5)
-        ax.plot(0, y, "o", color=style.VERMILION)
-    labels = [
-        f"{name.replace('_', ' ')} = {e['value']:.3g}"
-        + (f" {e['unit']}" if e["unit"] != "1" else "")
-        for _, name, e in rows
-    ]
-    ax.set_yticks(range(len(rows)), labels)
-    ax.set(xlabel="95 % interval about the estimate (%)", xlim=(-105, 105))
-    ax.invert_yaxis()
+    labels: list[str] = []
+    for effect in effects:
+        if len(effects) > 1:
+            place = f"@{effect['balance']}" if effect["balance"] else ""
+            header = _in_words(f"{effect['name']}{place}").replace("\n", " ")
+            ax.text(-100, len(labels), header, va="center", fontsize=6)
+            labels.append("")
+        for name, estimate in effect["parameters"].items():
+            value, low, high = (estimate[key] for key in ("value", "low", "high"))
+            size = max(abs(value), 1e-12)
+            ends = np.clip([100 * (end - value) / size for end in (low, high)], -100, 100)
+            # What may as well be zero has no relative interval worth a colour.
+            colour = style.GREY if low <= 0 <= high else style.VERMILION
+            y = len(labels)
+            ax.plot(ends, [y, y], color=colour, lw=1.5)
+            ax.plot(0, y, "o", color=colour)
+            unit = f" {estimate['unit']}" if estimate["unit"] != "1" else ""
+            doubt = f"{value:.3g} ± {0.5 * (high - low):.2g}"
+            labels.append(f"{name.replace('_', ' ')} = {doubt}{unit}")
+    ticks = [y for y, label in enumerate(labels) if label]
+    ax.set_yticks(ticks, [labels[y] for y in ticks])
+    ax.set(xlabel="95 % interval about the estimate (%; grey: may be zero)", xlim=(-105, 105))
+    ax.set_ylim(len(labels) - 0.5, -0.7)
     ax.axvline(0, color=style.PALE, lw=0.6, zorder=0)
 
 
@@ -136,13 +155,22 @@ def _gains(ax: Axes, candidates: xr.Dataset) -> None:
 def _confusion(ax: Axes, candidates: xr.Dataset) -> None:
     """Draw how likely an effect, present at its fitted size, is called another."""
     matrix = candidates["confusion"].values
-    names = [str(name)[:_WIDEST_NAME] for name in candidates["present"].values]
+    names = _told_apart([str(name) for name in candidates["present"].values])
     image = ax.imshow(matrix, cmap="Blues", vmin=0, vmax=1)
     for (i, j), value in np.ndenumerate(matrix):
         if value >= 0.01:
             colour = "white" if value > 0.6 else style.BLACK
             ax.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=5.5, color=colour)
-    ax.set_yticks(range(len(names)), names)
+    ax.set_yticks(range(len(names)), names, fontsize=5.5, linespacing=0.95)
     ax.set_xticks(range(len(names)), [str(n + 1) for n in range(len(names))])
     ax.set(xlabel="called (same order)", ylabel="present")
     ax.figure.colorbar(image, ax=ax, label="probability", shrink=0.8)
+
+
+def _told_apart(labels: list[str]) -> list[str]:
+    """Write sets of effects in words, with the balances they act on only where it takes these."""
+    bare = [re.sub("@[^+]*", "", label) for label in labels]
+    return [
+        _in_words((label if bare.count(short) > 1 else short).replace("+", "\n+ "))
+        for label, short in zip(labels, bare, strict=True)
+    ]
