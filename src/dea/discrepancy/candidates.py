@@ -11,7 +11,6 @@ from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.fit import Fit, fit, remainder
 from dea.discrepancy.problem import Problem
 
-_SCREEN_ITERATIONS = 4
 # Fits beyond the kept ones that a few cheap steps do not rule out.
 _MORE = 1
 
@@ -39,8 +38,10 @@ class Offer:
     upstream: bool = False
 
 
-def screen(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) -> list[Fit]:
-    """Fit an effect by a few cheap steps; return the stable ones of ``kept`` fits, best first.
+def screen(
+    problem: Problem, bases: Sequence[Base], offer: Offer, kept: int, steps: int
+) -> list[Fit]:
+    """Fit an effect by a few cheap ``steps``; return the stable ones of ``kept`` fits, best first.
 
     From each of the ``bases`` (fits of the same simulation), the start that promises most goes on,
     or half as many as are ``kept``, first with the Jacobian of what is there already as it was in
@@ -63,7 +64,7 @@ def screen(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) -> 
             problem,
             extended,
             start,
-            iterations=_SCREEN_ITERATIONS,
+            iterations=steps,
             kept=base.fit.jacobian,
             held=held,
         )
@@ -72,7 +73,7 @@ def screen(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) -> 
     ]
     cheap.sort(key=error)
     whole = [
-        refine(problem, each, _SCREEN_ITERATIONS, held)
+        refine(problem, each, steps, held)
         for each in cheap[: kept + _MORE if kept > 1 else 1]
         if each.stable
     ]

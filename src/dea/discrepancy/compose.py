@@ -33,10 +33,10 @@ class Budget:
 
     The nominal simulation is fitted from ``starts``; ``finished`` candidates of a round are
     fitted to the end, the rest only screened; from the ``beam`` best, the next round goes on; at
-    most ``effects`` are attached. At least ``kept`` fits of one effect go on after a few cheap
-    steps. The best single effects are fitted again from so many ``shakes`` around, and the best
-    pair gives up its effects ``exchanges`` times at most. A record of more than ``long_record``
-    samples has half of the starts, finished, beam and kept, one shake and no exchange.
+    most ``effects`` are attached. At least ``kept`` fits of one effect go on after ``screening``
+    cheap steps, to as many whole ones. The best single effects are fitted again from ``shakes``
+    places around, and the best pair gives up its effects ``exchanges`` times at most. A record of
+    more than ``long_record`` samples has half of all this, but one shake and no exchange.
     """
 
     starts: int = 4
@@ -44,6 +44,7 @@ class Budget:
     beam: int = 2
     effects: int = 2
     kept: int = 2
+    screening: int = 4
     shakes: int = 4
     exchanges: int = 3
     long_record: int = 30_000
@@ -62,6 +63,7 @@ class Budget:
             finished=half(self.finished),
             beam=half(self.beam),
             kept=half(self.kept),
+            screening=half(self.screening),
             shakes=min(1, self.shakes),
             exchanges=0,
         )
@@ -136,7 +138,9 @@ def extend_by_each(
     kept = int(np.clip(_SHORT // problem.u.size, budget.kept, _MOST_KEPT))
     offers = _offers(problem, before, effects, units)
     prepared = [Base.of(problem, each) for each in bases]
-    screened = in_parallel(lambda offer: screen(problem, prepared, offer, kept), offers, workers)
+    screened = in_parallel(
+        lambda offer: screen(problem, prepared, offer, kept, budget.screening), offers, workers
+    )
 
     def error(candidate: Fit) -> float:
         return problem.seen_rmse(candidate.gap)
