@@ -36,7 +36,8 @@ class Budget:
     most ``effects`` are attached. At least ``kept`` fits of one effect go on after ``screening``
     cheap steps, to as many whole ones. The best single effects are fitted again from ``shakes``
     places around, and the best pair gives up its effects ``exchanges`` times at most. A record of
-    more than ``long_record`` samples has half of all this, but one shake and no exchange.
+    more than ``long_record`` samples has half of all this but as many effects, one shake, and no
+    exchange.
     """
 
     starts: int = 4
