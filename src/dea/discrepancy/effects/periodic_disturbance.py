@@ -38,12 +38,17 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return the frequencies at which the gap of the nominal simulation peaks."""
+    """Return the frequencies at which the gap of the nominal simulation peaks, in both phases.
+
+    A wave in the wrong phase would seem to explain nothing.
+    """
     # So small that the first step finds amplitude and phase before the frequency moves.
     size = 1e-5 * scales.y_span
+    rest = (*(0.0,) * (2 * _HARMONICS - 2 + len(_WANDERS)), scales.duration)
     return tuple(
-        (frequency, size, *(0.0,) * (2 * _HARMONICS - 1 + len(_WANDERS)), scales.duration)
-        for frequency in scales.frequencies
+        (frequency, *phase, *rest)
+        for frequency in dict.fromkeys(scales.frequencies)
+        for phase in ((size, 0.0), (0.0, size))
     )
 
 
