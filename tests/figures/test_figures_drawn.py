@@ -6,8 +6,10 @@ import re
 import made_datasets as made
 import numpy as np
 import pytest
+from matplotlib import colors as mcolors
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.contour import ContourSet
 from matplotlib.figure import FigureBase
 from matplotlib.text import Text
 
@@ -175,16 +177,23 @@ def test_what_was_not_excited_is_hatched_and_only_that():
     assert not [c for c in bare.collections if any(getattr(c, "hatches", ()))]
 
 
-@pytest.mark.parametrize(
-    ("spread", "labelled"), [(1.0, True), (0.03, True), (1e-3, False), (0.0, False)]
-)
-def test_contours_have_different_labels_inside_their_panel_and_apart(spread, labelled):
+@pytest.mark.parametrize(("spread", "lines"), [(1.0, 3), (0.03, 3), (1e-3, 0), (0.0, 0)])
+def test_contours_have_different_labels_inside_their_panel_and_apart(spread, lines):
     gfrf = made.gfrf(1)
     f1, f2 = gfrf["frequency_1"], gfrf["frequency_2"]
     gfrf["H2"][..., 0] = 0.0123456 * (1 + spread * (f1 + f2) / 4)
     gfrf["H2"][..., 1] = 0.0
-    labels = fig4_h2({"dea1": gfrf}).axes[0].texts
-    assert bool(labels) is labelled
+    ax = fig4_h2({"dea1": gfrf}).axes[0]
+    labels = ax.texts
+    contours = [
+        c
+        for c in ax.collections
+        if isinstance(c, ContourSet)
+        and not c.filled
+        and mcolors.same_color(c.get_edgecolor()[0], "w")
+    ]
+    assert sum(len(contour.levels) for contour in contours) == lines
+    assert bool(labels) is bool(lines)
     assert len({label.get_text() for label in labels}) == len(labels)
     excited = f1.values[gfrf["excited_h2"].any("frequency_2").values]
     half = 0.5 * np.ptp(excited)

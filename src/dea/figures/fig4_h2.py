@@ -87,13 +87,16 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
     if not high - low > _FLAT * high:
         return
     levels = np.linspace(low, high, _CONTOURS + 2)[1:-1]
-    known = trusted.notnull()
-    f1 = trusted["frequency_1"].values[known.any("frequency_2").values]
-    f2 = trusted["frequency_2"].values[known.any("frequency_1").values]
+    known = trusted.dropna("frequency_1", how="all").dropna("frequency_2", how="all")
+    f1, f2 = known["frequency_1"].values, known["frequency_2"].values
     lines = ax.contour(
-        trusted["frequency_1"], trusted["frequency_2"],
-        trusted.transpose("frequency_2", "frequency_1"), levels, colors="white", linewidths=0.5,
-    )  # fmt: skip
+        f1,
+        f2,
+        known.transpose("frequency_2", "frequency_1"),
+        levels,
+        colors="white",
+        linewidths=0.5,
+    )
     places: list[np.ndarray] = []
     for path in lines.get_paths():
         place = _place_for_label(np.asarray(path.vertices), places, f1, f2)
