@@ -240,10 +240,10 @@ def test_what_the_input_does_only_once_is_not_kept_for_proof():
     assert not elsewhere.certify[2900:3100].any()
 
 
-def judged_by(problem, nominal_error=0.0, floor=0.0, accuracy=0.0):
+def judged_by(problem, nominal_error=0.0, noise=0.0, accuracy=0.0):
     rng = np.random.default_rng(0)
     held_out = HeldOut(problem)
-    return Evidence(problem, held_out, [], nominal_error, floor, accuracy, Rules(), rng)
+    return Evidence(problem, held_out, [], nominal_error, noise, accuracy, Rules(), rng)
 
 
 @pytest.mark.parametrize(
@@ -265,7 +265,7 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
         replace(fitted, gap=np.where(problem.certify, error, 0.0)) for error in (before, after)
     )
     chosen = None if status == "none" else Candidate(final, 0.0, 0.0)
-    evidence = judged_by(problem, floor=1.0)
+    evidence = judged_by(problem, noise=1.0)
     found = confirmed(Decision(status, chosen), evidence, nominal)
     assert found.status == expected
 
@@ -274,7 +274,7 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
 def test_a_simulation_as_good_as_it_is_said_to_be_misses_nothing(error, expected):
     problem, _ = carriage(9)
     predictable = ResidualModel(ratio=0.5, equation="0", explained=0.0)
-    evidence = judged_by(problem, error, floor=0.15, accuracy=0.15)
+    evidence = judged_by(problem, error, accuracy=0.15)
     found = decide(evidence, None, [], [], predictable)
     assert found.status == expected
 

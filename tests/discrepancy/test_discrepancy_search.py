@@ -1,11 +1,13 @@
 """Which sets of effects are tried, and what their rivals are judged by."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from dea.discrepancy import load_simulation
+from dea.discrepancy.candidates import Base, promising
 from dea.discrepancy.compose import Budget, Candidate, extend_by_each
 from dea.discrepancy.decide import Evidence, Rules, decide
 from dea.discrepancy.effects import catalogue
@@ -50,6 +52,20 @@ def hidden(*names, seed=1):
         u, y, INTERVAL, parts.fit, parts.select, parts.certify, NOISE, 1e-4, extended.substeps
     )
     return problem, extended
+
+
+@pytest.mark.parametrize("phase", np.linspace(0.0, 2 * np.pi, 9)[:-1])
+def test_a_disturbance_promises_most_at_its_frequency_whatever_its_phase(phase):
+    problem, extended = hidden()
+    wave = 0.1 * np.sin(2 * np.pi * 1.3 * problem.time + phase)
+    shaken = replace(problem, y=problem.y + wave + 0.1 * wave**3)
+    nominal = fit(shaken, extended, np.zeros(extended.free.size))
+    told = scales(shaken, extended, nominal.values, UNITS, frequencies=(1.3, 3.9))
+    effect = catalogue()["periodic_disturbance"]
+    longer = extended.attach(effect, told)
+    best = promising(shaken, Base.of(shaken, nominal), longer, effect.starts(told))[0]
+    frequency = longer.names.index("periodic_disturbance.frequency")
+    assert longer.values(best)[frequency] == pytest.approx(1.3)
 
 
 @pytest.mark.parametrize("first", ["slew_limit", "input_saturation"])

@@ -74,7 +74,7 @@ def screen(
     cheap.sort(key=error)
     whole = [
         refine(problem, each, steps, held)
-        for each in cheap[: kept + _MORE if kept > 1 else 1]
+        for each in cheap[: kept + min(_MORE, kept - 1)]
         if each.stable
     ]
     return sorted((each for each in whole if each.stable), key=error)[:kept]

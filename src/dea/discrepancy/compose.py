@@ -35,9 +35,9 @@ class Budget:
     fitted to the end, the rest only screened; from the ``beam`` best, the next round goes on; at
     most ``effects`` are attached. At least ``kept`` fits of one effect go on after ``screening``
     cheap steps, to as many whole ones. The best single effects are fitted again from ``shakes``
-    places around, and the best pair gives up its effects ``exchanges`` times at most. A record of
-    more than ``long_record`` samples has half of all this but as many effects, one shake, and no
-    exchange.
+    places around, and the best pair gives up its effects ``exchanges`` times at most; without any,
+    its partners are not extended either. A record of more than ``long_record`` samples has half of
+    all this but as many effects, one shake, and no exchange.
     """
 
     starts: int = 4
@@ -96,11 +96,6 @@ class Candidate:
     def labels(self) -> tuple[str, ...]:
         """Names of all effects attached, with their balance where there are several."""
         return tuple(self.fit.extended.label(a) for a in self.fit.extended.attached)
-
-    @property
-    def effect(self) -> Effect:
-        """The effect attached last."""
-        return self.fit.extended.attached[-1].effect
 
 
 @dataclass(frozen=True)

@@ -38,9 +38,9 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return the frequencies at which the gap of the nominal simulation peaks, in both phases.
+    """Return the frequencies at which the gap of the nominal simulation peaks, in four phases.
 
-    A wave in the wrong phase would seem to explain nothing.
+    A wave more than a right angle out of phase would seem to explain nothing.
     """
     # So small that the first step finds amplitude and phase before the frequency moves.
     size = 1e-5 * scales.y_span
@@ -48,7 +48,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     return tuple(
         (frequency, *phase, *rest)
         for frequency in dict.fromkeys(scales.frequencies)
-        for phase in ((size, 0.0), (0.0, size))
+        for phase in ((size, 0.0), (0.0, size), (-size, 0.0), (0.0, -size))
     )
 
 
