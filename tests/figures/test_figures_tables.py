@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dea.figures import tables
-from dea.figures.symbols import number, residual_test_as_mathematics, term_as_mathematics
+from dea.figures.symbols import number, residual_test_as_mathematics
 
 
 @pytest.fixture
@@ -111,14 +111,6 @@ def test_an_estimate_is_shown_to_its_errors_second_digit(value, error):
     shown, shown_error = map(float, tables._estimate(value, error).split(" ± "))
     assert abs(shown - value) <= max(0.05 * error, 0.5)
     assert shown_error == pytest.approx(error, rel=0.06)
-
-
-@pytest.mark.parametrize(
-    ("term", "mathematics"),
-    [("1", "$1$"), ("u(t-12)", "$u_{t-12}$"), ("y(t-1)u(t-3)^2", "$y_{t-1}u_{t-3}^{2}$")],
-)
-def test_a_term_as_mathematics(term, mathematics):
-    assert term_as_mathematics(term) == mathematics
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,8 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
-from dea.narx import NarxModel, Term
+from dea.narx import NarxModel
+from dea.terms import Term
 
 lags = st.lists(st.integers(1, 5), max_size=3)
 terms = st.builds(Term.of, lags, st.lists(st.integers(0, 5), max_size=3))

@@ -6,7 +6,8 @@ from hypothesis import given
 from narx_strategies import models
 
 from dea.errors import InputError
-from dea.narx import NarxModel, Scaling, Term
+from dea.narx import NarxModel, Scaling
+from dea.terms import Term
 
 SCALING = Scaling(u_offset=2.4, u_scale=0.7, y_offset=1.5, y_scale=0.3)
 LINEAR = {"1": 0.1, "y(t-1)": 0.8, "u(t-1)": 0.5}

@@ -5,7 +5,8 @@ from hypothesis import strategies as st
 from narx_strategies import models, slow_simulation
 
 from dea.errors import InputError
-from dea.narx import NarxModel, Term, regressor_matrix, simulate, simulate_varying
+from dea.narx import NarxModel, regressor_matrix, simulate, simulate_varying
+from dea.terms import Term
 
 
 @given(models(), st.integers(0, 2**32 - 1), st.integers(1, 60))

@@ -1,4 +1,4 @@
-"""How terms, tests and numbers are written, in figures (mathtext) and tables (LaTeX) alike."""
+"""How residual tests and numbers are written, in figures (mathtext) and tables (LaTeX) alike."""
 
 import re
 from math import isfinite, isinf
@@ -6,16 +6,6 @@ from math import isfinite, isinf
 DASH = "–"
 
 _SQUARE = re.compile(r"([a-z])2")
-_FACTOR = re.compile(r"([a-z])\(t-(\d+)\)(?:\^(\d+))?")
-
-
-def term_as_mathematics(term: str) -> str:
-    """Return ``y(t-1)u(t-3)^2`` as ``$y_{t-1}u_{t-3}^{2}$``, the constant ``1`` as ``$1$``."""
-    factors = [
-        f"{signal}_{{t-{lag}}}" + (f"^{{{power}}}" if power else "")
-        for signal, lag, power in _FACTOR.findall(term)
-    ]
-    return f"${''.join(factors) or term}$"
 
 
 def residual_test_as_mathematics(test: str) -> str:

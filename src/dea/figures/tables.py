@@ -9,13 +9,13 @@ from typing import Any, NamedTuple
 import pandas as pd
 import xarray as xr
 
-from dea.figures.symbols import DASH, number, term_as_mathematics
+from dea.figures.symbols import DASH, number
 from dea.store import atomic
+from dea.terms import Term, is_term
 
 _TERM_COUNT = "number of terms"
 _SCORES = ("nmse", "fit", "fpe", "rmse")
 _SCIENTIFIC = re.compile(r"(-?[\d.]+)e([+-]\d+)")
-_FACTOR = re.compile(r"[a-z]\(t-\d+\)(?:\^(\d+))?")
 
 
 class Table(NamedTuple):
@@ -33,7 +33,8 @@ def table1(models: Mapping[str, xr.Dataset], validations: Mapping[str, xr.Datase
     models, validations
         Contracts ``model`` and ``validation``, by the actuators' names.
     """
-    terms = sorted({str(t) for each in models.values() for t in each["term"].values}, key=_order)
+    every = {str(term) for model in models.values() for term in model["term"].values}
+    terms = sorted(every, key=lambda text: Term.parse(text).reading_order)
     exact: dict[str, list[Any]] = {"term": [*terms, _TERM_COUNT]}
     shown: dict[str, list[str]] = {"term": [*terms, _TERM_COUNT]}
     for name, model in models.items():
@@ -124,12 +125,6 @@ def save(table: Table, *, csv: Path, md: Path, tex: Path) -> None:
             partial.write_text(text, encoding="utf-8")
 
 
-def _order(term: str) -> tuple[int, int, str]:
-    """Constant, then linear, then products; outputs before inputs within a degree."""
-    powers = [int(power or 1) for power in _FACTOR.findall(term)]
-    return sum(powers), -term.count("y("), term
-
-
 def _scores(validations: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, pd.DataFrame]:
     """nmse, fit and fpe of the NARX model on the first window, by both approaches."""
     exact, shown = [], []
@@ -181,8 +176,8 @@ def _latex(shown: pd.DataFrame) -> str:
 
 
 def _latex_text(text: str) -> str:
-    if _FACTOR.search(text) or text == "1":
-        return term_as_mathematics(text)
+    if is_term(text):
+        return Term.parse(text).mathematics()
     if scientific := _SCIENTIFIC.fullmatch(text):
         return rf"${scientific[1]} \times 10^{{{int(scientific[2])}}}$"
     if "±" in text or text.startswith("-"):

@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from dea.figures import style
-from dea.figures.symbols import number, term_as_mathematics
+from dea.figures.symbols import number
 from dea.store import signals
+from dea.terms import Term
 
 _COLUMNS = 3
 _POINTS = 1200  # a panel is 600 pixels wide: more cannot be seen
@@ -104,4 +105,4 @@ def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
             time, theta - reach, theta + reach, color=colour, alpha=_PALENESS, lw=0,
             rasterized=True,
         )  # fmt: skip
-    ax.set_title(term_as_mathematics(term))
+    ax.set_title(Term.parse(term).mathematics())

@@ -6,7 +6,7 @@ from itertools import chain, combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.narx import Term
+from dea.terms import Term
 
 Array = NDArray[np.float64]
 Polynomial = dict[Term, Array]

@@ -7,7 +7,8 @@ from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
 from dea.gfrf.expansion import expand, spectral_radius, static_polynomial
-from dea.narx import Term, max_lag, simulate
+from dea.narx import simulate
+from dea.terms import Term, max_lag
 
 Array = NDArray[np.float64]
 

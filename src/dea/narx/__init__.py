@@ -1,5 +1,6 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
+from dea.narx.candidate_terms import candidate_terms, linear_terms
 from dea.narx.estimation import estimate, scaling_of
 from dea.narx.held_out import held_out_error
 from dea.narx.inclusion import inclusion_frequency
@@ -14,13 +15,11 @@ from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
 from dea.narx.selection import select_terms
 from dea.narx.simulation import simulate, simulate_varying
-from dea.narx.terms import Term, candidate_terms, linear_terms, max_lag
 from dea.narx.validation import validate
 
 __all__ = [
     "NarxModel",
     "Scaling",
-    "Term",
     "candidate_terms",
     "compare_orders",
     "correlation_tests",
@@ -32,7 +31,6 @@ __all__ = [
     "linear_model",
     "linear_terms",
     "load_published",
-    "max_lag",
     "nmse",
     "refine",
     "regressor_matrix",

@@ -10,7 +10,7 @@ from dea.narx.checks import Array, as_record
 from dea.narx.model import NarxModel
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
-from dea.narx.terms import Term, max_lag
+from dea.terms import Term, max_lag
 
 Segment = tuple[Array, Array]
 Signals = ArrayLike | Sequence[ArrayLike]

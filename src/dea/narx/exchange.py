@@ -20,9 +20,9 @@ import numpy as np
 from dea.narx.checks import Array
 from dea.narx.refinement import Refined, column_norms, linearise, minimise
 from dea.narx.simulation import simulate
-from dea.narx.terms import Term
 from dea.narx.trace import Trace, gain
 from dea.narx.trials import Segment, Subset
+from dea.terms import Term
 
 _FITTED = 4  # the most promising additions, and removals, that are fitted in a round
 _EFFORT = (8, 1e-4)  # iterations and relative tolerance of a trial's fit

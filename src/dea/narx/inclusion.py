@@ -9,7 +9,7 @@ from dea.errors import InputError
 from dea.narx.checks import Array
 from dea.narx.estimation import Signals, as_segments, scaling_of
 from dea.narx.selection import select_terms
-from dea.narx.terms import Term
+from dea.terms import Term
 
 
 def inclusion_frequency(

@@ -16,7 +16,7 @@ from dea.narx.checks import Array, as_record, as_signal
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import simulate
-from dea.narx.terms import Term, max_lag
+from dea.terms import Term, max_lag
 
 
 @dataclass(frozen=True, eq=False)

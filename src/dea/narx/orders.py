@@ -7,12 +7,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from dea.narx.candidate_terms import linear_terms
 from dea.narx.checks import as_record
 from dea.narx.estimation import Signals, estimate
 from dea.narx.metrics import fpe, nmse, squared
 from dea.narx.model import NarxModel
 from dea.narx.selection import select_terms
-from dea.narx.terms import linear_terms
 
 
 def linear_model(u: Signals, y: Signals, order: int) -> NarxModel:

@@ -12,7 +12,7 @@ from dea.narx.estimation import Segment, Signals, as_segments, estimate, normali
 from dea.narx.model import NarxModel
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import BOUND, simulate, structure
-from dea.narx.terms import Term
+from dea.terms import Term
 
 _LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e12  # of the regressors' unit energy
 

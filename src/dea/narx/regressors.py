@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.narx.checks import Array
-from dea.narx.terms import Term, max_lag
+from dea.terms import Term, max_lag
 
 
 def regressor_matrix(terms: Sequence[Term], u: Array, y: Array, start: int | None = None) -> Array:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from dea.errors import InputError
+from dea.narx.candidate_terms import candidate_terms
 from dea.narx.estimation import (
     Signals,
     as_segments,
@@ -16,9 +17,9 @@ from dea.narx.exchange import Exchange
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise, robust_covariance
 from dea.narx.scaling import Scaling
-from dea.narx.terms import candidate_terms, max_lag
 from dea.narx.trace import Trace, gain
 from dea.narx.trials import Subset, Trials
+from dea.terms import max_lag
 
 
 def select_terms(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from dea.errors import InputError
 from dea.narx import kernels
 from dea.narx.checks import Array
-from dea.narx.terms import Term, max_lag
+from dea.terms import Term, max_lag
 
 # Beyond this a run counts as diverged. Far above any signal, far below where products of outputs
 # overflow.

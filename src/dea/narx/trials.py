@@ -15,8 +15,8 @@ from dea.narx.checks import Array
 from dea.narx.kernels import NONE
 from dea.narx.regressors import regressor_matrix
 from dea.narx.simulation import structure
-from dea.narx.terms import Term, max_lag
 from dea.narx.trial_kernels import run_trials
+from dea.terms import Term, max_lag
 
 Subset = tuple[int, ...]
 Segment = tuple[Array, Array]

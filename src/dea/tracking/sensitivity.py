@@ -6,7 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.narx import Term, max_lag, regressor_matrix
+from dea.narx import regressor_matrix
+from dea.terms import Term, max_lag
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from dea.narx import NarxModel, Term
+from dea.narx import NarxModel
+from dea.terms import Term
 
 
 def with_constant(model: NarxModel) -> NarxModel:

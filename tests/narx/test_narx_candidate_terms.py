@@ -1,39 +1,10 @@
 import math
 
 import pytest
-from hypothesis import given
-from narx_strategies import terms
 
 from dea.errors import InputError
-from dea.narx import Term, candidate_terms, linear_terms, max_lag
-
-
-@given(terms)
-def test_a_printed_term_reads_back(term):
-    assert Term.parse(str(term)) == term
-
-
-@pytest.mark.parametrize(
-    ("text", "term"),
-    [
-        ("1", Term((), ())),
-        ("y(t-1)", Term((1,), ())),
-        ("u(t)", Term((), (0,))),
-        ("y(t-1)u(t-3)^2", Term((1,), (3, 3))),
-        ("u(t-3) * y(t-1) * u(t-3)", Term((1,), (3, 3))),
-        ("y(t-2)y(t-1)", Term((1, 2), ())),
-    ],
-)
-def test_terms_are_written_as_people_write_them(text, term):
-    assert Term.parse(text) == term
-
-
-@pytest.mark.parametrize(
-    "text", ["", "x(t-1)", "y(t-1)u(t-3)^", "y[t-1]", "2", "y(t+1)", "y(t)", "u(t-1)1", "1 1"]
-)
-def test_a_misspelt_term_is_refused(text):
-    with pytest.raises(InputError, match="term"):
-        Term.parse(text)
+from dea.narx import candidate_terms, linear_terms
+from dea.terms import Term, max_lag
 
 
 @pytest.mark.parametrize(("y_lags", "u_lags", "degree"), [(3, 3, 3), (1, 0, 2), (5, 2, 4)])

@@ -1,14 +1,14 @@
-"""Terms of a polynomial NARX model: monomials of lagged outputs and inputs, and their text."""
+"""The grammar of polynomial NARX terms: parses, orders and prints products of lagged signals."""
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from itertools import combinations_with_replacement
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from dea.errors import InputError
 
 _FACTOR = re.compile(r"([yu])\(t(?:-(\d+))?\)(?:\^(\d+))?")
+_NUMBER = re.compile(r"(\d+)")
 _REMEDY = "Write it like 1, y(t-1) or y(t-1)u(t-3)^2."
 
 
@@ -74,13 +74,33 @@ class Term(NamedTuple):
         """Largest lag of any factor; 0 for the constant."""
         return max(self.y_lags + self.u_lags, default=0)
 
+    @property
+    def reading_order(self) -> tuple[int, int, list[str | int]]:
+        """Sort key for tables: the constant, then by degree, terms with more outputs first."""
+        # Numbers within the text compare as numbers: u(t-2) comes before u(t-10).
+        text = [int(part) if part.isdigit() else part for part in _NUMBER.split(str(self))]
+        return self.degree, -len(set(self.y_lags)), text
+
+    def mathematics(self) -> str:
+        """Return the term for LaTeX and mathtext: ``y(t-1)u(t)^2`` as ``$y_{t-1}u_{t}^{2}$``."""
+        factors = [
+            f"{signal}_{{{_instant(lag)}}}" + (f"^{{{power}}}" if power > 1 else "")
+            for signal, lag, power in self._factors()
+        ]
+        return f"${''.join(factors) or 1}$"
+
     def __str__(self) -> str:
         factors = [
-            f"{variable}(t{f'-{lag}' if lag else ''}){f'^{power}' if power > 1 else ''}"
-            for variable, lags in (("y", self.y_lags), ("u", self.u_lags))
-            for lag, power in Counter(lags).items()
+            f"{signal}({_instant(lag)})" + (f"^{power}" if power > 1 else "")
+            for signal, lag, power in self._factors()
         ]
         return "".join(factors) or "1"
+
+    def _factors(self) -> Iterator[tuple[str, int, int]]:
+        """Each factor once, as its signal, lag and power; outputs first."""
+        for signal, lags in (("y", self.y_lags), ("u", self.u_lags)):
+            for lag, power in Counter(lags).items():
+                yield signal, lag, power
 
 
 def max_lag(terms: Iterable[Term]) -> int:
@@ -88,46 +108,14 @@ def max_lag(terms: Iterable[Term]) -> int:
     return max((term.max_lag for term in terms), default=0)
 
 
-def candidate_terms(
-    y_lags: int | Sequence[int], u_lags: int | Sequence[int], degree: int
-) -> tuple[Term, ...]:
-    """Every monomial up to ``degree`` of the lagged signals, by degree; the constant first.
-
-    Parameters
-    ----------
-    y_lags, u_lags
-        The largest lag (1 to it are used), or the lags themselves, for instance to start after
-        a dead time.
-    degree
-        Largest number of factors, at least 1.
-
-    Returns
-    -------
-    tuple of Term
-        (n + degree choose degree) terms for n lagged signals: 84 for 3, 3, 3.
-    """
-    if degree < 1:
-        raise InputError(f"a degree of {degree}", field="degree", remedy="It is at least 1.")
-    variables = [("y", lag) for lag in lag_list(y_lags, "y_lags")]
-    variables += [("u", lag) for lag in lag_list(u_lags, "u_lags")]
-    return tuple(
-        Term.of(
-            (lag for variable, lag in factors if variable == "y"),
-            (lag for variable, lag in factors if variable == "u"),
-        )
-        for factor_count in range(degree + 1)
-        for factors in combinations_with_replacement(variables, factor_count)
-    )
+def is_term(text: str) -> bool:
+    """Whether :meth:`Term.parse` accepts ``text``."""
+    try:
+        Term.parse(text)
+    except InputError:
+        return False
+    return True
 
 
-def linear_terms(y_lags: int | Sequence[int], u_lags: int | Sequence[int]) -> tuple[Term, ...]:
-    """Return the linear basis: the constant and every lagged signal by itself."""
-    return candidate_terms(y_lags, u_lags, 1)
-
-
-def lag_list(lags: int | Sequence[int], field: str) -> list[int]:
-    """Return the lags themselves where a largest lag may stand for 1 to it."""
-    listed = list(range(1, lags + 1)) if isinstance(lags, int) else sorted(set(lags))
-    if isinstance(lags, int) and lags < 0:
-        raise InputError(f"a lag of {lags}", field=field, remedy="Lags are 0 or more.")
-    return listed
+def _instant(lag: int) -> str:
+    return f"t-{lag}" if lag else "t"

@@ -1,0 +1,109 @@
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dea.errors import InputError
+from dea.terms import Term, is_term
+
+terms = st.builds(
+    Term.of,
+    st.lists(st.integers(1, 12), max_size=4),
+    st.lists(st.integers(0, 12), max_size=4),
+)
+
+
+@given(terms)
+def test_a_printed_term_reads_back(term):
+    assert Term.parse(str(term)) == term
+
+
+@given(terms)
+def test_a_term_as_mathematics_holds_every_factor(term):
+    found = re.findall(r"([yu])_\{t(?:-(\d+))?\}(?:\^\{(\d+)\})?", term.mathematics())
+    lags = {
+        signal: sorted(
+            int(lag or 0)
+            for name, lag, power in found
+            if name == signal
+            for _ in range(int(power or 1))
+        )
+        for signal in "yu"
+    }
+    assert Term.of(lags["y"], lags["u"]) == term
+
+
+@given(st.lists(terms, unique=True))
+def test_terms_are_ordered_by_degree_and_outputs(unordered):
+    ordered = sorted(unordered, key=lambda term: term.reading_order)
+    keys = [(term.degree, -len(set(term.y_lags))) for term in ordered]
+    assert keys == sorted(keys)
+
+
+@pytest.mark.parametrize(
+    ("text", "term"),
+    [
+        ("1", Term((), ())),
+        ("y(t-1)", Term((1,), ())),
+        ("u(t)", Term((), (0,))),
+        ("u(t-0)", Term((), (0,))),
+        ("y(t-1)u(t)", Term((1,), (0,))),
+        ("y(t-1)^2u(t)^3", Term((1, 1), (0, 0, 0))),
+        ("y(t-1)u(t-3)^2", Term((1,), (3, 3))),
+        ("u(t-3) * y(t-1) * u(t-3)", Term((1,), (3, 3))),
+        ("y(t-2)y(t-1)", Term((1, 2), ())),
+    ],
+)
+def test_terms_are_written_as_people_write_them(text, term):
+    assert Term.parse(text) == term
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x(t-1)", "y(t-1)u(t-3)^", "y[t-1]", "2", "y(t+1)", "y(t)", "u(t-1)1", "1 1"]
+)
+def test_a_misspelt_term_is_refused(text):
+    with pytest.raises(InputError, match="term"):
+        Term.parse(text)
+    assert not is_term(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "mathematics"),
+    [
+        ("1", "$1$"),
+        ("u(t-12)", "$u_{t-12}$"),
+        ("u(t)", "$u_{t}$"),
+        ("y(t-1)u(t)", "$y_{t-1}u_{t}$"),
+        ("y(t-1)u(t)^2", "$y_{t-1}u_{t}^{2}$"),
+        ("y(t-1)u(t-3)^2", "$y_{t-1}u_{t-3}^{2}$"),
+    ],
+)
+def test_a_term_as_mathematics(text, mathematics):
+    assert Term.parse(text).mathematics() == mathematics
+
+
+def test_tables_read_from_the_constant_to_the_products():
+    ordered = [
+        "1",
+        "y(t-1)",
+        "u(t)",
+        "u(t-2)",
+        "u(t-10)",
+        "y(t-1)y(t-2)",
+        "y(t-1)^2",
+        "y(t-1)u(t)",
+        "y(t-1)u(t-1)",
+        "u(t)^2",
+        "u(t)u(t-1)",
+        "y(t-1)u(t)^2",
+    ]
+    found = sorted(map(Term.parse, reversed(ordered)), key=lambda term: term.reading_order)
+    assert [str(term) for term in found] == ordered
+
+
+@pytest.mark.parametrize(
+    ("text", "degree", "lag"), [("1", 0, 0), ("u(t)", 1, 0), ("y(t-1)u(t)^2", 3, 1)]
+)
+def test_factors_without_a_lag_count(text, degree, lag):
+    assert (Term.parse(text).degree, Term.parse(text).max_lag) == (degree, lag)
