@@ -8,7 +8,6 @@ from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
 from dea.narx.published import load_published
-from dea.narx.recovery import score_recovery
 from dea.narx.refinement import refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
@@ -36,7 +35,6 @@ __all__ = [
     "regressor_matrix",
     "rmse",
     "scaling_of",
-    "score_recovery",
     "select_terms",
     "simulate",
     "simulate_varying",

@@ -3,13 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-import dea
 from dea import store
 from dea.errors import InputError
 from dea.narx.checks import Array, as_record, as_signal
@@ -134,10 +133,6 @@ class NarxModel:
         )
         predicted = self.scaling.restore_output(matrix @ self.parameters)
         return np.concatenate([outputs[: self.max_lag], predicted])
-
-    def frequency_response(self, order: int = 1, **options: Any) -> np.ndarray:
-        """Return the generalised frequency response: :func:`dea.frequency_response`."""
-        return dea.frequency_response(self, order=order, **options)
 
     def with_parameters(self, parameters: ArrayLike, covariance: Array | None = None) -> Self:
         """Return the same structure with other parameters."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dea.errors import InputError
-from dea.narx import NarxModel, load_published, score_recovery
+from dea.narx import load_published
 from dea.signals import design
 
 PUBLISHED = Path(__file__).parents[2] / "config" / "published_models.yaml"
@@ -36,33 +36,6 @@ def test_normalised_inputs_keep_all_six_bounded_and_raw_volts_do_not(plants):
     assert all(np.isfinite(model.simulate(smooth_input())).all() for model in plants.values())
     diverged = [n for n, model in plants.items() if np.isinf(model.simulate(volts)[-1])]
     assert diverged == ["DEA2", "DEA3", "DEA4", "DEA5"]
-
-
-def test_a_plant_recovers_itself(plants):
-    for plant in plants.values():
-        score = score_recovery(plant, plant, smooth_input(), 50, 1.0)
-        assert score == {
-            "nmse": 0.0,
-            "h1_error": 0.0,
-            "h2_error": 0.0,
-            "terms_common": len(plant.terms),
-            "terms_foreign": 0,
-        }
-
-
-def test_errors_of_the_responses_are_relative(plants):
-    linear = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.0, "u(t-1)^2": 0.2})
-    louder = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.1, "u(t-1)^2": 0.3, "u(t-2)": 0.0})
-    score = score_recovery(linear, louder, smooth_input(), 50, 1.0)
-    assert score["h1_error"] == pytest.approx(0.1)
-    assert score["h2_error"] == pytest.approx(0.5)
-    assert (score["terms_common"], score["terms_foreign"]) == (3, 1)
-
-
-def test_a_model_without_a_rest_is_infinitely_wrong(plants):
-    bursting = NarxModel.from_terms({"1": 1.0, "y(t-1)": 1.2, "y(t-1)^2": 0.5, "u(t-1)": 1.0})
-    score = score_recovery(plants["DEA2"], bursting, smooth_input(), 50, 1.0)
-    assert score["nmse"] == score["h1_error"] == score["h2_error"] == np.inf
 
 
 @pytest.mark.parametrize(

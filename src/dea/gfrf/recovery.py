@@ -1,10 +1,10 @@
-"""How well an identified model gives back a plant that is known."""
+"""How closely an identified model agrees with a known plant."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dea.narx.metrics import nmse
-from dea.narx.model import NarxModel
+from dea.gfrf.response import frequency_response
+from dea.narx import NarxModel, nmse
 
 _LINES = 25  # frequencies on each axis at which responses are compared
 
@@ -14,8 +14,8 @@ def score_recovery(
 ) -> dict[str, float]:
     """Compare a model with the plant that its record came from.
 
-    Terms are the weakest measure: neighbouring lags of a smooth signal replace each other with
-    little loss. The simulated output and the frequency responses are what must agree.
+    The simulated output and the frequency responses must agree; terms need not, because
+    neighbouring lags of a smooth signal are nearly interchangeable.
 
     Parameters
     ----------
@@ -31,12 +31,13 @@ def score_recovery(
         ``nmse`` of the simulated output; ``h1_error`` and ``h2_error``, the root mean square
         difference of the frequency responses over the root mean square of the plant's;
         ``terms_common``, how many of the plant's terms the model has, and ``terms_foreign``, how
-        many it has beside them. Infinite where the model diverges or has no rest.
+        many terms it has that the plant does not. Errors are infinite where the model diverges or
+        does not come to rest.
     """
     frequencies = band * np.arange(1, _LINES + 1) / _LINES
     plane = (frequencies[:, None], frequencies[None, :])
     known = set(plant.terms) & set(found.terms)
-    # Both begin at zero, but the plant's rest is elsewhere: what follows from that is not scored.
+    # Both runs start from zero, which is not the plant's rest; the start-up transient is left out.
     settled = len(np.asarray(u)) // 10
     return {
         "nmse": nmse(plant.simulate(u)[settled:], found.simulate(u)[settled:]),
@@ -55,9 +56,7 @@ def _difference(
     sampling_rate: float,
 ) -> float:
     expected, actual = (
-        model.frequency_response(
-            order, frequencies=frequencies, sampling_rate=sampling_rate, allow_missing=True
-        )
+        frequency_response(model, order, frequencies, sampling_rate, allow_missing=True)
         for model in (plant, found)
     )
     error = np.linalg.norm(actual - expected) / np.linalg.norm(expected)
