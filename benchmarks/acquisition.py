@@ -20,8 +20,8 @@ import numpy as np
 from pymodbus.client import ModbusTcpClient
 
 from dea.acquisition import Acquisition, AcquisitionSettings, acquire
-from dea.bench import Rig
 from dea.modbus import Device, encode, read_device, to_counts
+from dea.plant import Rig
 
 ROOT = Path(__file__).parents[1]
 CONFIG, DESCRIPTION = ROOT / "config/bench.yaml", ROOT / "config/devices/virtual_bench.yaml"

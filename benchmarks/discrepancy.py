@@ -9,11 +9,11 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from dea import signals
-from dea.bench import Rig
-from dea.bench.configuration import read_parameters
 from dea.discrepancy import Settings, diagnose
 from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.simulation import load_simulation
+from dea.plant import Rig
+from dea.plant.parameters import read_parameters
 
 RATE = 50.0
 PIECE, REPEATS = 1000, 5

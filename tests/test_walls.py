@@ -7,17 +7,28 @@ import pytest
 
 SOURCE = Path(__file__).parents[1] / "src" / "dea"
 
+TRUTH = {"plant", "bench"}
 FORBIDDEN = {
-    "discrepancy": {"bench", "acquisition", "stages", "figures"},
-    "bench": {"discrepancy", "acquisition", "narx", "tracking", "gfrf", "stages", "figures"},
-    "narx": {"bench", "discrepancy", "acquisition", "stages", "figures"},
-    "tracking": {"bench", "discrepancy", "acquisition", "stages", "figures"},
-    "gfrf": {"bench", "discrepancy", "acquisition", "stages", "figures"},
-    "acquisition": {"bench", "discrepancy", "narx", "tracking", "gfrf", "stages", "figures"},
-    "modbus": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "figures"},
-    "store": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "figures"},
-    "trials": {
+    "discrepancy": {*TRUTH, "acquisition", "stages", "figures"},
+    "plant": {
+        "discrepancy",
         "bench",
+        "acquisition",
+        "narx",
+        "tracking",
+        "gfrf",
+        "stages",
+        "figures",
+    },
+    "bench": {"discrepancy", "acquisition", "narx", "tracking", "gfrf", "stages", "figures"},
+    "narx": {*TRUTH, "discrepancy", "acquisition", "stages", "figures"},
+    "tracking": {*TRUTH, "discrepancy", "acquisition", "stages", "figures"},
+    "gfrf": {*TRUTH, "discrepancy", "acquisition", "stages", "figures"},
+    "acquisition": {*TRUTH, "discrepancy", "narx", "tracking", "gfrf", "stages", "figures"},
+    "modbus": {*TRUTH, "discrepancy", "acquisition", "narx", "tracking", "gfrf", "figures"},
+    "store": {*TRUTH, "discrepancy", "acquisition", "narx", "tracking", "gfrf", "figures"},
+    "trials": {
+        *TRUTH,
         "discrepancy",
         "acquisition",
         "narx",
@@ -26,7 +37,7 @@ FORBIDDEN = {
         "stages",
         "figures",
     },
-    "figures": {"bench", "discrepancy", "acquisition", "narx", "tracking", "gfrf", "stages"},
+    "figures": {*TRUTH, "discrepancy", "acquisition", "narx", "tracking", "gfrf", "stages"},
 }
 
 

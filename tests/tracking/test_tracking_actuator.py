@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from dea import signals
-from dea.bench import Rig
 from dea.gfrf import frequency_response
 from dea.narx import select_terms
+from dea.plant import Rig
 from dea.seeds import generator
 from dea.tracking import track_parameters, with_constant
 

@@ -83,7 +83,7 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
     [
         ("gfrf/probing.py", {"gfrf", "fig3"}, {"acquire", "select", "track", "validate", "fig2"}),
         ("figures/fig3.py", {"fig3"}, {"gfrf", "fig1", "fig2", "fig4_h2"}),
-        ("bench/membrane.py", {"acquire", "select", "fig1"}, set()),
+        ("plant/film.py", {"acquire", "select", "fig1"}, set()),
     ],
 )
 def test_an_edited_module_reruns_what_depends_on_it_and_nothing_else(finished, module, rerun, kept):

@@ -37,7 +37,8 @@ def test_the_diagnosis_reads_records_and_its_own_code_alone(planned_jobs, projec
     for inputs, command in planned_jobs["trial_diagnose"]:
         data = [name for name in inputs if not name.startswith("src/")]
         assert data == [f"results/trials/tuning/{data[0].split('/')[3]}/records"]
-        assert not [name for name in inputs if name.startswith("src/dea/bench/")]
+        truth = ("src/dea/plant/", "src/dea/bench/")
+        assert not [name for name in inputs if name.startswith(truth)]
         assert any(name.startswith("src/dea/discrepancy/") for name in inputs)
         for secret in ("sealed", "commitment", *seeds):
             assert secret not in command

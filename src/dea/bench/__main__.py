@@ -19,15 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
-from dea.bench.configuration import Parameters, read_parameters, read_plain
-from dea.bench.converter import Converter
 from dea.bench.device import BenchDevice
-from dea.bench.hidden.trial import Trial
 from dea.bench.player import Player
-from dea.bench.rig import SAMPLE_PERIOD, Rig
 from dea.bench.server import BenchServer, serve
 from dea.errors import InputError
 from dea.modbus import Device, limit_counts, read_device
+from dea.plant import SAMPLE_PERIOD, Converter, Parameters, Rig, Trial, read_parameters, read_plain
 
 RAMP_RATE = 5.0  # V/s, of the ramp the device makes by itself when it is stopped
 

@@ -19,7 +19,7 @@ class State(IntEnum):
 
 
 class Plant(Protocol):
-    """What the device drives and measures; :class:`dea.bench.Rig` is one."""
+    """What the device drives and measures; :class:`dea.plant.Rig` is one."""
 
     def advance(self, output_counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Apply these counts, a sample each; return the applied and the displacement counts."""

@@ -17,7 +17,7 @@ def trial_draw(settings: Mapping[str, Any], bench: Path, sealed: Path, commitmen
     import json
 
     from dea import store
-    from dea.bench import draw_trial
+    from dea.plant import draw_trial
 
     sealed.mkdir(parents=True)
     committed = {}

@@ -21,8 +21,8 @@ def trial_score(
     import json
 
     from dea import store, trials
-    from dea.bench import Trial
     from dea.discrepancy import catalogue, read_verdict
+    from dea.plant import Trial
 
     family = {name: str(effect.family) for name, effect in catalogue().items()}
     labels, said = {}, {}

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import yaml
 
-from dea.bench.amplifier import Amplifier
-from dea.bench.converter import Converter
-from dea.bench.membrane import Film
-from dea.bench.ranges import LISTS, ORDERED, SECTIONS, Range
-from dea.bench.sensor import Sensor
 from dea.errors import InputError
+from dea.plant.amplifier import Amplifier
+from dea.plant.converter import Converter
+from dea.plant.film import Film
+from dea.plant.ranges import LISTS, ORDERED, SECTIONS, Range
+from dea.plant.sensor import Sensor
 
 
 @dataclass(frozen=True)

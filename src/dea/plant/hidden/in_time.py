@@ -2,10 +2,13 @@
 
 import numpy as np
 from numba import njit
+from numpy.random import Generator
 
-from dea.bench import forces
-from dea.bench.hidden.effect import Array, Conditions, Effect, Law, Stage
-from dea.bench.membrane import SUBSTEP
+from dea.plant import forces
+from dea.plant.film import SUBSTEP
+from dea.plant.hidden.effect import Conditions, EffectKind
+from dea.plant.rig import Law
+from dea.plant.signal_law import Array, SignalLaw
 
 PORT = "parameter in time"
 SATURATING, ROOT, LOGISTIC, SWELL = range(4)
@@ -31,11 +34,11 @@ def _drifting_gain(c: Array, m: Array, u: Array) -> None:
         m[0] += 1.0
 
 
-def gain_drift(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def gain_drift(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a gain that changes by a share ``size``, up or down, along one of four courses."""
     shape = float(rng.integers(4))
     place = rng.uniform(0.25, 0.6) * conditions.duration
-    return Stage(_drifting_gain, [size * _sign(size, rng), shape, place])
+    return SignalLaw(_drifting_gain, [size * _sign(size, rng), shape, place])
 
 
 @njit(cache=True)
@@ -45,12 +48,12 @@ def _drifting_offset(c: Array, m: Array, y: Array) -> None:
         m[0] += 1.0
 
 
-def baseline_drift(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def baseline_drift(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a mount that moves by ``size`` travels along one of four courses."""
     shape = float(rng.integers(4))
     place = rng.uniform(0.25, 0.6) * conditions.duration
     change = size * conditions.travel * rng.choice([-1.0, 1.0])
-    return Stage(_drifting_offset, [change, shape, place], output=True)
+    return SignalLaw(_drifting_offset, [change, shape, place], output=True)
 
 
 @njit(cache=True)
@@ -61,7 +64,7 @@ def _stepping_gain(c: Array, m: Array, u: Array) -> None:
         m[0] += 1.0
 
 
-def step_fault(size: float, conditions: Conditions, rng: np.random.Generator) -> Law:
+def step_fault(size: float, conditions: Conditions, rng: Generator) -> Law:
     """Hide a sudden change of the gain or the stiffness by a share ``size``.
 
     It takes a fraction of a second, somewhere in the middle of the experiment.
@@ -70,18 +73,18 @@ def step_fault(size: float, conditions: Conditions, rng: np.random.Generator) ->
     rise = rng.uniform(0.02, 0.15)
     change = size * _sign(size, rng)
     if rng.random() < 0.5:
-        return Stage(_stepping_gain, [change, time, rise])
+        return SignalLaw(_stepping_gain, [change, time, rise])
     constants = np.array([0.5 * change * conditions.stiffness, time, rise])
     return forces.ForceLaw(forces.STIFFNESS_STEP, constants, np.zeros(1))
 
 
-def _sign(size: float, rng: np.random.Generator) -> float:
+def _sign(size: float, rng: Generator) -> float:
     """Down or up; a loss of more than half the gain would leave little to see."""
     return float(rng.choice([-1.0, 1.0])) if size < 0.5 else 1.0
 
 
 EFFECTS = (
-    Effect("gain_drift", PORT, 0.002, 1.0, "1", gain_drift),
-    Effect("baseline_drift", PORT, 0.005, 2.0, "1", baseline_drift),
-    Effect("step_fault", PORT, 0.002, 1.0, "1", step_fault),
+    EffectKind("gain_drift", PORT, 0.002, 1.0, "1", gain_drift),
+    EffectKind("baseline_drift", PORT, 0.005, 2.0, "1", baseline_drift),
+    EffectKind("step_fault", PORT, 0.002, 1.0, "1", step_fault),
 )

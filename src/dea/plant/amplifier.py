@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dea.bench.membrane import SUBSTEP
+from dea.plant.film import SUBSTEP
 
 
 class Amplifier(NamedTuple):

@@ -2,9 +2,11 @@
 
 import numpy as np
 from numba import njit
+from numpy.random import Generator
 
-from dea.bench.hidden.effect import Array, Conditions, Effect, Stage
-from dea.bench.membrane import SUBSTEP
+from dea.plant.film import SUBSTEP
+from dea.plant.hidden.effect import Conditions, EffectKind
+from dea.plant.signal_law import Array, SignalLaw
 
 PORT = "input path"
 
@@ -19,14 +21,14 @@ def _soft_threshold(c: Array, m: Array, u: Array) -> None:
         u[k] = slope * knee * soft
 
 
-def dead_zone(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def dead_zone(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a threshold that lies ``size`` of the range above the lowest command.
 
     The gain above it is such that the highest command still passes whole.
     """
     threshold = conditions.low + size * (conditions.high - conditions.low)
     slope = conditions.high / (conditions.high - threshold)
-    return Stage(_soft_threshold, [threshold, rng.uniform(0.03, 0.12), slope])
+    return SignalLaw(_soft_threshold, [threshold, rng.uniform(0.03, 0.12), slope])
 
 
 @njit(cache=True)
@@ -37,10 +39,10 @@ def _soft_ceiling(c: Array, m: Array, u: Array) -> None:
         u[k] /= (1.0 + (max(u[k], 0.0) / limit) ** power) ** (1.0 / power)
 
 
-def input_saturation(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def input_saturation(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a ceiling that lies ``size`` of the range below the highest command."""
     limit = conditions.high - size * (conditions.high - conditions.low)
-    return Stage(_soft_ceiling, [limit, rng.uniform(14.0, 30.0)])
+    return SignalLaw(_soft_ceiling, [limit, rng.uniform(14.0, 30.0)])
 
 
 @njit(cache=True)
@@ -56,11 +58,11 @@ def _soft_rate(c: Array, m: Array, u: Array) -> None:
         u[k] = m[1]
 
 
-def slew_limit(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def slew_limit(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide rate limits of about 1/``size`` ranges a second."""
     rate = (conditions.high - conditions.low) / size
     asymmetry = rng.uniform(0.8, 1.25)
-    return Stage(_soft_rate, [rate * asymmetry, rate / asymmetry, 0.004], [0.0, 0.0])
+    return SignalLaw(_soft_rate, [rate * asymmetry, rate / asymmetry, 0.004], [0.0, 0.0])
 
 
 @njit(cache=True)
@@ -77,9 +79,9 @@ def _delay_line(c: Array, m: Array, u: Array) -> None:
     m[0] = place
 
 
-def transport_delay(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def transport_delay(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a pure delay of ``size`` seconds, to a millisecond."""
-    return Stage(_delay_line, [0.0], np.zeros(2 + max(round(size / SUBSTEP), 1)))
+    return SignalLaw(_delay_line, [0.0], np.zeros(2 + max(round(size / SUBSTEP), 1)))
 
 
 @njit(cache=True)
@@ -105,12 +107,12 @@ def _ladder(c: Array, m: Array, u: Array) -> None:
         u[k] = np.mean(m[1:])
 
 
-def electrode_lag(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def electrode_lag(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide electrodes along which the voltage diffuses within about ``size`` seconds."""
     rungs = 6
     rate = rungs**2 * SUBSTEP / (3.0 * size)
     steps = int(np.ceil(rate / 0.25))
-    return Stage(_ladder, [rate / steps, steps], np.zeros(1 + rungs))
+    return SignalLaw(_ladder, [rate / steps, steps], np.zeros(1 + rungs))
 
 
 @njit(cache=True)
@@ -126,17 +128,17 @@ def _space_charge(c: Array, m: Array, u: Array) -> None:
         u[k] = field
 
 
-def charge_leakage(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def charge_leakage(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide conduction that takes a share ``size`` of a sustained voltage away."""
     constants = [size, rng.uniform(1.0, 6.0), rng.uniform(0.3, 1.0), conditions.high]
-    return Stage(_space_charge, constants, [0.0, 0.0])
+    return SignalLaw(_space_charge, constants, [0.0, 0.0])
 
 
 EFFECTS = (
-    Effect("dead_zone", PORT, 0.04, 0.5, "1", dead_zone),
-    Effect("input_saturation", PORT, 0.02, 0.45, "1", input_saturation),
-    Effect("slew_limit", PORT, 0.05, 6.0, "s", slew_limit),
-    Effect("transport_delay", PORT, 0.004, 0.6, "s", transport_delay),
-    Effect("electrode_lag", PORT, 0.01, 1.0, "s", electrode_lag),
-    Effect("charge_leakage", PORT, 0.005, 0.6, "1", charge_leakage),
+    EffectKind("dead_zone", PORT, 0.04, 0.5, "1", dead_zone),
+    EffectKind("input_saturation", PORT, 0.02, 0.45, "1", input_saturation),
+    EffectKind("slew_limit", PORT, 0.05, 6.0, "s", slew_limit),
+    EffectKind("transport_delay", PORT, 0.004, 0.6, "s", transport_delay),
+    EffectKind("electrode_lag", PORT, 0.01, 1.0, "s", electrode_lag),
+    EffectKind("charge_leakage", PORT, 0.005, 0.6, "1", charge_leakage),
 )

@@ -1,4 +1,4 @@
-"""One actuator on the bench, from output counts to displacement counts."""
+"""One actuator and its instruments, from output counts to displacement counts."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,18 +7,21 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.bench import membrane
-from dea.bench.amplifier import amplify
-from dea.bench.configuration import Parameters, read_parameters
-from dea.bench.forces import ForceLaw, stack
-from dea.bench.hidden import Law, Stage
-from dea.bench.history import History
-from dea.bench.sensor import butterworth, low_pass, settled
 from dea.errors import InputError
+from dea.plant.amplifier import amplify
+from dea.plant.film import FAULT, SUBSTEP, Y, capacitance, rest
+from dea.plant.film import advance as advance_film
+from dea.plant.forces import ForceLaw, stack
+from dea.plant.history import History
+from dea.plant.parameters import Parameters, read_parameters
+from dea.plant.sensor import butterworth, low_pass, settled
+from dea.plant.signal_law import SignalLaw
 from dea.seeds import generator
 
+Law = SignalLaw | ForceLaw
+
 SAMPLE_PERIOD = 0.02  # s
-SUBSTEPS = round(SAMPLE_PERIOD / membrane.SUBSTEP)
+SUBSTEPS = round(SAMPLE_PERIOD / SUBSTEP)
 
 
 class Rig:
@@ -43,7 +46,7 @@ class Rig:
         self._parameters = parameters
         self._noise = generator(seed, "bench", "noise")
         self._branches = np.ones((film.branch_modulus.size, 2))
-        start = membrane.rest(film, self._branches, parameters.rest)
+        start = rest(film, self._branches, parameters.rest)
         if not np.isfinite(start):
             raise InputError(
                 "the film does not carry the mass",
@@ -51,13 +54,13 @@ class Rig:
                 remedy="Lower the mass or stiffen the film.",
             )
         self._forces = stack([law for law in effects if isinstance(law, ForceLaw)])
-        stages = [law for law in effects if isinstance(law, Stage)]
-        self._input_stages = [stage for stage in stages if not stage.output]
-        self._output_stages = [stage for stage in stages if stage.output]
+        on_signals = [law for law in effects if isinstance(law, SignalLaw)]
+        self._input_laws = [law for law in on_signals if not law.output]
+        self._output_laws = [law for law in on_signals if law.output]
         self._state = np.zeros(5)
-        self._state[membrane.Y] = start
+        self._state[Y] = start
         self._output = np.zeros(1)
-        self._load = membrane.capacitance(film, start)
+        self._load = capacitance(film, start)
         if parameters.sensor.cutoff < np.inf:
             self._filter = butterworth(parameters.sensor.cutoff)
             self._memory = settled(self._filter, start)
@@ -71,7 +74,7 @@ class Rig:
         Raises
         ------
         InputError
-            As :func:`dea.bench.configuration.read_parameters`.
+            As :func:`dea.plant.parameters.read_parameters`.
         """
         return cls(read_parameters(path, actuator), seed)
 
@@ -83,7 +86,7 @@ class Rig:
     @property
     def fault(self) -> int:
         """0 while the film is whole, 1 after pull-in, 2 after electrical breakdown; latched."""
-        return int(self._state[membrane.FAULT])
+        return int(self._state[FAULT])
 
     def zero(self) -> None:
         """Take the output to 0 V at once; the film follows as time passes."""
@@ -128,13 +131,13 @@ class Rig:
         """Return displacement and film voltage at every sub-step, and a reading per sample."""
         parameters = self._parameters
         command = np.repeat(parameters.output_converter.to_values(applied), SUBSTEPS)
-        for stage in self._input_stages:
-            stage.advance(command)
+        for law in self._input_laws:
+            law.advance(command)
         supply = np.empty_like(command)
         amplify(parameters.amplifier, self._output, self._load, command, supply)
         displacement = np.empty_like(supply)
         film_voltage = np.empty_like(supply)
-        membrane.advance(
+        advance_film(
             parameters.film,
             self._branches,
             self._forces,
@@ -145,10 +148,10 @@ class Rig:
         )
         sensor = parameters.sensor
         reading = displacement
-        if self._output_stages:
+        if self._output_laws:
             reading = displacement.copy()
-            for stage in self._output_stages:
-                stage.advance(reading)
+            for law in self._output_laws:
+                law.advance(reading)
         reading = np.clip(reading, sensor.range_low, sensor.range_high)
         if sensor.cutoff < np.inf:
             low_pass(self._filter, self._memory, reading, reading)

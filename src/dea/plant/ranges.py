@@ -1,4 +1,4 @@
-"""What a bench's configuration may hold: every parameter's unit and the values that make sense."""
+"""The units and ranges of the parameters of the bench configuration."""
 
 from typing import NamedTuple
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.bench.configuration import Parameters
-from dea.bench.hidden.effect import Conditions, Law
-from dea.bench.membrane import tension
-from dea.bench.rig import SAMPLE_PERIOD, Rig
+from dea.plant.film import tension
+from dea.plant.hidden.effect import Conditions
+from dea.plant.parameters import Parameters
+from dea.plant.rig import SAMPLE_PERIOD, Law, Rig
 
 Array = NDArray[np.float64]
 

@@ -1,16 +1,17 @@
 """Effects that push on the mass besides the film and its dashpot."""
 
 import numpy as np
+from numpy.random import Generator
 
-from dea.bench import forces
-from dea.bench.forces import ForceLaw
-from dea.bench.hidden.effect import Conditions, Effect
-from dea.bench.membrane import SUBSTEP
+from dea.plant import forces
+from dea.plant.film import SUBSTEP
+from dea.plant.forces import ForceLaw
+from dea.plant.hidden.effect import Conditions, EffectKind
 
 PORT = "force balance"
 
 
-def viscoelastic_creep(size: float, conditions: Conditions, rng: np.random.Generator) -> ForceLaw:
+def viscoelastic_creep(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide power-law relaxation, t to the -``exponent``, of ``size`` film stiffnesses at 1 s.
 
     A spectrum of eighteen modes, three a decade from 0.03 s to 15 ks, follows the power law
@@ -27,9 +28,7 @@ def viscoelastic_creep(size: float, conditions: Conditions, rng: np.random.Gener
     return ForceLaw(forces.POWER_LAW_CREEP, np.concatenate([[float(times.size)], pairs]), memory)
 
 
-def rate_independent_hysteresis(
-    size: float, conditions: Conditions, rng: np.random.Generator
-) -> ForceLaw:
+def rate_independent_hysteresis(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide loops with memory of every reversal that still matters, stiffer at the ends.
 
     The initial stiffness is ``size`` film stiffnesses (Masing's rule with Preisach's memory).
@@ -48,7 +47,7 @@ def rate_independent_hysteresis(
     return ForceLaw(forces.MASING_HYSTERESIS, constants, memory)
 
 
-def coulomb_friction(size: float, conditions: Conditions, rng: np.random.Generator) -> ForceLaw:
+def coulomb_friction(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide friction of ``size`` times the largest film force, after LuGre.
 
     Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995: bristles that bend by two
@@ -62,7 +61,7 @@ def coulomb_friction(size: float, conditions: Conditions, rng: np.random.Generat
     return ForceLaw(forces.LUGRE_FRICTION, constants, np.zeros(1))
 
 
-def strain_stiffening(size: float, conditions: Conditions, rng: np.random.Generator) -> ForceLaw:
+def strain_stiffening(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide Fung's exponential, which reaches ``size`` of the largest film force at the top."""
     length = rng.uniform(0.2, 0.5) * conditions.travel
     reach = (conditions.top - conditions.bottom) / length
@@ -72,7 +71,7 @@ def strain_stiffening(size: float, conditions: Conditions, rng: np.random.Genera
     )
 
 
-def cyclic_softening(size: float, conditions: Conditions, rng: np.random.Generator) -> ForceLaw:
+def cyclic_softening(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide the loss of a share ``size`` of the stiffness with the path travelled.
 
     A stretched exponential in the accumulated path, as damage in filled rubber.
@@ -82,7 +81,7 @@ def cyclic_softening(size: float, conditions: Conditions, rng: np.random.Generat
     return ForceLaw(forces.PATH_SOFTENING, constants, np.zeros(1))
 
 
-def second_mode(size: float, conditions: Conditions, rng: np.random.Generator) -> ForceLaw:
+def second_mode(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide a second mass on a hardening spring of ``size`` film stiffnesses, at 0.6 to 2 Hz."""
     angular = 2.0 * np.pi * rng.uniform(0.6, 2.0)
     spring = size * conditions.stiffness
@@ -92,7 +91,7 @@ def second_mode(size: float, conditions: Conditions, rng: np.random.Generator) -
     return ForceLaw(forces.ATTACHED_MASS, constants, np.array([conditions.rest, 0.0]))
 
 
-def end_stop(size: float, conditions: Conditions, rng: np.random.Generator) -> ForceLaw:
+def end_stop(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide a stop that lies ``size`` of the travel below the top, by Hertz with loss.
 
     Hunt and Crossley, J. Appl. Mech. 42, 1975.
@@ -105,11 +104,11 @@ def end_stop(size: float, conditions: Conditions, rng: np.random.Generator) -> F
 
 
 EFFECTS = (
-    Effect("viscoelastic_creep", PORT, 0.005, 1.0, "1", viscoelastic_creep),
-    Effect("rate_independent_hysteresis", PORT, 0.005, 3.0, "1", rate_independent_hysteresis),
-    Effect("coulomb_friction", PORT, 0.002, 0.15, "1", coulomb_friction),
-    Effect("strain_stiffening", PORT, 0.01, 4.0, "1", strain_stiffening),
-    Effect("cyclic_softening", PORT, 0.002, 0.6, "1", cyclic_softening),
-    Effect("second_mode", PORT, 0.002, 2.0, "1", second_mode),
-    Effect("end_stop", PORT, 0.02, 0.7, "1", end_stop),
+    EffectKind("viscoelastic_creep", PORT, 0.005, 1.0, "1", viscoelastic_creep),
+    EffectKind("rate_independent_hysteresis", PORT, 0.005, 3.0, "1", rate_independent_hysteresis),
+    EffectKind("coulomb_friction", PORT, 0.002, 0.15, "1", coulomb_friction),
+    EffectKind("strain_stiffening", PORT, 0.01, 4.0, "1", strain_stiffening),
+    EffectKind("cyclic_softening", PORT, 0.002, 0.6, "1", cyclic_softening),
+    EffectKind("second_mode", PORT, 0.002, 2.0, "1", second_mode),
+    EffectKind("end_stop", PORT, 0.02, 0.7, "1", end_stop),
 )

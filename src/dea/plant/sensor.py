@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.bench.membrane import SUBSTEP
+from dea.plant.film import SUBSTEP
 
 
 class Sensor(NamedTuple):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from dea.bench import membrane
-from dea.bench.configuration import read_parameters
-from dea.bench.forces import stack
+from dea.plant import film as dynamics
+from dea.plant.forces import stack
+from dea.plant.parameters import read_parameters
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 PERFECT_ELECTRODES = {"electrode_resistance": 1.0, "leak_resistance": 1e18}
@@ -29,9 +29,9 @@ def nominal(**changes):
 def run(film, supply, rest=600.0):
     branches = np.ones((film.branch_modulus.size, 2))
     state = np.zeros(5)
-    state[membrane.Y] = membrane.rest(film, branches, rest)
+    state[dynamics.Y] = dynamics.rest(film, branches, rest)
     displacement, voltage = np.empty_like(supply), np.empty_like(supply)
-    membrane.advance(film, branches, stack([]), state, supply, displacement, voltage)
+    dynamics.advance(film, branches, stack([]), state, supply, displacement, voltage)
     return displacement, voltage, state
 
 
@@ -82,18 +82,18 @@ def test_three_kilovolts_after_ten_minutes_of_rest(prestretch, after_1_s, after_
     response = 1e3 * (displacement - displacement[0])
     assert response[1000] == pytest.approx(after_1_s, abs=0.01)
     assert response[-1] == pytest.approx(after_1800_s, abs=0.03)
-    assert state[membrane.FAULT] == membrane.WHOLE
+    assert state[dynamics.FAULT] == dynamics.WHOLE
 
 
 def test_field_capacitance_and_resonance_are_those_of_such_films():
     film = nominal(**PERFECT_ELECTRODES)
     displacement, _, _ = run(film, np.zeros(1))
     branches = np.ones((3, 2))
-    y = membrane.rest(film, branches, 600.0)
+    y = dynamics.rest(film, branches, 600.0)
     assert y == displacement[0]
-    assert 3000.0 / membrane.thickness(film, y) == pytest.approx(38e6, rel=0.02)
-    assert membrane.capacitance(film, y) == pytest.approx(0.62e-9, rel=0.01)
-    force = [membrane.tension(film, branches, y + step, 0.0, 1.0) for step in (-1e-6, 1e-6)]
+    assert 3000.0 / dynamics.thickness(film, y) == pytest.approx(38e6, rel=0.02)
+    assert dynamics.capacitance(film, y) == pytest.approx(0.62e-9, rel=0.01)
+    force = [dynamics.tension(film, branches, y + step, 0.0, 1.0) for step in (-1e-6, 1e-6)]
     stiffness = (force[1] - force[0]) / 2e-6
     assert np.sqrt(stiffness / film.mass) / (2 * np.pi) == pytest.approx(21.0, rel=0.02)
 
@@ -118,7 +118,7 @@ def test_the_stepping_agrees_with_an_independent_integration(changes):
     supply = np.repeat(levels, 500)
     start = run(film, np.zeros(1), rest=60.0)[0][0]
     branches = np.ones((3, 2))
-    membrane.rest(film, branches, 60.0)
+    dynamics.rest(film, branches, 60.0)
     stepped, voltage, _ = run(film, supply, rest=60.0)
 
     rates = derivative(film, lambda t: levels[min(int(t / 0.5), 3)], hours=0.0)
@@ -141,9 +141,9 @@ def test_the_stepping_agrees_with_an_independent_integration(changes):
 def test_rest_agrees_with_a_stiff_solver():
     film = nominal()
     branches = np.ones((3, 2))
-    y = membrane.rest(film, branches, 5000.0)
+    y = dynamics.rest(film, branches, 5000.0)
     rates = derivative(film, lambda t: 0.0, hours=0.0)
-    start = [membrane.equilibrium(film, np.ones((3, 2))), 0.0, 0.0, *np.ones(6)]
+    start = [dynamics.equilibrium(film, np.ones((3, 2))), 0.0, 0.0, *np.ones(6)]
     unaged = solve_ivp(rates, (0.0, 5000.0), start, "LSODA", rtol=1e-9, atol=1e-13).y[:, -1]
     assert y == pytest.approx(unaged[0], rel=1e-4)
     np.testing.assert_allclose(branches**-0.5, unaged[3:].reshape(3, 2), rtol=1e-4)
@@ -167,7 +167,7 @@ def test_too_much_voltage_pulls_the_film_in_and_shorts_it_for_good():
     film = nominal(prestretch=3.2)
     supply = np.concatenate([np.full(5000, 6000.0), np.full(5000, 3000.0)])
     displacement, voltage, state = run(film, supply)
-    assert state[membrane.FAULT] == membrane.PULLED_IN
+    assert state[dynamics.FAULT] == dynamics.PULLED_IN
     assert np.isfinite(displacement).all()
     assert voltage[-5000:].max() == 0.0
 
@@ -175,11 +175,11 @@ def test_too_much_voltage_pulls_the_film_in_and_shorts_it_for_good():
 def test_a_thin_spot_breaks_down_before_it_is_pulled_in():
     film = nominal(breakdown_field=30e6)
     displacement, voltage, state = run(film, np.full(2000, 3000.0))
-    assert state[membrane.FAULT] == membrane.BROKEN_DOWN
+    assert state[dynamics.FAULT] == dynamics.BROKEN_DOWN
     assert np.isfinite(displacement).all()
     assert voltage[-1] == 0.0
 
 
 def test_a_film_too_weak_for_its_mass_is_reported():
     film = nominal(mass=1.0)
-    assert np.isnan(membrane.rest(film, np.ones((3, 2)), 600.0))
+    assert np.isnan(dynamics.rest(film, np.ones((3, 2)), 600.0))

@@ -4,14 +4,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.random import Generator
 
 from dea import signals
-from dea.bench.configuration import read_plain
-from dea.bench.hidden import EFFECTS, Conditions, Effect, Law
-from dea.bench.hidden.outside import PORT as OUTSIDE
-from dea.bench.hidden.refit import Yardstick
-from dea.bench.hidden.trial import HiddenEffect, Trial
-from dea.bench.rig import SAMPLE_PERIOD
+from dea.plant.hidden.catalogue import EFFECTS
+from dea.plant.hidden.effect import Conditions, EffectKind
+from dea.plant.hidden.outside import PORT as OUTSIDE
+from dea.plant.hidden.refit import Yardstick
+from dea.plant.hidden.trial import HiddenEffect, Trial
+from dea.plant.parameters import read_plain
+from dea.plant.rig import SAMPLE_PERIOD, Law
 from dea.seeds import generator
 
 WEAKEST, STRONGEST = 3.0, 30.0  # RMS residual of the refitted plain actuator over RMS noise
@@ -45,7 +47,7 @@ def schedule(seed: int, trials: int) -> list[tuple[str, ...]]:
     return [tuple(str(name) for name in drawn) for drawn in names[:trials]]
 
 
-def _draw_pair(rng: np.random.Generator) -> tuple[str, ...]:
+def _draw_pair(rng: Generator) -> tuple[str, ...]:
     while True:
         pair = tuple(str(name) for name in rng.choice(_INSIDE, 2, replace=False))
         if not any(kind.issuperset(pair) for kind in _ALIKE):
@@ -67,9 +69,7 @@ def draw(config: Path, seed: int, index: int) -> Trial:
     return trial
 
 
-def _attempt(
-    config: Path, name: str, names: tuple[str, ...], rng: np.random.Generator
-) -> Trial | None:
+def _attempt(config: Path, name: str, names: tuple[str, ...], rng: Generator) -> Trial | None:
     plain = read_plain(config).film
     film = {
         key: getattr(plain, key) * np.exp(spread * rng.uniform(-1.0, 1.0))
@@ -116,7 +116,7 @@ def _laws(effects: list[HiddenEffect], conditions: Conditions) -> list[Law]:
     return [effect.law(conditions) for effect in effects]
 
 
-def _sized(effect: Effect, yardstick: Yardstick, rng: np.random.Generator) -> HiddenEffect | None:
+def _sized(effect: EffectKind, yardstick: Yardstick, rng: Generator) -> HiddenEffect | None:
     """Return the effect at a size of the drawn strength; None where no size is within limits."""
     target = float(np.exp(rng.uniform(np.log(WEAKEST), np.log(STRONGEST))))
     seed = int(rng.integers(2**31))
@@ -138,7 +138,7 @@ def _sized(effect: Effect, yardstick: Yardstick, rng: np.random.Generator) -> Hi
     return None
 
 
-def _search(strength: Any, effect: Effect, aim: float) -> float:
+def _search(strength: Any, effect: EffectKind, aim: float) -> float:
     """Return the size in the effect's range whose strength is nearest to ``aim``, by bisection."""
     low, high = np.log(effect.smallest), np.log(effect.largest)
     size = 0.5 * (low + high)
@@ -151,7 +151,7 @@ def _search(strength: Any, effect: Effect, aim: float) -> float:
     return float(np.exp(size))
 
 
-def _draw_excitation(rng: np.random.Generator) -> dict[str, Any]:
+def _draw_excitation(rng: Generator) -> dict[str, Any]:
     """Draw the arguments of an excitation's design."""
     settings: dict[str, dict[str, float]] = {
         "gaussian": {"band": rng.uniform(0.5, 1.0)},

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from scipy import signal
 
 from dea import signals
-from dea.bench import Rig
-from dea.bench.amplifier import Amplifier, amplify
-from dea.bench.configuration import read_parameters, read_plain
-from dea.bench.converter import Converter
-from dea.bench.sensor import butterworth, low_pass, settled
 from dea.errors import InputError
+from dea.plant import Rig
+from dea.plant.amplifier import Amplifier, amplify
+from dea.plant.converter import Converter
+from dea.plant.parameters import read_parameters, read_plain
+from dea.plant.sensor import butterworth, low_pass, settled
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 ACTUATORS = list(yaml.safe_load(CONFIG.read_text())["actuators"])

@@ -12,7 +12,7 @@ radius a and a frame of radius b = a + L::
 W is Yeoh's strain energy (Yeoh, Rubber Chem. Technol. 66, 1993), the branches are Maxwell elements
 with strain-like internal variables (Reese and Govindjee, Int. J. Solids Struct. 35, 1998), the
 electrostatic stress is Suo's (Acta Mech. Solida Sin. 23, 2010). ξ₂ follows (M4) with the
-directions swapped. F is what other forces resist with (:mod:`dea.bench.forces`), zero for a film
+directions swapped. F is what other forces resist with (:mod:`dea.plant.forces`), zero for a film
 as it should be. Everything is in SI units.
 """
 
@@ -22,7 +22,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.bench.forces import remember, resistance
+from dea.plant.forces import remember, resistance
 
 EPSILON_0 = 8.8541878128e-12  # F/m
 GRAVITY = 9.80665  # m/s²

@@ -1,4 +1,4 @@
-"""What the bench knows it applied and measured, sample by sample."""
+"""What the rig applied and measured, sample by sample."""
 
 import numpy as np
 from numpy.typing import NDArray

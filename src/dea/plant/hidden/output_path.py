@@ -2,9 +2,11 @@
 
 import numpy as np
 from numba import njit
+from numpy.random import Generator
 
-from dea.bench.hidden.effect import Array, Conditions, Effect, Stage
-from dea.bench.membrane import SUBSTEP
+from dea.plant.film import SUBSTEP
+from dea.plant.hidden.effect import Conditions, EffectKind
+from dea.plant.signal_law import Array, SignalLaw
 
 PORT = "output path"
 
@@ -22,11 +24,11 @@ def _third_order(c: Array, m: Array, y: Array) -> None:
         y[k] = m[3]
 
 
-def sensor_lag(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def sensor_lag(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a third-order sensor whose delay at low frequency is ``size`` seconds."""
     damping, behind = rng.uniform(0.5, 1.3), rng.uniform(0.1, 0.4) * size
     constants = [2.0 * damping / (size - behind), damping, behind]
-    return Stage(_third_order, constants, np.zeros(4), output=True)
+    return SignalLaw(_third_order, constants, np.zeros(4), output=True)
 
 
 @njit(cache=True)
@@ -39,10 +41,11 @@ def _soft_limit(c: Array, m: Array, y: Array) -> None:
         y[k] -= knee * swallowed
 
 
-def output_saturation(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def output_saturation(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a reading that ends ``size`` of the travel below the top."""
     limit = conditions.top - size * conditions.travel
-    return Stage(_soft_limit, [limit, rng.uniform(0.005, 0.02) * conditions.travel], output=True)
+    knee = rng.uniform(0.005, 0.02) * conditions.travel
+    return SignalLaw(_soft_limit, [limit, knee], output=True)
 
 
 @njit(cache=True)
@@ -62,17 +65,17 @@ def _ripple(c: Array, m: Array, y: Array) -> None:
         y[k] += height * np.sin(2.0 * np.pi * y[k] / period + phase)
 
 
-def sensor_nonlinearity(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def sensor_nonlinearity(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a folded or rippled reading: ``size`` of the travel is folded, or the ripple's height.
 
     The fold turns readings below a place into readings above it.
     """
     if rng.random() < 0.5:
         place = conditions.bottom + min(size, 0.7) * conditions.travel
-        return Stage(_fold, [place, 0.01 * conditions.travel], output=True)
+        return SignalLaw(_fold, [place, 0.01 * conditions.travel], output=True)
     height = 0.3 * size * conditions.travel
     period = rng.uniform(0.35, 0.7) * conditions.travel
-    return Stage(_ripple, [height, period, rng.uniform(0.0, 2.0 * np.pi)], output=True)
+    return SignalLaw(_ripple, [height, period, rng.uniform(0.0, 2.0 * np.pi)], output=True)
 
 
 @njit(cache=True)
@@ -87,7 +90,7 @@ def _wobble(c: Array, m: Array, y: Array) -> None:
         m[0] += 1.0
 
 
-def periodic_disturbance(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def periodic_disturbance(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a machine nearby that shakes the mount by ``size`` travels, harmonics and all."""
     constants = [
         size * conditions.travel,
@@ -98,12 +101,12 @@ def periodic_disturbance(size: float, conditions: Conditions, rng: np.random.Gen
         rng.uniform(0.0, 0.5),
         rng.uniform(0.5, 2.0) / conditions.duration,
     ]
-    return Stage(_wobble, constants, output=True)
+    return SignalLaw(_wobble, constants, output=True)
 
 
 EFFECTS = (
-    Effect("sensor_lag", PORT, 0.01, 1.0, "s", sensor_lag),
-    Effect("output_saturation", PORT, 0.02, 0.7, "1", output_saturation),
-    Effect("sensor_nonlinearity", PORT, 0.005, 1.0, "1", sensor_nonlinearity),
-    Effect("periodic_disturbance", PORT, 0.002, 1.0, "1", periodic_disturbance),
+    EffectKind("sensor_lag", PORT, 0.01, 1.0, "s", sensor_lag),
+    EffectKind("output_saturation", PORT, 0.02, 0.7, "1", output_saturation),
+    EffectKind("sensor_nonlinearity", PORT, 0.005, 1.0, "1", sensor_nonlinearity),
+    EffectKind("periodic_disturbance", PORT, 0.002, 1.0, "1", periodic_disturbance),
 )

@@ -7,10 +7,11 @@ from typing import Any, Self
 
 import numpy as np
 
-from dea.bench.configuration import read_plain
-from dea.bench.hidden import EFFECTS, Conditions, Law
-from dea.bench.rig import Rig
 from dea.errors import InputError
+from dea.plant.hidden.catalogue import EFFECTS
+from dea.plant.hidden.effect import Conditions
+from dea.plant.parameters import read_plain
+from dea.plant.rig import Law, Rig
 
 
 @dataclass(frozen=True)

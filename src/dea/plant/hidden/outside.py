@@ -2,11 +2,13 @@
 
 import numpy as np
 from numba import njit
+from numpy.random import Generator
 
-from dea.bench import forces
-from dea.bench.forces import ForceLaw
-from dea.bench.hidden.effect import Array, Conditions, Effect, Stage
-from dea.bench.membrane import SUBSTEP
+from dea.plant import forces
+from dea.plant.film import SUBSTEP
+from dea.plant.forces import ForceLaw
+from dea.plant.hidden.effect import Conditions, EffectKind
+from dea.plant.signal_law import Array, SignalLaw
 
 PORT = "outside"
 
@@ -21,10 +23,10 @@ def _self_heating(c: Array, m: Array, u: Array) -> None:
         m[0] += SUBSTEP / time * (drive - m[0])
 
 
-def thermal_feedback(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def thermal_feedback(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a gain that follows the warmth left by the squared command, non-linearly."""
     change = size if rng.random() < 0.5 else -min(size, 0.9)
-    return Stage(
+    return SignalLaw(
         _self_heating, [change, rng.uniform(8.0, 30.0), rng.uniform(1.5, 3.0), conditions.high]
     )
 
@@ -40,9 +42,9 @@ def _stick(c: Array, m: Array, y: Array) -> None:
         y[k] = m[1]
 
 
-def sticking_sensor(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def sticking_sensor(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a reading that sticks until it is ``size`` travels wrong, then jumps."""
-    return Stage(_stick, [size * conditions.travel], [0.0, 0.0], output=True)
+    return SignalLaw(_stick, [size * conditions.travel], [0.0, 0.0], output=True)
 
 
 @njit(cache=True)
@@ -55,10 +57,10 @@ def _telegraph(c: Array, m: Array, u: Array) -> None:
         m[0] += 1.0
 
 
-def telegraph_contact(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def telegraph_contact(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a contact that fails at random times for random whiles, taking ``size`` of the gain."""
     whiles = rng.exponential(rng.uniform(1.0, 6.0), 2 * int(conditions.duration))
-    return Stage(_telegraph, np.concatenate([[1.0 - min(size, 1.0)], np.cumsum(whiles)]))
+    return SignalLaw(_telegraph, np.concatenate([[1.0 - min(size, 1.0)], np.cumsum(whiles)]))
 
 
 @njit(cache=True)
@@ -76,10 +78,10 @@ def _loaded_delay(c: Array, m: Array, u: Array) -> None:
         m[0] += 1.0
 
 
-def input_dependent_delay(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def input_dependent_delay(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a delay from none at the lowest command to ``size`` seconds at the highest."""
     ring = np.zeros(2 + int(np.ceil(size / SUBSTEP)))
-    return Stage(_loaded_delay, [size, conditions.low, conditions.high], np.append(0.0, ring))
+    return SignalLaw(_loaded_delay, [size, conditions.low, conditions.high], np.append(0.0, ring))
 
 
 @njit(cache=True)
@@ -93,10 +95,10 @@ def _dropouts(c: Array, m: Array, y: Array) -> None:
         m[0] += 1.0
 
 
-def held_samples(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def held_samples(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide gaps of about ``size`` seconds, every few seconds, in which the reading is frozen."""
     gaps = rng.exponential([rng.uniform(2.0, 8.0), size], (int(conditions.duration), 2))
-    return Stage(_dropouts, np.cumsum(gaps.ravel()), [0.0, 0.0], output=True)
+    return SignalLaw(_dropouts, np.cumsum(gaps.ravel()), [0.0, 0.0], output=True)
 
 
 @njit(cache=True)
@@ -110,11 +112,11 @@ def _bursts(c: Array, m: Array, y: Array) -> None:
         m[0] += 1.0
 
 
-def noise_bursts(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def noise_bursts(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide bursts of noise, ``size`` travels tall, that come and go."""
     noise = rng.standard_normal(20_000)
     clock = [size * conditions.travel, rng.uniform(5.0, 20.0), rng.uniform(0.1, 0.4)]
-    return Stage(_bursts, np.concatenate([clock, noise]), output=True)
+    return SignalLaw(_bursts, np.concatenate([clock, noise]), output=True)
 
 
 @njit(cache=True)
@@ -126,10 +128,10 @@ def _modulate(c: Array, m: Array, u: Array) -> None:
         m[0] += 1.0
 
 
-def modulated_gain(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def modulated_gain(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a supply that modulates the gain by a share ``size``, at 0.3 to 5 Hz."""
     constants = [size, 10.0 ** rng.uniform(-0.5, 0.7), rng.uniform(0, 6.28), rng.uniform(0, 0.4)]
-    return Stage(_modulate, constants)
+    return SignalLaw(_modulate, constants)
 
 
 @njit(cache=True)
@@ -151,13 +153,13 @@ def _last_peak(c: Array, m: Array, u: Array) -> None:
         u[k] = now * np.sqrt(max(1.0 + change * share, 0.05))
 
 
-def peak_memory(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def peak_memory(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a gain that the last peak of the command sets, by up to a share ``size``."""
     change = size if rng.random() < 0.5 else -min(size, 0.9)
-    return Stage(_last_peak, [change, conditions.low, conditions.high], np.zeros(4))
+    return SignalLaw(_last_peak, [change, conditions.low, conditions.high], np.zeros(4))
 
 
-def bistable_snap(size: float, conditions: Conditions, rng: np.random.Generator) -> ForceLaw:
+def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide a buckled strip that pushes to and fro in the travel, ``size`` film forces strong."""
     force = size * conditions.stiffness * conditions.travel
     place = conditions.bottom + rng.uniform(0.3, 0.6) * conditions.travel
@@ -178,21 +180,21 @@ def _cross_talk(c: Array, m: Array, u: Array) -> None:
         m[0] += 1.0
 
 
-def hidden_input(size: float, conditions: Conditions, rng: np.random.Generator) -> Stage:
+def hidden_input(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a second, unmeasured input that multiplies the first, of RMS ``size``."""
     sines = np.column_stack([rng.uniform(0.02, 0.6, 8), rng.uniform(0.0, 2.0 * np.pi, 8)])
-    return Stage(_cross_talk, np.append(size, sines.ravel()))
+    return SignalLaw(_cross_talk, np.append(size, sines.ravel()))
 
 
 EFFECTS = (
-    Effect("thermal_feedback", PORT, 0.005, 1.5, "1", thermal_feedback),
-    Effect("sticking_sensor", PORT, 0.005, 0.7, "1", sticking_sensor),
-    Effect("telegraph_contact", PORT, 0.002, 0.9, "1", telegraph_contact),
-    Effect("input_dependent_delay", PORT, 0.01, 1.5, "s", input_dependent_delay),
-    Effect("held_samples", PORT, 0.05, 4.0, "s", held_samples),
-    Effect("noise_bursts", PORT, 0.003, 0.6, "1", noise_bursts),
-    Effect("modulated_gain", PORT, 0.002, 0.9, "1", modulated_gain),
-    Effect("peak_memory", PORT, 0.005, 1.5, "1", peak_memory),
-    Effect("bistable_snap", PORT, 0.005, 0.4, "1", bistable_snap),
-    Effect("hidden_input", PORT, 0.002, 0.4, "1", hidden_input),
+    EffectKind("thermal_feedback", PORT, 0.005, 1.5, "1", thermal_feedback),
+    EffectKind("sticking_sensor", PORT, 0.005, 0.7, "1", sticking_sensor),
+    EffectKind("telegraph_contact", PORT, 0.002, 0.9, "1", telegraph_contact),
+    EffectKind("input_dependent_delay", PORT, 0.01, 1.5, "s", input_dependent_delay),
+    EffectKind("held_samples", PORT, 0.05, 4.0, "s", held_samples),
+    EffectKind("noise_bursts", PORT, 0.003, 0.6, "1", noise_bursts),
+    EffectKind("modulated_gain", PORT, 0.002, 0.9, "1", modulated_gain),
+    EffectKind("peak_memory", PORT, 0.005, 1.5, "1", peak_memory),
+    EffectKind("bistable_snap", PORT, 0.005, 0.4, "1", bistable_snap),
+    EffectKind("hidden_input", PORT, 0.002, 0.4, "1", hidden_input),
 )

@@ -1,15 +1,12 @@
-"""What an effect is to the bench: a place, a range of sizes, and a way to build its law."""
+"""The kind of a hidden effect: a port, a range of sizes, and a way to build its law."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from numpy.random import Generator
 
-from dea.bench.forces import ForceLaw
-
-Array = NDArray[np.float64]
+from dea.plant.rig import Law
 
 
 class Conditions(NamedTuple):
@@ -35,37 +32,8 @@ class Conditions(NamedTuple):
         return self.top - self.bottom
 
 
-class Stage:
-    """A law on a signal at the sub-step rate: a kernel with its constants and its memory.
-
-    The kernel changes the signal in place and carries the memory, so that the outcome does not
-    depend on how the signal is cut. ``output`` says whether the signal is the measured
-    displacement (m) or the command before the amplifier (V).
-    """
-
-    def __init__(
-        self,
-        kernel: Callable[[Array, Array, Array], None],
-        constants: list[float] | Array,
-        memory: list[float] | Array = (0.0,),  # type: ignore[assignment]
-        *,
-        output: bool = False,
-    ) -> None:
-        self.output = output
-        self._kernel = kernel
-        self._constants = np.array(constants, dtype=np.float64)
-        self._memory = np.array(memory, dtype=np.float64)
-
-    def advance(self, signal: Array) -> None:
-        """Apply the law to the next piece of the signal, in place."""
-        self._kernel(self._constants, self._memory, signal)
-
-
-Law = Stage | ForceLaw
-
-
 @dataclass(frozen=True)
-class Effect:
+class EffectKind:
     """Something that can be wrong with the actuator or its instruments.
 
     Attributes
@@ -86,4 +54,4 @@ class Effect:
     smallest: float
     largest: float
     unit: str
-    build: Callable[[float, Conditions, np.random.Generator], Law]
+    build: Callable[[float, Conditions, Generator], Law]

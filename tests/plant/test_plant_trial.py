@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from dea import signals
-from dea.bench.hidden import EFFECTS
-from dea.bench.hidden.draw import ROUND, STRONGEST, WEAKEST, draw, schedule
-from dea.bench.hidden.trial import Trial
 from dea.errors import InputError
+from dea.plant.hidden import EFFECTS
+from dea.plant.hidden.draw import ROUND, STRONGEST, WEAKEST, draw, schedule
+from dea.plant.hidden.trial import Trial
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 SEED = 41

@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from dea import signals
-from dea.bench import forces
-from dea.bench.configuration import read_plain
-from dea.bench.hidden import EFFECTS, Stage
-from dea.bench.hidden.refit import Yardstick
-from dea.bench.membrane import SUBSTEP
-from dea.bench.rig import Rig
+from dea.plant import forces
+from dea.plant.film import SUBSTEP
+from dea.plant.hidden import EFFECTS
+from dea.plant.hidden.refit import Yardstick
+from dea.plant.parameters import read_plain
+from dea.plant.rig import Rig
+from dea.plant.signal_law import SignalLaw
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 PLAIN = read_plain(CONFIG)
@@ -398,6 +399,6 @@ def test_the_gain_remembers_the_last_peak():
 
 
 def test_a_stage_knows_its_side():
-    assert isinstance(law("sensor_lag"), Stage)
+    assert isinstance(law("sensor_lag"), SignalLaw)
     assert law("sensor_lag").output
     assert not law("dead_zone").output
