@@ -10,10 +10,9 @@ from scipy.integrate import solve_ivp
 
 from dea import signals
 from dea.discrepancy import Settings, diagnose
-from dea.discrepancy.extended import ExtendedSimulation
-from dea.discrepancy.simulation import load_simulation
 from dea.plant import Rig
 from dea.plant.parameters import read_parameters
+from dea.simulation import ExtendedSimulation, load_simulation
 
 RATE = 50.0
 PIECE, REPEATS = 1000, 5

@@ -9,8 +9,10 @@ SOURCE = Path(__file__).parents[1] / "src" / "dea"
 
 TRUTH = {"plant", "bench"}
 FORBIDDEN = {
+    "simulation": {*TRUTH, "discrepancy", "acquisition", "stages", "figures"},
     "discrepancy": {*TRUTH, "acquisition", "stages", "figures"},
     "plant": {
+        "simulation",
         "discrepancy",
         "bench",
         "acquisition",
@@ -20,7 +22,16 @@ FORBIDDEN = {
         "stages",
         "figures",
     },
-    "bench": {"discrepancy", "acquisition", "narx", "tracking", "gfrf", "stages", "figures"},
+    "bench": {
+        "simulation",
+        "discrepancy",
+        "acquisition",
+        "narx",
+        "tracking",
+        "gfrf",
+        "stages",
+        "figures",
+    },
     "narx": {*TRUTH, "discrepancy", "acquisition", "stages", "figures"},
     "tracking": {*TRUTH, "discrepancy", "acquisition", "stages", "figures"},
     "gfrf": {*TRUTH, "discrepancy", "acquisition", "stages", "figures"},

@@ -5,12 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dea.discrepancy import load_simulation
-from dea.discrepancy.certify import OtherRecord, certify_elsewhere, transferable
-from dea.discrepancy.effects import catalogue
-from dea.discrepancy.extended import ExtendedSimulation
+from dea.discrepancy.evidence.certificate import OtherRecord, certify_elsewhere, transferable
 from dea.discrepancy.fit import at
-from dea.discrepancy.problem import Problem, base, scales
+from dea.discrepancy.problem import Problem
+from dea.simulation import ExtendedSimulation, catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL, NOISE = 0.02, 0.01
 U = np.repeat(np.random.default_rng(1).uniform(-1, 1, 60), 25)
@@ -21,7 +19,7 @@ def slow_carriage() -> tuple[Problem, ExtendedSimulation, np.ndarray]:
     own = load_simulation("mass_spring_damper")
     frequency, damping, gain = own.parameters
     parameters = (replace(frequency, nominal=0.5), replace(damping, nominal=0.01), gain)
-    extended = base(replace(own, parameters=parameters), U, INTERVAL, 1e-3)
+    extended = prepared(replace(own, parameters=parameters), U, INTERVAL, 1e-3)
     values = extended.values(np.zeros(extended.free.size))
     everything = np.ones(U.size, bool)
     y = extended.simulate(values, U, INTERVAL)
@@ -58,5 +56,5 @@ def test_elsewhere_only_the_state_at_the_start_is_fitted():
 )  # fmt: skip
 def test_what_happened_at_a_time_says_nothing_of_another_record(name, moves_on):
     problem, extended, values = slow_carriage()
-    told = scales(problem, extended, values, ("V", "V"))
+    told = measured_scales(extended, values, problem)
     assert transferable(extended.attach(catalogue()[name], told)) is moves_on

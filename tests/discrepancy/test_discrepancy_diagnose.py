@@ -12,14 +12,12 @@ from dea.discrepancy import (
     candidates_dataset,
     certificate_dataset,
     diagnose,
-    load_extended,
-    load_simulation,
     localisation_dataset,
     read_verdict,
-    save_extended,
 )
 from dea.discrepancy.problem import rmse
 from dea.errors import InputError
+from dea.simulation import load_extended, load_simulation, save_extended
 from dea.store import CONTRACTS
 
 NOISE = 1.5e-3
@@ -109,7 +107,7 @@ def test_a_diagnosis_does_not_depend_on_the_number_of_threads():
 
 
 def test_effects_that_find_no_port_are_refused():
-    simulation = replace(load_simulation("dea_membrane"), balances=())
+    simulation = replace(load_simulation("dea_membrane"), force_ports=())
     with pytest.raises(InputError, match="none of the effects offered can attach"):
         diagnose(record(duration=40.0), simulation, settings=Settings(effects=("end_stop",)))
 

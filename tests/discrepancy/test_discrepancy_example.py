@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from dea.discrepancy import Settings, diagnose, load_simulation
+from dea.discrepancy import Settings, diagnose
 from dea.errors import InputError
+from dea.simulation import load_simulation
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "discrepancy.md"
 DT = 0.02

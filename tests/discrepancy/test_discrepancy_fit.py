@@ -8,18 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from dea.discrepancy import load_simulation
-from dea.discrepancy.compose import Candidate
-from dea.discrepancy.decide import Decision, Evidence, Rules, confirmed, decide, same_class
-from dea.discrepancy.effects import catalogue
+from dea.discrepancy.decision import Decision, Evidence, Rules, confirmed, decide, same_class
+from dea.discrepancy.evidence.gain import HeldOut, folds, gains
+from dea.discrepancy.evidence.localisation import localise
+from dea.discrepancy.evidence.noise import white_level
+from dea.discrepancy.evidence.residual_model import ResidualModel
+from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Fit, at, cost_of, fit, step_in_box, without
-from dea.discrepancy.gain import HeldOut, folds, gains
-from dea.discrepancy.localise import localise
-from dea.discrepancy.noise import white_level
-from dea.discrepancy.problem import Problem, base, rmse, scales
-from dea.discrepancy.split import split
-from dea.discrepancy.unknown import ResidualModel
+from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.search.rounds import Candidate
 from dea.errors import InputError
+from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL = 0.02
 
@@ -45,7 +44,7 @@ def carriage(seed: int) -> tuple[Problem, "object"]:
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.uniform(-1, 1, 60), 25)
     simulation = load_simulation("mass_spring_damper")
-    extended = base(simulation, u, INTERVAL, tolerance=1e-4)
+    extended = prepared(simulation, u, INTERVAL, tolerance=1e-4)
     truth = extended.values(rng.uniform(-1, 1, extended.free.size))
     y = extended.simulate(truth, u, INTERVAL) + 0.01 * rng.standard_normal(u.size)
     parts = split(u, INTERVAL, 0.1)
@@ -69,7 +68,7 @@ def test_the_fit_ends_where_a_simplex_search_ends(seed):
 
 def test_a_fit_without_an_effect_is_the_rest_of_it():
     problem, extended = carriage(4)
-    told = scales(problem, extended, extended.values(np.zeros(extended.free.size)), ("V", "V"))
+    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
     rest = np.linspace(-0.3, 0.3, extended.free.size)
     longer, starts = extended, []
     for name in ("dead_zone", "sensor_lag"):
@@ -154,7 +153,7 @@ def test_columns_of_the_reading_are_those_of_whole_simulations():
     problem, extended = carriage(5)
     plain = at(problem, extended, np.zeros(extended.free.size))
     for name in ("sensor_lag", "strain_stiffening", "baseline_drift"):
-        told = scales(problem, extended, plain.values, ("N", "mm"))
+        told = measured_scales(extended, plain.values, problem)
         longer = extended.attach(catalogue()[name], told)
         coordinates = np.full(longer.free.size, 0.1)
         found = at(problem, longer, coordinates).jacobian
@@ -281,10 +280,10 @@ def test_a_simulation_as_good_as_it_is_said_to_be_misses_nothing(error, expected
 
 def test_effects_of_one_port_are_one_class_wherever_they_attach():
     simulation = load_simulation("cascaded_tanks")
-    extended = base(simulation, np.full(200, 3.0), 4.0, tolerance=1.0)
-    told = scales(
+    extended = prepared(simulation, np.full(200, 3.0), 4.0, tolerance=1.0)
+    told = measured_scales(
+        extended, extended.values(np.zeros(extended.free.size)),
         Problem(np.linspace(0, 5, 200), np.linspace(0, 9, 200), 4.0, *np.ones((3, 200), bool)),
-        extended, extended.values(np.zeros(extended.free.size)), ("V", "V"),
     )  # fmt: skip
 
     def candidate(*places):

@@ -6,7 +6,8 @@ import numpy as np
 import yaml
 
 from dea import store
-from dea.discrepancy import Settings, catalogue, diagnose
+from dea.discrepancy import Settings, diagnose
+from dea.simulation import catalogue
 from measured_records import DATA, needs_records
 
 ROOT = Path(__file__).parents[2]

@@ -6,20 +6,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dea.discrepancy import load_simulation
-from dea.discrepancy.candidates import Base, promising
-from dea.discrepancy.compose import Budget, Candidate, extend_by_each
-from dea.discrepancy.decide import Evidence, Rules, decide
-from dea.discrepancy.effects import catalogue
+from dea.discrepancy.decision import Evidence, Rules, decide
+from dea.discrepancy.evidence.gain import HeldOut
+from dea.discrepancy.evidence.residual_model import ResidualModel
+from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Fit, at, fit
-from dea.discrepancy.gain import HeldOut
-from dea.discrepancy.problem import Problem, base, scales
-from dea.discrepancy.search import Search, pool_of
-from dea.discrepancy.split import split
-from dea.discrepancy.unknown import ResidualModel
+from dea.discrepancy.problem import Problem
+from dea.discrepancy.search.rounds import Budget, Candidate, extend_by_each
+from dea.discrepancy.search.screening import Base, promising
+from dea.discrepancy.search.search import Search, pool_of
+from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL, NOISE = 0.02, 0.002
-UNITS = ("V", "V")
 PRESENT = {
     "slew_limit": {"rate": 20.0},
     "input_saturation": {"limit": 1.0},
@@ -32,11 +30,11 @@ def hidden(*names, seed=1):
     """Return a problem in which the named effects are hidden, and the simulation without them."""
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.uniform(-2, 2, 60), 25)
-    extended = base(load_simulation("mass_spring_damper"), u, INTERVAL, 1e-4)
+    extended = prepared(load_simulation("mass_spring_damper"), u, INTERVAL, 1e-4)
     values = extended.values(np.zeros(extended.free.size))
     everything = np.ones(u.size, bool)
-    told = scales(
-        Problem(u, u, INTERVAL, everything, everything, everything), extended, values, UNITS
+    told = measured_scales(
+        extended, values, Problem(u, u, INTERVAL, everything, everything, everything)
     )
     truth = extended
     for name in names:
@@ -60,7 +58,7 @@ def test_a_disturbance_promises_most_at_its_frequency_whatever_its_phase(phase):
     wave = 0.1 * np.sin(2 * np.pi * 1.3 * problem.time + phase)
     shaken = replace(problem, y=problem.y + wave + 0.1 * wave**3)
     nominal = fit(shaken, extended, np.zeros(extended.free.size))
-    told = scales(shaken, extended, nominal.values, UNITS, frequencies=(1.3, 3.9))
+    told = replace(measured_scales(extended, nominal.values, shaken), frequencies=(1.3, 3.9))
     effect = catalogue()["periodic_disturbance"]
     longer = extended.attach(effect, told)
     best = promising(shaken, Base.of(shaken, nominal), longer, effect.starts(told))[0]
@@ -74,9 +72,9 @@ def test_the_order_of_two_laws_on_the_inputs_way_is_found(first):
     problem, extended = hidden(first, second)
     nominal = fit(problem, extended, np.zeros(extended.free.size))
     effects = catalogue()
-    alone = extend_by_each(problem, [nominal], [effects["slew_limit"]], UNITS, Budget(), 1)
+    alone = extend_by_each(problem, [nominal], [effects["slew_limit"]], Budget(), 1)
     [both] = extend_by_each(
-        problem, [alone.candidates[0].fit], [effects["input_saturation"]], UNITS, Budget(), 1
+        problem, [alone.candidates[0].fit], [effects["input_saturation"]], Budget(), 1
     ).candidates
     assert both.rmse < 1.5 * NOISE
     assert alone.candidates[0].rmse > 10 * NOISE
@@ -90,7 +88,7 @@ def test_two_effects_are_found_beside_laws_that_pass_for_them():
         catalogue()[name]
         for name in ("dead_zone", "sensor_lag", "coulomb_friction", "electrode_lag", "second_mode")
     ]
-    rounds = Search(problem, [nominal], offered, UNITS, Budget(), Rules(), 1).rounds()
+    rounds = Search(problem, [nominal], offered, Budget(), Rules(), 1).rounds()
     pool = pool_of(rounds)
     assert set(pool[0].names) == {"dead_zone", "sensor_lag"}
     assert pool[0].rmse < 1.1 * NOISE < rounds[0].candidates[0].rmse
@@ -103,7 +101,7 @@ def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, statu
     problem, extended = hidden("dead_zone")
     plain = at(problem, extended, np.zeros(extended.free.size))
     values = extended.values(np.zeros(extended.free.size))
-    told = scales(problem, extended, values, UNITS)
+    told = measured_scales(extended, values, problem)
     gap = NOISE * np.random.default_rng(2).standard_normal(problem.u.size)
 
     def candidate(name, size, error):

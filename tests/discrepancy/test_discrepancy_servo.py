@@ -8,7 +8,7 @@ from dea.discrepancy import Settings, diagnose
 
 DT, PARTS = 0.01, 50
 SIMULATION = """
-from dea.discrepancy import Balance, Parameter, Simulation, State
+from dea.simulation import ForcePort, Parameter, Simulation, State
 
 
 def derivative(x, u, p, dx):
@@ -29,7 +29,7 @@ simulation = Simulation(
         Parameter("gain", "N/V", 35.0, 0.02, log=True),
     ),
     derivative=derivative, output=output, drive="gain", input_offset_spread=0.2,
-    balances=(Balance(equation="velocity", position=None, velocity="velocity"),),
+    force_ports=(ForcePort(equation="velocity", position=None, velocity="velocity"),),
 )
 """
 

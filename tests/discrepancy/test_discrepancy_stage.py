@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import xarray as xr
-from user_simulation import PORTS, SLOPE, write_simulation
 
 from dea import store
 from dea.errors import InputError
 from dea.stages.diagnose import diagnose
+from user_simulation import PORTS, SLOPE, write_simulation
 
 DT = 0.02
 OUTPUTS = ("localisation", "candidates", "verdict", "extended", "certificate")
@@ -56,7 +56,7 @@ def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS):
         ({"slope": "p[1] * u / x[0]"}, ["derivative of level is not a number", "Check"]),
         ({"slope": "p[1] * u - x[1]"}, ["not declared", "There are 1 states"]),
         ({"ports": PORTS.replace('drive="gain", ', "")}, ["drive", "worked example"]),
-        ({"ports": PORTS.replace('"gain"', '"power"')}, ["drive port names 'power'", "rate, gain"]),
+        ({"ports": PORTS.replace('"gain"', '"power"')}, ["drive names 'power'", "rate, gain"]),
         ({"ports": PORTS.replace('("level",', '("speed",')}, ["names 'speed'", "level"]),
         ({"ports": "**absent"}, ["absent", "worked example"]),
     ],

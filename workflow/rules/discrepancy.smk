@@ -3,11 +3,11 @@ include: "../functions/discrepancy.smk"
 
 # What each record says its simulation is missing. Candidates are fitted on threads of one job: the
 # integrator releases the lock, and a job per candidate would import for longer than it fits.
-# Effects and simulations are found by their files, not by import statements.
+# Effects and devices are found by their files, not by import statements.
 CATALOGUE = [
-    f"dea.discrepancy.{path.parent.name}.{path.stem}"
-    for folder in ("effects", "simulations")
-    for path in sorted(Path("src/dea/discrepancy", folder).glob("*.py"))
+    f"dea.simulation.{path.parent.name}.{path.stem}"
+    for folder in ("effects", "devices")
+    for path in sorted(Path("src/dea/simulation", folder).glob("*.py"))
 ]
 
 

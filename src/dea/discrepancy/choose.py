@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.compose import Candidate, Round
-from dea.discrepancy.decide import Evidence, Rules, as_good, leaves_room, misfit
-from dea.discrepancy.gain import Gains
-from dea.discrepancy.rivals import beaten
+from dea.discrepancy.decision import Evidence, Rules, as_good, leaves_room, misfit
+from dea.discrepancy.evidence.confusion import beaten
+from dea.discrepancy.evidence.gain import Gains
+from dea.discrepancy.search.rounds import Candidate, Round
 
 
 def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[Candidate]:

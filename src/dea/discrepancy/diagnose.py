@@ -6,34 +6,40 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dea.discrepancy import certify as proof
-from dea.discrepancy.candidates import in_parallel
 from dea.discrepancy.choose import best_extension, proven_alone
-from dea.discrepancy.compose import Budget, Candidate, Round
-from dea.discrepancy.decide import Decision, Evidence, Rules, confirmed, decide
-from dea.discrepancy.effects import Effect, catalogue
-from dea.discrepancy.extended import ExtendedSimulation
+from dea.discrepancy.decision import Decision, Evidence, Rules, confirmed, decide
+from dea.discrepancy.evidence import certificate as proof
+from dea.discrepancy.evidence.confusion import confusion
+from dea.discrepancy.evidence.experiment import Experiment, separating_experiment
+from dea.discrepancy.evidence.gain import Gains, HeldOut, gains, null_gain
+from dea.discrepancy.evidence.identifiability import signature
+from dea.discrepancy.evidence.localisation import Localisation, localise
+from dea.discrepancy.evidence.noise import white_level
+from dea.discrepancy.evidence.residual_model import ResidualModel, residual_model
+from dea.discrepancy.evidence.split import Split, split
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.gain import Gains, HeldOut, gains, null_gain
-from dea.discrepancy.identifiability import signature
-from dea.discrepancy.localise import Localisation, localise
-from dea.discrepancy.noise import white_level
-from dea.discrepancy.nominal import bases, fit_near_prior, fit_nominal, slowest_time
-from dea.discrepancy.problem import Problem, base
-from dea.discrepancy.rivals import confusion
-from dea.discrepancy.search import Search, noise_floor, pool_of
-from dea.discrepancy.separate import Experiment, separating_experiment
-from dea.discrepancy.simulation import Simulation, load_simulation
-from dea.discrepancy.split import Split, split
-from dea.discrepancy.unknown import ResidualModel, residual_model
-from dea.discrepancy.words import verdict_of
+from dea.discrepancy.problem import Problem
+from dea.discrepancy.report.sentence import verdict_of
+from dea.discrepancy.search.rounds import Budget, Candidate, Round
+from dea.discrepancy.search.screening import in_parallel
+from dea.discrepancy.search.search import Search, noise_floor, pool_of
+from dea.discrepancy.search.starts import bases, fit_near_prior, fit_nominal
 from dea.errors import InputError
 from dea.seeds import generator
+from dea.simulation import (
+    Effect,
+    ExtendedSimulation,
+    Simulation,
+    catalogue,
+    load_simulation,
+    prepared,
+    slowest_time,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from dea.discrepancy.verdict import Verdict
+    from dea.discrepancy.report.verdict import Verdict
 
 _BLOCKS = 48
 _NOISE_MARGIN = 1.5
@@ -154,17 +160,15 @@ def diagnose(
     blocks = parts.blocks(problem.seen, length)
 
     starts = bases(problem, nominal, near, rng)
-    rounds = Search(
-        problem, starts, offered, units, budget, settings.rules, settings.workers
-    ).rounds()
+    rounds = Search(problem, starts, offered, budget, settings.rules, settings.workers).rounds()
     floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
     singles = list(rounds[0].candidates)
     if not singles:
         raise InputError(
             "none of the effects offered can attach to this simulation and stay stable",
             file=own.source or f"simulation {own.name}",
-            field="balances",
-            remedy="Declare its force balances, or offer effects of other ports",
+            field="force_ports",
+            remedy="Declare its force ports, or offer effects of other ports",
         )
     null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, blocks, rng)
     held_out = HeldOut(problem)
@@ -247,7 +251,7 @@ def _prepare(
     """Split the record, estimate its noise, and choose the integration step to match."""
     noise = white_level(y, [slice(0, y.size)])
     tolerance = max(_STEP_ERROR * noise, _RELATIVE_ERROR * float(np.std(y)))
-    extended = base(simulation, u, interval, tolerance)
+    extended = prepared(simulation, u, interval, tolerance)
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.extended import ExtendedSimulation
 from dea.discrepancy.problem import Problem
+from dea.simulation import ExtendedSimulation
 
 _STEP = 1e-3
 _REFRESH = 3

@@ -25,9 +25,9 @@ def diagnose(
         certificate_dataset,
         diagnose,
         localisation_dataset,
-        save_extended,
     )
     from dea.errors import InputError
+    from dea.simulation import save_extended
 
     name = settings["system"]
     try:

@@ -21,8 +21,9 @@ def trial_score(
     import json
 
     from dea import store, trials
-    from dea.discrepancy import catalogue, read_verdict
+    from dea.discrepancy import read_verdict
     from dea.plant import Trial
+    from dea.simulation import catalogue
 
     family = {name: str(effect.family) for name, effect in catalogue().items()}
     labels, said = {}, {}

@@ -1,0 +1,124 @@
+"""A flexible model of what a simulation leaves over, and the sparse equation it boils down to.
+
+A dictionary of input, output, their memory and time is regressed on the gap (ridge regression,
+Hoerl and Kennedy 1970). It knows no physics; what it can predict on blocks it has not seen, a
+missing effect could. Forward selection of its terms gives an equation to look at, in the manner
+of Brunton, Proctor and Kutz (2016), PNAS 113:3932.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dea.discrepancy.problem import Problem, rmse
+from dea.simulation import low_pass
+
+_RIDGES = np.logspace(-4, 2, 7)
+_MAX_TERMS = 5
+
+
+@dataclass(frozen=True)
+class ResidualModel:
+    """What the dictionary predicts of a gap.
+
+    Parameters
+    ----------
+    ratio : float
+        Root mean square on held-out samples after the prediction over that before; one where
+        nothing can be predicted.
+    equation : str
+        The sparse equation, in the output's unit.
+    explained : float
+        Part of the gap's energy on held-out samples that the sparse equation explains.
+    """
+
+    ratio: float
+    equation: str
+    explained: float
+
+
+def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.ndarray]:
+    """Return names and columns (n, m) of what a gap could depend on."""
+    t, u, y = problem.time, _standard(problem.u), _standard(simulated)
+    rate = _standard(np.gradient(simulated, problem.interval))
+    input_rate = _standard(np.gradient(problem.u, problem.interval))
+    terms: dict[str, np.ndarray] = {
+        "u": u, "u^2": u**2, "u^3": u**3, "y": y, "y^2": y**2, "y^3": y**3, "u y": u * y,
+        "y'": rate, "|y'|": np.abs(rate), "sign(y')": np.tanh(rate / 0.05), "y y'": y * rate,
+        "y'^2": rate**2, "y'|y'|": rate * np.abs(rate), "y'^3": rate**3, "y^2 y'": y**2 * rate,
+        "u'": input_rate, "u u'": u * input_rate, "|u'|": np.abs(input_rate),
+        "y''": _standard(np.gradient(np.gradient(simulated))),
+    }  # fmt: skip
+    for level in np.quantile(u, [0.1, 0.25, 0.75, 0.9]):
+        terms[f"max(u - {level:.2g}, 0)"] = np.maximum(u - level, 0)
+    for level in np.quantile(y, [0.1, 0.25, 0.75, 0.9]):
+        terms[f"max(y - {level:.2g}, 0)"] = np.maximum(y - level, 0)
+    tau = 3.0 * problem.interval
+    while tau < 0.3 * t[-1]:
+        for name, signal in (("u", u), ("u^2", u**2), ("y^2", y**2)):
+            terms[f"lag({name}, {tau:.2g} s)"] = low_pass(signal, [tau / problem.interval, 1.0])
+        tau *= 3.0
+    for radius in (0.2, 0.6, 1.2):
+        terms[f"play(y, {radius:g})"] = _play(y, radius)
+    x = 2.0 * t / t[-1] - 1.0
+    for degree in range(1, 7):
+        slow = np.polynomial.legendre.Legendre.basis(degree)(x)
+        terms[f"time^{degree}"] = slow
+        terms[f"time^{degree} u"] = slow * u
+        terms[f"time^{degree} y"] = slow * y
+    return list(terms), np.column_stack([np.clip(c, -30, 30) for c in terms.values()])
+
+
+def residual_model(problem: Problem, gap: np.ndarray) -> ResidualModel:
+    """Fit the dictionary to ``gap`` on one half of the samples; judge it on the other."""
+    names, X = dictionary(problem, problem.y - gap)
+    train, test = problem.fit, problem.select
+    mean, scale = X[train].mean(0), X[train].std(0) + 1e-12
+    X = (X - mean) / scale
+    level = gap[train].mean()
+    e = gap - level
+    left, s, right = np.linalg.svd(X[train], full_matrices=False)
+    projected = left.T @ e[train]
+    before = rmse(gap, test)
+    best = before
+    for ridge in _RIDGES * train.sum() ** 0.5:
+        weights = right.T @ (s / (s**2 + ridge**2) * projected)
+        best = min(best, rmse(e - X @ weights, test))
+    equation, explained = _sparse(names, X, e, train, test)
+    return ResidualModel(best / before, equation, explained)
+
+
+def _sparse(
+    names: list[str], X: np.ndarray, e: np.ndarray, train: np.ndarray, test: np.ndarray
+) -> tuple[str, float]:
+    """Select terms one by one while the half for choosing is predicted better."""
+    chosen: list[int] = []
+    weights = np.zeros(0)
+    error = float(np.mean(e[test] ** 2))
+    first = error
+    remaining = e[train].copy()
+    while len(chosen) < _MAX_TERMS:
+        correlation = np.abs(X[train].T @ remaining)
+        correlation[chosen] = 0.0
+        trial = [*chosen, int(np.argmax(correlation))]
+        fitted = np.linalg.lstsq(X[train][:, trial], e[train], rcond=None)[0]
+        after = float(np.mean((e[test] - X[test][:, trial] @ fitted) ** 2))
+        if after > 0.97 * error:
+            break
+        chosen, weights, error = trial, fitted, after
+        remaining = e[train] - X[train][:, chosen] @ weights
+    terms = [f"{w:+.3g} [{names[i]}]" for i, w in zip(chosen, weights, strict=True)]
+    return (" ".join(terms) if terms else "0"), max(0.0, 1.0 - error / first)
+
+
+def _play(y: np.ndarray, radius: float) -> np.ndarray:
+    result = np.empty(y.size)
+    now = y[0]
+    for k, value in enumerate(y):
+        now = min(max(now, value - radius), value + radius)
+        result[k] = now
+    return result
+
+
+def _standard(signal: np.ndarray) -> np.ndarray:
+    return (signal - signal.mean()) / (signal.std() or 1.0)

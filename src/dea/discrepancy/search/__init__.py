@@ -1,0 +1,1 @@
+"""Which effects are tried, and how they are fitted."""

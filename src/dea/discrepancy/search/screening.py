@@ -1,0 +1,127 @@
+"""Fit every effect of the catalogue to a record, each with the same freedom and budget."""
+
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from dea.discrepancy.fit import Fit, fit, remainder
+from dea.discrepancy.problem import Problem
+from dea.simulation import Effect, ExtendedSimulation, Scales
+
+# Fits beyond the kept ones that a few cheap steps do not rule out.
+_MORE = 1
+
+
+@dataclass(frozen=True)
+class Base:
+    """A fit to start from, and what is left of a change once its parameters have made up for it."""
+
+    fit: Fit
+    left: Callable[[np.ndarray], np.ndarray]
+
+    @classmethod
+    def of(cls, problem: Problem, fitted: Fit) -> "Base":
+        """Prepare a fit; all effects offered share it."""
+        return cls(fitted, remainder(fitted.jacobian[problem.seen], problem.noise))
+
+
+@dataclass(frozen=True)
+class Offer:
+    """An effect, where it would attach, and the scales it is told."""
+
+    effect: Effect
+    scales: Scales
+    force_port: int = 0
+    upstream: bool = False
+
+
+def screen(
+    problem: Problem, bases: Sequence[Base], offer: Offer, kept: int, steps: int
+) -> list[Fit]:
+    """Fit an effect by a few cheap ``steps``; return the stable ones of ``kept`` fits, best first.
+
+    From each of the ``bases`` (fits of the same simulation), the start that promises most goes on,
+    or half as many as are ``kept``, first with the Jacobian of what is there already as it was in
+    the base; little more than ``kept`` of them then with whole ones, or the one. Shapes of laws are
+    held. An effect without a start in this record has no fit.
+    """
+    extended = bases[0].fit.extended.attach(
+        offer.effect, offer.scales, offer.force_port, offer.upstream
+    )
+    held = extended.shapes
+    starts = offer.effect.starts(offer.scales)
+    if not starts:
+        return []
+
+    def error(candidate: Fit) -> float:
+        return problem.seen_rmse(candidate.gap)
+
+    cheap = [
+        fit(
+            problem,
+            extended,
+            start,
+            iterations=steps,
+            kept=base.fit.jacobian,
+            held=held,
+        )
+        for base in bases
+        for start in promising(problem, base, extended, starts)[: max(1, kept // 2)]
+    ]
+    cheap.sort(key=error)
+    whole = [
+        refine(problem, each, steps, held)
+        for each in cheap[: kept + min(_MORE, kept - 1)]
+        if each.stable
+    ]
+    return sorted((each for each in whole if each.stable), key=error)[:kept]
+
+
+def promising(
+    problem: Problem,
+    base: Base,
+    extended: ExtendedSimulation,
+    starts: Sequence[tuple[float, ...]],
+) -> list[np.ndarray]:
+    """Return the coordinates of the starts, first those that explain most of a base's gap.
+
+    What explains it is the signature: the change of the output that the law makes at that start,
+    at its best size, with the simulation's parameters refitted by a linear step.
+    """
+    seen, before = problem.seen, base.fit.gap
+    left = base.left(before[seen])
+
+    def explained(coordinates: np.ndarray) -> float:
+        gap = problem.gap(extended, extended.values(coordinates))
+        if not np.isfinite(gap).all():
+            return -1.0
+        change = base.left((before - gap)[seen])
+        return max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
+
+    placed = [extended.coordinates(np.concatenate([base.fit.values, start])) for start in starts]
+    return sorted(placed, key=explained, reverse=True)
+
+
+def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | None = None) -> Fit:
+    """Continue a screened fit with a Jacobian of all parameters, or of all that are not held."""
+    own = screened.extended.effect_slices[-1]
+    known = int(np.sum(screened.extended.free < own.start))
+    return fit(
+        problem,
+        screened.extended,
+        screened.coordinates,
+        iterations=iterations,
+        slow=known,
+        held=held,
+    )
+
+
+def in_parallel(task, items: Iterable, workers: int) -> list:
+    """Apply ``task`` to each item on threads (the integrator releases the lock), in order."""
+    items = list(items)
+    if workers == 1:
+        return [task(item) for item in items]
+    with ThreadPoolExecutor(workers) as pool:
+        return list(pool.map(task, items))

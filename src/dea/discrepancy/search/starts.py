@@ -1,0 +1,89 @@
+"""What the simulation alone makes of a record: its refit, and a second one near the prior."""
+
+import numpy as np
+
+from dea.discrepancy.fit import Fit, at, fit
+from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.search.screening import in_parallel
+from dea.errors import InputError
+from dea.simulation import ExtendedSimulation
+
+_ITERATIONS = 30
+# Prior spreads by which the two fits of the simulation must differ for both to be starts.
+_FAR = 1.0
+# Draws of the prior, at most, and how many samples are simulated for them.
+_DRAWS, _SHORT = 40, 10_000
+
+
+def fit_nominal(
+    problem: Problem,
+    extended: ExtendedSimulation,
+    count: int,
+    rng: np.random.Generator,
+    workers: int,
+) -> Fit:
+    """Refit the simulation from ``count`` starts, its prior and draws of it; return the best.
+
+    Raises
+    ------
+    InputError
+        If the simulation is unstable wherever it is started from.
+    """
+    size = extended.free.size
+    starts = [np.zeros(size), *(0.7 * rng.standard_normal((count - 1, size)))]
+    fits = in_parallel(
+        lambda start: fit(problem, extended, start, iterations=_ITERATIONS), starts, workers
+    )
+    best = min(fits, key=lambda f: f.cost)
+    if not best.stable:
+        raise InputError(
+            "it runs away from every starting point",
+            file=extended.simulation.source or f"simulation {extended.simulation.name}",
+            field="parameters",
+            remedy="Correct the nominal values, or the units of the record's input",
+        )
+    return best
+
+
+def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
+    """Fit with so little trust in the record that parameters stay near their prior.
+
+    Refitting smears a gap over the whole record; this fit leaves it where it is.
+    """
+    trust = rmse(refitted.gap, problem.seen) * np.sqrt(problem.seen.sum()) / 3.0
+    start = np.zeros(refitted.coordinates.size)
+    return fit(problem.with_noise(max(trust, problem.noise)), refitted.extended, start)
+
+
+def fit_parts(problem: Problem, near: Fit) -> list[Fit]:
+    """Fit the lower and the upper half of the output alone.
+
+    An effect that acts at one end, a limit or a threshold, leaves the other half to the
+    simulation; there it has no need to bend its parameters.
+    """
+    middle = np.median(problem.y)
+    parts = []
+    for half in (problem.y <= middle, problem.y >= middle):
+        fitted = fit(problem.seeing(half), near.extended, near.coordinates, iterations=_ITERATIONS)
+        parts.append(at(problem, near.extended, fitted.coordinates))
+    return parts
+
+
+def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -> list[Fit]:
+    """Return the fits to start candidates from: the refit, and others where it is far from them.
+
+    A refit that has bent the parameters to make up for what is missing is a bad place to start;
+    the fit near the prior, those of one half of the output and the prior itself are others, and a
+    short record affords draws of the prior as well.
+    """
+    size = nominal.coordinates.size
+    draws = int(min(_DRAWS, _SHORT // problem.u.size))
+    drawn = [at(problem, nominal.extended, x) for x in 0.7 * rng.standard_normal((draws, size))]
+    others = [near, *fit_parts(problem, near)] if near.stable else []
+    others.append(at(problem, nominal.extended, np.zeros(size)))
+    far = [
+        other
+        for other in others
+        if other.stable and np.linalg.norm(nominal.coordinates - other.coordinates) > _FAR
+    ]
+    return [nominal, *far, *drawn]

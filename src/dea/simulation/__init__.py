@@ -1,0 +1,37 @@
+"""First-principles simulations, and the catalogue of effects that can be attached to them."""
+
+from dea.simulation.attached import Attached
+from dea.simulation.effects import Effect, Family, Port, catalogue, low_pass
+from dea.simulation.extended import ExtendedSimulation
+from dea.simulation.force_port import ForcePort
+from dea.simulation.loading import load_simulation
+from dea.simulation.normalisation import Normalisation
+from dea.simulation.parameter import Parameter
+from dea.simulation.preparation import measured_scales, prepared, slowest_time, with_fine_steps
+from dea.simulation.saved import load_extended, save_extended
+from dea.simulation.scales import Scales
+from dea.simulation.simulation import Simulation
+from dea.simulation.state import State
+
+__all__ = [
+    "Attached",
+    "Effect",
+    "ExtendedSimulation",
+    "Family",
+    "ForcePort",
+    "Normalisation",
+    "Parameter",
+    "Port",
+    "Scales",
+    "Simulation",
+    "State",
+    "catalogue",
+    "load_extended",
+    "load_simulation",
+    "low_pass",
+    "measured_scales",
+    "prepared",
+    "save_extended",
+    "slowest_time",
+    "with_fine_steps",
+]

@@ -1,0 +1,91 @@
+"""What an effect is: a law with bounded parameters that attaches at a port of any simulation."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+from dea.simulation.signatures import no_update
+
+
+class Port(StrEnum):
+    """Where an effect attaches."""
+
+    INPUT = "input path"
+    FORCE = "force balance"
+    TIME = "parameter in time"
+    OUTPUT = "output path"
+
+
+class Family(StrEnum):
+    """Effects that are the same physics seen from outside, so that one can pass for another."""
+
+    THRESHOLD = "threshold"
+    LIMIT = "limit"
+    LAG = "lag"
+    CURVE = "static curve"
+    RELAXATION = "relaxation"
+    DISSIPATION = "dissipation"
+    AGEING = "slow change"
+    EVENT = "event"
+    OSCILLATION = "oscillation"
+
+
+Law = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect of the catalogue.
+
+    Parameters
+    ----------
+    symptom
+        How the effect shows in a record, in a sentence.
+    citation
+        Where the law comes from.
+    parameters
+        ``parameters(scales)`` returns the law's parameters, in the order the law takes them.
+    starts
+        ``starts(scales)`` returns the points from which the law is fitted.
+    shape_input
+        ``law(u, q, interval)`` returns the input that reaches the device.
+    force, update
+        ``force(z, w, memory, q)`` in units of the elastic force at z = 1, for the normalised
+        position z and velocity w (1/s); ``update(z, z_next, h, memory, q)`` moves its memory on.
+    memory
+        ``memory(q)`` returns the memory at the start.
+    scale_drive
+        ``law(t, q)`` returns the factor on the simulation's drive parameter.
+    shape_output
+        ``law(y, t, q, interval)`` returns what the sensor reports.
+    uses_position
+        Whether the force looks at the position, which not every force balance has.
+    refine
+        How many times finer than the simulation alone the law needs its steps.
+    """
+
+    name: str
+    port: Port
+    family: Family
+    symptom: str
+    citation: str
+    parameters: Callable[[Scales], tuple[Parameter, ...]]
+    starts: Callable[[Scales], tuple[tuple[float, ...], ...]]
+    shape_input: Law | None = None
+    force: Law | None = None
+    update: Law = no_update
+    memory: Callable[[np.ndarray], np.ndarray] | None = None
+    scale_drive: Law | None = None
+    shape_output: Law | None = None
+    uses_position: bool = True
+    refine: int = 1
+
+    @property
+    def only_reads(self) -> bool:
+        """Whether the law changes the reading alone, and not the motion."""
+        return self.shape_input is None and self.force is None and self.scale_drive is None

@@ -1,0 +1,61 @@
+"""Charge flows off through the film, the faster the higher the field."""
+
+import numpy as np
+from numba import njit
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+
+
+@njit(cache=True, error_model="numpy")
+def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Lose a part of the field that grows with its size and builds up with a time constant.
+
+    The field is what the loss has left of the input. How far it had come before the record is
+    unknown.
+    """
+    loss, growth, tau, peak, started = q[0], q[1], q[2], q[3], q[4]
+    decay = np.exp(-interval / tau)
+    result = np.empty(u.size)
+    lost = started * loss * np.exp(growth * (abs(u[0]) / peak - 1.0)) * u[0]
+    for k in range(u.size):
+        field = u[k] - lost
+        target = loss * np.exp(growth * (abs(field) / peak - 1.0)) * field
+        following = target + (lost - target) * decay
+        result[k] = u[k] - 0.5 * (lost + following)
+        lost = following
+    return result
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the loss at full field, its growth, its time constant, and its part at the start."""
+    dt, peak = scales.interval, scales.u_peak
+    return (
+        Parameter("loss", "1", 0.1, 1.0, 1e-4, 0.9, log=True),
+        Parameter("field_growth", "1", 0.0, 3.0, 0.0, 20.0, shape=True),
+        Parameter("time_constant", "s", 30 * dt, 2.0, 10 * dt, scales.duration, log=True),
+        Parameter("full_field", scales.u_unit, peak, 0.0),
+        Parameter("start_part", "1", 0.7, 0.4, 0.0, 2.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return slow and fast losses, the faster the more they grow with the field."""
+    peak = scales.u_peak
+    return tuple(
+        (0.1, growth, max(part * scales.duration, 15 * scales.interval), peak, 0.7)
+        for part, growth in ((0.1, 0.5), (0.02, 0.5), (0.005, 3.0), (1e-3, 6.0))
+    )
+
+
+EFFECT = Effect(
+    name="charge_leakage",
+    port=Port.INPUT,
+    family=Family.RELAXATION,
+    symptom="under a held input the device falls back, more at high input",
+    citation="Di Lillo et al. (2012), Journal of Applied Physics 111:024904, on leakage currents",
+    parameters=parameters,
+    starts=starts,
+    shape_input=law,
+)

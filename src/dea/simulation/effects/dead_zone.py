@@ -1,0 +1,70 @@
+"""The device does not answer to small inputs."""
+
+import numpy as np
+from numba import njit
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.effects._laws import knee
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+
+
+@njit(cache=True, error_model="numpy")
+def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Answer to what exceeds the threshold (gate 0), or beyond it to the whole input (gate 1)."""
+    threshold, width, gate, ratio, slope, jump = q[0], q[1], q[2], q[3], q[4], q[5]
+    result = np.empty(u.size)
+    for k in range(u.size):
+        limit = threshold if u[k] >= 0 else threshold * ratio
+        beyond = abs(u[k]) - limit
+        rest = slope * knee(beyond, width)
+        opened = 1.0 / (1.0 + np.exp(-2.0 * beyond / jump))
+        result[k] = np.sign(u[k]) * ((1.0 - gate) * rest + gate * abs(u[k]) * opened)
+    return result
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return threshold, corner width, gate, ratio of the negative threshold, slope, jump width."""
+    unit, peak = scales.u_unit, scales.u_peak
+    return (
+        Parameter("threshold", unit, 0.5 * peak, 0.3 * peak, 0.0, peak),
+        Parameter("corner_width", unit, 0.02 * peak, 1.5, 1e-3 * peak, peak, log=True, shape=True),
+        Parameter("gate", "1", 0.0, 0.5, 0.0, 1.0, shape=True),
+        Parameter("negative_ratio", "1", 1.0, 0.5 if scales.bipolar else 0.0, 0.0, 5.0),
+        Parameter("slope", "1", 1.0, 0.3, 0.3, 5.0, log=True),
+        Parameter("jump_width", unit, 0.01 * peak, 0.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return thresholds through the range of the input, with both kinds of gate."""
+    low, high, peak = max(scales.u_low, 0.0), scales.u_high, scales.u_peak
+
+    def slope(part: float) -> float:
+        # The largest input still passes whole, as the fitted simulation has it.
+        return high / ((1.0 - part) * (high - low))
+
+    return tuple(
+        (low + part * (high - low), 0.04 * peak, gate, 1.0, slope(part), 0.01 * peak)
+        for part, gate in (
+            (0.05, 0.0),
+            (0.15, 0.0),
+            (0.25, 0.0),
+            (0.37, 0.0),
+            (0.5, 0.0),
+            (0.3, 1.0),
+        )
+    )
+
+
+EFFECT = Effect(
+    name="dead_zone",
+    port=Port.INPUT,
+    family=Family.THRESHOLD,
+    symptom="below a threshold of the input the simulation moves and the device does not",
+    citation="Tao and Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor "
+    "Nonlinearities, chapter 2",
+    parameters=parameters,
+    starts=starts,
+    shape_input=law,
+)

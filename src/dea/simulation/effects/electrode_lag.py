@@ -1,0 +1,50 @@
+"""The input charges the device through a resistance."""
+
+import numpy as np
+from numba import njit
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.effects._laws import held_lag
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+
+
+@njit(cache=True, error_model="numpy")
+def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Charge the far part of the electrodes through a slow lag, the near part through a fast one.
+
+    The two lags stand for the ladder of resistances and capacitances that an electrode is. What
+    it was charged to before the record is unknown.
+    """
+    slow, ratio, near, start = q[0], q[1], q[2], q[3]
+    far = held_lag(u, u[0] + start, slow, interval)
+    return (1.0 - near) * far + near * held_lag(u, u[0], slow * ratio, interval)
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the slow time, the fast one's ratio to it, the near part, and the charge at start."""
+    dt = scales.interval
+    return (
+        Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
+        Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
+        Parameter("near_part", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
+        Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return slow time constants of a few intervals."""
+    return tuple((samples * scales.interval, 0.1, 0.1, 0.0) for samples in (2.0, 8.0, 30.0))
+
+
+EFFECT = Effect(
+    name="electrode_lag",
+    port=Port.INPUT,
+    family=Family.LAG,
+    symptom="the device answers to a smoothed input",
+    citation="Graf and Maas (2012), Smart Materials and Structures 21:094001, on electrode "
+    "resistance",
+    parameters=parameters,
+    starts=starts,
+    shape_input=law,
+)

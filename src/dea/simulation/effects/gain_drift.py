@@ -1,0 +1,38 @@
+"""The device answers more, or less, strongly as time goes by."""
+
+import numpy as np
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.effects._laws import DRIFT_DEGREES, drift
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+
+
+def law(t: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the factor on the drive, a polynomial of time."""
+    return np.maximum(1.0 + drift(t, q[DRIFT_DEGREES], q[:DRIFT_DEGREES]), 1e-3)
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the weights of Legendre polynomials of time."""
+    return (
+        *(Parameter(f"degree_{n}", "1", 0.0, 0.1, -2.0, 2.0) for n in range(1, DRIFT_DEGREES + 1)),
+        Parameter("duration", "s", scales.duration, 0.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return a slow growth; the law is linear in its weights."""
+    return ((0.02, *(0.0,) * (DRIFT_DEGREES - 1), scales.duration),)
+
+
+EFFECT = Effect(
+    name="gain_drift",
+    port=Port.TIME,
+    family=Family.AGEING,
+    symptom="the same input moves the device more (or less) later in the record",
+    citation="Ljung (1999), System Identification, section 11.2, on time-varying systems",
+    parameters=parameters,
+    starts=starts,
+    scale_drive=law,
+)

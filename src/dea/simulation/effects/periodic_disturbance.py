@@ -1,0 +1,65 @@
+"""Something outside shakes the output at a fixed frequency."""
+
+import numpy as np
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+
+_HARMONICS = 5
+_WANDERS = range(2, 7)
+
+
+def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Add a wave of five harmonics whose phase may wander slowly."""
+    *wander, duration = q[1 + 2 * _HARMONICS :]
+    slow = np.polynomial.legendre.legval(2.0 * t / duration - 1.0, [0.0, 0.0, *wander])
+    phase = 2.0 * np.pi * q[0] * t + slow
+    wave = np.zeros_like(y)
+    for n in range(_HARMONICS):
+        wave += q[1 + 2 * n] * np.cos((n + 1) * phase) + q[2 + 2 * n] * np.sin((n + 1) * phase)
+    return y + wave
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return frequency, amplitudes, and the weights of Legendre polynomials of the phase."""
+    unit, size = scales.y_unit, 0.03 * scales.y_span
+    nyquist = 0.5 / scales.interval
+    frequency = scales.frequencies[0] if scales.frequencies else 0.1 * nyquist
+    return (
+        Parameter("frequency", "Hz", frequency, 0.1 / scales.duration, 0.0, nyquist),
+        *(
+            Parameter(f"{part}_{n + 1}", unit, 0.0, size)
+            for n in range(_HARMONICS)
+            for part in ("cosine", "sine")
+        ),
+        *(Parameter(f"phase_{n}", "rad", 0.0, 0.3, shape=True) for n in _WANDERS),
+        Parameter("duration", "s", scales.duration, 0.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return the frequencies at which the gap of the nominal simulation peaks, in four phases.
+
+    A wave more than a right angle out of phase would seem to explain nothing.
+    """
+    # So small that the first step finds amplitude and phase before the frequency moves.
+    size = 1e-5 * scales.y_span
+    rest = (*(0.0,) * (2 * _HARMONICS - 2 + len(_WANDERS)), scales.duration)
+    return tuple(
+        (frequency, *phase, *rest)
+        for frequency in dict.fromkeys(scales.frequencies)
+        for phase in ((size, 0.0), (0.0, size), (-size, 0.0), (0.0, -size))
+    )
+
+
+EFFECT = Effect(
+    name="periodic_disturbance",
+    port=Port.OUTPUT,
+    family=Family.OSCILLATION,
+    symptom="the gap oscillates at one frequency that the input does not have",
+    citation="Rife and Boorstyn (1974), IEEE Transactions on Information Theory 20:591",
+    parameters=parameters,
+    starts=starts,
+    shape_output=law,
+)

@@ -1,0 +1,91 @@
+"""The way up differs from the way down, however slowly both are gone."""
+
+import numpy as np
+from numba import float64, int64, njit, types
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+from dea.simulation.signatures import FORCE, MEMORY, UPDATE
+
+OPERATORS = 11
+_VECTOR = types.Array(float64, 1, "C")
+
+
+@njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
+def _growth(z, q):
+    """Return how much stronger the stops are at a place: at one end, or at both."""
+    place = min(max((z - q[6]) / q[7], -2.0), 2.0)
+    return 1.0 + q[4] * place + q[5] * place * place
+
+
+@njit(float64(int64, _VECTOR), cache=True, error_model="numpy")
+def _radius(i, q):
+    return q[1] * ((i + 1.0) / OPERATORS) ** 2
+
+
+@njit(FORCE, cache=True, error_model="numpy")
+def force(z, w, memory, q):
+    """Sum of stop operators; ``memory`` holds their forces and the last position."""
+    total = 0.0
+    growth = _growth(z, q)
+    gained = growth * (z - memory[OPERATORS])
+    for i in range(OPERATORS):
+        limit = growth * _radius(i, q)
+        weight = (i + 1.0) * np.exp(-q[2] * (i + 1.0) / OPERATORS)
+        total -= weight * min(max(memory[i] + gained, -limit), limit)
+    return q[0] * total / OPERATORS
+
+
+@njit(UPDATE, cache=True, error_model="numpy")
+def update(z, z_next, h, memory, q):
+    """Move each stop, which slips at its radius."""
+    growth = _growth(z_next, q)
+    gained = growth * (z_next - memory[OPERATORS])
+    for i in range(OPERATORS):
+        limit = growth * _radius(i, q)
+        memory[i] = min(max(memory[i] + gained, -limit), limit)
+    memory[OPERATORS] = z_next
+
+
+def memory(q: np.ndarray) -> np.ndarray:
+    """Return stops that are slack where the device has come from: at rest, if nothing is known."""
+    state = np.zeros(MEMORY)
+    state[OPERATORS] = q[3]
+    return state
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return stiffness, largest radius, decay of the weight with it, start, and growth in space."""
+    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    return (
+        Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True),
+        Parameter("largest_radius", "1", 0.5 * span, 1.0, 0.02 * span, 5 * span, log=True),
+        Parameter("weight_decay", "1", 2.0, 2.0, -3.0, 20.0, shape=True),
+        Parameter("start_position", "1", 0.0, span),
+        Parameter("tilt", "1", 0.0, 0.3, -1.0, 1.0, shape=True),
+        Parameter("growth_at_ends", "1", 0.0, 0.3, 0.0, 5.0, shape=True),
+        Parameter("middle", "1", middle, 0.0),
+        Parameter("half_range", "1", 0.5 * span, 0.0),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return loops narrower and wider than the motion."""
+    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
+    rest = (0.0, 0.0, 0.0, middle, 0.5 * span)
+    return tuple((0.2, part * span, 2.0, *rest) for part in (0.2, 0.6, 1.5))
+
+
+EFFECT = Effect(
+    name="rate_independent_hysteresis",
+    port=Port.FORCE,
+    family=Family.DISSIPATION,
+    symptom="up and down differ by a loop that does not shrink when the motion is slow",
+    citation="Visintin (1994), Differential Models of Hysteresis, chapter III (Prandtl-Ishlinskii)",
+    parameters=parameters,
+    starts=starts,
+    force=force,
+    update=update,
+    memory=memory,
+)

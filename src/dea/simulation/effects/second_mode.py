@@ -1,0 +1,80 @@
+"""A second mass swings along."""
+
+import numpy as np
+from numba import njit
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+from dea.simulation.signatures import FORCE, MEMORY, UPDATE
+
+_TWO_PI = 6.283185307179586
+
+
+@njit(FORCE, cache=True, error_model="numpy")
+def force(z, w, memory, q):
+    """Hardening spring and dashpot to the second mass: ``memory`` is its place and velocity."""
+    stretch = z - memory[0]
+    loss = 2.0 * q[2] / (_TWO_PI * q[1])
+    return -q[0] * (stretch * (1.0 + q[4] * stretch * stretch) + loss * (w - memory[1]))
+
+
+@njit(UPDATE, cache=True, error_model="numpy")
+def update(z, z_next, h, memory, q):
+    """Swing the second mass by the trapezoidal rule."""
+    omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]
+    a, v = memory[0], memory[1]
+    half = 0.5 * h
+    # The stiffness of the stretch at hand, so that only the linear part is implicit.
+    square = omega * omega * (1.0 + q[4] * (z - a) ** 2)
+    pull = square * (z_next - a - half * v) + damping * ((z_next - z) / h - v)
+    v_next = v + h * pull / (1.0 + half * damping + half * half * square)
+    memory[0] = a + half * (v + v_next)
+    memory[1] = v_next
+
+
+def memory(q: np.ndarray) -> np.ndarray:
+    """Return a second mass at rest with the first."""
+    state = np.zeros(MEMORY)
+    state[0] = q[3]
+    return state
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return coupling, frequency, damping and start of the second mass, and the hardening."""
+    nyquist = 0.5 / scales.interval
+    return (
+        Parameter("coupling", "1", 0.1, 1.5, 1e-4, 5.0, log=True),
+        Parameter("frequency", "Hz", 0.1 * nyquist, 1.0, 1e-3 * nyquist, nyquist, log=True),
+        Parameter("damping_ratio", "1", 0.05, 1.0, 2e-3, 0.9, log=True),
+        Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), scales.z_span),
+        Parameter(
+            "hardening", "1", 0.0, 0.3 / scales.z_span**2, 0.0, 10.0 / scales.z_span**2, shape=True
+        ),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return second masses at the frequencies at which the gap peaks, and from slow to fast.
+
+    They are light and well damped, which widens the band from which a fit finds the frequency.
+    """
+    nyquist, middle = 0.5 / scales.interval, 0.5 * (scales.z_low + scales.z_high)
+    grid = [part * nyquist for part in (0.02, 0.05, 0.1, 0.3)]
+    lines = [line for line in scales.frequencies if 1e-3 * nyquist < line < nyquist]
+    return tuple((0.05, frequency, 0.15, middle, 0.0) for frequency in (*lines, *grid))
+
+
+EFFECT = Effect(
+    name="second_mode",
+    port=Port.FORCE,
+    family=Family.OSCILLATION,
+    symptom="after a jump, or at one frequency, the device rings where the simulation does not",
+    citation="Den Hartog (1956), Mechanical Vibrations, chapter 3, on the dynamic absorber",
+    parameters=parameters,
+    starts=starts,
+    force=force,
+    update=update,
+    memory=memory,
+    refine=2,
+)

@@ -1,0 +1,57 @@
+"""The input can change only so fast."""
+
+import numpy as np
+from numba import njit
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+
+_PARTS = 4
+
+
+@njit(cache=True, error_model="numpy")
+def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Follow the input through a lag whose rate saturates; return means over the intervals."""
+    rising, falling, tau = q[0], q[0] * q[1], q[2]
+    h = interval / _PARTS
+    near = 1.0 - np.exp(-h / tau)
+    result = np.empty(u.size)
+    v = u[0]
+    for k in range(u.size):
+        total = 0.0
+        for _ in range(_PARTS):
+            step = min(max((u[k] - v) * near, -falling * h), rising * h)
+            total += v + 0.5 * step
+            v += step
+        result[k] = total / _PARTS
+    return result
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the rising rate, the ratio of the falling one and the lag near the target."""
+    rate, dt = max(scales.u_rate, 1e-9), scales.interval
+    return (
+        Parameter("rate", f"{scales.u_unit}/s", 0.5 * rate, 1.0, 1e-4 * rate, 1e3 * rate, log=True),
+        Parameter("falling_ratio", "1", 1.0, 0.3, 0.1, 10.0, log=True),
+        Parameter("lag", "s", 0.2 * dt, 1.0, 0.02 * dt, 30 * dt, log=True, shape=True),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return rates below the fastest change of the input."""
+    return tuple(
+        (part * scales.u_rate, 1.0, 0.2 * scales.interval) for part in (0.7, 0.4, 0.2, 0.05)
+    )
+
+
+EFFECT = Effect(
+    name="slew_limit",
+    port=Port.INPUT,
+    family=Family.LAG,
+    symptom="the device lags behind fast changes of the input, the more the larger they are",
+    citation="Duda (1998), Journal of Guidance, Control, and Dynamics 21:1, on rate limiters",
+    parameters=parameters,
+    starts=starts,
+    shape_input=law,
+)

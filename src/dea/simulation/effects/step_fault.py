@@ -1,0 +1,53 @@
+"""At one instant something gives way."""
+
+import numpy as np
+
+from dea.simulation.effects._effect import Effect, Family, Port
+from dea.simulation.parameter import Parameter
+from dea.simulation.scales import Scales
+
+
+def _after(t: np.ndarray, q: np.ndarray) -> np.ndarray:
+    return np.clip(0.5 + (t - q[0]) / q[3], 0.0, 1.0)
+
+
+def gain(t: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the factor on the drive: one, then another value."""
+    return np.maximum(1.0 + q[1] * _after(t, q), 1e-3)
+
+
+def offset(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Shift the output from the same instant."""
+    return y + q[2] * _after(t, q)
+
+
+def parameters(scales: Scales) -> tuple[Parameter, ...]:
+    """Return the instant, the steps of gain and of offset, and how long they take."""
+    dt, duration = scales.interval, scales.duration
+    # A fit may not see the instant, if it lies in a block that is held out.
+    likeliest = scales.jumps[0] if scales.jumps else 0.5 * duration
+    return (
+        Parameter("instant", "s", likeliest, 0.02 * duration, 0.0, duration, shape=True),
+        Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
+        Parameter("offset_step", scales.y_unit, 0.0, 0.1 * scales.y_span),
+        Parameter("rise_time", "s", 4 * dt, 1.0, 0.5 * dt, 0.05 * duration, log=True, shape=True),
+    )
+
+
+def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
+    """Return the instants at which the gap of the nominal simulation jumps most."""
+    rise = 0.01 * scales.duration
+    return tuple((instant, 0.01, 0.01 * scales.y_span, rise) for instant in scales.jumps)
+
+
+EFFECT = Effect(
+    name="step_fault",
+    port=Port.TIME,
+    family=Family.EVENT,
+    symptom="from one instant on the device answers differently",
+    citation="Basseville and Nikiforov (1993), Detection of Abrupt Changes, chapter 2",
+    parameters=parameters,
+    starts=starts,
+    scale_drive=gain,
+    shape_output=offset,
+)

@@ -1,0 +1,34 @@
+"""Where a force law attaches to a simulation."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ForcePort:
+    """A state equation that a force law can add to.
+
+    Parameters
+    ----------
+    equation
+        State whose derivative the force adds to.
+    position
+        State that the elastic part of the force depends on, or ``None`` if there is no such state.
+    velocity
+        State that is the rate of the motion; ``None`` takes the derivative of ``position``.
+    rest
+        Position at which the elastic force vanishes, in the unit of ``position``.
+    reaction
+        State equation that the same force is subtracted from, where it acts between two parts of
+        the device: two bodies, or two vessels. ``None`` where it acts from outside.
+    """
+
+    equation: str
+    position: str | None
+    velocity: str | None
+    rest: float = 0.0
+    reaction: str | None = None
+
+    @property
+    def name(self) -> str:
+        """Name of the port, unique within its simulation."""
+        return f"{self.equation}>{self.reaction}" if self.reaction else self.equation

@@ -1,0 +1,62 @@
+"""Find a simulation by name or in a user's Python file."""
+
+import importlib.util
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+from dea.errors import InputError
+from dea.simulation.simulation import Simulation
+
+BUILT_IN = ("dea_membrane", "cascaded_tanks", "mass_spring_damper", "electric_drive")
+
+
+def load_simulation(name: str | Path) -> Simulation:
+    """Return a simulation of this package by name, or one from a user's Python file.
+
+    Raises
+    ------
+    InputError
+        If there is no such simulation, the file cannot be run, it lacks a ``simulation``, or the
+        simulation has a missing port or an equation that does not give numbers.
+    """
+    if str(name) in BUILT_IN:
+        return import_module(f"dea.simulation.devices.{name}").simulation
+    path = Path(name)
+    if path.suffix != ".py" or not path.exists():
+        raise InputError(
+            f"there is no simulation {str(name)!r}",
+            field="simulation",
+            remedy=f"Name one of {', '.join(BUILT_IN)}, or a Python file that defines `simulation`",
+        )
+    spec = importlib.util.spec_from_file_location(f"dea_user_simulation_{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except InputError as error:
+        raise InputError(
+            error.problem, file=path, field=error.field, remedy=error.remedy
+        ) from error
+    except Exception as error:  # whatever the user's file raises is what is wrong with it
+        raise InputError(
+            f"it cannot be run ({type(error).__name__}: {error})",
+            file=path,
+            remedy="See docs/discrepancy.md for a worked example",
+        ) from error
+    found = getattr(module, "simulation", None)
+    if not isinstance(found, Simulation):
+        raise InputError(
+            "it defines no `simulation`",
+            file=path,
+            field="simulation",
+            remedy="Assign a dea.simulation.Simulation to that name",
+        )
+    # Its file is how a saved extension finds it again; what is compiled stays so.
+    return replace(
+        found,
+        source=str(path),
+        derivative=found.compiled_derivative,
+        output=found.compiled_output,
+    )

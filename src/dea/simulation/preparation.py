@@ -1,0 +1,189 @@
+"""Prepare a simulation for a record: choose its integration step, normalise its motion."""
+
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from dea.errors import InputError
+from dea.simulation.extended import ExtendedSimulation
+from dea.simulation.force_port import ForcePort
+from dea.simulation.normalisation import Normalisation
+from dea.simulation.scales import Scales
+from dea.simulation.simulation import Simulation
+
+# Part of the drive's force below which the elastic force is too small to be the unit of force.
+_SLACK = 1e-3
+# Part of the range of motion at the prior below which a fitted simulation counts as not moving.
+_STILL = 0.3
+# Numbers of integration steps per sample that are tried, coarsest first.
+_SUBSTEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128, 256)
+
+
+class Sampled(Protocol):
+    """A record: input and output, each (n,), at a uniform interval (s)."""
+
+    @property
+    def u(self) -> np.ndarray:
+        """Input."""
+
+    @property
+    def y(self) -> np.ndarray:
+        """Output."""
+
+    @property
+    def interval(self) -> float:
+        """Sampling interval in s."""
+
+
+def prepared(
+    simulation: Simulation, u: np.ndarray, interval: float, tolerance: float
+) -> ExtendedSimulation:
+    """Return the simulation without effects, with its motion normalised and its step chosen.
+
+    The step is refined until the output at the nominal parameters changes by less than
+    ``tolerance`` (RMS, in the output's unit).
+
+    Raises
+    ------
+    InputError
+        If the simulation diverges at its nominal parameters on this input.
+    """
+    extended = ExtendedSimulation(simulation)
+    values = extended.values(np.zeros(extended.free.size))
+    extended = with_fine_steps(extended, values, u, interval, tolerance)
+    y = extended.simulate(values, u, interval)
+    if not np.isfinite(y).all():
+        raise InputError(
+            f"it runs away at its nominal parameters after "
+            f"{interval * np.argmin(np.isfinite(y)):g} s of this input",
+            file=simulation.source or f"simulation {simulation.name}",
+            field="parameters",
+            remedy="Correct the nominal values, or the units of the record's input",
+        )
+    normalisations = tuple(
+        _normalisation(extended, port, values, u, interval) for port in simulation.force_ports
+    )
+    return replace(extended, normalisations=normalisations)
+
+
+def with_fine_steps(
+    extended: ExtendedSimulation,
+    values: np.ndarray,
+    u: np.ndarray,
+    interval: float,
+    tolerance: float,
+    most: int = _SUBSTEPS[-1],
+) -> ExtendedSimulation:
+    """Return the simulation with steps so short that shorter ones change less than ``tolerance``.
+
+    The change is the RMS change of the output at the parameter ``values``. A sample is integrated
+    in at ``most`` so many steps, even if the tolerance is not reached.
+    """
+    coarse = extended.simulate(values, u, interval)
+    for substeps in (s for s in _SUBSTEPS if extended.substeps < s <= most):
+        finer = replace(extended, substeps=substeps)
+        fine = finer.simulate(values, u, interval)
+        change = fine - coarse
+        if np.isfinite(change).all() and float(np.sqrt(np.mean(change**2))) < tolerance:
+            break
+        extended, coarse = finer, fine
+    return extended
+
+
+def measured_scales(
+    extended: ExtendedSimulation, values: np.ndarray, record: Sampled, force_port: int = 0
+) -> Scales:
+    """Return the scales of a record and of the motion of its simulation at ``values``."""
+    own = extended.simulation
+    z = np.zeros(2)
+    if own.force_ports:
+        port = own.force_ports[force_port]
+        prior = extended.values(np.zeros(extended.free.size))
+        z, z_prior = (
+            _deflection(extended, port, v, record.u, record.interval)
+            / extended.normalisations[force_port].scale
+            for v in (values, prior)
+        )
+        # A simulation fitted to a device that sticks does not move and gives no scale; without the
+        # effect that holds the device it may diverge.
+        if not np.ptp(z) >= _STILL * np.ptp(z_prior):
+            z = z_prior
+    rate = np.abs(np.diff(record.u)) / record.interval
+    return Scales(
+        u_unit=own.input_unit,
+        y_unit=own.output_unit,
+        u_low=float(record.u.min()),
+        u_high=float(record.u.max()),
+        u_rate=float(np.quantile(rate[rate > 0], 0.98)),
+        y_low=float(record.y.min()),
+        y_high=float(record.y.max()),
+        z_low=float(z.min()),
+        z_high=float(z.max()) if np.ptp(z) > 0 else float(z.min()) + 1.0,
+        interval=record.interval,
+        duration=float(record.u.size * record.interval),
+    )
+
+
+def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
+    """Return the slowest time constant (s) of the simulation at its start under the mean input."""
+    own = extended.simulation
+    x = np.array([state.initial for state in own.states])
+    f0, f1 = np.empty(x.size), np.empty(x.size)
+    A = np.empty((x.size, x.size))
+    level = float(np.mean(u))
+    own.compiled_derivative(x, level, own.nominal, f0)
+    for j in range(x.size):
+        step = 1e-4 * max(abs(x[j]), 1e-3)
+        moved = x.copy()
+        moved[j] += step
+        own.compiled_derivative(moved, level, own.nominal, f1)
+        A[:, j] = (f1 - f0) / step
+    decay = -np.linalg.eigvals(A).real
+    return float(1.0 / decay[decay > 0].min()) if (decay > 0).any() else 0.0
+
+
+def _deflection(
+    extended: ExtendedSimulation,
+    port: ForcePort,
+    values: np.ndarray,
+    u: np.ndarray,
+    interval: float,
+) -> np.ndarray:
+    """Return the motion at a force port without any effect, relative to rest, in its own unit."""
+    own = extended.simulation
+    alone = replace(
+        own,
+        force_ports=(port,),
+        derivative=own.compiled_derivative,
+        output=own.compiled_output,
+    )
+    bare = ExtendedSimulation(alone, (), (Normalisation(port.rest),), extended.substeps)
+    values = values[: len(bare.parameters)]
+    output, position = bare.run(values, u, interval)
+    return bare.read(output, values, interval) if port.position is None else position
+
+
+def _normalisation(
+    extended: ExtendedSimulation,
+    port: ForcePort,
+    values: np.ndarray,
+    u: np.ndarray,
+    interval: float,
+) -> Normalisation:
+    own = extended.simulation
+    moving = own.state_names.index(port.position or port.velocity or "")
+    equation = own.state_names.index(port.equation)
+    p, x = values[: len(own.parameters)], np.array([s.initial for s in own.states])
+    excursion = float(np.max(np.abs(_deflection(extended, port, values, u, interval)))) or 1.0
+    low, high = np.empty(x.size), np.empty(x.size)
+    for sign, slope in ((0.6, low), (0.8, high)):
+        x[moving] = port.rest + sign * excursion
+        own.compiled_derivative(x, float(np.mean(u)), p, slope)
+    elastic = abs(high[equation] - low[equation]) / 0.2
+    # Where no elastic force acts, the range of the input gives the unit of force.
+    x[moving] = port.rest
+    for level, slope in ((float(u.min()), low), (float(u.max()), high)):
+        own.compiled_derivative(x, level, p, slope)
+    driven = abs(high[equation] - low[equation])
+    return Normalisation(port.rest, excursion, elastic if elastic > _SLACK * driven else driven)

@@ -1,0 +1,110 @@
+"""Extended simulations as files: they load and simulate without the record they came from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dea.errors import InputError
+from dea.simulation.attached import Attached
+from dea.simulation.effects import catalogue
+from dea.simulation.extended import ExtendedSimulation
+from dea.simulation.loading import load_simulation
+from dea.simulation.normalisation import Normalisation
+from dea.simulation.scales import Scales
+
+
+def save_extended(
+    extended: ExtendedSimulation, values: np.ndarray, interval: float, path: str | Path
+) -> None:
+    """Write the simulation, its effects and all parameter values as YAML."""
+    import yaml
+
+    from dea.store import atomic
+
+    content = {
+        "simulation": extended.simulation.source or extended.simulation.name,
+        "hold": extended.simulation.input_interpolation,
+        "interval": float(interval),
+        "substeps": extended.substeps,
+        "frames": [
+            {key: float(value) for key, value in asdict(each).items()}
+            for each in extended.normalisations
+        ],
+        "effects": [
+            {
+                "name": a.effect.name,
+                "port": str(a.effect.port),
+                "balance": a.force_port,
+                "upstream": a.upstream,
+                "scales": _plain(asdict(a.scales)),
+            }
+            for a in extended.attached
+        ],
+        "parameters": {
+            p.name: {"value": float(value), "unit": p.unit}
+            for p, value in zip(extended.parameters, values, strict=True)
+        },
+    }
+    with atomic(Path(path)) as partial:
+        partial.write_text(yaml.safe_dump(content, sort_keys=False))
+
+
+def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, float]:
+    """Read an extended simulation; return it with its parameter values and interval (s).
+
+    Raises
+    ------
+    InputError
+        If the file is no extended simulation, or names an unknown effect or parameter.
+    """
+    import yaml
+
+    file = Path(path)
+    if not file.exists():
+        raise InputError("the file does not exist", file=file)
+    content = yaml.safe_load(file.read_text())
+    try:
+        effects = content["effects"]
+        unknown = sorted({e["name"] for e in effects} - set(catalogue()))
+        if unknown:
+            raise InputError(
+                f"there is no effect {unknown[0]!r}",
+                file=file,
+                field="effects",
+                remedy=f"Known are {', '.join(catalogue())}",
+            )
+        attached = tuple(
+            Attached(
+                catalogue()[e["name"]], Scales(**_tuples(e["scales"])), e["balance"], e["upstream"]
+            )
+            for e in effects
+        )
+        extended = ExtendedSimulation(
+            replace(load_simulation(content["simulation"]), input_interpolation=content["hold"]),
+            attached,
+            tuple(Normalisation(**each) for each in content["frames"]),
+            content["substeps"],
+        )
+        values = np.array([content["parameters"][name]["value"] for name in extended.names])
+        return extended, values, float(content["interval"])
+    except (KeyError, TypeError) as error:
+        raise InputError(
+            f"it is no extended simulation ({type(error).__name__}: {error})",
+            file=file,
+            remedy="Make it again with `dea.diagnose` or the rule diagnose",
+        ) from error
+
+
+def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        key: [float(v) for v in value] if isinstance(value, Sequence) and not isinstance(value, str)
+        else float(value) if isinstance(value, int | float) else value
+        for key, value in values.items()
+    }  # fmt: skip
+
+
+def _tuples(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}

@@ -1,0 +1,51 @@
+"""Typical sizes in a record, which the priors and starting values of effects refer to."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Scales:
+    """How large things are in a record: what an effect's priors and starting values refer to.
+
+    Input in ``u_unit``, output in ``y_unit``, times in s. ``z`` is the normalised position of the
+    force balance (zero at rest, one at the largest excursion of the nominal simulation).
+    """
+
+    u_unit: str
+    y_unit: str
+    u_low: float
+    u_high: float
+    u_rate: float
+    y_low: float
+    y_high: float
+    z_low: float
+    z_high: float
+    interval: float
+    duration: float
+    frequencies: tuple[float, ...] = ()
+    jumps: tuple[float, ...] = ()
+
+    @property
+    def u_span(self) -> float:
+        """Range of the input."""
+        return self.u_high - self.u_low
+
+    @property
+    def y_span(self) -> float:
+        """Range of the output."""
+        return self.y_high - self.y_low
+
+    @property
+    def z_span(self) -> float:
+        """Range of the normalised position."""
+        return self.z_high - self.z_low
+
+    @property
+    def u_peak(self) -> float:
+        """Largest magnitude of the input."""
+        return max(abs(self.u_low), abs(self.u_high))
+
+    @property
+    def bipolar(self) -> bool:
+        """Whether the input goes to both signs."""
+        return self.u_low < -0.05 * self.u_span < 0.05 * self.u_span < self.u_high

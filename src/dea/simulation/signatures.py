@@ -1,0 +1,83 @@
+"""Signatures of the compiled functions that simulations and effects are made of.
+
+They enter the integrator as first-class functions of fixed signatures, so that neither a new
+effect nor a new parameter compiles anything.
+"""
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba import float64, int64, njit, types
+from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.extending import typeof_impl
+
+# Numba calls first-class functions experimental; without them each pair of a simulation and its
+# effects would be compiled.
+warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
+
+VECTOR = types.Array(float64, 1, "C")
+MATRIX = types.Array(float64, 2, "C")
+INDEX = types.Array(int64, 2, "C")
+DERIVATIVE = types.void(VECTOR, float64, VECTOR, VECTOR)
+OUTPUT = float64(VECTOR, float64, VECTOR)
+FORCE = float64(float64, float64, VECTOR, VECTOR)
+UPDATE = types.void(float64, float64, float64, VECTOR, VECTOR)
+
+SLOTS = 3
+MEMORY = 12
+
+
+def compiled(function: Callable[..., Any], signature: Any) -> Any:
+    """Compile ``function`` for ``signature``, unless it is compiled just so."""
+    options = getattr(function, "targetoptions", {})
+    made_for = [str(own) for own in getattr(function, "nopython_signatures", ())]
+    if options.get("error_model") == "numpy" and made_for == [str(signature)]:
+        return function
+    # Divisions by zero give infinities, which are data; an exception would not be.
+    return njit(signature, error_model="numpy")(getattr(function, "py_func", function))
+
+
+class FirstClass(types.WrapperAddressProtocol):
+    """A compiled function as an argument of another one, its address and type looked up once.
+
+    Numba looks up those of a plain one at every call, which takes longer than a short record
+    does. An exception would not leave such a function.
+    """
+
+    def __init__(self, function: Any) -> None:
+        self._function = function
+        (self._signature,) = function.nopython_signatures
+        result = function.get_compile_result(self._signature)
+        self._address = result.library.get_pointer_to_function(
+            result.fndesc.llvm_cfunc_wrapper_name
+        )
+        self.numba_type = types.FunctionType(self._signature)
+
+    def __wrapper_address__(self) -> int:
+        return self._address
+
+    def signature(self) -> Any:
+        """Return the signature the function is compiled for."""
+        return self._signature
+
+
+@typeof_impl.register(FirstClass)
+def _type_of(function: FirstClass, context: Any) -> types.FunctionType:
+    return function.numba_type
+
+
+first_class = cache(FirstClass)
+
+
+@njit(FORCE, cache=True)
+def no_force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
+    """Fill an empty slot."""
+    return 0.0
+
+
+@njit(UPDATE, cache=True)
+def no_update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
+    """Fill the slot of a force without memory."""

@@ -1,0 +1,367 @@
+"""Each law against an implementation that shares nothing with it."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.interpolate import BSpline
+from scipy.signal import lfilter
+
+from dea.simulation import Port, Scales, catalogue
+from dea.simulation.signatures import MEMORY, SLOTS, no_force, no_update
+
+DT = 0.02
+SCALES = Scales(
+    u_unit="V", y_unit="mm", u_low=1.1, u_high=3.75, u_rate=4.0, y_low=0.4, y_high=1.2,
+    z_low=0.4, z_high=1.0, interval=DT, duration=40.0, frequencies=(1.3,), jumps=(11.0,),
+)  # fmt: skip
+T = np.arange(2000) * DT
+U = 2.4 + np.sin(2 * np.pi * 0.31 * T) * np.cos(2 * np.pi * 0.05 * T)
+Y = 0.8 + 0.4 * np.sin(2 * np.pi * 0.23 * T)
+Z = 0.7 + 0.3 * np.sin(2 * np.pi * 0.4 * T) * np.cos(2 * np.pi * 0.03 * T)
+
+
+def values(name, **changed):
+    parameters = catalogue()[name].parameters(SCALES)
+    assert set(changed) <= {p.name for p in parameters}
+    return np.array([float(changed.get(p.name, p.nominal)) for p in parameters])
+
+
+def forces(name, q, z=Z, h=DT):
+    """The force along a given motion."""
+    effect = catalogue()[name]
+    memory = effect.memory(q) if effect.memory else np.zeros(MEMORY)
+    result = []
+    for k in range(z.size - 1):
+        result.append(effect.force(z[k], (z[k + 1] - z[k]) / h, memory, q))
+        effect.update(z[k], z[k + 1], h, memory, q)
+    return np.array(result)
+
+
+def test_the_catalogue_holds_the_twenty_effects_of_four_ports():
+    ports = {port: {e.name for e in catalogue().values() if e.port is port} for port in Port}
+    assert ports[Port.INPUT] == {
+        "dead_zone", "input_saturation", "slew_limit", "transport_delay", "electrode_lag",
+        "charge_leakage",
+    }  # fmt: skip
+    assert ports[Port.FORCE] == {
+        "viscoelastic_creep", "rate_independent_hysteresis", "coulomb_friction",
+        "strain_stiffening", "cyclic_softening", "second_mode", "end_stop",
+    }  # fmt: skip
+    assert ports[Port.TIME] == {"gain_drift", "baseline_drift", "step_fault"}
+    assert ports[Port.OUTPUT] == {
+        "sensor_lag", "output_saturation", "sensor_nonlinearity", "periodic_disturbance",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("effect", catalogue().values(), ids=lambda e: e.name)
+def test_an_effect_is_complete(effect):
+    parameters = effect.parameters(SCALES)
+    assert len({p.name for p in parameters}) == len(parameters)
+    assert any(p.spread > 0 for p in parameters)
+    assert effect.symptom
+    assert effect.citation
+    assert effect.starts(SCALES)
+    for start in effect.starts(SCALES):
+        assert len(start) == len(parameters)
+        assert all(p.low <= v <= p.high for p, v in zip(parameters, start, strict=True))
+
+
+def test_dead_zone_subtracts_its_threshold_and_lets_nothing_through_below():
+    u = np.linspace(-4, 4, 801)
+    q = values("dead_zone", threshold=1.5, corner_width=1e-6, negative_ratio=0.5)
+    expected = np.where(u > 1.5, u - 1.5, np.where(u < -0.75, u + 0.75, 0.0))
+    assert np.allclose(catalogue()["dead_zone"].shape_input(u, q, DT), expected, atol=1e-5)
+    steep = values("dead_zone", threshold=1.5, corner_width=1e-6, slope=2.0)
+    expected = 2.0 * np.sign(u) * np.maximum(np.abs(u) - 1.5, 0.0)
+    assert np.allclose(catalogue()["dead_zone"].shape_input(u, steep, DT), expected, atol=1e-5)
+    gated = values("dead_zone", threshold=1.5, gate=1.0, jump_width=1e-6)
+    away = np.abs(np.abs(u) - 1.5) > 1e-3
+    expected = np.where(np.abs(u) > 1.5, u, 0.0)
+    assert np.allclose(catalogue()["dead_zone"].shape_input(u, gated, DT)[away], expected[away])
+
+
+def test_sharp_saturations_clip_and_soft_ones_follow_their_formula():
+    q = values("input_saturation", limit=2.5, sharpness=200.0)
+    found = catalogue()["input_saturation"].shape_input(U, q, DT)
+    assert np.allclose(found, np.clip(U, -2.5, 2.5), atol=0.01)
+    q = values("input_saturation", limit=2.5, sharpness=3.0, remaining_slope=0.2)
+    soft = U / (1 + (U / 2.5) ** 3) ** (1 / 3)
+    found = catalogue()["input_saturation"].shape_input(U, q, DT)
+    assert np.allclose(found, 0.8 * soft + 0.2 * U)
+    q = values("output_saturation", upper_end=1.0, lower_end=0.5, sharpness=200.0, middle=0.8)
+    law = catalogue()["output_saturation"].shape_output
+    assert np.allclose(law(Y, T, q, DT), np.clip(Y, 0.5, 1.0), atol=2e-3)
+
+
+def test_slew_limit_without_lag_is_a_rate_limiter():
+    steps = np.repeat([1.0, 3.0, 0.5], 100)
+    q = values("slew_limit", rate=2.0, falling_ratio=0.5, lag=1e-9)
+    v = catalogue()["slew_limit"].shape_input(steps, q, DT)
+    # Up 2 V at 2 V/s takes one second, down 2.5 V at 1 V/s two and a half.
+    assert v[100 + 25] == pytest.approx(1.0 + 25.5 * DT * 2.0, rel=1e-6)
+    assert v[100 + 60] == pytest.approx(3.0)
+    assert v[200 + 50] == pytest.approx(3.0 - 50.5 * DT * 1.0, rel=1e-6)
+
+
+def test_transport_delay_is_linear_interpolation():
+    q = values("transport_delay", delay=3.4 * DT)
+    delayed = catalogue()["transport_delay"].shape_input(U, q, DT)
+    expected = np.interp(T - 3.4 * DT, T, U)
+    assert np.allclose(delayed[5:], expected[5:])
+
+
+def test_electrode_lag_solves_its_differential_equation():
+    tau, fine = 0.13, 200
+    q = values("electrode_lag", time_constant=tau, near_part=0.0)
+    law = catalogue()["electrode_lag"].shape_input
+    mean = law(U, q, DT)
+    v, expected = U[0], []
+    for u in U[:300]:
+        total = 0.0
+        for _ in range(fine):
+            before = v
+            v += DT / fine * (u - v) / tau
+            total += 0.5 * (before + v)
+        expected.append(total / fine)
+    assert np.allclose(mean[:300], expected, atol=2e-3)
+    quick = law(U, values("electrode_lag", time_constant=0.3 * tau, near_part=0.0), DT)
+    both = law(U, values("electrode_lag", time_constant=tau, fast_ratio=0.3, near_part=0.4), DT)
+    assert np.allclose(both, 0.6 * mean + 0.4 * quick)
+    held = np.full(100, 2.0)
+    charged = law(held, values("electrode_lag", time_constant=tau, start_charge=-0.5), DT)
+    t = (np.arange(100) + 0.5) * DT
+    assert np.allclose(charged, 2.0 - 0.9 * 0.5 * np.exp(-t / tau), atol=2e-3)
+
+
+@pytest.mark.parametrize("damping", [0.3, 1.0, 5.0])
+def test_sensor_lag_has_the_frequency_response_of_second_order(damping):
+    tau, omega = 0.3, 2 * np.pi * 0.23
+    q = values("sensor_lag", time_constant=tau, damping=damping)
+    smooth = catalogue()["sensor_lag"].shape_output(Y, T, q, DT)
+    natural = 2.0 * damping / tau
+    gain = 1.0 / (1.0 - (omega / natural) ** 2 + 1j * omega * tau)
+    expected = 0.8 + 0.4 * np.imag(gain * np.exp(1j * omega * T))
+    assert np.allclose(smooth[1000:], expected[1000:], atol=2e-4)
+
+
+def test_a_sensor_that_lags_is_at_rest_before_the_record():
+    q = values("sensor_lag", time_constant=0.3, damping=0.3, delay_ratio=0.5)
+    smooth = catalogue()["sensor_lag"].shape_output(np.full(T.size, 0.8), T, q, DT)
+    assert np.allclose(smooth, 0.8, rtol=1e-9)
+
+
+@pytest.mark.parametrize("growth", [0.0, 2.0])
+def test_charge_leakage_solves_its_differential_equation(growth):
+    loss, tau, part, fine = 0.3, 2.0, 0.4, 200
+    q = values(
+        "charge_leakage", loss=loss, field_growth=growth, time_constant=tau, start_part=part,
+        full_field=4.0,
+    )  # fmt: skip
+
+    def target(field):
+        return loss * np.exp(growth * (abs(field) / 4.0 - 1.0)) * field
+
+    lost, expected = part * target(U[0]), []
+    for u in U:
+        total = 0.0
+        for _ in range(fine):
+            before = lost
+            lost += DT / fine * (target(u - lost) - lost) / tau
+            total += u - 0.5 * (before + lost)
+        expected.append(total / fine)
+    assert np.allclose(catalogue()["charge_leakage"].shape_input(U, q, DT), expected, atol=5e-3)
+
+
+def test_creep_is_a_sum_of_maxwell_branches():
+    q = values(
+        "viscoelastic_creep", stiffness=0.3, fastest_time=0.5, branch_ratio=0.6,
+        start_position=0.7, **{"slow.start_position": 0.5},
+    )  # fmt: skip
+    expected = np.zeros(Z.size - 1)
+    for i in range(5):
+        tau, k, start = 0.5 * 5.0**i, 0.3 * 0.6**i, 0.7 - 0.05 * i
+        # ξ' = (z - ξ)/τ for a held position, as a digital filter.
+        a = np.exp(-DT / tau)
+        xi, _ = lfilter([1 - a], [1, -a], Z[1:], zi=[a * start])
+        expected -= k * (Z[:-1] - np.concatenate([[start], xi[:-1]]))
+    assert np.allclose(forces("viscoelastic_creep", q), expected, atol=1e-12)
+
+
+def test_hysteresis_is_rate_independent_and_keeps_return_point_memory():
+    q = values("rate_independent_hysteresis", stiffness=0.4, largest_radius=0.3, weight_decay=0.5)
+    path = np.concatenate(
+        [np.linspace(a, b, 200) for a, b in ((0.7, 1.0), (1.0, 0.4), (0.4, 0.8), (0.8, 0.4))]
+    )
+    slow = forces("rate_independent_hysteresis", q, path)
+    fast = forces("rate_independent_hysteresis", q, path[::4])
+    assert np.allclose(slow[::4][: fast.size], fast, atol=2e-3)
+    # Back where the inner loop was left, the force is what it was there.
+    assert slow[-1] == pytest.approx(slow[398], abs=2e-3)
+
+
+def test_stops_equal_plays():
+    """A stop is the motion less the play operator of the same radius."""
+    q = values(
+        "rate_independent_hysteresis",
+        stiffness=1.0, largest_radius=0.2, weight_decay=1.5, start_position=0.7,
+    )  # fmt: skip
+    rank = np.arange(1, 12)
+    radii, weights = 0.2 * (rank / 11) ** 2, rank * np.exp(-1.5 * rank / 11)
+    play = np.full(11, 0.7)
+    expected = []
+    for z in Z[:-1]:
+        play = np.minimum(np.maximum(play, z - radii), z + radii)
+        expected.append(-weights @ (z - play) / 11)
+    assert np.allclose(forces("rate_independent_hysteresis", q)[1:], expected[1:], atol=1e-12)
+
+
+def test_slipping_stops_pull_harder_where_they_have_grown():
+    q = values(
+        "rate_independent_hysteresis", stiffness=1.0, largest_radius=0.2, weight_decay=1.5,
+        start_position=0.0, tilt=0.4, growth_at_ends=0.3, middle=0.5, half_range=0.5,
+    )  # fmt: skip
+    path = np.linspace(0.0, 1.0, 4001)
+    found = forces("rate_independent_hysteresis", q, path)
+    place = (path[2000:-1] - 0.5) / 0.5
+    rank = np.arange(1, 12)
+    slipping = np.sum(rank * np.exp(-1.5 * rank / 11) * 0.2 * (rank / 11) ** 2) / 11
+    expected = -slipping * (1.0 + 0.4 * place + 0.3 * place**2)
+    assert np.allclose(found[2000:], expected, rtol=1e-3)
+
+
+def test_coulomb_friction_opposes_the_motion_with_one_force():
+    q = values("coulomb_friction", force=0.1, slip_deflection=0.005)
+    z = 0.7 + 0.3 * np.sin(2 * np.pi * 0.1 * T)
+    found, velocity = forces("coulomb_friction", q, z)[100:], np.diff(z)[100:]
+    fast = np.abs(velocity) > 0.3 * np.abs(velocity).max()
+    assert np.allclose(found[fast], -0.1 * np.sign(velocity[fast]))
+
+
+def test_stiffening_is_a_power_law():
+    q = values("strain_stiffening", stiffening=0.2, exponent=3.0, even_part=0.05)
+    z = np.linspace(-1, 1, 21)
+    law = catalogue()["strain_stiffening"].force
+    found = [law(v, 0.0, np.zeros(MEMORY), q) for v in z]
+    assert np.allclose(found, -0.2 * z**3 - 0.05 * z**2)
+
+
+def test_softening_grows_with_the_way_and_not_with_time():
+    q = values("cyclic_softening", softening=0.3, travel=2.0, exponent=1.0)
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(Z)))])[:-1]
+    expected = 0.3 * (1 - np.exp(-way / 2.0)) * Z[:-1]
+    assert np.allclose(forces("cyclic_softening", q), expected)
+    resting = forces("cyclic_softening", q, np.full(100, 0.7))
+    assert np.allclose(resting, 0.0)
+
+
+def test_second_mode_resonates_at_its_frequency():
+    q = values("second_mode", coupling=1.0, frequency=1.5, damping_ratio=0.05, start_position=0.0)
+    omega, h = 2 * np.pi * 1.5, 1e-3
+    t = np.arange(40_000) * h
+    amplitude = np.abs(forces("second_mode", q, 0.01 * np.sin(omega * t), h)[-1000:]).max()
+    # The absorber's own motion exceeds the base by 1/(2 ζ) at resonance.
+    assert amplitude == pytest.approx(0.01 * np.abs(1 - 1 / (2j * 0.05)), rel=0.02)
+
+
+def test_second_mode_follows_the_equations_of_two_masses():
+    own = {"coupling": 0.7, "frequency": 1.2, "damping_ratio": 0.1, "hardening": 2.0}
+    q = values("second_mode", start_position=0.5, **own)
+    omega, loss = 2 * np.pi * 1.2, 2 * 0.1 / (2 * np.pi * 1.2)
+
+    def place(t):
+        return 0.5 + 0.3 * np.sin(2.2 * t) + 0.2 * (1 - np.cos(5.1 * t))
+
+    def speed(t):
+        return 0.66 * np.cos(2.2 * t) + 1.02 * np.sin(5.1 * t)
+
+    def pull(t, state):
+        stretch = place(t) - state[0]
+        return stretch * (1 + 2.0 * stretch**2) + loss * (speed(t) - state[1])
+
+    h = 2e-3
+    t = np.arange(5000) * h
+    solved = solve_ivp(
+        lambda t, x: [x[1], omega**2 * pull(t, x)], (0, t[-1]), [0.5, 0.0], t_eval=t, rtol=1e-9
+    )
+    found = forces("second_mode", q, place(t), h)
+    expected = -0.7 * pull(t, solved.y)[:-1]
+    assert np.abs(found - expected).max() < 0.02 * np.abs(expected).max()
+
+
+def test_end_stop_pushes_back_only_beyond_its_stops():
+    q = values(
+        "end_stop", upper_stop=0.9, lower_stop=0.5, stiffness=10.0, corner_width=1e-9, exponent=1.0
+    )
+    law = catalogue()["end_stop"].force
+    for z, expected in ((0.7, 0.0), (0.95, -0.5), (0.4, 1.0)):
+        assert law(z, 0.0, np.zeros(MEMORY), q) == pytest.approx(expected)
+
+
+def test_drifts_are_polynomials_of_time():
+    x = 2 * T / 40.0 - 1
+    expected = 0.1 * x + 0.02 * (1.5 * x**2 - 0.5) - 0.03 * (2.5 * x**3 - 1.5 * x)
+    own = {"degree_1": 0.1, "degree_2": 0.02, "degree_3": -0.03}
+    gain = catalogue()["gain_drift"].scale_drive(T, values("gain_drift", **own))
+    assert np.allclose(gain, 1 + expected)
+    base = catalogue()["baseline_drift"].shape_output(Y, T, values("baseline_drift", **own), DT)
+    assert np.allclose(base, Y + expected)
+
+
+def test_step_fault_changes_gain_and_offset_at_one_instant():
+    q = values("step_fault", instant=11.01, gain_step=-0.2, offset_step=0.05, rise_time=1e-6)
+    effect = catalogue()["step_fault"]
+    after = T > 11.01
+    assert np.allclose(effect.scale_drive(T, q), np.where(after, 0.8, 1.0))
+    assert np.allclose(effect.shape_output(Y, T, q, DT), Y + 0.05 * after)
+
+
+def test_sensor_nonlinearity_bends_and_folds():
+    law = catalogue()["sensor_nonlinearity"].shape_output
+    for place in (0.0, 0.7):
+        q = values("sensor_nonlinearity", fold=place, corner_width=1e-9)
+        signed = Y - 0.8 + place
+        assert np.allclose(law(signed, T, q, DT), place + np.abs(signed - place))
+    weights = np.random.default_rng(3).uniform(-0.1, 0.1, 12)
+    q = values("sensor_nonlinearity", **{f"bend_{n + 1}": w for n, w in enumerate(weights)})
+    knots = np.linspace(-1 - 6 / 9, 1 + 6 / 9, 16)
+    bend = BSpline(knots, weights, 3)((Y - 0.8) / 0.4)
+    assert np.allclose(law(Y, T, q, DT), Y + 0.4 * bend)
+    # Beyond its range the curve is as it was at the end.
+    assert law(np.array([1.2, 1.5]), T[:2], q, DT) @ [-1, 1] == pytest.approx(0.3)
+
+
+def test_periodic_disturbance_adds_its_lines():
+    q = values("periodic_disturbance", frequency=2.0, cosine_1=0.01, sine_2=0.004)
+    found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
+    phase = 2 * np.pi * 2.0 * T
+    assert np.allclose(found, 0.01 * np.cos(phase) + 0.004 * np.sin(2 * phase))
+    q = values("periodic_disturbance", frequency=2.0, cosine_1=0.01, phase_2=0.5)
+    found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
+    x = 2 * T / 40.0 - 1
+    assert np.allclose(found, 0.01 * np.cos(phase + 0.5 * (1.5 * x**2 - 0.5)))
+
+
+@given(st.sampled_from(sorted(catalogue())), st.integers(0, 2**32 - 1))
+@settings(max_examples=60, deadline=None)
+def test_no_law_leaves_the_numbers_within_its_bounds(name, seed):
+    rng = np.random.default_rng(seed)
+    effect = catalogue()[name]
+    q = np.array([p.value(rng.normal()) for p in effect.parameters(SCALES)])
+    if effect.shape_input:
+        assert np.isfinite(effect.shape_input(U, q, DT)).all()
+    if effect.shape_output:
+        assert np.isfinite(effect.shape_output(Y, T, q, DT)).all()
+    if effect.scale_drive:
+        assert np.isfinite(effect.scale_drive(T, q)).all()
+    if effect.force:
+        assert np.isfinite(forces(name, q, Z[:200])).all()
+
+
+def test_an_empty_slot_does_nothing():
+    memory = np.arange(MEMORY, dtype=float)
+    no_update(0.0, 1.0, 0.1, memory, np.zeros(3))
+    assert no_force(1.0, 1.0, memory, np.zeros(3)) == 0.0
+    assert (memory == np.arange(MEMORY)).all()
+    assert SLOTS >= 2

@@ -1,0 +1,348 @@
+"""Simulations, their integration, and a user's own."""
+
+from dataclasses import replace
+from math import pi
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numba import njit
+from scipy.integrate import solve_ivp
+from scipy.signal import lsim
+
+from dea.errors import InputError
+from dea.simulation import (
+    ExtendedSimulation,
+    ForcePort,
+    Parameter,
+    Simulation,
+    State,
+    catalogue,
+    load_extended,
+    load_simulation,
+    measured_scales,
+    prepared,
+    save_extended,
+)
+from dea.simulation.loading import BUILT_IN
+from dea.simulation.signatures import OUTPUT, compiled
+from user_simulation import SLOPE, write_simulation
+
+DT = 0.02
+T = np.arange(300) * DT
+
+
+def reference(simulation, u, interval, slopes=None):
+    """Free run under a held input by another integrator."""
+    p, x = simulation.nominal, np.array([s.initial for s in simulation.states])
+    right = slopes or simulation.derivative
+    lead = round(simulation.lead_in / interval)
+    outputs = []
+
+    def slope(_, x, v):
+        dx = np.empty(x.size)
+        right(x, v, p, dx)
+        return dx
+
+    for v in np.concatenate([np.full(lead, u[0]), u]):
+        outputs.append(simulation.output(x, v, p))
+        x = solve_ivp(slope, (0, interval), x, args=(v,), rtol=1e-10, atol=1e-13, method="LSODA").y[
+            :, -1
+        ]
+    return np.array(outputs[lead:])
+
+
+@pytest.mark.parametrize(
+    ("name", "u", "interval", "tolerance"),
+    [
+        ("dea_membrane", 2.4 + np.sin(4 * T), DT, 1e-5),
+        ("cascaded_tanks", 3.0 + np.sin(0.3 * T / DT * 0.1), 4.0, 1e-3),
+        ("electric_drive", np.sign(np.sin(3 * T)), DT, 1e-6),
+    ],
+)
+def test_integration_agrees_with_another_method(name, u, interval, tolerance):
+    simulation = replace(load_simulation(name), lead_in=0.2 if name == "dea_membrane" else 0.0)
+    extended = ExtendedSimulation(simulation, substeps=2)
+    values = extended.values(np.zeros(extended.free.size))
+    found = extended.simulate(values, u, interval)
+    assert np.allclose(found, reference(simulation, u, interval), atol=tolerance)
+
+
+def test_one_step_is_exact_for_a_stiff_linear_system():
+    simulation = load_simulation("mass_spring_damper")
+    stiff = replace(simulation, input_interpolation="zero")
+    extended = ExtendedSimulation(stiff)
+    values = extended.values(np.zeros(extended.free.size))
+    values[0], values[1] = 40.0, 12.0
+    u = np.where(T > 1.0, 1.0, 0.2)
+    found = extended.simulate(values, u, DT)
+    finer = ExtendedSimulation(stiff, substeps=64).simulate(values, u, DT)
+    assert np.allclose(found, finer, atol=1e-6)
+
+
+@pytest.mark.parametrize(("frequency", "damping"), [(8.0, 0.05), (8.0, 1.0), (1.0, 3.0)])
+@pytest.mark.parametrize("states", [2, 3])
+def test_one_step_is_exact_for_an_input_that_is_straight_between_samples(
+    frequency, damping, states
+):
+    own = replace(load_simulation("mass_spring_damper"), input_interpolation="linear")
+
+    def derivative(x, u, p, dx):
+        omega = 6.283185307179586 * p[0]
+        dx[0] = x[1]
+        dx[1] = omega * omega * (p[2] * u - x[0]) - 2.0 * p[1] * omega * x[1]
+        if x.size > 2:
+            dx[2] = 30.0 * (x[0] - x[2])
+
+    def output(x, u, p):
+        return x[x.size - 1] if x.size > 2 else x[0]
+
+    more = (State("behind", "V", 0.0),) if states == 3 else ()
+    simulation = replace(
+        own, derivative=derivative, output=output, states=(*own.states, *more), force_ports=()
+    )
+    extended = ExtendedSimulation(simulation)
+    values = extended.values(np.zeros(extended.free.size))
+    values[:3] = frequency, damping, 1.5
+    start = np.array([0.1, 5.0, 0.2])[:states]
+    values[3 : 3 + states] = start
+    u = np.random.default_rng(3).standard_normal(T.size)
+    omega = 2 * pi * frequency
+    A = np.array([[0.0, 1.0, 0.0], [-(omega**2), -2 * damping * omega, 0.0], [30.0, 0.0, -30.0]])
+    system = (
+        A[:states, :states],
+        np.array([[0.0], [1.5 * omega**2], [0.0]])[:states],
+        np.eye(states)[[2 if states == 3 else 0]],
+        np.zeros((1, 1)),
+    )
+    _, expected, _ = lsim(system, u, T, X0=start)
+    assert np.allclose(extended.simulate(values, u, DT), expected, atol=1e-5)
+
+
+def test_a_force_enters_at_its_port():
+    simulation = replace(load_simulation("mass_spring_damper"), input_interpolation="zero")
+    u = np.sin(2 * np.pi * 3 * T)
+    extended = prepared(simulation, u, DT, 1e-6)
+    extended = replace(extended, substeps=16)
+    values = extended.values(np.zeros(extended.free.size))
+    record = SimpleNamespace(u=u, y=u, interval=DT)
+    stiffer = extended.attach(
+        catalogue()["strain_stiffening"], measured_scales(extended, values, record)
+    )
+    unit = extended.normalisations[0]
+    omega = 2 * pi * simulation.nominal[0]
+    assert unit.unit_force == pytest.approx(omega**2 * unit.scale, rel=1e-6)
+
+    def slopes(x, v, p, dx):
+        simulation.derivative(x, v, p, dx)
+        dx[1] -= unit.unit_force * 0.4 * (x[0] / unit.scale) ** 3
+
+    found = stiffer.simulate(np.concatenate([values, [0.4, 3.0, 0.0, 0.0]]), u, DT)
+    assert np.allclose(found, reference(simulation, u, DT, slopes), atol=2e-3)
+
+
+def test_a_simulation_that_runs_away_is_not_a_number():
+    def unstable(x, u, p, dx):
+        dx[0] = p[0] * x[0] + u
+
+    simulation = Simulation(
+        name="runaway", input_unit="V", output_unit="mm", states=(State("x", "mm", 0.0),),
+        parameters=(Parameter("growth", "1/s", 30.0, 1.0),), derivative=unstable,
+        output=lambda x, u, p: x[0], drive="growth", force_ports=(),
+    )  # fmt: skip
+    extended = ExtendedSimulation(simulation)
+    found = extended.simulate(extended.values(np.zeros(1)), np.ones(300), DT)
+    assert np.isfinite(found[:10]).all()
+    assert np.isnan(found[-1])
+    with pytest.raises(InputError, match=r"runaway.*runs away at its nominal"):
+        prepared(simulation, np.ones(300), DT, 1e-3)
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_simulation_of_the_study_loads(name):
+    simulation = load_simulation(name)
+    assert simulation.name == name
+    assert simulation.force_ports
+
+
+def test_an_extended_simulation_saves_and_loads(tmp_path):
+    u = 2.4 + np.sin(4 * T)
+    extended = prepared(load_simulation("dea_membrane"), u, DT, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    record = SimpleNamespace(u=u, y=u, interval=DT)
+    told = measured_scales(extended, values, record)
+    for name in ("viscoelastic_creep", "dead_zone", "input_saturation"):
+        effect = catalogue()[name]
+        extended = extended.attach(effect, told, upstream=name == "input_saturation")
+        values = np.concatenate([values, effect.starts(told)[0]])
+    path = tmp_path / "extended_simulation.yaml"
+    save_extended(extended, values, DT, path)
+    loaded, same, interval = load_extended(path)
+    assert interval == DT
+    assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()
+    path.write_text(path.read_text().replace("dead_zone", "dead_zoo"))
+    with pytest.raises(InputError, match="no effect 'dead_zoo'"):
+        load_extended(path)
+
+
+@pytest.mark.parametrize(
+    ("slow", "limit"), [("slew_limit", "input_saturation"), ("sensor_lag", "output_saturation")]
+)
+def test_a_signal_meets_the_laws_on_its_way_from_upstream_down(slow, limit):
+    u = 3.0 * np.sin(4 * T)
+    extended = prepared(load_simulation("mass_spring_damper"), u, DT, 1e-3)
+    own = extended.values(np.zeros(extended.free.size))
+    y = extended.simulate(own, u, DT)
+    record = SimpleNamespace(u=u, y=y, interval=DT)
+    told = measured_scales(extended, own, record)
+
+    def simulated(first, then, upstream):
+        effects = [catalogue()[name] for name in (first, then)]
+        longer = extended.attach(effects[0], told).attach(effects[1], told, upstream=upstream)
+        laws = [effect.starts(told)[0] for effect in effects]
+        return longer.simulate(np.concatenate([own, *laws]), u, DT)
+
+    slow_first = simulated(slow, limit, upstream=False)
+    assert (slow_first == simulated(limit, slow, upstream=True)).all()
+    assert not np.allclose(slow_first, simulated(slow, limit, upstream=True))
+
+
+def write_own(path, slope=SLOPE, drive="gain", equation="level"):
+    ports = f'drive="{drive}", force_ports=(ForcePort("{equation}", "level", None),),'
+    return write_simulation(path, slope, ports)
+
+
+def test_a_users_simulation_loads_and_runs(tmp_path):
+    simulation = load_simulation(write_own(tmp_path / "own.py"))
+    extended = ExtendedSimulation(simulation)
+    found = extended.simulate(extended.values(np.zeros(extended.free.size)), np.ones(300), DT)
+    assert np.allclose(found, 1 - np.exp(-2.0 * T), atol=1e-6)
+
+
+def test_a_users_simulation_is_found_again_by_what_is_saved(tmp_path):
+    extended = ExtendedSimulation(load_simulation(write_own(tmp_path / "own.py")))
+    values = extended.values(np.full(extended.free.size, 0.3))
+    path = tmp_path / "extended_simulation.yaml"
+    save_extended(extended, values, DT, path)
+    loaded, same, _ = load_extended(path)
+    u = np.sin(T)
+    assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()
+
+
+def test_what_is_saved_keeps_how_the_input_behaves(tmp_path):
+    linear = replace(load_simulation("mass_spring_damper"), input_interpolation="linear")
+    extended = ExtendedSimulation(linear)
+    values = extended.values(np.zeros(extended.free.size))
+    save_extended(extended, values, DT, tmp_path / "extended.yaml")
+    assert load_extended(tmp_path / "extended.yaml")[0].simulation.input_interpolation == "linear"
+
+
+def test_a_function_is_compiled_anew_unless_it_is_compiled_just_so():
+    own = load_simulation("mass_spring_damper")
+    assert own.compiled_derivative is own.derivative
+
+    @njit
+    def output(x, u, p):
+        return 1.0 / x[0]
+
+    assert output(np.ones(1), 0.0, np.ones(1)) == 1.0
+    assert compiled(output, OUTPUT)(np.zeros(1), 0.0, np.ones(1)) == np.inf
+
+
+def test_only_so_many_forces_can_be_attached():
+    simulation = load_simulation("mass_spring_damper")
+    u = np.sin(T)
+    extended = prepared(simulation, u, DT, 1e-3)
+    values = extended.values(np.zeros(extended.free.size))
+    record = SimpleNamespace(u=u, y=u, interval=DT)
+    told = measured_scales(extended, values, record)
+    for name in ("coulomb_friction", "end_stop", "second_mode"):
+        extended = extended.attach(catalogue()[name], told)
+    extended = extended.attach(catalogue()["dead_zone"], told)
+    with pytest.raises(InputError, match="3 forces are attached already"):
+        extended.attach(catalogue()["viscoelastic_creep"], told)
+
+
+def test_a_constant_can_add_to_the_input(tmp_path):
+    own = replace(load_simulation(write_own(tmp_path / "own.py")), input_offset_spread=0.5)
+    extended = ExtendedSimulation(own)
+    values = extended.values(np.zeros(extended.free.size))
+    values[extended.names.index("input_offset")] = 0.4
+    moved = extended.simulate(values, np.sin(T), DT)
+    values[extended.names.index("input_offset")] = 0.0
+    assert np.allclose(moved, extended.simulate(values, np.sin(T) + 0.4, DT), rtol=0, atol=1e-12)
+
+
+def test_what_one_vessel_loses_the_next_receives():
+    simulation = load_simulation("cascaded_tanks")
+    u, interval = 3.0 + 2.0 * np.sin(0.03 * np.arange(300)), 4.0
+    extended = prepared(simulation, u, interval, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    record = SimpleNamespace(u=u, y=u, interval=interval)
+    [port] = [i for i, b in enumerate(simulation.force_ports) if b.reaction]
+    told = measured_scales(extended, values, record, port)
+    stopped = extended.attach(catalogue()["strain_stiffening"], told, port)
+    unit = extended.normalisations[port]
+
+    def slopes(x, v, p, dx):
+        simulation.derivative(x, v, p, dx)
+        flow = unit.unit_force * 0.3 * (x[0] / unit.scale) ** 3
+        dx[0] -= flow
+        dx[1] += flow
+
+    found = stopped.simulate(np.concatenate([values, [0.3, 3.0, 0.0]]), u, interval)
+    assert np.allclose(found, reference(simulation, u, interval, slopes), atol=5e-3)
+    assert stopped.label(stopped.attached[0]) == "strain_stiffening@upper_level>lower_level"
+
+
+def test_forces_on_what_nothing_pulls_back_are_measured_by_the_drive():
+    def derivative(x, u, p, dx):
+        dx[0] = x[1]
+        dx[1] = p[0] * u
+
+    carriage = Simulation(
+        name="carriage", input_unit="V", output_unit="m",
+        states=(State("position", "m", 0.0), State("velocity", "m/s", 0.0)),
+        parameters=(Parameter("gain", "m/s^2/V", 3.0, 0.2),), derivative=derivative,
+        output=lambda x, u, p: x[0], drive="gain",
+        force_ports=(ForcePort("velocity", "position", "velocity"),),
+    )  # fmt: skip
+    [unit] = prepared(carriage, 0.5 * np.sin(9 * T), DT, 1e-3).normalisations
+    assert unit.unit_force == pytest.approx(3.0, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"drive": "power"}, "the drive names 'power'"),
+        ({"equation": "speed"}, "force port names 'speed'"),
+        ({"slope": "p[0] * (u - x[0]) / x[0]"}, "derivative of level is not a number"),
+        ({"slope": "p[0] * u - x[1]"}, "a state or parameter that is not declared"),
+        ({"slope": "undefined_name"}, "numba cannot compile it"),
+        ({"slope": "1 +"}, "cannot be run"),
+    ],
+)
+def test_a_users_simulation_is_checked(tmp_path, changed, message):
+    path = write_own(tmp_path / "own.py", **changed)
+    with pytest.raises(InputError, match=message) as error:
+        load_simulation(path)
+    assert "own.py" in str(error.value) or "own" in str(error.value)
+    assert error.value.remedy
+
+
+def test_a_file_without_a_simulation_is_named(tmp_path):
+    path = tmp_path / "own.py"
+    path.write_text("x = 1\n")
+    with pytest.raises(InputError, match=r"own.py.*defines no `simulation`"):
+        load_simulation(path)
+    with pytest.raises(InputError, match="no simulation 'nothing'"):
+        load_simulation("nothing")
+
+
+def test_names_are_unique():
+    with pytest.raises(InputError, match="two states or parameters are called 'x'"):
+        Simulation(
+            name="twice", input_unit="V", output_unit="V", states=(State("x", "V", 0.0),),
+            parameters=(Parameter("x", "1", 1.0, 0.0),), derivative=None, output=None, drive="x",
+            force_ports=(ForcePort("x", "x", None),),
+        )  # fmt: skip
