@@ -1,1 +1,1 @@
-"""Speed and accuracy against peers, in one run on one machine."""
+"""Speed and accuracy compared with other packages, in one run on one machine."""

@@ -17,19 +17,19 @@ RESULT = ROOT / "results" / "benchmark.json"
 
 
 def peers_python() -> Path:
-    """Return the interpreter of the peers' environment, made here where it is not there yet."""
+    """Return the interpreter of the peers' environment; make the environment where it is missing."""
     python = PEERS / "bin" / "python"
     stamp = PEERS / "installed"
     if not stamp.exists() or stamp.read_text() != REQUIREMENTS.read_text():
         venv.create(PEERS, with_pip=True, clear=True)
-        install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-        subprocess.run([*install, "--requirement", REQUIREMENTS], check=True)
+        pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+        subprocess.run([*pip, "--requirement", str(REQUIREMENTS)], check=True)
         stamp.write_text(REQUIREMENTS.read_text())
     return python
 
 
 def main() -> int:
-    """Run, print and store; the status is 1 where a target is missed."""
+    """Run all benchmarks, print and store them; return 1 where a target is missed, else 0."""
     python = peers_python()
     modules = identification, tracking, discrepancy, acquisition
     rows = [row for module in modules for row in module.run(python)]

@@ -1,7 +1,7 @@
-"""Speed and punctuality of the acquisition against the bare calls and the bench's own physics.
+"""Speed of the acquisition against bare Modbus calls and the plant's physics, and its lateness.
 
-``python -m benchmarks.acquisition --soak`` polls for ten minutes at wall time, twice: on the
-machine as it is, and with one core kept busy.
+``python -m benchmarks.acquisition --soak`` polls for ten minutes at wall time, twice: with the
+machine idle, and with one core kept busy.
 """
 
 import argparse
@@ -31,12 +31,12 @@ START, STOP = 1, 2  # command
 
 
 def run(peers_python: Path | None = None) -> list[dict[str, Any]]:
-    """Polled and buffered speed, and lateness at wall time; needs no peer's environment."""
+    """Return rows for polled speed, buffered speed and lateness; ``peers_python`` is not used."""
     return [polled_speed(), buffered_speed(), punctuality(IN_BENCHMARK, busy=False)]
 
 
 def polled_speed() -> dict[str, Any]:
-    """Samples driven one by one, against the bare pymodbus call with the same registers."""
+    """Compare samples driven one by one with the bare pymodbus call on the same registers."""
     volts = _volts(POLLED_SAMPLES)
     settings = AcquisitionSettings(mode="polled", ramp_rate=100.0, paced=False)
     with _bench("virtual") as device:
@@ -48,7 +48,7 @@ def polled_speed() -> dict[str, Any]:
 
 
 def buffered_speed() -> dict[str, Any]:
-    """Half an hour of samples through the FIFOs, against computing the same film directly."""
+    """Compare half an hour of samples through the FIFO with simulating the same film directly."""
     volts = _volts(BUFFERED_SAMPLES)
     counts = to_counts(read_device(DESCRIPTION)["output"], volts).astype(np.uint16)
     Rig.from_config(CONFIG, "dea1", seed=0).advance(counts[:1])
@@ -65,10 +65,10 @@ def buffered_speed() -> dict[str, Any]:
 
 
 def punctuality(seconds: float, *, busy: bool) -> dict[str, Any]:
-    """Share of samples driven in time at 50 Hz; times are the worst lateness and the limit.
+    """Return the share of samples driven in time at 50 Hz, the worst lateness and its limit.
 
-    The bench is driven as a plain module, without its sample index, so that a late sample is
-    flagged and does not end the record.
+    The bench is driven without its sample index, as a plain module has none, so that a late sample
+    is flagged and does not end the record.
     """
     settings = AcquisitionSettings(mode="polled", ramp_rate=2.0)
     with _bench("wall") as device, _busy_core() if busy else nullcontext():
@@ -108,7 +108,7 @@ def _acquire(device: Device, volts: np.ndarray, settings: AcquisitionSettings) -
 
 
 def _bare_round_trips(device: Device, volts: np.ndarray) -> float:
-    """Seconds that pymodbus's own client needs for the call that polls one sample."""
+    """Return the seconds that pymodbus's client needs for the calls that poll the samples."""
     client = ModbusTcpClient(device.host, port=device.port)
     client.connect()
     output, first, last = device["output"], device["applied_output"], device["device_index"]
@@ -132,7 +132,7 @@ def _bare_round_trips(device: Device, volts: np.ndarray) -> float:
 
 @contextmanager
 def _bench(clock: str) -> Iterator[Device]:
-    """The virtual bench in a process of its own."""
+    """Serve the virtual bench from a process of its own."""
     command = [
         sys.executable, "-m", "dea.bench", "--actuator", "dea1", "--config", str(CONFIG),
         "--device", str(DESCRIPTION), "--port", "0", "--clock", clock, "--until-stdin-closes",
@@ -154,7 +154,7 @@ def _busy_core() -> Iterator[None]:
 
 
 def main() -> None:
-    """Print each row; with ``--soak`` only the punctuality, over ten minutes."""
+    """Print each row; with ``--soak`` only the lateness, over ten minutes."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--soak", action="store_true", help="ten minutes at wall time, twice")
     soak = parser.parse_args().soak

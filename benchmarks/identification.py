@@ -1,9 +1,10 @@
 """Term selection and free-run simulation against SysIdentPy's MetaMSS and ``predict``.
 
 The records are those of the six published models under the study's excitation, with one per cent
-of noise on the output. Both sides choose from the same 84 candidates on the same 5,000 samples and
-are scored by the free run on the same independent record without noise. Ours may have no more
-terms than the peer chose. Times are processor seconds of one core, the best of several for ours.
+of noise on the output. Both packages choose from the same 84 candidate terms on the same 5,000
+samples and are scored by the free run on the same independent record without noise. Our model may
+have no more terms than the peer's. Times are processor seconds of one core; ours is the best of
+several repetitions.
 """
 
 import json
@@ -19,7 +20,7 @@ from dea.narx import NarxModel, load_published, nmse, select_terms
 from dea.signals import design
 
 SAMPLES, NOISE, REPEATS = 5_000, 0.01, 5
-LONG_RUN = 200_000  # samples: ours is too fast to time on 5,000
+LONG_RUN = 200_000  # samples; 5,000 are simulated too quickly to be timed
 THRESHOLD = 3e-6
 SELECTION_TARGET, SIMULATION_TARGET = 30.0, 100.0
 SEARCHES: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -53,7 +54,7 @@ print(json.dumps({"selection": selection, "simulation": min(seconds), "run": run
 
 
 def run(peers_python: Path) -> list[dict[str, Any]]:
-    """Return a row per search and one for simulation; compilation is not timed."""
+    """Return a row for each search and one for simulation; compilation is not timed."""
     plants = load_published(MODELS)
     cases = {name: _record(plant, number) for number, (name, plant) in enumerate(plants.items())}
     for _, search in SEARCHES:
@@ -96,7 +97,7 @@ def run(peers_python: Path) -> list[dict[str, Any]]:
 
 
 def _simulation(plant: NarxModel, case: tuple, peer: dict[str, Any]) -> dict[str, Any]:
-    """Compare samples per second; the shown times are per million samples."""
+    """Compare the simulation speeds; the times in the row are seconds per million samples."""
     u = np.resize(case[2], LONG_RUN)
     plant.simulate(u)
     times = []
@@ -136,5 +137,5 @@ def _peer(python: Path, case: tuple[np.ndarray, ...]) -> dict[str, Any]:
 
 
 def _error(measured: np.ndarray, run: np.ndarray) -> float:
-    """The peer's diverged runs are NaN; they count as infinite."""
+    """Return the nmse of a peer's run; a diverged run is NaN and its error infinite."""
     return nmse(measured, run) if np.isfinite(run).all() else np.inf

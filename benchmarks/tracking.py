@@ -30,10 +30,14 @@ print(min(seconds), *theta.ravel())
 
 
 def run(peers_python: Path) -> list[dict[str, Any]]:
-    """Time both on the same numbers; the best of several runs, compilation apart.
+    """Time both on the same data: the best of several runs, without compilation.
 
-    ``peers_python`` is the interpreter of an environment that holds SysIdentPy. Both must find the
-    same parameters, or the comparison is void.
+    ``peers_python`` is the interpreter of an environment that holds SysIdentPy.
+
+    Raises
+    ------
+    AssertionError
+        If the two do not find the same parameters.
     """
     rng = np.random.default_rng(0)
     Phi = rng.standard_normal((SAMPLES, TERMS))

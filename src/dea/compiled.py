@@ -1,7 +1,7 @@
-"""Where compiled functions are kept between processes: in a folder for each state of their source.
+"""The folder in which numba keeps compiled functions between processes.
 
-Numba recompiles a function when its own file changes, and not when a function that it calls from
-another file does. One folder for each state of all compiled modules leaves nothing stale to find.
+Numba recompiles a function when its own file changes, and not when the file of a function that it
+calls changes. A folder for each state of all compiled modules therefore never holds outdated code.
 """
 
 import os
@@ -20,19 +20,19 @@ UNUSED = 7 * 24 * 3600.0  # s
 
 
 def keep_compiled_functions() -> None:
-    """Point numba at the folder of this state of the source, unless the user chose one.
+    """Let numba use the folder of this state of the source, unless the user has chosen one.
 
-    Where no folder can be written, numba's own places remain.
+    Where none of the places can be written to, numba uses its default places.
     """
     config = sys.modules["numba"].core.config if "numba" in sys.modules else None
     given = config.CACHE_DIR if config else os.environ.get(VARIABLE)
-    # A folder with the prefix was chosen by a parent process, of perhaps another state.
+    # A folder with the prefix was set by a parent process, whose source may differ from this one.
     if given and not Path(given).name.startswith(PREFIX):
         return
     folder = _writable(PREFIX + source_state(PACKAGE), PLACES)
     chosen = "" if folder is None else str(folder)
     if config:
-        # A change of the environment would make numba forget what else the user told it.
+        # After a change of the environment numba reads all settings anew and loses those of code.
         config.CACHE_DIR = chosen
     else:
         os.environ[VARIABLE] = chosen
@@ -52,7 +52,7 @@ def source_state(package: Path) -> str:
 
 
 def _writable(name: str, places: Iterable[Path]) -> Path | None:
-    """Make the folder ``name`` in the first of ``places`` that can be written to."""
+    """Return the folder ``name`` in the first of ``places`` that can be written to, or ``None``."""
     for place in places:
         try:
             folder = place.expanduser() / name
@@ -61,15 +61,15 @@ def _writable(name: str, places: Iterable[Path]) -> Path | None:
                 _remove_unused(folder.parent)
             os.utime(folder)
             return folder
-        # RuntimeError: the user has no home.
+        # RuntimeError: the user has no home directory.
         except (OSError, RuntimeError):
             continue
     return None
 
 
 def _remove_unused(parent: Path) -> None:
-    """Remove the folders that no process has started with for a week: none still writes there."""
+    """Remove the folders that no process has started with for a week; none is still in use."""
     for folder in parent.glob(f"{PREFIX}*"):
         if time.time() - folder.stat().st_mtime > UNUSED:
-            # Another process may be removing it too.
+            # Another process may be removing the same folder.
             shutil.rmtree(folder, ignore_errors=True)

@@ -1,19 +1,19 @@
-"""The exceptions a user meets: something they supplied is wrong, or a device failed."""
+"""The exceptions shown to a user: their input is wrong, or a device failed."""
 
 from pathlib import Path
 
 
 class InputError(ValueError):
-    """Something the user supplied is wrong: what, where, and what would be right.
+    """Something that the user supplied is wrong; the message is one line.
 
     Parameters
     ----------
     problem
-        What is wrong, with the offending value.
+        What is wrong, with the value at fault.
     file, field
-        Where: the file and the key, column or variable in it.
+        Where it is: the file, and the key, column or variable in it.
     remedy
-        What would be right.
+        What to do, or what would be right.
     """
 
     def __init__(
@@ -31,4 +31,4 @@ class InputError(ValueError):
 
 
 class DeviceError(Exception):
-    """A device, or the way to it, failed an acquisition; the message says what is left of it."""
+    """A device or the connection to it failed; of a record, the message says what is missing."""
