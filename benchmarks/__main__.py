@@ -9,6 +9,7 @@ import venv
 from pathlib import Path
 
 from benchmarks import acquisition, discrepancy, identification, tracking
+from benchmarks.row import Row
 
 ROOT = Path(__file__).parents[1]
 REQUIREMENTS = ROOT / "benchmarks" / "peers.txt"
@@ -17,7 +18,7 @@ RESULT = ROOT / "results" / "benchmark.json"
 
 
 def peers_python() -> Path:
-    """Return the interpreter of the peers' environment; make the environment where it is missing."""
+    """Return the interpreter of the peers' environment, which is made where it is missing."""
     python = PEERS / "bin" / "python"
     stamp = PEERS / "installed"
     if not stamp.exists() or stamp.read_text() != REQUIREMENTS.read_text():
@@ -32,19 +33,20 @@ def main() -> int:
     """Run all benchmarks, print and store them; return 1 where a target is missed, else 0."""
     python = peers_python()
     modules = identification, tracking, discrepancy, acquisition
-    rows = [row for module in modules for row in module.run(python)]
+    rows: list[Row] = [row for module in modules for row in module.run(python)]
     print(f"{'what':<66}{'ours':>11}{'peer':>11}{'ratio':>9}{'target':>9}")
     for row in rows:
         print(
-            f"{row['name']:<66}{row['ours_s']:>9.4f} s{row['peer_s']:>9.3f} s"
-            f"{row['ratio']:>8.3g}x{row['target']:>8.3g}x"
+            f"{row.name:<66}{row.ours_s:>9.4f} s{row.peer_s:>9.3f} s"
+            f"{row.ratio:>8.3g}x{row.target:>8.3g}x"
         )
-        if "detail" in row:
-            print(f"    {row['detail']}")
+        if row.detail is not None:
+            print(f"    {row.detail}")
     RESULT.parent.mkdir(exist_ok=True)
     machine = {"cores": os.cpu_count(), "machine": platform.machine()}
-    RESULT.write_text(json.dumps({"machine": machine, "rows": rows}, indent=1) + "\n")
-    missed = [row["name"] for row in rows if not row["ratio"] >= row["target"]]
+    stored = {"machine": machine, "rows": [row.leaves() for row in rows]}
+    RESULT.write_text(json.dumps(stored, indent=1) + "\n")
+    missed = [row.name for row in rows if not row.met]
     if missed:
         print("targets missed: " + "; ".join(missed), file=sys.stderr)
     return 1 if missed else 0

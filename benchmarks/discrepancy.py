@@ -1,18 +1,21 @@
-"""How long a free run of the membrane takes against LSODA's, and a diagnosis of half an hour."""
+"""Time of a free run of the membrane compared with LSODA's, and of a diagnosis of half an hour."""
 
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from benchmarks.row import Row
 from dea import signals
 from dea.discrepancy import Settings, diagnose
 from dea.plant import Rig
 from dea.plant.parameters import read_parameters
 from dea.simulation import ExtendedSimulation, load_simulation
+
+Array = NDArray[np.float64]
 
 RATE = 50.0
 PIECE, REPEATS = 1000, 5
@@ -21,12 +24,12 @@ LONGEST_DIAGNOSIS = 60.0  # s, of thirty minutes
 BENCH, ACTUATOR = Path("config/bench.yaml"), "dea5"
 
 
-def run(peers_python: Path) -> list[dict[str, Any]]:
-    """Time both; compilation is apart. No foreign package is needed."""
+def run(peers_python: Path) -> list[Row]:
+    """Return both rows, timed without compilation; ``peers_python`` is not used."""
     return [_simulation(), _diagnosis()]
 
 
-def _simulation() -> dict[str, Any]:
+def _simulation() -> Row:
     own = load_simulation("dea_membrane")
     extended = ExtendedSimulation(own)
     values = extended.values(np.zeros(extended.free.size))
@@ -38,7 +41,7 @@ def _simulation() -> dict[str, Any]:
         y = extended.simulate(values, u, 1.0 / RATE)
         seconds.append(time.perf_counter() - start)
 
-    def slopes(t: float, x: np.ndarray, level: float) -> np.ndarray:
+    def slopes(t: float, x: Array, level: float) -> Array:
         own.compiled_derivative(x, level, own.nominal, dx := np.empty(x.size))
         return dx
 
@@ -51,16 +54,11 @@ def _simulation() -> dict[str, Any]:
         x = solve_ivp(slopes, (0.0, 1.0 / RATE), x, "LSODA", args=(level,)).y[:, -1]
     peer = time.perf_counter() - start
     np.testing.assert_allclose(y, expected, atol=2e-3 * np.ptp(expected))
-    return {
-        "name": f"free run of the membrane, {PIECE} samples, against LSODA",
-        "ours_s": min(seconds),
-        "peer_s": peer,
-        "ratio": peer / min(seconds),
-        "target": TARGET_SIMULATION,
-    }
+    name = f"free run of the membrane, {PIECE} samples, against LSODA"
+    return Row.of_times(name, min(seconds), peer, TARGET_SIMULATION)
 
 
-def _diagnosis() -> dict[str, Any]:
+def _diagnosis() -> Row:
     record = _half_an_hour()
     warm = record.isel(time=slice(0, 5000))
     settings = Settings(workers=2)
@@ -68,17 +66,11 @@ def _diagnosis() -> dict[str, Any]:
     start = time.perf_counter()
     found = diagnose(record, "dea_membrane", settings=settings)
     seconds = time.perf_counter() - start
-    return {
-        "name": f"diagnosis of {record.time.size} samples on two threads, against a minute",
-        "ours_s": seconds,
-        "peer_s": LONGEST_DIAGNOSIS,
-        "ratio": LONGEST_DIAGNOSIS / seconds,
-        "target": 1.0,
-        "detail": found.verdict.sentence,
-    }
+    name = f"diagnosis of {record.time.size} samples on two threads, against a minute"
+    return Row.of_times(name, seconds, LONGEST_DIAGNOSIS, 1.0, found.verdict.sentence)
 
 
-def _volts(duration: float) -> np.ndarray:
+def _volts(duration: float) -> Array:
     return signals.design(
         "gaussian", duration=duration, sampling_rate=RATE, low=1.1, high=3.75, seed=2, band=1.0
     )

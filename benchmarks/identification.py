@@ -12,12 +12,16 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from benchmarks.row import Row
 from dea.narx import NarxModel, load_published, nmse, select_terms
 from dea.signals import design
+
+Array = NDArray[np.float64]
 
 SAMPLES, NOISE, REPEATS = 5_000, 0.01, 5
 LONG_RUN = 200_000  # samples; 5,000 are simulated too quickly to be timed
@@ -53,15 +57,24 @@ print(json.dumps({"selection": selection, "simulation": min(seconds), "run": run
 """
 
 
-def run(peers_python: Path) -> list[dict[str, Any]]:
+class Case(NamedTuple):
+    """A record to identify from and one to test on; shape (SAMPLES,) each."""
+
+    u: Array
+    y: Array
+    u_test: Array
+    y_test: Array
+
+
+def run(peers_python: Path) -> list[Row]:
     """Return a row for each search and one for simulation; compilation is not timed."""
     plants = load_published(MODELS)
     cases = {name: _record(plant, number) for number, (name, plant) in enumerate(plants.items())}
     for _, search in SEARCHES:
-        select_terms(*cases["DEA1"][:2], **search)
+        select_terms(cases["DEA1"].u, cases["DEA1"].y, **search)
     peers = {name: _peer(peers_python, case) for name, case in cases.items()}
     peer = sum(each["selection"] for each in peers.values())
-    rows: list[dict[str, Any]] = []
+    rows = []
     for label, search in SEARCHES:
         seconds, details, better = 0.0, [], 0
         for name, (u, y, u_test, y_test) in cases.items():
@@ -83,22 +96,21 @@ def run(peers_python: Path) -> list[dict[str, Any]]:
             terms = f"{len(found.terms)}/{peers[name]['terms']}"
             details.append(f"{name} {error:.1e}/{theirs:.1e} {terms}")
         rows.append(
-            {
-                "name": f"{label}, {len(cases)} x {SAMPLES}, against MetaMSS",
-                "ours_s": seconds,
-                "peer_s": peer,
-                "ratio": peer / seconds,
-                "target": SELECTION_TARGET,
-                "lower_error_on": f"{better} of {len(cases)}",
-                "detail": "free-run nmse and terms, ours/peer: " + ", ".join(details),
-            }
+            Row.of_times(
+                f"{label}, {len(cases)} x {SAMPLES}, against MetaMSS",
+                seconds,
+                peer,
+                SELECTION_TARGET,
+                f"free-run nmse lower on {better} of {len(cases)}; nmse and terms, ours/peer: "
+                + ", ".join(details),
+            )
         )
     return [*rows, _simulation(plants["DEA2"], cases["DEA2"], peers["DEA2"])]
 
 
-def _simulation(plant: NarxModel, case: tuple, peer: dict[str, Any]) -> dict[str, Any]:
+def _simulation(plant: NarxModel, case: Case, peer: dict[str, Any]) -> Row:
     """Compare the simulation speeds; the times in the row are seconds per million samples."""
-    u = np.resize(case[2], LONG_RUN)
+    u = np.resize(case.u_test, LONG_RUN)
     plant.simulate(u)
     times = []
     for _ in range(REPEATS):
@@ -106,17 +118,12 @@ def _simulation(plant: NarxModel, case: tuple, peer: dict[str, Any]) -> dict[str
         plant.simulate(u)
         times.append(time.process_time() - start)
     ours = min(times) / LONG_RUN * 1e6
-    theirs = peer["simulation"] / case[2].size * 1e6
-    return {
-        "name": "free-run simulation of a million samples, against predict",
-        "ours_s": ours,
-        "peer_s": theirs,
-        "ratio": theirs / ours,
-        "target": SIMULATION_TARGET,
-    }
+    theirs = peer["simulation"] / case.u_test.size * 1e6
+    name = "free-run simulation of a million samples, against predict"
+    return Row.of_times(name, ours, theirs, SIMULATION_TARGET)
 
 
-def _record(plant: NarxModel, number: int) -> tuple[np.ndarray, ...]:
+def _record(plant: NarxModel, number: int) -> Case:
     rng = np.random.default_rng(number)
     u, u_test = (
         design("gaussian", duration=SAMPLES / 50, sampling_rate=50, low=-1, high=1, seed=seed)
@@ -125,17 +132,19 @@ def _record(plant: NarxModel, number: int) -> tuple[np.ndarray, ...]:
     y, y_test = plant.simulate(u), plant.simulate(u_test)
     offset = y.mean()  # the peer does not centre its signals
     noisy = y + NOISE * y.std() * rng.standard_normal(SAMPLES)
-    return u, noisy - offset, u_test, y_test - offset
+    return Case(u, noisy - offset, u_test, y_test - offset)
 
 
-def _peer(python: Path, case: tuple[np.ndarray, ...]) -> dict[str, Any]:
+def _peer(python: Path, case: Case) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "record.npz"
-        np.savez(file, **dict(zip(("u", "y", "u_test", "y_test"), case, strict=True)))
-        command = [python, "-c", PEER, file]
-        return json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
+        np.savez(file, u=case.u, y=case.y, u_test=case.u_test, y_test=case.y_test)
+        command = [str(python), "-c", PEER, str(file)]
+        done = subprocess.run(command, capture_output=True, check=True)
+    result: dict[str, Any] = json.loads(done.stdout)
+    return result
 
 
-def _error(measured: np.ndarray, run: np.ndarray) -> float:
+def _error(measured: Array, run: Array) -> float:
     """Return the nmse of a peer's run; a diverged run is NaN and its error infinite."""
     return nmse(measured, run) if np.isfinite(run).all() else np.inf

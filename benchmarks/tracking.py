@@ -4,10 +4,10 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from benchmarks.row import Row
 from dea.tracking import recursive_least_squares
 
 SAMPLES, TERMS, FORGETTING, REPEATS = 90_000, 10, 0.999, 5
@@ -29,7 +29,7 @@ print(min(seconds), *theta.ravel())
 """
 
 
-def run(peers_python: Path) -> list[dict[str, Any]]:
+def run(peers_python: Path) -> list[Row]:
     """Time both on the same data: the best of several runs, without compilation.
 
     ``peers_python`` is the interpreter of an environment that holds SysIdentPy.
@@ -55,12 +55,5 @@ def run(peers_python: Path) -> list[dict[str, Any]]:
         output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     peer, *theta = map(float, output.split())
     np.testing.assert_allclose(found.theta[-1], theta, rtol=1e-6)
-    return [
-        {
-            "name": f"recursive least squares, {SAMPLES} x {TERMS}, against SysIdentPy",
-            "ours_s": min(seconds),
-            "peer_s": peer,
-            "ratio": peer / min(seconds),
-            "target": TARGET,
-        }
-    ]
+    name = f"recursive least squares, {SAMPLES} x {TERMS}, against SysIdentPy"
+    return [Row.of_times(name, min(seconds), peer, TARGET)]
