@@ -20,7 +20,7 @@ def settings(simulation):
         "simulation": str(simulation),
         "split": {},
         "discrepancy": {
-            "effects": [], "warm_up": 0.0, "workers": 1, "budget": {}, "rules": {}
+            "effects": [], "warm_up": 0.0, "budget": {}, "rules": {}
         },
     }  # fmt: skip
 
@@ -43,6 +43,7 @@ def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS):
         settings(folder / "mine.py"),
         record=folder / "record.nc",
         tests=[],
+        threads=1,
         **{name: folder / "out" / name for name in OUTPUTS},
     )
 

@@ -23,6 +23,7 @@ QUICK = {
         "frozen_window": 100,
         "trackers": {"rls": {"forgetting": 1, "leakage": 0, "delta": 1}},
     },
+    "gfrf": {"tracker": "rls"},
 }
 
 

@@ -35,14 +35,15 @@ def test_the_number_of_actuators_is_the_length_of_a_list(project):
 @pytest.mark.parametrize(
     ("right", "wrong", "named"),
     [
-        ("y_lags: 3", "y_lag: 3", "y_lag"),
-        ("y_lags: 3", "y_lags: -3", "y_lags"),
-        ("seed:", "sede:", "sede"),
+        ("y_lags: 3", "y_lag: 3", "Did you mean 'y_lags'?"),
+        ("y_lags: 3", "y_lags: -3", "identification.y_lags: it is -3"),
+        ("seed:", "sede:", "Did you mean 'seed'?"),
         ("name: dea2", "name: dea1", "'dea1' is taken"),
         ("name: dea2", "name: silverbox", "'silverbox' is taken"),
         ("name: dea2", "name: figures", "'figures' is taken"),
         ("bench: dea2", "bench: dea9", "dea2 is to be 'dea9'"),
         ("zoom: [100, 130]", "zoom: [1790, 1820]", "figures.zoom: [1790, 1820] s lies outside"),
+        ("batch: 6", "batch: six", "trials.batch: it is 'six'"),
     ],
 )
 def test_a_wrong_key_or_value_stops_before_the_dag(project, right, wrong, named):

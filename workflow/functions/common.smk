@@ -6,53 +6,36 @@ import time
 
 sys.path.insert(0, str(Path(workflow.basedir) / "workflow"))
 
-import yaml
 from imports import modules
 from snakemake.exceptions import WorkflowError
 
+from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.case import read_cases
+from dea.configuration.study import check_actuators, check_study
+from dea.configuration.study import settings as written
+from dea.errors import InputError
+
 STARTED = time.time()
+
+
+def configuration():
+    """The checked study and cases; a mistake ends the workflow before anything runs."""
+    try:
+        study = check_study(config)
+        check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
+        return study, read_cases("config/cases", study)
+    except InputError as error:
+        raise WorkflowError(str(error)) from None
+
+
+STUDY, _cases = configuration()
+# Numbers of the command line, which Snakemake hands over as text, are numbers from here on.
+config.update(written(STUDY))
 
 # A system is whatever has a record: an actuator of the config or a case of config/cases.
 ACTUATORS = {actuator["name"]: actuator for actuator in config["actuators"]}
-CASES = {path.stem: path for path in sorted(Path("config/cases").glob("*.yaml"))}
-# Folders of results/ that belong to no system.
-RESERVED = {"benchmark", "discrepancy", "figures", "log", "tables", "trials"}
-
-
-def check_names():
-    """Every system has a name, and with it a folder of results, of its own."""
-    taken = set(RESERVED)
-    for file, field, name in [
-        *(
-            ("config/config.yaml", "actuators.name", actuator["name"])
-            for actuator in config["actuators"]
-        ),
-        *((path, "name of the file", name) for name, path in CASES.items()),
-    ]:
-        if name in taken:
-            raise WorkflowError(
-                f"{file}: {field}: {name!r} is taken. Give each actuator and case another name."
-            )
-        taken.add(name)
-
-
-check_names()
-
-
-def load_case(path):
-    """A case file, checked before anything runs; its sections as if they were the config's."""
-    schemas = Path(workflow.basedir) / "workflow/schemas"
-    try:
-        case = yaml.safe_load(path.read_text())
-        validate(case, schemas / "case.schema.yaml")
-        own = {name: config[name] | case[name] for name in config.keys() & case.keys()}
-        validate(config | own, schemas / "config.schema.yaml")
-    except (yaml.YAMLError, WorkflowError) as error:
-        raise WorkflowError(f"{path} is no valid case.", error) from error
-    return case
-
-
-CASE = {name: load_case(path) for name, path in CASES.items()}
+CASES = {path.stem: path for path in _cases}
+CASE = {path.stem: written(case) for path, case in _cases.items()}
 
 
 wildcard_constraints:
@@ -69,7 +52,7 @@ def of_every_actuator(pattern):
 def settings(*sections, **own_leaves):
     """The seed, the system's name and these sections of the config, as JSON for a stage.
 
-    A case's own sections override the config's, key by key; ``own_leaves`` are the job's.
+    A case has its own sections; ``own_leaves`` are the job's.
     """
 
     def resolve(wildcards):
@@ -81,15 +64,8 @@ def settings(*sections, **own_leaves):
             ),
             None,
         )
-        own = CASE.get(name, {})
-        leaves = {
-            section: (
-                config[section] | own.get(section, {})
-                if isinstance(config[section], dict)
-                else config[section]
-            )
-            for section in sections
-        }
+        own = config | CASE.get(name, {})
+        leaves = {section: own[section] for section in sections}
         return json.dumps(
             {"seed": config["seed"], "system": name} | leaves | own_leaves,
             sort_keys=True,

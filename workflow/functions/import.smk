@@ -1,6 +1,3 @@
-from dea.errors import InputError
-
-
 def record_settings(wildcards):
     case = CASE[wildcards.case]
     part = wildcards.get("part")

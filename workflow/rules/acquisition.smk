@@ -3,10 +3,6 @@ include: "../functions/acquisition.smk"
 
 # Every actuator is driven twice over Modbus: the study's record, and a second one with another
 # excitation that certifies what was learnt from the first.
-BENCH = "config/bench.yaml"
-check_devices()
-check_zoom(config["figures"]["zoom"], config["excitation"]["record"]["duration"])
-check_virtual_actuators(list(yaml.safe_load(Path(BENCH).read_text())["actuators"]))
 
 
 rule acquire:

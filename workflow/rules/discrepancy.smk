@@ -27,11 +27,12 @@ rule diagnose:
         "results/discrepancy/{system}/log/diagnose.log",
     benchmark:
         "results/discrepancy/{system}/benchmark/diagnose.tsv"
-    threads: config["discrepancy"]["workers"]
+    threads: 2
     params:
         settings=discrepancy_settings,
     shell:
-        "python -m dea.stages.diagnose --settings {params.settings:q} --record {input.record:q}"
+        "python -m dea.stages.diagnose --threads {threads} --settings {params.settings:q}"
+        " --record {input.record:q}"
         " --tests {input.tests:q} --localisation {output.localisation:q}"
         " --candidates {output.candidates:q} --verdict {output.verdict:q}"
         " --extended {output.extended:q} --certificate {output.certificate:q} 2> {log:q}"

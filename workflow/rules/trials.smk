@@ -5,7 +5,7 @@ include: "../functions/trials.smk"
 # seals are opened when all verdicts exist. Trials go in batches, a job each, so that starting
 # Python does not cost more than the work.
 TRIALS = config["trials"]
-COUNT, BATCH = int(TRIALS["count"]), TRIALS["batch"]
+COUNT, BATCH = TRIALS["count"], TRIALS["batch"]
 
 
 wildcard_constraints:
@@ -82,12 +82,8 @@ rule trial_diagnose:
     benchmark:
         "results/trials/{set}/{first}-{last}/benchmark/diagnose.tsv"
     params:
-        # Jobs run side by side; threads within one would only get in each other's way.
         settings=json.dumps(
-            {
-                "seed": config["seed"],
-                "discrepancy": config["discrepancy"] | {"workers": 1},
-            },
+            {"seed": config["seed"], "discrepancy": config["discrepancy"]},
             sort_keys=True,
         ),
     shell:

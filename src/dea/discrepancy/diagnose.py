@@ -85,7 +85,6 @@ class Settings:
             effects=tuple(own["effects"]),
             slowest_time=parts.get("slowest_time"),
             warm_up=parts.get("warm_up", own["warm_up"]),
-            workers=own["workers"],
             budget=Budget(**own["budget"]),
             rules=Rules(**own["rules"]),
             seed=leaves["seed"],

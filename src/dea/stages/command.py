@@ -15,12 +15,14 @@ def run(
     *,
     inputs: Sequence[str] = (),
     outputs: Sequence[str] = (),
+    numbers: Sequence[str] = (),
     arguments: Sequence[str] | None = None,
 ) -> None:
     """Parse the command line and call ``stage(settings, **paths)``.
 
     Each name in ``inputs`` and ``outputs`` becomes an option ``--name PATH``; a name ending in
-    ``*`` takes several paths. ``--settings`` is the JSON of the config leaves the stage needs.
+    ``*`` takes several paths. ``--settings`` is the JSON of the config leaves the stage needs. Each
+    name in ``numbers`` becomes an option for a whole number that no result depends on.
     An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2; where
     it knows no file, since it comes from arrays, the stage's inputs are named. A
     :class:`~dea.errors.DeviceError` exits with status 1.
@@ -31,6 +33,8 @@ def run(
         option = "--" + name.rstrip("*").replace("_", "-")
         count = "*" if name.endswith("*") else None
         parser.add_argument(option, type=Path, required=True, metavar="PATH", nargs=count)
+    for name in numbers:
+        parser.add_argument("--" + name, type=int, required=True, metavar="N")
     values: dict[str, Any] = vars(parser.parse_args(arguments))
     try:
         stage(values.pop("settings"), **values)

@@ -16,8 +16,11 @@ def diagnose(
     verdict: Path,
     extended: Path,
     certificate: Path,
+    threads: int,
 ) -> None:
-    """Diagnose a record with the simulation the settings name."""
+    """Diagnose a record with the simulation the settings name, on so many ``threads``."""
+    from dataclasses import replace
+
     from dea import store
     from dea.discrepancy import (
         Settings,
@@ -35,7 +38,7 @@ def diagnose(
             store.read_record(record),
             settings["simulation"],
             test_records={path.stem: store.read_record(path) for path in tests},
-            settings=Settings.of(settings),
+            settings=replace(Settings.of(settings), workers=threads),
         )
     except InputError as error:
         raise InputError(
@@ -67,4 +70,5 @@ if __name__ == "__main__":
         diagnose,
         inputs=("record", "tests*"),
         outputs=("localisation", "candidates", "verdict", "extended", "certificate"),
+        numbers=("threads",),
     )

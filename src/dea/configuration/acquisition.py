@@ -1,0 +1,44 @@
+"""How an actuator is driven and recorded: ``actuators``, ``acquisition`` and ``bench``."""
+
+from typing import Literal
+
+from dea.configuration.section import Name, NotNegative, Number, Positive, Section, Whole, key
+
+
+class Actuator(Section):
+    """An actuator under study, driven over Modbus as its device description says."""
+
+    name: Name = key("name of its folder of results")
+    device: str = key("file of its device description")
+    bench: str | None = key(
+        "virtual actuator of config/bench.yaml that answers at a free local port; without it the"
+        " endpoint of the device description does",
+        default=None,
+    )
+
+
+class Acquisition(Section):
+    """How an actuator is driven and recorded (docs/acquisition.md)."""
+
+    mode: Literal["buffered", "polled"] = key(
+        "buffered: the device plays blocks from its FIFO; polled: the host sends every sample"
+    )
+    ramp_rate: Number = key("slope of the ramps to and from the bias", unit="V/s", ge=1e-3)
+    on_break: Literal["stop", "restart"] = key(
+        "what to do where samples are lost or the film was left undriven"
+    )
+    restarts: Whole = key("how often to start again, where on_break is restart", ge=0)
+    timeout: Number = key("longest wait for a reply", unit="s", ge=1e-3)
+    retries: Whole = key("repetitions of a request, each over a fresh connection", ge=0)
+    reconnect_time: NotNegative = key("how long to try to reach a device that has gone", unit="s")
+    late_after: Positive = key(
+        "delay behind its deadline from which a polled sample is flagged late", unit="s"
+    )
+
+
+class Bench(Section):
+    """Virtual actuators alone."""
+
+    watchdog_time: Positive = key(
+        "silence of the host after which the output goes to zero", unit="s"
+    )

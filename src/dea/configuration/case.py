@@ -1,0 +1,123 @@
+"""Records made elsewhere: the files in config/cases."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+
+from dea.configuration.discrepancy import Split
+from dea.configuration.files import read_yaml
+from dea.configuration.gfrf import Gfrf
+from dea.configuration.identification import Identification, Orders, Validation
+from dea.configuration.problems import validated
+from dea.configuration.section import Name, Positive, Section, Whole, key, refuse
+from dea.configuration.study import RESERVED, Study, check_tracker, settings
+from dea.configuration.tracking import Tracking
+from dea.errors import InputError
+
+SECTIONS = ("identification", "orders", "validation", "tracking", "gfrf")
+
+
+class Column(Section):
+    """A column of numbers in a file."""
+
+    column: str = key("name of the column, or of the variable of a NetCDF or MATLAB file")
+    units: str = key("units of the numbers, as the file has them where it says so")
+    name: str | None = key("what it is, for labels; the column's own name otherwise", default=None)
+
+
+class Record(Section):
+    """A record: its file, and what the columns of the file are."""
+
+    file: str = key("CSV, NetCDF or MATLAB file, relative to the project")
+    time: Column | None = key("time in seconds, uniform", default=None)
+    sampling_interval: Positive | None = key(
+        "time between samples, where there is no time column", unit="s", default=None
+    )
+    input: Column = key("what drove the system")
+    output: Column = key("what was measured")
+    rows: Annotated[list[Whole], Field(min_length=2, max_length=2)] | None = key(
+        "first row, and one past the last; negative rows count from the end", default=None
+    )
+
+    @model_validator(mode="after")
+    def _one_time(self) -> Self:
+        if (self.time is None) == (self.sampling_interval is None):
+            count = "neither" if self.time is None else "both"
+            raise refuse(
+                "time",
+                f"{count} of time and sampling_interval given",
+                "Give the time column, or the sampling_interval in s.",
+            )
+        if self.time is not None and self.time.units != "s":
+            raise refuse(
+                "time.units",
+                f"its units are {self.time.units!r}",
+                "Time is in 's': convert the column, or give a sampling_interval instead.",
+            )
+        return self
+
+
+class Case(Section):
+    """A record made elsewhere, and what to do with it (config/cases/README.md).
+
+    Sections of the same name override those of config/config.yaml key by key.
+    """
+
+    title: str = key("name of the system, for people")
+    record: Record = key("the record to identify from")
+    test_records: dict[Name, Record] = key("records that identification never sees", default={})
+    identification: Identification = key("keys of that section, for this case alone")
+    orders: Orders = key("keys of that section, for this case alone")
+    validation: Validation = key("keys of that section, for this case alone")
+    tracking: Tracking = key("keys of that section, for this case alone")
+    gfrf: Gfrf = key("keys of that section, for this case alone")
+    simulation: str | None = key("the physics, by name or as a Python file", default=None)
+    split: Split | None = key("how the record is split for the diagnosis", default=None)
+
+    @model_validator(mode="after")
+    def _tracker_runs(self) -> Self:
+        check_tracker(self.gfrf, self.tracking)
+        return self
+
+
+def check_case(content: Any, study: Study, file: str | Path | None = None) -> Case:
+    """Return a case whose sections are those of ``study`` with its own keys in their place.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the key and the remedy.
+    """
+    if isinstance(content, Mapping):
+        content = dict(content)
+        for name in SECTIONS:
+            own = content.get(name, {})
+            if isinstance(own, Mapping):
+                content[name] = settings(getattr(study, name)) | dict(own)
+    return validated(Case, content, file)
+
+
+def read_cases(folder: str | Path, study: Study) -> dict[Path, Case]:
+    """Read and check every case of a folder.
+
+    Raises
+    ------
+    InputError
+        As :func:`check_case`; also for a file whose name is taken by an actuator or a folder of
+        results, or whose YAML is broken.
+    """
+    taken = {*RESERVED, *(actuator.name for actuator in study.actuators)}
+    cases = {}
+    for file in sorted(Path(folder).glob("*.yaml")):
+        if file.stem in taken:
+            raise InputError(
+                f"{file.stem!r} is taken",
+                file=file,
+                field="name of the file",
+                remedy="Give each actuator and case another name.",
+            )
+        content = read_yaml(file, what="the case", example="a file of config/cases")
+        cases[file] = check_case(content, study, file)
+    return cases

@@ -1,0 +1,110 @@
+"""The voltages an actuator is driven with: ``excitation`` of config/config.yaml."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from dea.configuration.section import NotNegative, Number, Positive, Section, Whole, key, refuse
+
+
+class Sequence(Section):
+    """What every kind of excitation has."""
+
+    duration: Positive = key("length of the record", unit="s")
+    low: Number = key("lowest voltage, before the amplifier", unit="V")
+    high: Number = key("highest voltage, before the amplifier", unit="V")
+
+    @model_validator(mode="after")
+    def _range(self) -> Self:
+        if not self.low < self.high:
+            raise refuse(
+                "low", f"{self.low:g} is not below high, {self.high:g}", "Make low the smaller one."
+            )
+        return self
+
+
+class Gaussian(Sequence):
+    """Gaussian noise with a flat spectrum up to ``band``."""
+
+    kind: Literal["gaussian"] = key("Gaussian noise")
+    band: Positive = key("highest frequency", unit="Hz", default=1.0)
+
+
+class Bursts(Sequence):
+    """Gaussian noise in bursts with rests at ``low`` between them."""
+
+    kind: Literal["bursts"] = key("bursts of Gaussian noise")
+    band: Positive = key("highest frequency of the noise", unit="Hz", default=1.0)
+    active: Positive = key("length of a burst", unit="s", default=20.0)
+    rest: NotNegative = key("length of a rest", unit="s", default=10.0)
+
+
+class Multisine(Sequence):
+    """Equal sines at the multiples of 1/``period`` up to ``band``, with random phases."""
+
+    kind: Literal["multisine"] = key("sum of sines")
+    band: Positive = key("highest frequency", unit="Hz", default=1.0)
+    period: Positive = key("time after which it repeats", unit="s", default=30.0)
+
+    @model_validator(mode="after")
+    def _period(self) -> Self:
+        if self.period > self.duration:
+            raise refuse(
+                "period",
+                f"{self.period:g} s is longer than the duration of {self.duration:g} s",
+                "Shorten the period, or record longer.",
+            )
+        if self.band * self.period < 1.0 - 1e-9:
+            raise refuse(
+                "band",
+                f"{self.band:g} Hz is below the first line, {1.0 / self.period:g} Hz",
+                "Raise the band, or lengthen the period.",
+            )
+        return self
+
+
+class Staircase(Sequence):
+    """Equally spaced levels in random order, each held, with a rest at ``low`` between them."""
+
+    kind: Literal["staircase"] = key("levels in random order")
+    levels: Whole = key("number of levels", default=6, ge=2)
+    hold: Positive = key("time at each level", unit="s", default=10.0)
+    rest: NotNegative = key("time at rest between levels", unit="s", default=10.0)
+    rise: Positive = key("length of a step's edge", unit="s", default=0.5)
+
+
+class Binary(Sequence):
+    """A filtered random binary sequence."""
+
+    kind: Literal["binary"] = key("random switching between low and high")
+    band: Positive = key("twice the highest rate of switching", unit="Hz", default=1.0)
+
+
+class Triangle(Sequence):
+    """Triangles between ``low`` and random peaks, at three rates."""
+
+    kind: Literal["triangle"] = key("triangles of random height and rate")
+    slowest: Positive = key("longest full-range period", unit="s", default=20.0)
+    fastest: Positive = key("shortest full-range period", unit="s", default=4.0)
+
+    @model_validator(mode="after")
+    def _periods(self) -> Self:
+        if self.fastest > self.slowest:
+            raise refuse(
+                "fastest",
+                f"{self.fastest:g} s is longer than slowest, {self.slowest:g} s",
+                "Make fastest the shorter one.",
+            )
+        return self
+
+
+Kind = Annotated[
+    Gaussian | Bursts | Multisine | Staircase | Binary | Triangle, Field(discriminator="kind")
+]
+
+
+class Excitation(Section):
+    """The voltages played, before the amplifier; ``kind`` says which further keys there are."""
+
+    record: Kind = key("of the study's record")
+    second: Kind = key("of a second record, on which what the first taught is certified")

@@ -1,0 +1,70 @@
+"""Models from a record: ``identification``, ``orders``, ``validation``."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from dea.configuration.section import (
+    Count,
+    Different,
+    Interval,
+    NotNegative,
+    Positive,
+    Section,
+    Truth,
+    WholeNotNegative,
+    key,
+)
+
+OutputLags = Count | Annotated[list[Count], Different]
+InputLags = Count | Annotated[list[WholeNotNegative], Different]
+
+
+class Identification(Section):
+    """Linear and NARX models of one system (docs/method/identification.md)."""
+
+    start: NotNegative = key("where the segment to identify from begins", unit="s")
+    length: Positive = key("length of that segment", unit="s")
+    y_lags: OutputLags = key("largest lag of the output, or a list of lags", unit="samples")
+    u_lags: InputLags = key(
+        "largest lag of the input, from 1 on, or a list of lags, which may hold 0", unit="samples"
+    )
+    degree: Count = key("polynomial order")
+    even_in_input: Truth = key("true where the system answers the input's negative alike")
+    add_threshold: NotNegative = key(
+        "SERR below which no term is added, as a share of the output's energy"
+    )
+    prune_threshold: NotNegative = key(
+        "SERR below which a term is removed, as a share of the output's energy"
+    )
+    rounds: WholeNotNegative = key("add-swap-prune rounds after the paper's single pass")
+    refine: Truth = key("true to minimise the simulated error of the chosen structure")
+    resamples: WholeNotNegative = key(
+        "block bootstrap selections behind the inclusion frequency; 0 for none"
+    )
+
+
+class Orders(Section):
+    """The comparison of dynamic and polynomial orders on independent data."""
+
+    dynamic: Count = key("largest dynamic order compared")
+    polynomial: Count = key("largest polynomial order compared")
+    lags: Count = key("dynamic order while polynomial orders are compared")
+    start: NotNegative | None = key(
+        "where the independent data begin; after the segment where it is not given",
+        unit="s",
+        default=None,
+    )
+    length: Positive = key("length of the independent data", unit="s")
+
+
+class Validation(Section):
+    """The windows on which the linear and the NARX model are compared."""
+
+    windows: Annotated[list[Interval], Field(min_length=1)] = key(
+        "first and last second of each window", unit="s"
+    )
+    before: Positive = key(
+        "time before each window from which the honest models are estimated", unit="s"
+    )
+    max_lag: Count = key("largest lag of the residual correlations", unit="samples")

@@ -1,0 +1,140 @@
+"""From pydantic's errors to one line that names file, key, remedy and the nearest key."""
+
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from dea.configuration.section import Section
+from dea.configuration.wording import Schema, allowed, resolved
+from dea.errors import InputError
+
+_Model = TypeVar("_Model", bound=Section)
+
+
+def validated(
+    model: type[_Model], content: Any, file: str | Path | None = None, place: str = ""
+) -> _Model:
+    """Return ``content`` as a ``model``.
+
+    Parameters
+    ----------
+    place
+        Dotted key of ``content`` in ``file``, for messages.
+
+    Raises
+    ------
+    InputError
+        Naming ``file``, the first wrong key, what would be right and how many more are wrong.
+    """
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        details = error.errors(include_url=False)
+    raise _input_error(model, details, file, place)
+
+
+def unknown_key(name: str, known: Sequence[str]) -> tuple[str, str]:
+    """Return problem and remedy of a key that is none of ``known``."""
+    near = get_close_matches(name, known, n=1, cutoff=0.65)
+    hint = f"Did you mean {near[0]!r}? " if near else ""
+    return f"unknown key {name!r}", f"{hint}Known here: {', '.join(known)}."
+
+
+def _input_error(
+    model: type[Section], details: Sequence[ErrorDetails], file: str | Path | None, place: str
+) -> InputError:
+    schema = model.model_json_schema()
+    # A misspelt key is also a missing one; and a value that fits no member of a union is reported
+    # once for each member.
+    found: dict[str, tuple[str, str]] = {}
+    for detail in sorted(details, key=lambda detail: detail["type"] != "extra_forbidden"):
+        path, problem, remedy = _said(detail, schema)
+        found.setdefault(_joined(place, path), (problem, remedy))
+    field, (problem, remedy) = next(iter(found.items()))
+    meant = [key for key in list(found)[1:] if f"{key.rsplit('.', 1)[-1]!r}?" in remedy]
+    others = [key for key in list(found)[1:] if key not in meant]
+    more = f" Wrong too: {', '.join(others)}." if others else ""
+    return InputError(problem, file=file, field=field or None, remedy=f"{remedy}{more}")
+
+
+def _said(detail: ErrorDetails, schema: Schema) -> tuple[str, str, str]:
+    """Return dotted key, problem and remedy of one error."""
+    node, path, rest = _located(detail["loc"], schema)
+    definitions = schema.get("$defs", {})
+    given, context = detail.get("input"), detail.get("ctx", {})
+    match detail["type"]:
+        case "extra_forbidden":
+            return _joined(path, str(rest)), *unknown_key(str(rest), list(node["properties"]))
+        case "missing":
+            wanted = node["properties"].get(rest, {}) if rest else node
+            about = resolved(wanted, definitions).get("description", "")
+            remedy = f"Give {allowed(wanted, definitions)}" + (f": {about}." if about else ".")
+            return _joined(path, str(rest or "")), "missing", remedy
+        case "relation":
+            return _joined(path, context["place"]), context["problem"], context["remedy"]
+        case "union_tag_invalid" | "union_tag_not_found":
+            tag = context["discriminator"].strip("'")
+            kinds = ", ".join(node["discriminator"]["mapping"])
+            problem = f"unknown {tag} {context['tag']!r}" if "tag" in context else "missing"
+            return _joined(path, tag), problem, f"Use one of {kinds}."
+    if rest == "[key]":
+        return path, f"{given!r} is no name", "Use letters, digits, _ and - alone."
+    if given is None:
+        return path, "missing", f"Give {allowed(node, definitions)}."
+    return path, f"it is {_shown(given)}", f"Give {allowed(node, definitions)}."
+
+
+def _located(place: Sequence[str | int], schema: Schema) -> tuple[Schema, str, str | int | None]:
+    """Return the schema node at ``place``, its dotted key and the last step that is no part of it.
+
+    pydantic puts the names of union members between the keys; they are left out.
+    """
+    definitions = schema.get("$defs", {})
+    node, path, rest = schema, "", None
+    for step in place:
+        node, rest = resolved(node, definitions), None
+        inner = _inner(node, step, definitions)
+        if inner is None:
+            rest = step
+            continue
+        member = step in node.get("discriminator", {}).get("mapping", {})
+        node, path = inner, path if member else _joined(path, step)
+    node = resolved(node, definitions)
+    # An optional section is a section or nothing.
+    for choice in node.get("anyOf", ()):
+        if "properties" in (section := resolved(choice, definitions)):
+            node = section
+    return node, path, rest
+
+
+def _inner(node: Schema, step: str | int, definitions: Schema) -> Schema | None:
+    if isinstance(step, int):
+        own = {"unit": node["unit"]} if "unit" in node else {}
+        return {**node["items"], **own} if "items" in node else None
+    if (mapping := node.get("discriminator", {}).get("mapping", {})) and step in mapping:
+        return {"$ref": mapping[step]}
+    if step in node.get("properties", {}):
+        found: Schema = node["properties"][step]
+        return found
+    for values in (node.get("additionalProperties"), *node.get("patternProperties", {}).values()):
+        if isinstance(values, Mapping):
+            return values
+    for choice in node.get("anyOf", ()):
+        if (found_in := _inner(resolved(choice, definitions), step, definitions)) is not None:
+            return found_in
+    return None
+
+
+def _joined(place: str, step: str | int) -> str:
+    if isinstance(step, int):
+        return f"{place}[{step}]"
+    return f"{place}.{step}" if place and step else place or step
+
+
+def _shown(value: Any) -> str:
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,31 @@
+"""Known answers, identified from what they simulate: ``recovery`` of config/config.yaml."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from dea.configuration.section import NotNegative, Positive, Section, key, refuse
+
+
+class Recovery(Section):
+    """The published models as plants, identified from their own simulated records."""
+
+    models: str = key("file of the published models")
+    length: Positive = key("length of each simulated record", unit="s")
+    sampling_rate: Positive = key("rate of each simulated record", unit="Hz")
+    band: Positive = key("band of the Gaussian excitation", unit="Hz")
+    noise: NotNegative = key("standard deviation of the output noise over that of the output")
+    threshold: Positive = key("SERR a term must be worth, about the energy of the noise")
+    excitation: Annotated[list[Literal["coloured", "white"]], Field(min_length=1)] = key(
+        "coloured: band-limited as the study's; white: up to half the sampling rate"
+    )
+
+    @model_validator(mode="after")
+    def _band(self) -> Self:
+        if self.band >= 0.5 * self.sampling_rate:
+            raise refuse(
+                "band",
+                f"{self.band:g} Hz is not below half of {self.sampling_rate:g} Hz",
+                "Lower the band, or raise the sampling rate.",
+            )
+        return self

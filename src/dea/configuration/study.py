@@ -1,0 +1,136 @@
+"""config/config.yaml as a whole, and what its sections must agree on."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+
+from dea.configuration.acquisition import Acquisition, Actuator, Bench
+from dea.configuration.discrepancy import Discrepancy
+from dea.configuration.excitation import Excitation
+from dea.configuration.figures import Figures
+from dea.configuration.gfrf import Gfrf
+from dea.configuration.identification import Identification, Orders, Validation
+from dea.configuration.problems import validated
+from dea.configuration.recovery import Recovery
+from dea.configuration.section import Section, Whole, key, refuse
+from dea.configuration.tracking import Tracking
+from dea.configuration.trials import Trials
+from dea.errors import InputError
+
+FILE = "config/config.yaml"
+# Folders of results/ that belong to no system.
+RESERVED = ("benchmark", "discrepancy", "figures", "log", "tables", "trials")
+
+
+class Study(Section):
+    """Every number of the study that a user may change."""
+
+    seed: Whole = key("every random draw derives from it and the job's own name", ge=0)
+    actuators: Annotated[list[Actuator], Field(min_length=1)] = key("the systems under study")
+    excitation: Excitation = key("the voltages played")
+    acquisition: Acquisition = key("how an actuator is driven and recorded")
+    bench: Bench = key("virtual actuators alone")
+    identification: Identification = key("linear and NARX models")
+    orders: Orders = key("comparison of orders")
+    validation: Validation = key("windows of comparison")
+    recovery: Recovery = key("published models identified from their own records")
+    figures: Figures = key("how figures are drawn")
+    tracking: Tracking = key("parameters that change with time")
+    gfrf: Gfrf = key("frequency responses over time")
+    trials: Trials = key("blind trials")
+    discrepancy: Discrepancy = key("what the simulation of a system is missing")
+
+    @model_validator(mode="after")
+    def _names(self) -> Self:
+        taken = set(RESERVED)
+        for index, actuator in enumerate(self.actuators):
+            if actuator.name in taken:
+                raise refuse(
+                    f"actuators[{index}].name",
+                    f"{actuator.name!r} is taken",
+                    "Give each actuator and case another name.",
+                )
+            taken.add(actuator.name)
+        return self
+
+    @model_validator(mode="after")
+    def _inside_the_record(self) -> Self:
+        duration = self.excitation.record.duration
+        windows = {f"validation.windows[{i}]": w for i, w in enumerate(self.validation.windows)}
+        for place, (first, last) in {"figures.zoom": self.figures.zoom, **windows}.items():
+            if not 0 <= first < last <= duration:
+                raise refuse(
+                    place,
+                    f"[{first:g}, {last:g}] s lies outside the record of {duration:g} s"
+                    " (excitation.record.duration)",
+                    "Give the first and last second of a stretch inside the record.",
+                )
+        segment = self.identification.start + self.identification.length
+        if segment > duration:
+            raise refuse(
+                "identification.length",
+                f"the segment ends at {segment:g} s, after the record of {duration:g} s"
+                " (excitation.record.duration)",
+                "Choose a segment inside the record.",
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _tracker_runs(self) -> Self:
+        check_tracker(self.gfrf, self.tracking)
+        return self
+
+
+def check_tracker(gfrf: Gfrf, tracking: Tracking) -> None:
+    """Raise the error of a validator unless the tracker of the responses is one that runs."""
+    if gfrf.tracker not in tracking.trackers.names:
+        raise refuse(
+            "gfrf.tracker",
+            f"{gfrf.tracker!r} is not among tracking.trackers",
+            f"Use one of {', '.join(tracking.trackers.names)}, or add it there.",
+        )
+
+
+def check_study(content: Mapping[str, Any], file: str | Path = FILE) -> Study:
+    """Return the checked content of config/config.yaml.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the key and the remedy.
+    """
+    return validated(Study, content, file)
+
+
+def check_actuators(
+    study: Study, served: Sequence[str], bench: str | Path, file: str | Path = FILE
+) -> None:
+    """Check that every device description exists and ``bench`` has every virtual actuator.
+
+    Raises
+    ------
+    InputError
+        Naming the actuator, and the names in ``served`` that its ``bench`` may be.
+    """
+    for index, actuator in enumerate(study.actuators):
+        if not Path(actuator.device).exists():
+            raise InputError(
+                f"{actuator.device} of {actuator.name} does not exist",
+                file=file,
+                field=f"actuators[{index}].device",
+                remedy="Correct the path, or copy a description of config/devices there.",
+            )
+        if actuator.bench is not None and actuator.bench not in served:
+            raise InputError(
+                f"{actuator.name} is to be {actuator.bench!r}, which {bench} does not have",
+                file=file,
+                field=f"actuators[{index}].bench",
+                remedy=f"Name one of {', '.join(served)}, or add an entry there.",
+            )
+
+
+def settings(section: Section) -> dict[str, Any]:
+    """Return a section as it was written, its numbers no longer text; defaults are left out."""
+    return section.model_dump(exclude_unset=True)

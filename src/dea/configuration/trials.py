@@ -1,0 +1,24 @@
+"""Blind trials: ``trials`` of config/config.yaml."""
+
+from typing import Literal
+
+from dea.configuration.section import Count, Section, Whole, key
+
+
+class Seeds(Section):
+    """A seed for each set of trials."""
+
+    tuning: Whole = key("seed of the tuning set", ge=0)
+    reporting: Whole = key("seed of the reporting set", ge=0)
+
+
+class Trials(Section):
+    """Blind trials (docs/trials.md); a trial follows from its set's seed and its number alone."""
+
+    set: Literal["tuning", "reporting"] = key(
+        "tuning, to improve the diagnosis on; reporting, to judge it by"
+    )
+    count: Whole = key("trials of the campaign", ge=1, le=9999)
+    batch: Count = key("trials of one job")
+    seeds: Seeds = key("of the sets")
+    device: str = key("file of the device description that trials are recorded by")

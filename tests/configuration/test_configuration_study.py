@@ -1,0 +1,200 @@
+"""config/config.yaml and the cases: what is wrong is named on one line, with the nearest key."""
+
+import copy
+from pathlib import Path
+
+import pytest
+import yaml
+
+from dea.configuration.case import SECTIONS, check_case, read_cases
+from dea.configuration.study import check_actuators, check_study, settings
+from dea.errors import InputError
+
+CONFIG = Path(__file__).parents[2] / "config"
+STUDY = yaml.safe_load((CONFIG / "config.yaml").read_text())
+CASES = {path: yaml.safe_load(path.read_text()) for path in sorted(CONFIG.glob("cases/*.yaml"))}
+REMOVED = object()
+
+
+def changed(content, place, value):
+    content = copy.deepcopy(content)
+    inner = content
+    for step in place[:-1]:
+        inner = inner[step]
+    if value is REMOVED:
+        del inner[place[-1]]
+    else:
+        inner[place[-1]] = value
+    return content
+
+
+def test_the_settings_of_jobs_are_those_that_were_written():
+    assert settings(check_study(STUDY)) == STUDY
+
+
+@pytest.mark.parametrize("file", CASES, ids=lambda path: path.stem)
+def test_a_case_overrides_sections_key_by_key(file):
+    own = CASES[file]
+    expected = own | {name: STUDY[name] | own.get(name, {}) for name in SECTIONS}
+    assert settings(check_case(own, check_study(STUDY))) == expected
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "field", "words"),
+    [
+        (["identification", "y_lags"], -3, "identification.y_lags", "whole number of at least 1"),
+        (["identification", "y_lags"], [1, 1], "identification.y_lags", "list"),
+        (["identification", "y_lags"], [0, 1], "identification.y_lags", "at least 1"),
+        (["identification", "degree"], True, "identification.degree", "whole number"),
+        (["identification", "degree"], 2.5, "identification.degree", "whole number"),
+        (["identification", "length"], 1801, "identification.length", "inside the record"),
+        (["identification", "refine"], "yes", "identification.refine", "true or false"),
+        (["identification", "start"], float("nan"), "identification.start", "at least 0 s"),
+        (["identification"], REMOVED, "identification", "missing"),
+        (["seed"], None, "seed", "missing"),
+        (["seed"], -1, "seed", "at least 0"),
+        (["actuators"], [], "actuators", "list"),
+        (["actuators", 1, "name"], "a b", "actuators[1].name", "text"),
+        (["actuators", 1, "name"], "dea1", "actuators[1].name", "'dea1' is taken"),
+        (["actuators", 1, "name"], "tables", "actuators[1].name", "'tables' is taken"),
+        (["excitation", "record", "kind"], "gausian", "excitation.record.kind", "gaussian"),
+        (["excitation", "record", "kind"], REMOVED, "excitation.record.kind", "gaussian"),
+        (["excitation", "record", "period"], 3, "excitation.record.period", "Known here"),
+        (["excitation", "record", "low"], 9, "excitation.record.low", "not below high, 3.75"),
+        (["excitation", "second", "period"], 301, "excitation.second.period", "longer than"),
+        (["excitation", "second", "band"], 0.01, "excitation.second.band", "first line"),
+        (["acquisition", "mode"], "blocks", "acquisition.mode", "buffered, polled"),
+        (["acquisition", "timeout"], 0, "acquisition.timeout", "at least 0.001 s"),
+        (["bench", "watchdog_time"], 0, "bench.watchdog_time", "above 0 s"),
+        (["validation", "windows"], [], "validation.windows", "list"),
+        (["validation", "windows", 1], [900], "validation.windows[1]", "[low, high]"),
+        (["validation", "windows", 1], [930, 900], "validation.windows[1]", "cross"),
+        (["validation", "windows", 2, 1], 1801, "validation.windows[2]", "outside the record"),
+        (["figures", "zoom"], [1790, 1820], "figures.zoom", "outside the record of 1800 s"),
+        (["recovery", "band"], 25, "recovery.band", "half of 50 Hz"),
+        (["recovery", "excitation"], ["pink"], "recovery.excitation[0]", "coloured, white"),
+        (["tracking", "trackers"], {}, "tracking.trackers", "no tracker"),
+        (["tracking", "trackers", "rls", "forgetting"], 1.1, "tracking.trackers.rls.forgetting",
+         "above 0 and up to 1"),
+        (["tracking", "trackers", "output_error"], REMOVED, "gfrf.tracker", "rls, kalman"),
+        (["gfrf", "highest"], 0.51, "gfrf.highest", "up to 0.5"),
+        (["gfrf", "lowest"], 0.2, "gfrf.lowest", "not below highest"),
+        (["gfrf", "plane_times", 1], 1.5, "gfrf.plane_times[1]", "from 0 to 1"),
+        (["gfrf"], 7, "gfrf", "mapping"),
+        (["trials", "count"], "six", "trials.count", "from 1 to 9999"),
+        (["trials", "count"], 10_000, "trials.count", "from 1 to 9999"),
+        (["discrepancy", "budget", "effects"], 4, "discrepancy.budget.effects", "from 1 to 3"),
+        (["discrepancy", "rules", "clean"], 0, "discrepancy.rules.clean", "noise floors"),
+        (["discrepancy", "workers"], 2, "discrepancy.workers", "Known here"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_named_with_file_key_and_remedy_on_one_line(place, value, field, words):
+    with pytest.raises(InputError) as caught:
+        check_study(changed(STUDY, place, value))
+    assert caught.value.field == field
+    assert caught.value.remedy
+    assert str(caught.value).startswith("config/config.yaml: ")
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_every_mistake_is_mentioned():
+    wrong = changed(changed(STUDY, ["seed"], -1), ["gfrf", "count"], 0)
+    with pytest.raises(InputError, match=r"seed: it is -1.*Wrong too: gfrf\.count\.$"):
+        check_study(wrong)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"), [("6", 6), ("1e1", "trials.count"), ("0", "trials.count")]
+)
+def test_a_whole_number_of_the_command_line_comes_as_text(text, number):
+    wrong = changed(STUDY, ["trials", "count"], text)
+    if isinstance(number, int):
+        assert settings(check_study(wrong))["trials"]["count"] == number
+    else:
+        with pytest.raises(InputError, match=number):
+            check_study(wrong)
+
+
+def test_a_number_that_yaml_reads_as_text_is_a_number():
+    assert yaml.safe_load("1e-5") == "1e-5"
+    found = check_study(changed(STUDY, ["identification", "add_threshold"], "1e-5"))
+    assert found.identification.add_threshold == 1e-5
+
+
+MINE = {
+    "title": "Mine",
+    "record": {
+        "file": "mine.csv",
+        "sampling_interval": 0.1,
+        "input": {"column": "u", "units": "V"},
+        "output": {"column": "y", "units": "mm"},
+    },
+}
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "field", "words"),
+    [
+        (["record", "time"], {"column": "t", "units": "s"}, "record.time", "both of time"),
+        (["record", "sampling_interval"], REMOVED, "record.time", "neither of time"),
+        (["record", "sampling_interval"], 0, "record.sampling_interval", "above 0 s"),
+        (["record", "rows"], [1], "record.rows", "two whole numbers"),
+        (["record", "input", "colum"], "u", "record.input.colum", "Did you mean 'column'?"),
+        (["record", "output", "units"], REMOVED, "record.output.units", "missing"),
+        (["test_records"], {"a/b": MINE["record"]}, "test_records.a/b", "letters, digits"),
+        (["test_records"], {"later": {}}, "test_records.later.file", "missing"),
+        (["identification"], {"y_lag": 2}, "identification.y_lag", "Did you mean 'y_lags'?"),
+        (["identification"], {"y_lags": 0}, "identification.y_lags", "at least 1"),
+        (["identification"], 3, "identification", "mapping"),
+        (["gfrf"], {"tracker": "rsl"}, "gfrf.tracker", "rls, kalman"),
+        (["tracking"], {"trackers": {"rls": {}}}, "tracking.trackers.rls.forgetting", "missing"),
+        (["split"], {"warmup": 1}, "split.warmup", "Did you mean 'warm_up'?"),
+        (["title"], REMOVED, "title", "missing"),
+        (["figures"], {}, "figures", "unknown key"),
+    ],
+)
+def test_a_wrong_case_is_named_with_its_file(place, value, field, words):
+    with pytest.raises(InputError) as caught:
+        check_case(changed(MINE, place, value), check_study(STUDY), "mine.yaml")
+    assert caught.value.field == field
+    assert str(caught.value).startswith(f"mine.yaml: {field}: ")
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_record_in_other_than_seconds_is_refused():
+    time = {"column": "t", "units": "ms"}
+    record = {k: v for k, v in MINE["record"].items() if k != "sampling_interval"} | {"time": time}
+    with pytest.raises(InputError, match=r"record\.time\.units: its units are 'ms'.*convert"):
+        check_case(MINE | {"record": record}, check_study(STUDY), "mine.yaml")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("dea1", "title: Mine", "'dea1' is taken"),
+        ("figures", "title: Mine", "'figures' is taken"),
+        ("mine", "title: [", "not valid YAML"),
+        ("mine", "just words", "it is 'just words'"),
+        ("mine", "", "missing"),
+    ],
+)
+def test_a_wrong_file_of_a_case_is_named(tmp_path, name, text, words):
+    (tmp_path / f"{name}.yaml").write_text(text)
+    with pytest.raises(InputError, match=words) as caught:
+        read_cases(tmp_path, check_study(STUDY))
+    assert caught.value.file == tmp_path / f"{name}.yaml"
+    assert "\n" not in str(caught.value)
+
+
+def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_path, monkeypatch):
+    monkeypatch.chdir(CONFIG.parent)
+    study = check_study(STUDY)
+    served = [f"dea{i}" for i in range(1, 7)]
+    check_actuators(study, served, "bench.yaml")
+    with pytest.raises(InputError, match=r"actuators\[1\]\.bench: dea2 is to be 'dea2', which"):
+        check_actuators(study, ["dea1"], "bench.yaml")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=r"actuators\[0\]\.device: .* does not exist"):
+        check_actuators(study, served, "bench.yaml")
