@@ -73,10 +73,11 @@ interoperability: peers $(VENV)/installed ## client and bench against libmodbus,
 soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
 	python -m benchmarks.acquisition --soak
 
-check: $(VENV)/installed ## linters, formatters and the type checker
+check: $(VENV)/installed ## linters, formatters, the type checker and the import contracts
 	ruff check .
 	ruff format --check .
 	mypy
+	lint-imports --no-cache --no-logo
 	snakefmt --check Snakefile workflow
 	snakemake --lint
 

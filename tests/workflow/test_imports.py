@@ -10,27 +10,30 @@ import imports
 TYPING_ONLY = """
 from typing import TYPE_CHECKING
 if TYPE_CHECKING:
-    from dea.b import g
+    from house.b import g
 """
 
 
 @pytest.fixture
 def source(tmp_path, monkeypatch):
     files = {
-        "dea/__init__.py": TYPING_ONLY,
-        "dea/errors.py": "",
-        "dea/a.py": "import numpy\nfrom dea.errors import InputError\n",
-        "dea/b/__init__.py": "from dea.b.inner import g\n",
-        "dea/b/inner.py": "def g():\n    from dea import c\n",
-        "dea/c.py": "import dea.errors\n",
-        "dea/alone.py": "",
+        "house/__init__.py": TYPING_ONLY,
+        "house/errors.py": "",
+        "house/a.py": "import numpy\nfrom house.errors import InputError\n",
+        "house/b/__init__.py": "from .inner import g\n",
+        "house/b/inner.py": "def g():\n    from house import c\n",
+        "house/c.py": "import house.errors\n",
+        "house/alone.py": "",
     }
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(imports, "SOURCE", tmp_path)
-    imports._imported.cache_clear()
-    return tmp_path
+    monkeypatch.setattr(imports, "PACKAGE", "house")
+    imports._graph.cache_clear()
+    yield tmp_path
+    imports._graph.cache_clear()
 
 
 def names(source, *modules):
@@ -38,23 +41,28 @@ def names(source, *modules):
 
 
 def test_a_module_depends_on_what_it_imports_and_the_packages_above(source):
-    assert names(source, "dea.a") == {"dea/__init__.py", "dea/a.py", "dea/errors.py"}
+    assert names(source, "house.a") == {"house/__init__.py", "house/a.py", "house/errors.py"}
 
 
-def test_imports_inside_functions_and_through_packages_count(source):
-    assert names(source, "dea.b") == {
-        "dea/__init__.py",
-        "dea/b/__init__.py",
-        "dea/b/inner.py",
-        "dea/c.py",
-        "dea/errors.py",
+def test_imports_inside_functions_relative_ones_and_those_of_packages_count(source):
+    assert names(source, "house.b") == {
+        "house/__init__.py",
+        "house/b/__init__.py",
+        "house/b/inner.py",
+        "house/c.py",
+        "house/errors.py",
     }
 
 
 def test_what_only_the_type_checker_reads_does_not_count(source):
-    assert names(source, "dea.alone") == {"dea/__init__.py", "dea/alone.py"}
+    assert names(source, "house.alone") == {"house/__init__.py", "house/alone.py"}
 
 
 def test_several_modules_are_joined_without_doubles(source):
-    both = imports.modules("dea.a", "dea.b")
+    both = imports.modules("house.a", "house.b")
     assert len(both) == len(set(both)) == 6
+
+
+def test_a_misspelt_module_is_refused(source):
+    with pytest.raises(ValueError, match=r"no module house\.d"):
+        imports.modules("house.d")

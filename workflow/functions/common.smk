@@ -4,7 +4,8 @@ import re
 import sys
 import time
 
-sys.path.insert(0, str(Path(workflow.basedir) / "workflow"))
+# The package beside this workflow, not one that is installed elsewhere.
+sys.path[:0] = [str(Path(workflow.basedir, name)) for name in ("workflow", "src")]
 
 from imports import modules
 from snakemake.exceptions import WorkflowError
