@@ -84,6 +84,15 @@ def test_the_binary_sequence_has_its_power_in_the_band():
     assert power_above(signals.design("binary", **STUDY, band=1.0), 2.0) < 1e-3
 
 
+@pytest.mark.parametrize(("band", "clock"), [(1.0, 25), (0.5, 50), (0.4, 62)])
+def test_the_binary_sequence_may_switch_every_half_period_of_its_band(band, clock):
+    signal = signals.design("binary", **STUDY, band=band)
+    # The window spans two clock periods: the middle is crossed exactly where the bit changes.
+    above = signal > 0.5 * (1.1 + 3.75) + 1e-9
+    rises = np.flatnonzero(~above[:-1] & above[1:])
+    assert np.gcd.reduce(np.diff(rises)) == clock
+
+
 def test_triangles_climb_at_three_rates():
     signal = signals.design("triangle", **STUDY, slowest=20.0, fastest=5.0)
     slopes = np.abs(np.diff(signal)) * 50.0 / (3.75 - 1.1)
