@@ -7,7 +7,7 @@ include: "../functions/discrepancy.smk"
 CATALOGUE = [
     f"dea.simulation.{path.parent.name}.{path.stem}"
     for folder in ("effects", "devices")
-    for path in sorted(Path("src/dea/simulation", folder).glob("*.py"))
+    for path in sorted(Path("src/dea/simulation", folder).glob("[!_]*.py"))
 ]
 
 
