@@ -60,7 +60,7 @@ def setter(*path_and_value):
         (setter("endpoint", "port", 70000), "endpoint.port", "65535"),
         (setter("endpoint", "prot", 502), "endpoint.prot", "Known here"),
         (setter("framing", "rtu"), "framing", "rtu_over_tcp"),
-        (setter("sampling_rate", 0), "sampling_rate", "positive"),
+        (setter("sampling_rate", 0), "sampling_rate", "above 0 Hz"),
         (setter("registers", {}), "registers", "at least"),
         (setter("registers", "output", "type", "uint12"), "registers.output.type", "uint16"),
         (setter("registers", "output", "limits", [4, 0]), "registers.output.limits", "cross"),

@@ -64,7 +64,7 @@ def _list(node: Schema, definitions: Schema) -> str:
     length = (node.get("minItems"), node.get("maxItems"))
     if length == (2, 2):
         return f"[low, high], two {of}"
-    return f"a list of {of}"
+    return f"a list of {of}{_least(node, 'minItems')}"
 
 
 def _mapping(node: Schema, definitions: Schema) -> str:
@@ -72,4 +72,8 @@ def _mapping(node: Schema, definitions: Schema) -> str:
         return f"a mapping with the keys {', '.join(names)}"
     values = node.get("additionalProperties")
     of = f" to {allowed(values, definitions)}" if isinstance(values, dict) else ""
-    return f"a mapping of names{of}"
+    return f"a mapping of names{of}{_least(node, 'minProperties')}"
+
+
+def _least(node: Schema, bound: str) -> str:
+    return f", at least {node[bound]}" if bound in node else ""

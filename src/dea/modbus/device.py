@@ -3,30 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
+from dea.configuration.device import (
+    WORDS,
+    Access,
+    Framing,
+    Order,
+    Parity,
+    RegisterType,
+    Table,
+)
 from dea.errors import InputError
-
-Table = Literal["holding", "input"]
-Order = Literal["big", "little"]
-Access = Literal["read", "write", "read_write"]
-Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
-Parity = Literal["N", "E", "O"]
-RegisterType = Literal[
-    "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string"
-]
-
-_WORDS = {
-    "uint16": 1,
-    "int16": 1,
-    "uint32": 2,
-    "int32": 2,
-    "float32": 2,
-    "uint64": 4,
-    "int64": 4,
-    "float64": 4,
-    "string": 1,
-}
 
 
 @dataclass(frozen=True)
@@ -56,7 +43,7 @@ class Register:
     @property
     def size(self) -> int:
         """Number of 16-bit registers the value occupies."""
-        return _WORDS[self.type] * self.count
+        return WORDS[self.type] * self.count
 
     @property
     def end(self) -> int:

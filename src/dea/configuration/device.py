@@ -1,0 +1,166 @@
+"""Device descriptions: the files in config/devices."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Annotated, Literal, Self, get_args
+
+from pydantic import AfterValidator, Field, model_validator
+
+from dea.configuration.section import (
+    Interval,
+    Number,
+    Positive,
+    Section,
+    Truth,
+    Whole,
+    key,
+    refuse,
+)
+
+Table = Literal["holding", "input"]
+Order = Literal["big", "little"]
+Access = Literal["read", "write", "read_write"]
+Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
+Parity = Literal["N", "E", "O"]
+RegisterType = Literal[
+    "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string"
+]
+
+# 16-bit registers that one value occupies.
+WORDS: Mapping[RegisterType, int] = {
+    "uint16": 1,
+    "int16": 1,
+    "uint32": 2,
+    "int32": 2,
+    "float32": 2,
+    "uint64": 4,
+    "int64": 4,
+    "float64": 4,
+    "string": 1,
+}
+LAST_ADDRESS = 0xFFFF
+
+
+class Endpoint(Section):
+    """Where the device, or the gateway before it, answers."""
+
+    host: str = key("name or address")
+    port: Whole = key("TCP port", ge=0, le=65535)
+
+
+class Tls(Section):
+    """Certificates of a TLS link, as file names."""
+
+    ca_file: str | None = key("authority that signs the device's certificate", default=None)
+    server_name: str | None = key("name in the device's certificate", default=None)
+    certificate_file: str | None = key("the client's certificate", default=None)
+    key_file: str | None = key("the client's key", default=None)
+
+
+class Serial(Section):
+    """A serial line."""
+
+    port: str = key("device file of the line")
+    baudrate: Whole = key("speed", unit="bit/s", default=19200, ge=300, le=4_000_000)
+    parity: Parity = key("none, even or odd", default="E")
+    stopbits: Whole = key("stop bits", default=1, ge=1, le=2)
+
+
+class Register(Section):
+    """One named value of the device."""
+
+    address: Whole = key("of the first register, from 0", ge=0, le=LAST_ADDRESS)
+    type: RegisterType = key("how registers make a number", default="uint16")
+    table: Table = key("holding or input registers", default="holding")
+    count: Whole = key("values of an array, or registers of a string", default=1, ge=1, le=125)
+    word_order: Order | None = key("first word; the device's where not given", default=None)
+    byte_order: Order | None = key("first byte; the device's where not given", default=None)
+    scale: Number | None = key("value of one count, not zero; 1 where not given", default=None)
+    offset: Number | None = key("value of count 0; 0 where not given", default=None)
+    unit: str = key("unit of the value", default="1")
+    access: Access = key("what a master may do", default="read")
+    range: Interval | None = key(
+        "values of the lowest and the highest count of an integer, instead of scale and offset",
+        default=None,
+    )
+    limits: Interval | None = key(
+        "values that are never left, whatever the excitation asks for", default=None
+    )
+    expect: int | float | str | None = key(
+        "what must be read before any voltage is applied", default=None
+    )
+
+    @property
+    def end(self) -> int:
+        """First address after the value."""
+        return self.address + WORDS[self.type] * self.count
+
+    @model_validator(mode="after")
+    def _relations(self) -> Self:
+        scaled = self.scale is not None or self.offset is not None
+        if self.range is not None and (scaled or "int" not in self.type):
+            raise refuse(
+                "range",
+                "only for an integer type and without scale and offset",
+                "Keep one of them.",
+            )
+        if self.scale == 0:
+            raise refuse("scale", "zero", "Give the value of one count.")
+        if self.end > LAST_ADDRESS + 1:
+            raise refuse(
+                "address", f"{self.address} runs past {LAST_ADDRESS}", "Lower address or count."
+            )
+        if self.table == "input" and self.access != "read":
+            raise refuse(
+                "access",
+                f"{self.access}, but input registers can only be read",
+                "Use table: holding, or access: read.",
+            )
+        if self.expect is not None and isinstance(self.expect, str) != (self.type == "string"):
+            raise refuse(
+                "expect",
+                f"{self.expect!r} is not a {self.type}",
+                "Give a value of the register's type.",
+            )
+        return self
+
+
+def _apart(registers: dict[str, Register]) -> dict[str, Register]:
+    for table in get_args(Table):
+        ordered = sorted(
+            ((r.address, r.end, name) for name, r in registers.items() if r.table == table),
+        )
+        for (first, end, held), (address, _, name) in pairwise(ordered):
+            if address < end:
+                raise refuse(
+                    f"{name}.address",
+                    f"{address} overlaps {held}, which holds {first} to {end - 1} ({table})",
+                    f"Move it to {end} or later, or correct the types.",
+                )
+    return registers
+
+
+class DeviceDescription(Section):
+    """A Modbus device: endpoint, framing and register map (docs/acquisition.md)."""
+
+    name: str = key("of the device, for people")
+    endpoint: Endpoint | None = key("where it answers; not for a serial line", default=None)
+    unit_id: Whole = key("Modbus unit id", ge=0, le=247)
+    framing: Framing = key("of the link", default="tcp")
+    tls: Tls = key("certificates, where framing is tls", default=Tls())
+    serial: Serial | None = key("the line, where framing is serial", default=None)
+    sampling_rate: Positive = key("of the device's clock, or of the host's", unit="Hz")
+    read_write_multiple: Truth = key("true where it answers function code 23", default=False)
+    word_order: Order = key("word that comes first in a value of several", default="big")
+    byte_order: Order = key("byte that comes first in a word", default="big")
+    registers: Annotated[dict[str, Register], Field(min_length=1), AfterValidator(_apart)] = key(
+        "at least the output and the measurement, by name"
+    )
+
+    @model_validator(mode="after")
+    def _link(self) -> Self:
+        if self.framing == "serial" and self.serial is None:
+            raise refuse("serial", "missing, though framing is serial", "Give the line's port.")
+        if self.framing != "serial" and self.endpoint is None:
+            raise refuse("endpoint", "missing", "Give the host and port of the device.")
+        return self
