@@ -11,17 +11,18 @@ container: "workflow/container.sif"
 
 
 include: "workflow/functions/common.smk"
+include: "workflow/functions/groups.smk"
 include: "workflow/rules/acquisition.smk"
 include: "workflow/rules/import.smk"
 include: "workflow/rules/identification.smk"
 include: "workflow/rules/recovery.smk"
 include: "workflow/rules/tracking.smk"
 include: "workflow/rules/frequency.smk"
-include: "workflow/rules/figures.smk"
-include: "workflow/rules/tables.smk"
 include: "workflow/rules/discrepancy.smk"
 include: "workflow/rules/trials.smk"
 include: "workflow/rules/cases.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/tables.smk"
 
 
 # The profile keeps quiet about rules, and with them about why one failed.
@@ -34,3 +35,36 @@ rule study:
     input:
         EVERY_FIGURE,
         EVERY_TABLE,
+
+
+# A record made elsewhere: `make case NAME=...`, and all of them with their table: `make cases`.
+for name in CASES:
+
+    rule:
+        name:
+            f"case_{name}"
+        input:
+            of_case(name),
+
+
+rule cases:
+    input:
+        [file for name in CASES for file in of_case(name)],
+        TABLES["cases"].files("csv", "md", "tex"),
+
+
+rule discrepancy:
+    input:
+        expand("results/discrepancy/{system}/verdict.json", system=ACTUATORS),
+        FIGURES["discrepancy"].files("png", "pdf", system=ACTUATORS),
+
+
+rule real_records:
+    input:
+        TABLES["real_records"].files("csv", "md", "tex"),
+        FIGURES["discrepancy"].files("png", "pdf", system=DIAGNOSED_CASES),
+
+
+rule trials:
+    input:
+        trial_results(),

@@ -20,19 +20,12 @@ def trial_set(wildcards):
     return wildcards.get("set") or wildcards.suffix.lstrip("_") or "reporting"
 
 
-def trial_results(suffix):
-    """Every figure and table of a set."""
-    return expand(
-        "results/figures/trials_{name}{suffix}.{kind}",
-        name=["confusion", "risk_coverage", "strength", "gap"],
-        suffix=suffix,
-        kind=["png", "pdf"],
-    ) + expand(
-        "results/tables/{name}{suffix}.{kind}",
-        name=["trials", "trials_effects"],
-        suffix=suffix,
-        kind=["csv", "md", "tex"],
-    )
+def trial_results():
+    """Every figure and table of the campaign's set."""
+    suffix = "" if TRIALS["set"] == "reporting" else f"_{TRIALS['set']}"
+    return FIGURES["trials"].files("png", "pdf", suffix=suffix) + TABLES[
+        "trials"
+    ].files("csv", "md", "tex", suffix=suffix)
 
 
 def scores_of(wildcards):

@@ -1,4 +1,6 @@
-"""One module per figure and table; nothing here computes what a dataset does not hold.
+"""One module per figure; nothing here computes what a dataset does not hold.
 
-Each module is entered by its own name, so that editing one redraws that one alone.
+The function ``draw`` of each module draws its figure from files. Modules are imported by their own
+names, so that an edit of one reruns only the jobs that use it. What several figures share is in
+``style``, ``frequency_maps``, ``h1_over_time`` and ``bench_drawing``.
 """

@@ -10,11 +10,22 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dea.figures import style
+from dea.store import Sources
 
 # Above the highest gap, room for the legend.
 _HEADROOM = 1.3
 # Rungs that the ladder has room for at least.
 _FEW = 3
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from the files of a diagnosis."""
+    return discrepancy(
+        sources.dataset("localisation"),
+        sources.dataset("candidates"),
+        sources.dataset("certificate"),
+        sources.document("verdict"),
+    )
 
 
 @style.styled

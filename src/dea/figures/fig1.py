@@ -7,7 +7,12 @@ from matplotlib.figure import Figure
 from dea.errors import InputError
 from dea.figures import style
 from dea.figures.bench_drawing import draw_bench, draw_cone
-from dea.store import Signals, signals
+from dea.store import Signals, Sources, signals
+
+
+def draw(sources: Sources, zoom: tuple[float, float]) -> Figure:
+    """Draw it from ``record.nc`` of an actuator; ``zoom`` is the stretch to enlarge, s."""
+    return fig1(sources.dataset("record"), sources.system, zoom)
 
 
 @style.styled

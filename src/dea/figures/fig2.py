@@ -10,11 +10,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.symbols import number
+from dea.notation import number
+from dea.store import Sources
 
 _HEADROOM = 1.45  # above the largest value, where the legend fits
 _COLOUR = {"re-estimated": style.RE_ESTIMATED, "honest": style.HONEST}
 _LABEL = {"re-estimated": "re-estimated on the window shown", "honest": "honest: fitted before it"}
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``orders.nc`` and ``validation.nc`` of a system."""
+    return fig2(sources.dataset("orders"), sources.dataset("validation"), sources.system)
 
 
 @style.styled

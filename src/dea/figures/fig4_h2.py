@@ -9,16 +9,24 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from dea.figures import style
 from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, magnitude_scale
+from dea.store import Sources
 
+Array = NDArray[np.float64]
 _MARGIN, _LARGEST_PANEL = 36.0, 52.0  # mm
 _CONTOURS = 3
 _FLAT = 0.01  # of the largest; lines of a map that varies less show no shape worth reading
 _BEYOND = 1.4
 _LABELLED = 0.6  # of the way from the middle to the edge; a label further out would be cut
 _APART = 0.75  # of the way from the middle to the edge, between labels
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``gfrf.nc`` of one or several systems."""
+    return fig4_h2(sources.datasets("gfrf"))
 
 
 @style.styled
@@ -44,9 +52,10 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def _doubtful(response: xr.Dataset) -> np.ndarray:
+def _doubtful(response: xr.Dataset) -> NDArray[np.bool_]:
     """Where either frequency was not excited, shape (f2, f1)."""
-    return response["excited_h2"].transpose("frequency_2", "frequency_1").values == 0
+    excited = response["excited_h2"].transpose("frequency_2", "frequency_1").values
+    return np.asarray(excited == 0)
 
 
 def _scale(maps: Mapping[str, xr.DataArray], responses: Mapping[str, xr.Dataset]) -> Normalize:
@@ -75,7 +84,7 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize
     return mesh
 
 
-def _view(frequency: np.ndarray, excited: np.ndarray) -> tuple[float, float]:
+def _view(frequency: Array, excited: NDArray[np.bool_]) -> tuple[float, float]:
     """What was excited and a margin beyond it."""
     highest = frequency[excited].max(initial=frequency[0])
     return frequency[0], min(frequency[-1], _BEYOND * highest)
@@ -97,7 +106,7 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
         colors="white",
         linewidths=0.5,
     )
-    places: list[np.ndarray] = []
+    places: list[Array] = []
     for path in lines.get_paths():
         place = _place_for_label(np.asarray(path.vertices), places, f1, f2)
         if place is not None:
@@ -111,8 +120,11 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
 
 
 def _place_for_label(
-    line: np.ndarray, taken: list[np.ndarray], f1: np.ndarray, f2: np.ndarray
-) -> np.ndarray | None:
+    line: Array,
+    taken: list[Array],
+    f1: Array,
+    f2: Array,
+) -> Array | None:
     """Return where a line (k, 2) is nearest to the middle of the map and away from other labels.
 
     There is no such place where a label would be cut by the edge, or cross another.
@@ -125,10 +137,11 @@ def _place_for_label(
         free &= (np.abs(line - place) / half).max(1) >= _APART
     if not free.any():
         return None
-    return line[np.argmin(np.where(free, off_centre, np.inf))]
+    nearest: Array = line[np.argmin(np.where(free, off_centre, np.inf))]
+    return nearest
 
 
-def _labels(levels: np.ndarray) -> list[str]:
+def _labels(levels: Array) -> list[str]:
     """Numbers with as many digits, three or more, as tell them apart."""
     written = ([f"{level:.{digits}g}" for level in levels] for digits in count(3))
     return next(labels for labels in written if len(set(labels)) == levels.size)

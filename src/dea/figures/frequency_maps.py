@@ -9,9 +9,11 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from dea.figures import style
 
+Array = NDArray[np.float64]
 _DECADE = 10.0
 _VEIL, _VEIL_ALPHA = "#C9C9C9", 0.65
 
@@ -22,7 +24,7 @@ def as_complex(response: xr.DataArray) -> xr.DataArray:
     return values.drop_vars("part", errors="ignore").assign_attrs(response.attrs)
 
 
-def hatch(ax: Axes, x: np.ndarray, y: np.ndarray, where: np.ndarray) -> None:
+def hatch(ax: Axes, x: Array, y: Array, where: NDArray[np.bool_]) -> None:
     """Grey and hatch the cells ``where`` (shape (y, x)) the response is extrapolated."""
     if not where.any():
         return
@@ -49,7 +51,7 @@ def explain(figure: Figure, maps: Mapping[str, xr.DataArray]) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
 
 
-def magnitude_scale(trusted: np.ndarray) -> Normalize:
+def magnitude_scale(trusted: Array) -> Normalize:
     """Colour scale of the magnitudes to be trusted, logarithmic where they span a decade.
 
     Where none is, as for a model that never has a steady state, the scale is that of nothing.
@@ -61,7 +63,7 @@ def magnitude_scale(trusted: np.ndarray) -> Normalize:
     return LogNorm(low, high) if high > _DECADE * low else Normalize(low, high)
 
 
-def colour_bar(figure: Figure, mesh: QuadMesh, axes: np.ndarray, label: str) -> None:
+def colour_bar(figure: Figure, mesh: QuadMesh, axes: NDArray[np.object_], label: str) -> None:
     """One colour bar beside all maps."""
     bar = figure.colorbar(mesh, ax=axes, label=label, aspect=45, pad=0.01)
     if isinstance(mesh.norm, LogNorm):

@@ -8,8 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dea.figures import style
+from dea.store import Sources
 
 _MILLI = 1e3
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``link.nc`` of every actuator."""
+    return link(sources.datasets("link"))
 
 
 @style.styled

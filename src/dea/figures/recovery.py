@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dea.figures import style
+from dea.store import Sources
 
 _ERRORS = {
     "nmse": "nmse of the simulated output",
@@ -19,6 +20,11 @@ _SEARCH = {
     "forward": ("forward selection", style.BLUE, "none", 5.0),
     "refined": ("with refinement", style.VERMILION, style.VERMILION, 3.5),
 }
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``recovery.nc``."""
+    return recovery(sources.dataset("recovery"))
 
 
 @style.styled

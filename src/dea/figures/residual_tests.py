@@ -1,12 +1,20 @@
 """Residual correlation tests: what the residuals still hold, against the bands of white noise."""
 
+import re
+
 import xarray as xr
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.symbols import residual_test_as_mathematics
+from dea.store import Sources
 
+_SQUARE = re.compile(r"([a-z])2")
 _MODEL = {"linear": ("linear", style.LINEAR), "narx": ("NARX", style.NARX)}
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``validation.nc`` of a system."""
+    return residual_tests(sources.dataset("validation"), sources.system)
 
 
 @style.styled
@@ -36,10 +44,17 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "honest") 
             if row == 0:
                 time = part["time"].values
                 ax.set_title(f"{time[0]:.0f} to {time[-1]:.0f} s")
-        axes[row, 0].set_ylabel(residual_test_as_mathematics(str(test)))
+        axes[row, 0].set_ylabel(test_as_mathematics(str(test)))
     for ax in axes[-1]:
         ax.set_xlabel("lag (samples)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=3,
                   title=f"{name}, {approach} approach", title_fontsize=7)  # fmt: skip
     return figure
+
+
+def test_as_mathematics(test: str) -> str:
+    """Return a residual test such as ``phi_u2e`` as ``$\\phi_{u^2 e}$``."""
+    letters = test.removeprefix("phi_").removeprefix("φ_").replace("²", "2").replace("^", "")
+    subscript = _SQUARE.sub(r"\1^2", letters)
+    return rf"$\phi_{{{subscript}}}$"

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import LogLocator, MultipleLocator, NullFormatter
 from matplotlib.typing import RcKeyType
+from numpy.typing import NDArray
 
 from dea.store import atomic
 
@@ -156,12 +157,12 @@ def plain_log_ticks(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def clock(time: np.ndarray) -> tuple[float, str]:
+def clock(time: NDArray[np.float64]) -> tuple[float, str]:
     """Return the unit a record's times (s) are best read in: its length in s, and its name."""
     return (MINUTE, "min") if time[-1] - time[0] > _LONG else (1.0, "s")
 
 
-def time_axis(ax: Axes, time: np.ndarray) -> None:
+def time_axis(ax: Axes, time: NDArray[np.float64]) -> None:
     """Limit an axis of seconds to a record and number it in what the record is best read in."""
     unit, name = clock(time)
     end = 2 * time[-1] - time[-2]  # where the last sample ends

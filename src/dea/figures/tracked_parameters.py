@@ -7,10 +7,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.figures.symbols import number
-from dea.store import signals
+from dea.notation import number
+from dea.store import Sources, signals
 from dea.terms import Term
 
 _COLUMNS = 3
@@ -23,6 +24,11 @@ _TRACKER = {
     "output_error": ("output-error smoother", style.GREEN, "--"),
 }
 _SIMULATION = {"fixed": ("fixed parameters", style.GREY, "-"), **_TRACKER}
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``record.nc`` and ``track.nc`` of a system."""
+    return tracked_parameters(sources.dataset("record"), sources.dataset("track"), sources.system)
 
 
 @style.styled
@@ -70,7 +76,7 @@ def _in_order(names: xr.DataArray) -> list[str]:
     return sorted(map(str, names.values), key=list(_SIMULATION).index)
 
 
-def _errors(axes: np.ndarray, record: xr.Dataset, track: xr.Dataset) -> None:
+def _errors(axes: NDArray[np.object_], record: xr.Dataset, track: xr.Dataset) -> None:
     whole = signals(record)
     time = track["time"].values
     measured = np.interp(time, whole.time, whole.y)

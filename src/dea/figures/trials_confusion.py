@@ -5,12 +5,19 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
 
 from dea.figures import style
+from dea.store import Sources
 
 _CELL = 5.0  # mm
 _LABELS = 52.0  # mm, beside and above the matrix
 _SHARES = style.truncated("Blues", 0.0, 0.85)
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``scores.nc`` of a set of trials."""
+    return trials_confusion(sources.dataset("scores"))
 
 
 @style.styled
@@ -41,7 +48,7 @@ def trials_confusion(scores: xr.Dataset) -> Figure:
     return figure
 
 
-def _write_counts(ax: Axes, counts: np.ndarray, shares: np.ndarray) -> None:
+def _write_counts(ax: Axes, counts: NDArray[np.int64], shares: NDArray[np.float64]) -> None:
     for (row, column), count in np.ndenumerate(counts):
         if count:
             colour = "white" if shares[row, column] > 0.6 else style.BLACK

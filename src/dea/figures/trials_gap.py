@@ -5,6 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dea.figures import style
+from dea.store import Sources
 
 COLOURS = {
     "right name": style.BLUE,
@@ -16,6 +17,11 @@ COLOURS = {
     "right none": style.BLACK,
 }
 _CLOSED = 1.3  # noise floors
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``scores.nc`` of a set of trials."""
+    return trials_gap(sources.dataset("scores"))
 
 
 @style.styled

@@ -5,6 +5,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
 from dea.figures import style
+from dea.store import Sources
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``scores.nc`` of a set of trials."""
+    return trials_risk_coverage(sources.dataset("scores"))
 
 
 @style.styled

@@ -8,6 +8,12 @@ from matplotlib.ticker import PercentFormatter
 
 from dea.figures import style
 from dea.figures.trials_gap import COLOURS
+from dea.store import Sources
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``scores.nc`` of a set of trials."""
+    return trials_strength(sources.dataset("scores"))
 
 
 @style.styled

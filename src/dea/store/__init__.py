@@ -5,11 +5,13 @@ from dea.store.files import atomic, read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.record_file import read_record
 from dea.store.records import Signals, check_record, signals
+from dea.store.sources import Sources
 
 __all__ = [
     "CONTRACTS",
     "Contract",
     "Signals",
+    "Sources",
     "Variable",
     "atomic",
     "check_record",

@@ -6,9 +6,16 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from dea.figures.published import check_units
-from dea.figures.symbols import DASH, number
-from dea.figures.tables import Table
+from dea.notation import DASH, number
+from dea.store import Sources
+from dea.tables.published import check_units
+from dea.tables.table import Table
+
+
+def tabulate(sources: Sources) -> Table:
+    """Make it from ``test_scores.nc`` of every case and ``published_errors.yaml``."""
+    published = sources.document("published_errors")["errors"]
+    return cases(sources.datasets("test_scores"), published)
 
 
 def cases(

@@ -5,12 +5,19 @@ from typing import Any
 
 import pandas as pd
 
-from dea.figures.published import check_units
-from dea.figures.symbols import DASH, number
-from dea.figures.tables import Table
+from dea.notation import DASH, number
+from dea.store import Sources
+from dea.tables.published import check_units
+from dea.tables.table import Table
 
 _NO_NAME = "no name"
 _KEPT = "kept block"
+
+
+def tabulate(sources: Sources) -> Table:
+    """Make it from ``verdict.json`` of every diagnosed case and ``published_errors.yaml``."""
+    published = sources.document("published_errors")["extensions"]
+    return real_records(sources.documents("verdict"), published)
 
 
 def real_records(

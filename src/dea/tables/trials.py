@@ -1,14 +1,20 @@
-"""The blind trials in numbers: rates with their intervals, and outcomes by effect."""
+"""The rates of the blind trials with their intervals."""
 
 from math import isnan
 
 import pandas as pd
 import xarray as xr
 
-from dea.figures.symbols import DASH
-from dea.figures.tables import Table
+from dea.notation import DASH
+from dea.store import Sources
+from dea.tables.table import Table
 
 _AT_MOST = {"name given on nothing", "name given on a foreign effect"}
+
+
+def tabulate(sources: Sources) -> Table:
+    """Make it from ``scores.nc`` of a set of trials."""
+    return rates(sources.dataset("scores"))
 
 
 def rates(scores: xr.Dataset) -> Table:
@@ -25,25 +31,6 @@ def rates(scores: xr.Dataset) -> Table:
         for measure, row in exact.iterrows()
     ]
     return Table(exact.reset_index(), pd.DataFrame(shown))
-
-
-def effects(scores: xr.Dataset) -> Table:
-    """How often each hidden effect met each outcome, and what it was taken for."""
-    counts = scores["effect_outcomes"].to_pandas()
-    counts = counts[counts.sum(axis=1) > 0]
-    confusion = scores["confusion"].to_pandas().loc[counts.index]
-    wrong = [
-        ", ".join(
-            f"{said} ({count})"
-            for said, count in row.items()
-            if count and said not in (hidden, "ambiguous", "unknown")
-        )
-        for hidden, row in confusion.iterrows()
-    ]
-    exact = counts.assign(trials=counts.sum(axis=1)).reset_index()
-    exact.columns.name = None
-    exact = exact.rename(columns={"hidden_effect": "hidden"}).assign(**{"taken for": wrong})
-    return Table(exact, exact.astype(str).replace({"taken for": {"": DASH}}))
 
 
 def _percent(share: float) -> str:

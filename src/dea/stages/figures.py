@@ -1,0 +1,31 @@
+"""Draw figures that share their files."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def figures(
+    settings: Mapping[str, Any], sources: list[Path], png: list[Path], pdf: list[Path]
+) -> None:
+    """Draw each figure of ``settings["figures"]``, with its options, at the paths of its place.
+
+    A figure is the function ``draw`` of the module of its name in :mod:`dea.figures`.
+    """
+    from importlib import import_module
+
+    from matplotlib.figure import Figure
+
+    from dea import store
+    from dea.figures import style
+
+    found = store.Sources(sources)
+    for (name, options), *paths in zip(settings["figures"].items(), png, pdf, strict=True):
+        draw: Callable[..., Figure] = import_module(f"dea.figures.{name}").draw
+        style.save(draw(found, **options), paths, settings["resolution"])
+
+
+if __name__ == "__main__":
+    run(figures, inputs=("sources*",), outputs=("png*", "pdf*"))

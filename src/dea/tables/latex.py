@@ -1,0 +1,29 @@
+"""Tables for LaTeX with booktabs, terms and powers of ten as mathematics."""
+
+import re
+
+import pandas as pd
+
+from dea.notation import DASH
+from dea.terms import Term, is_term
+
+_SCIENTIFIC = re.compile(r"(-?[\d.]+)e([+-]\d+)")
+
+
+def latex(shown: pd.DataFrame) -> str:
+    """Return the LaTeX of a table of text, its first column to the left."""
+    plain = shown.rename(columns=_latex_text).map(_latex_text)
+    columns = "l" + "r" * (plain.shape[1] - 1)
+    return str(plain.to_latex(index=False, escape=False, column_format=columns))
+
+
+def _latex_text(text: str) -> str:
+    if is_term(text):
+        return Term.parse(text).mathematics()
+    if scientific := _SCIENTIFIC.fullmatch(text):
+        return rf"${scientific[1]} \times 10^{{{int(scientific[2])}}}$"
+    if "±" in text or text.startswith("-"):
+        return "$" + text.replace("±", r"\pm") + "$"
+    for plain, command in ((DASH, "--"), ("_", r"\_"), ("^2", r"\textsuperscript{2}")):
+        text = text.replace(plain, command)
+    return text

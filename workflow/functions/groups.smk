@@ -1,0 +1,63 @@
+# Figures and tables come in groups: what one job makes from the same files, so that its members
+# share the start of Python and the reading of the files.
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Group:
+    """Figures or tables that one job makes.
+
+    sources: the files that they are made from, as of a rule's input
+    path: where each goes, without the ending; {name} stands for its name
+    system: whose they are, as the report says
+    members: the lines of the group in workflow/figures.yaml or tables.yaml, by name
+    """
+
+    sources: object
+    path: str
+    system: str
+    members: dict = field(default_factory=dict)
+
+    def files(self, *kinds, **wildcards):
+        """The members of these kinds, one kind after the other."""
+        paths = [
+            f"{self.path.replace('{name}', name)}.{kind}"
+            for kind in kinds
+            for name in self.members
+        ]
+        return expand(paths, **wildcards) if wildcards else paths
+
+    def reported(self, room, kind):
+        """The members of a kind, each with its caption, category and labels of the report."""
+        files = self.files(kind)
+        for place, (name, entry) in enumerate(self.members.items()):
+            files[place] = report(
+                files[place],
+                caption=f"../report/{room}/{name}.rst",
+                category=entry["category"],
+                labels={"figure": entry["label"], "system": self.system},
+            )
+        return files
+
+    def modules(self, room):
+        """The modules of the members, one each."""
+        return [f"dea.{room}.{name}" for name in self.members]
+
+
+def filled(room, groups):
+    """The groups with their members, which the table of the room lists."""
+    table = Path(workflow.basedir, "workflow", f"{room}.yaml").read_text()
+    for name, entry in yaml.safe_load(table).items():
+        for group in entry["of"]:
+            groups[group].members[name] = entry
+    return groups
+
+
+def figure_settings(group):
+    """The resolution, and each figure of a group with the settings that it alone needs, as JSON."""
+    section = config["figures"]
+    options = {
+        name: {key: section[key] for key in entry.get("settings", [])}
+        for name, entry in group.members.items()
+    }
+    return json.dumps({"resolution": section["resolution"], "figures": options})
