@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import settings
 
+import made_datasets as made
 from served_bench import ServedBench
 
 # The first call of a compiled function compiles it, which no deadline allows for.
@@ -33,3 +34,16 @@ def serve_bench():
     yield start
     for bench in served:
         bench.stop()
+
+
+@pytest.fixture(params=[1, 3, 6], ids=lambda n: f"{n} actuators")
+def names(request):
+    return made.NAMES[: request.param]
+
+
+@pytest.fixture
+def each(names):
+    """Make a dataset of a kind for every actuator."""
+    return lambda make, **options: {
+        name: make(seed, **options) for seed, name in enumerate(names, start=1)
+    }

@@ -3,7 +3,6 @@
 import itertools
 import re
 
-import made_datasets as made
 import numpy as np
 import pytest
 from matplotlib import colors as mcolors
@@ -13,16 +12,18 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import FigureBase
 from matplotlib.text import Text
 
+import made_datasets as made
 from dea.errors import InputError
 from dea.figures import style
 from dea.figures.fig1 import fig1
 from dea.figures.fig2 import fig2
 from dea.figures.fig3 import fig3
+from dea.figures.fig3_phase import fig3_phase
 from dea.figures.fig4_h2 import fig4_h2
 from dea.figures.frequency_maps import as_complex
 from dea.figures.link import link
 from dea.figures.recovery import recovery
-from dea.figures.residual_tests import residual_tests
+from dea.figures.residual_tests import as_mathematics, residual_tests
 from dea.figures.tracked_parameters import tracked_parameters
 
 OF_ONE = {
@@ -34,7 +35,7 @@ OF_ONE = {
 }
 OF_ALL = {
     "fig3": lambda each: fig3(each(made.record), each(made.gfrf)),
-    "fig3_phase": lambda each: fig3(each(made.record), each(made.gfrf), "phase"),
+    "fig3_phase": lambda each: fig3_phase(each(made.record), each(made.gfrf)),
     "fig4_h2": lambda each: fig4_h2(each(made.gfrf)),
     "link": lambda each: link(each(made.link)),
     "link_polled": lambda each: link(each(made.link, polled=True)),
@@ -148,8 +149,8 @@ def test_a_simulation_that_runs_away_does_not_hide_the_measurement():
 def test_fig3_maps_hold_the_gain_and_the_phase():
     record, gfrf = made.record(1), made.gfrf(1)
     h1 = gfrf["H1"].values[..., 0] + 1j * gfrf["H1"].values[..., 1]
-    for quantity, expected in (("gain", np.abs(h1)), ("phase", np.degrees(np.angle(h1)))):
-        figure = fig3({"dea1": record}, {"dea1": gfrf}, quantity)
+    for draw, expected in ((fig3, np.abs(h1)), (fig3_phase, np.degrees(np.angle(h1)))):
+        figure = draw({"dea1": record}, {"dea1": gfrf})
         mesh = next(c for ax in figure.axes for c in ax.collections if c.get_array() is not None)
         np.testing.assert_allclose(np.reshape(mesh.get_array(), expected.T.shape), expected.T)
 
@@ -258,3 +259,15 @@ def test_a_fixed_model_that_diverges_is_said_to_have_and_keeps_its_axis():
     ax = tracked_parameters(made.record(1), track, "dea1").subfigs[0].axes[0]
     assert ax.get_title(loc="right") == "fixed parameters: diverged"
     assert np.isfinite(ax.get_ylim()).all()
+
+
+@pytest.mark.parametrize(
+    ("test", "mathematics"),
+    [
+        ("phi_ee", r"$\phi_{ee}$"),
+        ("phi_e(eu)", r"$\phi_{e(eu)}$"),
+        ("phi_u2e2", r"$\phi_{u^2e^2}$"),
+    ],
+)
+def test_a_test_as_mathematics(test, mathematics):
+    assert as_mathematics(test) == mathematics

@@ -1,87 +1,97 @@
-"""Stages draw from files; captions belong to figures and figures to captions."""
+"""The stages of figures and tables, and that their lists, modules and captions belong together."""
 
-import re
-from importlib import import_module
 from pathlib import Path
 
-import made_datasets as made
 import pytest
+import yaml
 
+import made_datasets as made
 from dea import store
 from dea.errors import InputError
+from dea.stages.figures import figures
+from dea.stages.tables import tables
 
 ROOT = Path(__file__).parents[2]
-SETTINGS = {"system": "dea1", "quantity": "gain", "figures": {"resolution": 50, "zoom": [100, 130]}}
-FIGURES = {
-    "fig1": ["record"],
-    "fig2": ["orders", "validation"],
-    "recovery_figure": ["recovery"],
-    "residual_tests": ["validation"],
-    "tracked_parameters": ["record", "track"],
-    "fig3": ["record*", "gfrf*"],
-    "fig4_h2": ["gfrf*"],
-    "link_quality": ["link*"],
-}
-TABLES = {
-    "table1": ["model*", "validation*"],
-    "table_validation": ["validation*"],
-    "table_tracking": ["track*"],
-}
+KINDS = {"figures": ("png", "pdf"), "tables": ("csv", "md", "tex")}
+# Figures or tables of one job, the datasets they read, and of how many actuators.
+FIGURES = [
+    (["fig1"], ["record"], 1),
+    (["fig2", "residual_tests"], ["orders", "validation"], 1),
+    (["tracked_parameters"], ["record", "track"], 1),
+    (["fig3", "fig3_phase", "fig4_h2"], ["record", "gfrf"], 2),
+    (["link"], ["link"], 2),
+    (["recovery"], ["recovery"], 1),
+]
+TABLES = [
+    (["table1", "validation", "tracking"], ["model", "validation", "track"], 2),
+    (["recovery"], ["recovery"], 1),
+]
 
 
 @pytest.fixture
-def inputs(tmp_path):
-    """Write what a stage reads, for one actuator or for two."""
+def sources(tmp_path):
+    """Write datasets of so many actuators."""
 
-    def write(kinds):
-        paths = {}
-        for kind in kinds:
-            name = kind.rstrip("*")
-            files = []
-            for seed in (1, 2) if kind.endswith("*") else (1,):
-                file = tmp_path / f"dea{seed}" / f"{name}.nc"
-                store.write(getattr(made, name)(seed), file, title=name)
-                files.append(file)
-            paths[name] = files if kind.endswith("*") else files[0]
-        return paths
+    def write(datasets, count):
+        files = []
+        for name in datasets:
+            for seed in range(1, count + 1):
+                files.append(tmp_path / f"dea{seed}" / f"{name}.nc")
+                store.write(getattr(made, name)(seed), files[-1], title=name)
+        return files
 
     return write
 
 
-@pytest.mark.parametrize("stage", FIGURES)
-def test_a_stage_draws_its_figure_as_png_and_pdf(stage, inputs, tmp_path):
-    png, pdf = tmp_path / "figures" / "f.png", tmp_path / "figures" / "f.pdf"
-    run = getattr(import_module(f"dea.stages.{stage}"), stage)
-    run(SETTINGS, **inputs(FIGURES[stage]), png=png, pdf=pdf)
-    assert png.read_bytes().startswith(b"\x89PNG")
-    assert pdf.read_bytes().startswith(b"%PDF")
-    assert sorted(path.name for path in png.parent.iterdir()) == ["f.pdf", "f.png"]
+def listed(room):
+    return yaml.safe_load((ROOT / "workflow" / f"{room}.yaml").read_text())
 
 
-@pytest.mark.parametrize("stage", TABLES)
-def test_a_stage_prints_its_table_three_ways(stage, inputs, tmp_path):
-    outputs = {kind: tmp_path / "tables" / f"t.{kind}" for kind in ("csv", "md", "tex")}
-    run = getattr(import_module(f"dea.stages.{stage}"), stage)
-    run({}, **inputs(TABLES[stage]), **outputs)
-    assert all("dea2" in path.read_text() for path in outputs.values())
+def outputs(room, names, folder):
+    return {kind: [folder / f"{name}.{kind}" for name in names] for kind in KINDS[room]}
 
 
-def test_a_broken_dataset_stops_a_stage_before_anything_is_written(inputs, tmp_path):
-    from dea.stages.fig2 import fig2
+@pytest.mark.parametrize(("names", "datasets", "count"), FIGURES)
+def test_the_stage_draws_each_figure_as_png_and_pdf(names, datasets, count, sources, tmp_path):
+    paths = outputs("figures", names, tmp_path / "figures")
+    options = {name: {"zoom": [100, 130]} if name == "fig1" else {} for name in names}
+    settings = {"resolution": 50, "figures": options}
+    figures(settings, sources=sources(datasets, count), **paths)
+    assert all(file.read_bytes().startswith(b"\x89PNG") for file in paths["png"])
+    assert all(file.read_bytes().startswith(b"%PDF") for file in paths["pdf"])
+    assert len({file.read_bytes() for file in paths["png"]}) == len(names)
+    assert len(list((tmp_path / "figures").iterdir())) == 2 * len(names)
 
-    paths = inputs(FIGURES["fig2"])
-    paths["orders"] = paths["validation"].with_name("missing.nc")
-    png = tmp_path / "figures" / "f.png"
-    with pytest.raises(InputError, match=r"missing\.nc"):
-        fig2(SETTINGS, **paths, png=png, pdf=png.with_suffix(".pdf"))
-    assert not png.parent.exists()
+
+@pytest.mark.parametrize(("names", "datasets", "count"), TABLES)
+def test_the_stage_writes_each_table_three_ways(names, datasets, count, sources, tmp_path):
+    paths = outputs("tables", names, tmp_path / "tables")
+    tables({"tables": names}, sources=sources(datasets, count), **paths)
+    texts = [file.read_text() for kind in paths.values() for file in kind]
+    assert len(set(texts)) == 3 * len(names)
+    if count == 2:
+        assert all("dea2" in text for text in texts)
 
 
-def test_every_caption_is_used_and_every_report_has_one():
-    used = set()
-    for file in (ROOT / "workflow" / "rules").glob("*.smk"):
-        text = file.read_text()
-        captions = re.findall(r'caption="\.\./report/(\w+\.rst)"', text)
-        assert len(captions) == text.count("report("), file
-        used |= set(captions)
-    assert used == {path.name for path in (ROOT / "workflow" / "report").glob("*.rst")}
+def test_a_broken_dataset_stops_the_stage_before_anything_is_written(sources, tmp_path):
+    files = [*sources(["validation"], 1), tmp_path / "dea1" / "orders.nc"]
+    paths = outputs("figures", ["fig2"], tmp_path / "figures")
+    with pytest.raises(InputError, match=r"orders\.nc"):
+        figures({"resolution": 50, "figures": {"fig2": {}}}, sources=files, **paths)
+    assert not (tmp_path / "figures").exists()
+
+
+@pytest.mark.parametrize("room", KINDS)
+def test_every_entry_of_a_list_has_a_caption_and_every_caption_an_entry(room):
+    captions = {path.stem for path in (ROOT / "workflow" / "report" / room).iterdir()}
+    assert captions == set(listed(room))
+
+
+@pytest.mark.parametrize(("room", "entry"), [("figures", "def draw("), ("tables", "def tabulate(")])
+def test_every_entry_of_a_list_has_a_module_and_every_module_an_entry(room, entry):
+    modules = {
+        path.stem
+        for path in (ROOT / "src" / "dea" / room).glob("*.py")
+        if entry in path.read_text()
+    }
+    assert modules == set(listed(room))

@@ -27,7 +27,7 @@ def draw(tmp_path, request):
         subprocess.run(
             [sys.executable, "-c", DRAW, *map(str, paths)],
             check=True,
-            env={**os.environ, "PYTHONPATH": str(request.path.parent), **environment},
+            env={**os.environ, "PYTHONPATH": str(request.path.parents[1]), **environment},
         )
         return [path.read_bytes() for path in paths]
 

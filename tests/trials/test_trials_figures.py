@@ -1,43 +1,42 @@
 """Figures and tables of a campaign, small and large."""
 
-from importlib import import_module
-
 import pandas as pd
 import pytest
 from made_trials import FAMILY, campaign
 
 from dea import store, trials
+from dea.stages.figures import figures
+from dea.stages.tables import tables
 
 FIGURES = ["trials_confusion", "trials_risk_coverage", "trials_strength", "trials_gap"]
-TABLES = ["table_trials", "table_trials_effects"]
+TABLES = ["trials", "trials_effects"]
 
 
 @pytest.fixture(params=[1, 60], ids=lambda n: f"{n} trials")
 def scores(request, tmp_path):
-    path = tmp_path / "scores.nc"
+    path = tmp_path / "tuning" / "scores.nc"
     store.write(trials.scores(*campaign(request.param), FAMILY), path, title="made up")
     return path
 
 
-@pytest.mark.parametrize("stage", FIGURES)
-def test_a_stage_draws_its_figure_the_same_each_time(stage, scores, tmp_path):
-    run = getattr(import_module(f"dea.stages.{stage}"), stage)
-    files = [tmp_path / f"{name}.{kind}" for name in "ab" for kind in ("png", "pdf")]
-    for png, pdf in (files[:2], files[2:]):
-        run({"figures": {"resolution": 50}}, scores=scores, png=png, pdf=pdf)
-    assert files[0].read_bytes().startswith(b"\x89PNG")
-    assert files[0].read_bytes() == files[2].read_bytes()
-    assert files[1].read_bytes() == files[3].read_bytes()
+def test_the_figures_are_drawn_the_same_each_time(scores, tmp_path):
+    settings = {"resolution": 50, "figures": {name: {} for name in FIGURES}}
+    drawn = []
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        paths = {kind: [folder / f"{name}.{kind}" for name in FIGURES] for kind in ("png", "pdf")}
+        figures(settings, sources=[scores], **paths)
+        drawn.append([file.read_bytes() for kind in paths.values() for file in kind])
+    assert drawn[0] == drawn[1]
+    assert len(set(drawn[0])) == 2 * len(FIGURES)
 
 
-@pytest.mark.parametrize("stage", TABLES)
-def test_a_stage_prints_its_table_three_ways(stage, scores, tmp_path):
-    outputs = {kind: tmp_path / f"t.{kind}" for kind in ("csv", "md", "tex")}
-    getattr(import_module(f"dea.stages.{stage}"), stage)({}, scores=scores, **outputs)
-    assert all(path.read_text().strip() for path in outputs.values())
-    exact = pd.read_csv(outputs["csv"])
+def test_the_tables_hold_the_scores(scores, tmp_path):
+    paths = {
+        kind: [tmp_path / f"{name}.{kind}" for name in TABLES] for kind in ("csv", "md", "tex")
+    }
+    tables({"tables": TABLES}, sources=[scores], **paths)
+    assert all(file.read_text().strip() for kind in paths.values() for file in kind)
+    rates, effects = map(pd.read_csv, paths["csv"])
     dataset = store.read(scores)
-    if stage == "table_trials":
-        assert list(exact["rate_trials"]) == dataset["rate_trials"].values.tolist()
-    else:
-        assert exact["trials"].sum() == dataset.sizes["trial"]
+    assert list(rates["rate_trials"]) == dataset["rate_trials"].values.tolist()
+    assert effects["trials"].sum() == dataset.sizes["trial"]

@@ -2,6 +2,8 @@
 # share the start of Python and the reading of the files.
 from dataclasses import dataclass, field
 
+import yaml
+
 
 @dataclass
 class Group:

@@ -44,7 +44,7 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "honest") 
             if row == 0:
                 time = part["time"].values
                 ax.set_title(f"{time[0]:.0f} to {time[-1]:.0f} s")
-        axes[row, 0].set_ylabel(test_as_mathematics(str(test)))
+        axes[row, 0].set_ylabel(as_mathematics(str(test)))
     for ax in axes[-1]:
         ax.set_xlabel("lag (samples)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
@@ -53,7 +53,7 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "honest") 
     return figure
 
 
-def test_as_mathematics(test: str) -> str:
+def as_mathematics(test: str) -> str:
     """Return a residual test such as ``phi_u2e`` as ``$\\phi_{u^2 e}$``."""
     letters = test.removeprefix("phi_").removeprefix("φ_").replace("²", "2").replace("^", "")
     subscript = _SQUARE.sub(r"\1^2", letters)

@@ -3,7 +3,7 @@
 import pytest
 
 from dea.errors import InputError
-from dea.figures.real_records_table import real_records
+from dea.tables.real_records import real_records
 
 
 def verdict(status="named", after=0.3, unit="V"):

@@ -1,7 +1,7 @@
 import numpy as np
 import xarray as xr
 
-from dea.figures import tables
+from dea.tables.recovery import recovery
 
 
 def test_every_case_is_a_row_with_exact_and_rounded_values():
@@ -22,7 +22,7 @@ def test_every_case_is_a_row_with_exact_and_rounded_values():
             "plant_terms": ("plant", [11, 10]),
         },
     )
-    table = tables.recovery(scores)
+    table = recovery(scores)
     assert table.exact["plant"].tolist() == ["DEA1", "DEA1", "DEA2", "DEA2"]
     assert table.exact["nmse"].tolist() == [1.23456e-7] * 4
     first = table.shown.iloc[0].to_dict()

@@ -4,7 +4,7 @@ import pytest
 import xarray as xr
 
 from dea.errors import InputError
-from dea.figures.cases_table import cases
+from dea.tables.cases import cases
 
 
 def scores(units="V"):
