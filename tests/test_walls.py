@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 # Rooms whose modules are imported one by one, so that a job depends on those it needs alone.
-OPEN = {"configuration", "figures"}
+OPEN = {"configuration", "figures", "tables"}
 
 
 @pytest.fixture(scope="module")
@@ -49,13 +49,13 @@ def test_rooms_are_entered_by_their_public_surface(graph):
     assert not inner
 
 
-def test_figures_draw_what_datasets_hold(graph):
+def test_figures_and_tables_show_what_datasets_hold(graph):
     known = {
         imported.split(".")[1]
         for importer, imported in imports_between_rooms(graph)
-        if importer.startswith("dea.figures")
+        if importer.startswith(("dea.figures", "dea.tables"))
     }
-    assert known == {"errors", "store", "terms"}
+    assert known == {"errors", "notation", "store", "terms"}
 
 
 @pytest.mark.parametrize(

@@ -269,5 +269,5 @@ def test_a_fixed_model_that_diverges_is_said_to_have_and_keeps_its_axis():
         ("phi_u2e2", r"$\phi_{u^2e^2}$"),
     ],
 )
-def test_a_test_as_mathematics(test, mathematics):
+def test_a_residual_test_as_mathematics(test, mathematics):
     assert as_mathematics(test) == mathematics

@@ -82,9 +82,18 @@ def test_a_second_run_does_nothing_and_is_quick(finished):
 @pytest.mark.parametrize(
     ("module", "rerun", "kept"),
     [
-        ("gfrf/probing.py", {"gfrf", "fig3"}, {"acquire", "select", "track", "validate", "fig2"}),
-        ("figures/fig3.py", {"fig3"}, {"gfrf", "fig1", "fig2", "fig4_h2"}),
-        ("plant/film.py", {"acquire", "select", "fig1"}, set()),
+        (
+            "gfrf/probing.py",
+            {"gfrf", "figures_responses"},
+            {"acquire", "select", "track", "validate", "figures_actuator", "tables_actuators"},
+        ),
+        (
+            "figures/fig3.py",
+            {"figures_responses"},
+            {"gfrf", "figures_actuator", "figures_link", "figures_recovery", "tables_actuators"},
+        ),
+        ("tables/recovery.py", {"tables_recovery"}, {"recover", "tables_actuators"}),
+        ("plant/film.py", {"acquire", "select", "figures_actuator"}, set()),
     ],
 )
 def test_an_edited_module_reruns_what_depends_on_it_and_nothing_else(finished, module, rerun, kept):
@@ -97,6 +106,17 @@ def test_an_edited_module_reruns_what_depends_on_it_and_nothing_else(finished, m
         file.write_text(content)
     assert rerun <= jobs.keys()
     assert not kept & jobs.keys()
+
+
+def test_a_setting_of_one_figure_redraws_its_group_alone(finished):
+    config = finished.folder / "small.yaml"
+    content = config.read_text()
+    try:
+        config.write_text(content.replace("zoom: [60, 75]", "zoom: [65, 80]"))
+        jobs = finished.planned("study")
+    finally:
+        config.write_text(content)
+    assert {name for name in jobs if name != "study"} == {"figures_actuator", "first_actuator"}
 
 
 def test_results_do_not_depend_on_the_number_of_cores(finished, project):
