@@ -14,7 +14,7 @@ from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import Fit, at, cost_of, fit, step_in_box, without
+from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit, step_in_box, without
 from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.search.rounds import Candidate
 from dea.errors import InputError
@@ -57,7 +57,9 @@ def test_the_fit_ends_where_a_simplex_search_ends(seed):
     found = fit(problem, extended, np.zeros(extended.free.size), iterations=40, tolerance=1e-9)
 
     def cost(coordinates):
-        return cost_of(problem.gap(extended, extended.values(coordinates)), coordinates, problem)
+        return cost_of(
+            problem.residual(extended, extended.values(coordinates)), coordinates, problem
+        )
 
     options = {"maxiter": 20_000, "maxfev": 20_000, "fatol": 1e-6, "xatol": 1e-7, "adaptive": True}
     start = found.coordinates + 0.1
@@ -80,13 +82,13 @@ def test_a_fit_without_an_effect_is_the_rest_of_it():
     found = without(problem, both, 0)
     assert [a.effect.name for a in found.extended.attached] == ["sensor_lag"]
     assert np.allclose(found.coordinates, expected.coordinates)
-    assert np.allclose(found.gap, expected.gap)
+    assert np.allclose(found.residual, expected.residual)
 
 
 def test_held_coordinates_stay():
     problem, extended = carriage(4)
     held = np.arange(extended.free.size) == 1
-    found = fit(problem, extended, np.full(held.size, 0.3), held=held)
+    found = fit(problem, extended, np.full(held.size, 0.3), columns=Columns(held=held))
     assert found.coordinates[1] == 0.3
     assert (found.coordinates[~held] != 0.3).all()
 
@@ -179,11 +181,11 @@ def test_folds_deal_out_every_seen_block_once():
 def test_what_is_held_out_has_no_say_in_its_own_prediction():
     problem, extended = carriage(6)
     fitted = fit(problem, extended, np.zeros(extended.free.size))
-    predicted = problem.y - HeldOut(problem).gap(fitted)
+    predicted = problem.y - HeldOut(problem).residual(fitted)
     fold = folds(problem)[2]
     spoiled = problem.y + fold
     held_out = HeldOut(replace(problem, y=spoiled))
-    again = spoiled - held_out.gap(replace(fitted, gap=fitted.gap + fold))
+    again = spoiled - held_out.residual(replace(fitted, residual=fitted.residual + fold))
     assert np.allclose(again[fold], predicted[fold], atol=1e-9)
     others = problem.seen & ~fold
     assert not np.allclose(again[others], predicted[others], atol=1e-3)
@@ -196,8 +198,8 @@ def test_held_out_gaps_are_those_of_fits_to_the_other_folds():
     expected = np.zeros(problem.u.size)
     for fold in folds(problem):
         only = fit(problem.seeing(~fold), extended, start, iterations=40, tolerance=1e-9)
-        expected[fold] = only.gap[fold]
-    found = HeldOut(problem).gap(fitted)
+        expected[fold] = only.residual[fold]
+    found = HeldOut(problem).residual(fitted)
     assert rmse(found - expected, problem.seen) < 0.05 * problem.noise
 
 
@@ -261,7 +263,7 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
     problem, extended = carriage(8)
     fitted = at(problem, extended, np.zeros(extended.free.size))
     nominal, final = (
-        replace(fitted, gap=np.where(problem.certify, error, 0.0)) for error in (before, after)
+        replace(fitted, residual=np.where(problem.certify, error, 0.0)) for error in (before, after)
     )
     chosen = None if status == "none" else Candidate(final, 0.0, 0.0)
     evidence = judged_by(problem, noise=1.0)

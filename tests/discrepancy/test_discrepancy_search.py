@@ -115,7 +115,7 @@ def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, statu
     known = {chosen.fit: gap, rival.fit: held_out_rival * gap}
     blocks = [slice(k, k + 100) for k in range(0, 1500, 100)]
     evidence = Evidence(
-        problem, SimpleNamespace(gap=known.get), blocks, 9 * NOISE, NOISE, 0.0, Rules(),
+        problem, SimpleNamespace(residual=known.get), blocks, 9 * NOISE, NOISE, 0.0, Rules(),
         np.random.default_rng(3),
     )  # fmt: skip
     nothing_left = ResidualModel(ratio=1.0, equation="0", explained=0.0)
@@ -127,5 +127,5 @@ def test_a_held_out_gap_is_found_once():
     problem, extended = hidden("dead_zone")
     fitted = fit(problem, extended, np.zeros(extended.free.size))
     held_out = HeldOut(problem)
-    assert held_out.gap(fitted) is held_out.gap(fitted)
-    assert held_out.rmse(fitted) == problem.seen_rmse(held_out.gap(fitted))
+    assert held_out.residual(fitted) is held_out.residual(fitted)
+    assert held_out.rmse(fitted) == problem.seen_rmse(held_out.residual(fitted))

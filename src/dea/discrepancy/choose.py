@@ -37,7 +37,7 @@ def best_extension(
     for size in sorted({len(c.names) for c in larger}):
         best = simplest([c for c in larger if len(c.names) == size])
         before = chosen.fit if chosen else rounds[0].before
-        _, low = beaten(best.fit.gap, before.gap, evidence.blocks, evidence.rng)
+        _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.rng)
         if held_out.rmse(best.fit) >= held_out.rmse(before):
             continue
         if chosen is None:

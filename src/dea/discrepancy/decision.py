@@ -14,7 +14,7 @@ from dea.discrepancy.search.rounds import Candidate
 
 # Part of the noise floor below which no misfit is told from another.
 _NEGLIGIBLE = 0.05
-# Noise floors up to which a gap that nothing narrows counts as noise.
+# Noise floors up to which a residual that nothing narrows counts as noise.
 _BARELY = 1.5
 # Errors of the chosen candidate beyond which another is not worth a fit without each fold.
 _NEAR = 2.5
@@ -29,7 +29,7 @@ class Rules:
     margin
         Part of the held-out error that an effect must remove, at the lower end of its interval.
     clean
-        A gap up to this many noise floors counts as explained.
+        A residual up to this many noise floors counts as explained.
     misfit
         Part of the nominal misfit (root mean square above the floor) that may remain.
     further
@@ -154,7 +154,9 @@ def decide(
         if (
             len(chosen.names) > 1
             and candidate.names == tuple(shared)
-            and _explained(evidence, candidate, residual_model(evidence.problem, candidate.fit.gap))
+            and _explained(
+                evidence, candidate, residual_model(evidence.problem, candidate.fit.residual)
+            )
             and not _rivals(evidence, candidate, pool)
         ):
             return Decision("named", candidate)
@@ -164,11 +166,11 @@ def decide(
 def confirmed(decision: Decision, evidence: Evidence, nominal: Fit) -> Decision:
     """Withdraw what the samples kept for proof contradict; they choose nothing."""
     certify, floor = evidence.problem.certify, evidence.floor
-    before = rmse(nominal.gap, certify)
+    before = rmse(nominal.residual, certify)
     if decision.status == "none" and before > _BARELY * floor:
         return Decision("unknown", None, reason="only the samples kept for proof show it")
     if decision.status in ("named", "ambiguous") and decision.chosen is not None:
-        after = rmse(decision.chosen.fit.gap, certify)
+        after = rmse(decision.chosen.fit.residual, certify)
         if after > max(before, evidence.rules.clean * floor):
             reason = "the best effect fails on the samples kept for proof"
             return Decision("unknown", decision.chosen, reason=reason)
@@ -221,10 +223,10 @@ def _rivals(
         if frozenset(other.names) in known or same_class(chosen, other) is not akin:
             continue
         known.add(frozenset(other.names))
-        gaps = chosen.fit.gap, other.fit.gap
+        residuals = chosen.fit.residual, other.fit.residual
         if other.error <= _NEAR * chosen.error:
-            gaps = held_out.gap(chosen.fit), held_out.gap(other.fit)
-        _, low = beaten(*gaps, evidence.blocks, evidence.rng)
+            residuals = held_out.residual(chosen.fit), held_out.residual(other.fit)
+        _, low = beaten(*residuals, evidence.blocks, evidence.rng)
         if low <= 0 or as_good(other, chosen, evidence.noise, evidence.rules):
             rivals.append(other)
     return rivals

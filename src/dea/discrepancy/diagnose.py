@@ -169,26 +169,30 @@ def diagnose(
             field="force_ports",
             remedy="Declare its force ports, or offer effects of other ports",
         )
-    null = null_gain(problem, nominal, [c.fit for c in singles], singles[0].fit.gap, blocks, rng)
+    null = null_gain(
+        problem, nominal, [c.fit for c in singles], singles[0].fit.residual, blocks, rng
+    )
     held_out = HeldOut(problem)
     after = in_parallel(
-        lambda c: held_out.gap(c.fit) if c.finished else c.fit.gap, singles, settings.workers
+        lambda c: held_out.residual(c.fit) if c.finished else c.fit.residual,
+        singles,
+        settings.workers,
     )
-    gained = gains(held_out.gap(nominal), after, blocks, null, rng)
+    gained = gains(held_out.residual(nominal), after, blocks, null, rng)
     evidence = Evidence(
-        problem, held_out, blocks, problem.seen_rmse(nominal.gap), floor, own.accuracy,
+        problem, held_out, blocks, problem.seen_rmse(nominal.residual), floor, own.accuracy,
         settings.rules, rng,
     )  # fmt: skip
     proven = proven_alone(rounds, gained, settings.rules)
     chosen = best_extension(evidence, rounds, proven)
     pool = pool_of(rounds)
-    unexplained = residual_model(problem, (chosen.fit if chosen else nominal).gap)
+    unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
     decision = confirmed(decide(evidence, chosen, pool, proven, unexplained), evidence, nominal)
     answer = decision.chosen if decision.status in ("named", "ambiguous") else None
     final = answer.fit if answer else nominal
 
-    where_before = localise(problem, near.gap, units, problem.seen, rng)
-    where_after = localise(problem, final.gap, units, problem.seen, rng)
+    where_before = localise(problem, near.residual, units, problem.seen, rng)
+    where_after = localise(problem, final.residual, units, problem.seen, rng)
     rivals = _rivals_to_show(decision, pool)
     noisy = problem.with_noise(evidence.floor)
     experiment = _experiment(noisy, decision, settings.seed)

@@ -1,29 +1,29 @@
-"""Fit parameters by free-run simulation: Levenberg-Marquardt with priors and bounds.
+"""Estimate parameters by free-run simulation: least squares with priors and bounds.
 
-Levenberg (1944), Marquardt (1963); the prior makes it a maximum a posteriori estimate, which
-keeps parameters that the record says nothing about where they were.
+The prior makes it a maximum a posteriori estimate: parameters that the record does not determine
+keep their prior mean.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.sensitivity import sensitivities
+from dea.least_squares import Damping, Model, Point, minimise
 from dea.simulation import ExtendedSimulation
 
-_STEP = 1e-3
+# Iterations after which slowly changing columns of the Jacobian are computed anew.
 _REFRESH = 3
-# Damping after a row of good steps, small enough not to slow them, and how often it is raised
-# tenfold before a step is given up: from the least to where a step is steepest descent.
-_LEAST_DAMPING, _TRIES = 1e-6, 9
+# From the least damping, nine increases lead to one at which a step is steepest descent.
+_DAMPING = Damping(fall=5.0, least=1e-6, tries=9, slow=1e-2)
 # Prior spreads that a coordinate may move in one step.
 _LONGEST_STEP = 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted simulation: coordinates, what they leave over, and how well they are known.
+    """A fitted simulation: coordinates, residual, and their sensitivities.
 
     Each is equal to itself alone, so that it can be a key.
 
@@ -31,24 +31,24 @@ class Fit:
     ----------
     coordinates : (k,)
         Free parameters, in prior spreads from nominal.
-    gap : (n,)
+    residual : (n,)
         Measured minus simulated output; infinite where the simulation is unstable.
     jacobian : (n, k)
-        Derivative of the gap by the coordinates, at the last step.
+        Derivative of the residual by the coordinates, at the last step.
     cost : float
         Sum of squares over the seen samples in units of the noise, plus the prior.
     """
 
     extended: ExtendedSimulation
     coordinates: np.ndarray
-    gap: np.ndarray
+    residual: np.ndarray
     jacobian: np.ndarray
     cost: float
 
     @property
     def stable(self) -> bool:
         """Whether the simulation stays finite over the whole record."""
-        return bool(np.isfinite(self.gap).all())
+        return bool(np.isfinite(self.residual).all())
 
     @property
     def values(self) -> np.ndarray:
@@ -61,66 +61,45 @@ class Fit:
         return np.linalg.inv(J.T @ J / variance + np.eye(J.shape[1]))
 
 
-def cost_of(gap: np.ndarray, coordinates: np.ndarray, problem: Problem) -> float:
+@dataclass(frozen=True)
+class Columns:
+    """How the columns of the Jacobian are obtained.
+
+    Parameters
+    ----------
+    held : (k,) bool, optional
+        Coordinates that stay where they start; their columns are zero.
+    kept : (n, m), optional
+        Columns for the first m coordinates that are used as they are, which saves simulations.
+    slow
+        Number of first coordinates whose columns are computed anew only every third step, and
+        before the fit ends. Without ``kept`` only.
+    """
+
+    held: np.ndarray | None = None
+    kept: np.ndarray | None = None
+    slow: int = 0
+
+
+def cost_of(residual: np.ndarray, coordinates: np.ndarray, problem: Problem) -> float:
     """Return the sum of squares over the seen samples in units of the noise, plus the prior."""
-    chosen = gap[problem.seen]
+    chosen = residual[problem.seen]
     if not np.isfinite(chosen).all():
         return np.inf
     return float(chosen @ chosen / problem.noise**2 + coordinates @ coordinates)
 
 
-def columns(
-    problem: Problem,
-    extended: ExtendedSimulation,
-    coordinates: np.ndarray,
-    gap: np.ndarray,
-    which: np.ndarray,
-) -> np.ndarray:
-    """Return the derivative of the gap by the coordinates ``which``, shape (n, len(which))."""
-    _, high = extended.bounds
-    reading = extended.only_read
-    output = None
-    if reading[which].any():
-        output = problem.moved(extended, extended.values(coordinates))
-    result = np.zeros((problem.u.size, which.size))
-    for column, i in enumerate(which):
-        moved = coordinates.copy()
-        step = _STEP if moved[i] + _STEP <= high[i] else -_STEP
-        moved[i] += step
-        known = output if reading[i] else None
-        change = problem.gap(extended, extended.values(moved), known) - gap
-        # A direction in which the simulation runs away is not one to go.
-        result[:, column] = change / step if np.isfinite(change).all() else 0.0
-    return result
-
-
-def remainder(J: np.ndarray, noise: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Return what takes from a change of the output all that the parameters can make up for.
-
-    A linear step in the parameters does so, held back by their prior; with the Jacobian (n, k) it
-    turns changes of shape (n,) or (n, m) into what is left of them, with k rows of the prior below.
-    """
-    size = J.shape[1]
-    basis, _ = np.linalg.qr(np.vstack([J, noise * np.eye(size)]))
-
-    def left(change: np.ndarray) -> np.ndarray:
-        padded = np.concatenate([change, np.zeros((size, *change.shape[1:]))])
-        return padded - basis @ (basis.T @ padded)
-
-    return left
-
-
 def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) -> Fit:
-    """Return the simulation as it is at ``coordinates``, with its Jacobian, unfitted."""
-    gap = problem.gap(extended, extended.values(coordinates))
+    """Return the simulation at ``coordinates``, with its Jacobian, without fitting it."""
+    residual = problem.residual(extended, extended.values(coordinates))
     J = np.zeros((problem.u.size, coordinates.size))
-    if np.isfinite(gap).all():
-        J = columns(problem, extended, coordinates, gap, np.arange(coordinates.size))
-    return Fit(extended, coordinates, gap, J, cost_of(gap, coordinates, problem))
+    if np.isfinite(residual).all():
+        J = sensitivities(problem, extended, coordinates, residual, np.arange(coordinates.size))
+    return Fit(extended, coordinates, residual, J, cost_of(residual, coordinates, problem))
 
 
 def without(problem: Problem, fitted: Fit, index: int) -> Fit:
-    """Return a fitted simulation less one of its effects, all else as it was."""
+    """Return a fitted simulation without one of its effects, all else unchanged."""
     extended = fitted.extended.without(index)
     kept = np.delete(fitted.values, np.r_[fitted.extended.effect_slices[index]])
     return at(problem, extended, extended.coordinates(kept))
@@ -132,74 +111,62 @@ def fit(
     start: np.ndarray,
     *,
     iterations: int = 20,
-    kept: np.ndarray | None = None,
-    slow: int = 0,
-    held: np.ndarray | None = None,
     tolerance: float = 1e-4,
+    columns: Columns | None = None,
 ) -> Fit:
-    """Fit the free parameters from ``start`` on the samples the problem allows.
+    """Fit the free parameters from ``start`` (k,) to the samples that the problem allows.
 
-    Parameters
-    ----------
-    kept : (n, m), optional
-        Columns of the Jacobian for the first m coordinates that are taken as they are, which
-        makes a step cheaper; exact ones are computed otherwise.
-    slow
-        How many of the first coordinates have columns that are computed anew only every third
-        step; the others change faster.
-    held : (k,) bool, optional
-        Coordinates that stay where they start.
-    tolerance
-        Stop when an accepted step lowers the cost by less than this part of it.
+    Ends after ``iterations``, or when a step lowers the cost by no more than ``tolerance`` (a
+    part of it).
     """
-    low, high = extended.bounds
-    coordinates = np.clip(start, low, high)
-    gap = problem.gap(extended, extended.values(coordinates))
-    cost = cost_of(gap, coordinates, problem)
-    size = coordinates.size
-    free = np.ones(size, bool) if held is None else ~held
-    J = np.zeros((problem.u.size, size))
-    damping = 1e-3
-    stalled = False
-    for iteration in range(iterations):
-        if not np.isfinite(cost) or not np.isfinite(gap).all():
-            break
-        whole = kept is None and (slow == 0 or iteration % _REFRESH == 0 or stalled)
-        first = 0 if whole else slow if kept is None else kept.shape[1]
+    task = _FreeRun(problem, extended, columns or Columns())
+    point = minimise(task, start, _DAMPING, iterations=iterations, tolerance=tolerance)
+    return Fit(extended, point.x, point.value, task.jacobian, point.cost)
+
+
+class _FreeRun:
+    """The cost of a free run, linearised by finite differences."""
+
+    def __init__(self, problem: Problem, extended: ExtendedSimulation, columns: Columns) -> None:
+        self._problem, self._extended, self._columns = problem, extended, columns
+        self._low, self._high = extended.bounds
+        size = self._low.size
+        self._free = np.ones(size, bool) if columns.held is None else ~columns.held
+        self.jacobian = np.zeros((problem.u.size, size))
+
+    def evaluate(self, x: np.ndarray) -> Point[np.ndarray]:
+        coordinates = np.clip(x, self._low, self._high)
+        residual = self._problem.residual(self._extended, self._extended.values(coordinates))
+        return Point(coordinates, cost_of(residual, coordinates, self._problem), residual)
+
+    def linearise(self, point: Point[np.ndarray], iteration: int, exact: bool) -> Model | None:
+        if not np.isfinite(point.value).all():
+            return None
+        x, residual = point.x, point.value
+        kept, slow = self._columns.kept, self._columns.slow
+        whole = kept is None and (slow == 0 or iteration % _REFRESH == 0 or exact)
+        first = 0 if whole else slow
         if kept is not None:
-            J[:, :first] = kept
-        fresh = np.flatnonzero(free & (np.arange(size) >= first))
-        J[:, fresh] = columns(problem, extended, coordinates, gap, fresh)
-        chosen = J[problem.seen] / problem.noise
-        A = chosen.T @ chosen + np.eye(size)
-        g = chosen.T @ (gap[problem.seen] / problem.noise) + coordinates
-        improved = False
-        for _ in range(_TRIES):
-            H = A + damping * np.diag(np.diag(A))
-            reach = np.where(free, _LONGEST_STEP, 0.0)
-            step = step_in_box(
-                H, g, np.maximum(low - coordinates, -reach), np.minimum(high - coordinates, reach)
-            )
-            trial = np.clip(coordinates + step, low, high)
-            trial_gap = problem.gap(extended, extended.values(trial))
-            trial_cost = cost_of(trial_gap, trial, problem)
-            if trial_cost < cost:
-                improved = True
-                damping = max(damping / 5.0, _LEAST_DAMPING)
-                break
-            damping *= 10.0
-        gain = (cost - trial_cost) / cost if improved else 0.0
-        if improved:
-            coordinates, gap, cost = trial, trial_gap, trial_cost
-        # Before giving up, old columns are computed anew: they may be what holds it up.
-        if gain < tolerance and (whole or kept is not None):
-            break
-        stalled = gain < tolerance
-    return Fit(extended, coordinates, gap, J, cost)
+            first = kept.shape[1]
+            self.jacobian[:, :first] = kept
+        fresh = np.flatnonzero(self._free & (np.arange(x.size) >= first))
+        self.jacobian[:, fresh] = sensitivities(self._problem, self._extended, x, residual, fresh)
+        noise, seen = self._problem.noise, self._problem.seen
+        J = self.jacobian[seen] / noise
+        A = J.T @ J + np.eye(x.size)
+        g = J.T @ (residual[seen] / noise) + x
+        reach = np.where(self._free, _LONGEST_STEP, 0.0)
+        low, high = np.maximum(self._low - x, -reach), np.minimum(self._high - x, reach)
+
+        def step(damping: float) -> np.ndarray:
+            return step_in_box(A + damping * np.diag(np.diag(A)), g, low, high)
+
+        # Kept columns are all the fit may use: a fit with them ends where they lead.
+        return Model(point.cost, step, exact=whole or kept is not None)
 
 
 def step_in_box(H: np.ndarray, g: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Return the step s that makes g s + s H s / 2 least while ``low`` <= s <= ``high``.
+    """Return the step s that minimises g s + s H s / 2 within ``low`` <= s <= ``high``.
 
     Parameters
     ----------

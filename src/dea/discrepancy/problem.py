@@ -46,18 +46,18 @@ class Problem:
         """Samples that a fit sees, shape (n,)."""
         return self.fit | self.select
 
-    def seen_rmse(self, gap: np.ndarray) -> float:
-        """Return the RMSE over all samples that may choose; infinite if ``gap`` is anywhere.
+    def seen_rmse(self, residual: np.ndarray) -> float:
+        """Return the RMSE over all samples that may choose; infinite if ``residual`` is anywhere.
 
         Candidates are ranked on all of them: some blocks a wrong simulation can be fitted to.
         """
-        return rmse(gap, self.seen)
+        return rmse(residual, self.seen)
 
     def moved(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
         """Return the output before any sensor, shape (n,)."""
         return extended.run(values, self.u, self.interval)[0]
 
-    def gap(
+    def residual(
         self, extended: ExtendedSimulation, values: np.ndarray, output: np.ndarray | None = None
     ) -> np.ndarray:
         """Return measured minus simulated output, shape (n,); infinite where unstable.
@@ -78,9 +78,9 @@ class Problem:
         return replace(self, noise=noise)
 
 
-def rmse(gap: np.ndarray, samples: np.ndarray) -> float:
-    """Return the root mean square of ``gap`` over ``samples``; infinite if it is anywhere."""
-    chosen = gap[samples]
+def rmse(residual: np.ndarray, samples: np.ndarray) -> float:
+    """Return the root mean square of ``residual`` over ``samples``; infinite if it is anywhere."""
+    chosen = residual[samples]
     if not np.isfinite(chosen).all():
         return np.inf
     return float(np.sqrt(np.mean(chosen**2)))

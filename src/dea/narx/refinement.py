@@ -5,7 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea import least_squares
 from dea.errors import InputError
+from dea.least_squares import Damping, Model, Point
 from dea.narx import kernels
 from dea.narx.checks import Array
 from dea.narx.estimation import Segment, Signals, as_segments, estimate, normalised
@@ -14,7 +16,7 @@ from dea.narx.scaling import Scaling
 from dea.narx.simulation import BOUND, simulate, structure
 from dea.terms import Term
 
-_LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e12  # of the regressors' unit energy
+_DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
 
 class Refined(NamedTuple):
@@ -85,32 +87,38 @@ def minimise(
     Ends after ``iterations`` or when a step lowers the error by less than ``tolerance`` of it. A
     start from which the run diverges comes back with an infinite error.
     """
-    theta = start.copy()
-    point = linearise(terms, theta, segments)
-    if not np.isfinite(point.error):
-        return Refined(theta, np.inf)
-    damping = 1e-3
-    for _ in range(iterations):
-        norms = column_norms(point.slope)
-        scaled = point.slope / norms
+    task = _FreeRuns(terms, segments)
+    point = least_squares.minimise(
+        task, start.copy(), _DAMPING, iterations=iterations, tolerance=tolerance
+    )
+    return Refined(point.x, point.cost / task.samples)
+
+
+class _FreeRuns:
+    """The simulated error over segments, linearised by exact sensitivities."""
+
+    def __init__(self, terms: tuple[Term, ...], segments: Sequence[Segment]) -> None:
+        self._terms, self._segments = terms, segments
+        first = structure(terms).start
+        self.samples = sum(y.size - first for _, y in segments)
+
+    def evaluate(self, x: Array) -> Point[None]:
+        return Point(x, squared_error(self._terms, x, self._segments), None)
+
+    def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
+        error, residual, slope = linearise(self._terms, point.x, self._segments)
+        if not np.isfinite(error):
+            return None
+        norms = column_norms(slope)
+        scaled = slope / norms
         energy, directions = np.linalg.eigh(scaled.T @ scaled)
         energy = np.maximum(energy, 0.0)  # rounding may carry a vanishing one below
-        projected = directions.T @ (scaled.T @ point.residual)
-        fall = 0.0
-        while damping < _MOST_DAMPING:
-            step = (directions @ (projected / (energy + damping))) / norms
-            trial = squared_error(terms, theta + step, segments)
-            if trial < point.error:
-                fall = point.error - trial
-                break
-            damping *= 10.0
-        if fall > 0.0:
-            theta += step
-            damping = max(damping / 10.0, _LEAST_DAMPING)
-        if fall <= tolerance * point.error:
-            break
-        point = linearise(terms, theta, segments)
-    return Refined(theta, squared_error(terms, theta, segments) / point.residual.size)
+        projected = directions.T @ (scaled.T @ residual)
+
+        def step(damping: float) -> Array:
+            return (directions @ (projected / (energy + damping))) / norms
+
+        return Model(error, step)
 
 
 def squared_error(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, fit
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.simulation import ExtendedSimulation, Port
 
@@ -33,8 +33,8 @@ class OtherRecord:
 def certify(problem: Problem, nominal: Fit, extended: Fit) -> Certified:
     """Compare both simulations on the certified block."""
     return Certified(
-        rmse(nominal.gap, problem.certify),
-        rmse(extended.gap, problem.certify),
+        rmse(nominal.residual, problem.certify),
+        rmse(extended.residual, problem.certify),
         int(problem.certify.sum()),
     )
 
@@ -78,9 +78,9 @@ def _from_its_own_start(other: OtherRecord, fitted: Fit) -> np.ndarray:
         head,
         nothing,
         nothing,
-        max(rmse(fitted.gap, np.isfinite(fitted.gap)), 1e-12),
+        max(rmse(fitted.residual, np.isfinite(fitted.residual)), 1e-12),
     )
-    own = fit(problem, extended, fitted.coordinates, iterations=10, held=~starting)
+    own = fit(problem, extended, fitted.coordinates, iterations=10, columns=Columns(held=~starting))
     return extended.simulate(own.values, other.u, other.interval)
 
 

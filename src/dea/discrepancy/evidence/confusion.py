@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.discrepancy.evidence.gain import energies
-from dea.discrepancy.fit import Fit, remainder
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.sensitivity import unabsorbed
 
 _DRAWS = 500
 
@@ -34,8 +35,8 @@ def confusion(problem: Problem, fits: Sequence[Fit]) -> np.ndarray:
     from scipy.stats import norm
 
     seen = problem.seen
-    simulated = [(problem.y - fit.gap)[seen] for fit in fits]
-    left = [remainder(fit.jacobian[seen], problem.noise) for fit in fits]
+    simulated = [(problem.y - fit.residual)[seen] for fit in fits]
+    left = [unabsorbed(fit.jacobian[seen], problem.noise) for fit in fits]
     count = len(fits)
     distance = np.zeros((count, count))
     for i in range(count):

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, columns, remainder
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.sensitivity import sensitivities, unabsorbed
 from dea.signals import design
 
 # Settings of each kind that the acquisition offers; rests, rates and bands are what separates.
@@ -74,8 +75,10 @@ def _one_way(problem: Problem, u: np.ndarray, truth: Fit, rival: Fit) -> float:
         return 0.0
     everywhere = np.ones(u.size, bool)
     imagined = Problem(u, y, problem.interval, everywhere, everywhere, everywhere, problem.noise)
-    gap = imagined.gap(rival.extended, rival.values)
-    if not np.isfinite(gap).all():
+    residual = imagined.residual(rival.extended, rival.values)
+    if not np.isfinite(residual).all():
         return 0.0
-    J = columns(imagined, rival.extended, rival.coordinates, gap, np.arange(rival.coordinates.size))
-    return float(np.linalg.norm(remainder(J, problem.noise)(gap)) / problem.noise)
+    J = sensitivities(
+        imagined, rival.extended, rival.coordinates, residual, np.arange(rival.coordinates.size)
+    )
+    return float(np.linalg.norm(unabsorbed(J, problem.noise)(residual)) / problem.noise)

@@ -1,11 +1,11 @@
-"""How much an effect narrows the gap on blocks it was not fitted on, and how sure that is."""
+"""How much an effect narrows the residual on blocks it was not fitted on, and how sure that is."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, fit
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem
 
 _DRAWS = 2000
@@ -29,9 +29,9 @@ class Gains:
     null: float
 
 
-def energies(gap: np.ndarray, blocks: Sequence[slice]) -> np.ndarray:
-    """Return the sum of squares of ``gap`` in each block."""
-    return np.array([float(gap[block] @ gap[block]) for block in blocks])
+def energies(residual: np.ndarray, blocks: Sequence[slice]) -> np.ndarray:
+    """Return the sum of squares of ``residual`` in each block."""
+    return np.array([float(residual[block] @ residual[block]) for block in blocks])
 
 
 class HeldOut:
@@ -45,27 +45,27 @@ class HeldOut:
         self._problem = problem
         self._found: dict[Fit, np.ndarray] = {}
 
-    def gap(self, fitted: Fit) -> np.ndarray:
-        """Return the held-out gap of a fit, shape (n,)."""
+    def residual(self, fitted: Fit) -> np.ndarray:
+        """Return the held-out residual of a fit, shape (n,)."""
         if fitted not in self._found:
             self._found[fitted] = self._crossed(fitted)
         return self._found[fitted]
 
     def rmse(self, fitted: Fit) -> float:
         """Return its root mean square over the seen samples."""
-        return self._problem.seen_rmse(self.gap(fitted))
+        return self._problem.seen_rmse(self.residual(fitted))
 
     def _crossed(self, fitted: Fit) -> np.ndarray:
-        result = fitted.gap.copy()
+        result = fitted.residual.copy()
         for fold in folds(self._problem):
             again = fit(
                 self._problem.seeing(~fold),
                 fitted.extended,
                 fitted.coordinates,
                 iterations=_CROSSING,
-                kept=fitted.jacobian,
+                columns=Columns(kept=fitted.jacobian),
             )
-            result[fold] = again.gap[fold]
+            result[fold] = again.residual[fold]
         return result
 
 
@@ -89,15 +89,15 @@ def gains(
     null: float,
     rng: np.random.Generator,
 ) -> Gains:
-    """Compare gaps block by block; resample blocks in pairs, and bound all gains together.
+    """Compare residuals block by block; resample blocks in pairs, and bound all gains together.
 
     Percentile intervals hold for the whole catalogue at once (min-p, Westfall and Young 1993,
     section 2.3), each at the same level of its own distribution, so that an effect that helps in
     a single block does not widen the bounds of the others. With a few dozen blocks of very
-    unequal gaps they hold in some 85 to 92 % of records instead of 95.
+    unequal residuals they hold in some 85 to 92 % of records instead of 95.
     """
     reference = energies(before, blocks)
-    sums = np.array([energies(gap, blocks) for gap in after])
+    sums = np.array([energies(residual, blocks) for residual in after])
     picks = rng.integers(0, len(blocks), (_DRAWS, len(blocks)))
     drawn = 0.5 * np.log(reference[picks].sum(1) / sums[:, picks].sum(2))
     rank = (np.argsort(np.argsort(drawn, axis=1), axis=1) + 0.5) / _DRAWS
@@ -107,17 +107,19 @@ def gains(
     return Gains(0.5 * np.log(reference.sum() / sums.sum(1)), low, high, null)
 
 
-def coloured(gap: np.ndarray, blocks: Sequence[slice], order: int = 4) -> tuple[np.ndarray, float]:
-    """Return autoregression and innovation deviation of ``gap`` (Yule-Walker over blocks)."""
+def coloured(
+    residual: np.ndarray, blocks: Sequence[slice], order: int = 4
+) -> tuple[np.ndarray, float]:
+    """Return autoregression and innovation deviation of ``residual`` (Yule-Walker over blocks)."""
     covariance = np.zeros(order + 1)
     count = 0
     for block in blocks:
-        part = gap[block] - gap[block].mean()
+        part = residual[block] - residual[block].mean()
         if part.size > 4 * order:
             covariance += [part[: part.size - lag] @ part[lag:] for lag in range(order + 1)]
             count += part.size
     if not count:
-        return np.zeros(0), float(gap.std())
+        return np.zeros(0), float(residual.std())
     covariance /= count
     toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
     weights = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1:])

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, remainder
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.sensitivity import unabsorbed
 
 DETECTABLE = 0.2
 
@@ -21,7 +22,7 @@ def signature(problem: Problem, before: Fit, candidate: Fit) -> tuple[float, flo
     if J.shape[1] <= own or not np.isfinite(J).all():
         return 0.0, 0.0
     law = J[:, own:]
-    rest = remainder(J[:, :own], problem.noise)(law)
+    rest = unabsorbed(J[:, :own], problem.noise)(law)
     energy, left = np.sum(law**2, axis=0), np.sum(rest**2, axis=0)
     size = float(np.sqrt(left.max() / seen.sum()) / problem.noise)
     return size, float(np.sqrt(left.max() / max(energy.max(), 1e-300)))

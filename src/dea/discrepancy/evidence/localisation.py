@@ -11,7 +11,7 @@ from dea.discrepancy.problem import Problem
 BINS = 12
 _DRAWS = 200
 _LEVEL = 0.05
-# Unit of a quantity along which the gap is looked at, and how a sentence speaks of it.
+# Unit of a quantity along which the residual is looked at, and how a sentence speaks of it.
 _PHRASES: Mapping[str, str] = {
     "time": "between {low:.3g} and {high:.3g} s",
     "input": "where the input is between {low:.3g} and {high:.3g} {unit}",
@@ -28,8 +28,8 @@ _DIRECTIONS = ("falling", "still", "rising")
 class Localisation:
     """Energy of the gap along each quantity, and in words where it is.
 
-    ``dataset`` holds, for each quantity, its bins, the RMS gap in them and the probability that
-    chance concentrates the gap as much; ``strongest`` names the quantity along which the gap is
+    ``dataset`` holds, for each quantity, its bins, the RMS residual in them and the probability that
+    chance concentrates the residual as much; ``strongest`` names the quantity along which the residual is
     concentrated most, or ``None`` where chance explains all of it.
     """
 
@@ -40,7 +40,7 @@ class Localisation:
 
 def localise(
     problem: Problem,
-    gap: np.ndarray,
+    residual: np.ndarray,
     units: tuple[str, str],
     samples: np.ndarray,
     rng: np.random.Generator,
@@ -52,9 +52,9 @@ def localise(
     """
     from scipy.signal import coherence
 
-    where = np.flatnonzero(samples & np.isfinite(gap))
-    energy = gap[where] ** 2
-    quantities = _quantities(problem, gap, units)
+    where = np.flatnonzero(samples & np.isfinite(residual))
+    energy = residual[where] ** 2
+    quantities = _quantities(problem, residual, units)
     labels, edges = {}, {}
     for name, (values, _) in quantities.items():
         edges[name] = _edges(values[where], name)
@@ -83,7 +83,7 @@ def localise(
     found = [name for name in scores if probability[name] <= _LEVEL]
     strongest = max(found, key=lambda name: measured[name].max()) if found else None
     segment = min(where.size, max(64, problem.u.size // 16))
-    u, e = problem.u[where], gap[where]
+    u, e = problem.u[where], residual[where]
     frequency, coherent = coherence(u, e, 1.0 / problem.interval, nperseg=segment)
     band, part = _band(e, problem.interval)
     sentence = _sentence(strongest, rms, edges, quantities, overall, units[1], band, part)
@@ -108,9 +108,9 @@ def _label(units: str, long_name: str) -> dict[str, str]:
 
 
 def _quantities(
-    problem: Problem, gap: np.ndarray, units: tuple[str, str]
+    problem: Problem, residual: np.ndarray, units: tuple[str, str]
 ) -> dict[str, tuple[np.ndarray, str]]:
-    simulated = problem.y - np.where(np.isfinite(gap), gap, 0.0)
+    simulated = problem.y - np.where(np.isfinite(residual), residual, 0.0)
     rate = np.gradient(simulated, problem.interval)
     still = 0.05 * np.std(rate)
     direction = np.where(rate > still, 2.0, np.where(rate < -still, 0.0, 1.0))
@@ -150,10 +150,10 @@ def _shuffle(energy: np.ndarray, length: int, rng: np.random.Generator) -> np.nd
     return np.concatenate([blocks[i] for i in rng.permutation(len(blocks))])
 
 
-def _band(gap: np.ndarray, interval: float) -> tuple[tuple[float, float], float]:
+def _band(residual: np.ndarray, interval: float) -> tuple[tuple[float, float], float]:
     """Return the octave-wide band (Hz) that holds most of the gap, and the part it holds."""
-    power = np.abs(np.fft.rfft(gap - gap.mean())) ** 2
-    frequency = np.fft.rfftfreq(gap.size, interval)
+    power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2
+    frequency = np.fft.rfftfreq(residual.size, interval)
     total = power.sum() or 1.0
     lows = frequency[1] * 2.0 ** np.arange(0, np.log2(frequency.size), 0.5)
     parts = [power[(frequency >= low) & (frequency < 2 * low)].sum() / total for low in lows]

@@ -10,7 +10,7 @@ _COLOURED = 1.5
 _PIECE, _PIECES, _QUIET = 64, 12, 0.5
 
 
-def white_level(gap: np.ndarray, blocks: list[slice]) -> float:
+def white_level(residual: np.ndarray, blocks: list[slice]) -> float:
     """Return the standard deviation of white noise that explains the upper half of the band.
 
     Excitation and slow misfit live at low frequency. The median over the upper half of each
@@ -20,22 +20,22 @@ def white_level(gap: np.ndarray, blocks: list[slice]) -> float:
     and the level of the quietest quarter of the time where what seems noise comes and goes.
     """
     spectra = [
-        _upper_half(gap[block])
+        _upper_half(residual[block])
         for block in blocks
-        if gap[block].size >= _SHORTEST and np.isfinite(gap[block]).all()
+        if residual[block].size >= _SHORTEST and np.isfinite(residual[block]).all()
     ]
     if not spectra:
-        return float(np.std(gap[np.isfinite(gap)]))
+        return float(np.std(residual[np.isfinite(residual)]))
     quarters = [np.concatenate(halves) for halves in zip(*map(_halved, spectra), strict=True)]
     levels = [_level(quarter) for quarter in quarters]
     level = min(levels)
     if max(levels) < _COLOURED * level:
         level = _level(np.concatenate(quarters))
     pieces = [
-        _level(_upper_half(gap[start : start + _PIECE]))
+        _level(_upper_half(residual[start : start + _PIECE]))
         for block in blocks
-        for start in range(*block.indices(gap.size))[: 1 - _PIECE : _PIECE]
-        if np.isfinite(gap[start : start + _PIECE]).all()
+        for start in range(*block.indices(residual.size))[: 1 - _PIECE : _PIECE]
+        if np.isfinite(residual[start : start + _PIECE]).all()
     ]
     if len(pieces) >= _PIECES:
         quiet = float(np.quantile(pieces, 0.25))
@@ -44,7 +44,7 @@ def white_level(gap: np.ndarray, blocks: list[slice]) -> float:
 
 
 def _upper_half(part: np.ndarray) -> np.ndarray:
-    """Return the periodogram of a part of a gap, without its trend, above half the band."""
+    """Return the periodogram of a part of a residual, without its trend, above half the band."""
     x = np.arange(part.size)
     left = part - np.polynomial.polynomial.Polynomial.fit(x, part, 2)(x)
     window = np.hanning(part.size)

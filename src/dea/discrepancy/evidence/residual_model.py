@@ -1,6 +1,6 @@
 """A flexible model of what a simulation leaves over, and the sparse equation it boils down to.
 
-A dictionary of input, output, their memory and time is regressed on the gap (ridge regression,
+A dictionary of input, output, their memory and time is regressed on the residual (ridge regression,
 Hoerl and Kennedy 1970). It knows no physics; what it can predict on blocks it has not seen, a
 missing effect could. Forward selection of its terms gives an equation to look at, in the manner
 of Brunton, Proctor and Kutz (2016), PNAS 113:3932.
@@ -19,7 +19,7 @@ _MAX_TERMS = 5
 
 @dataclass(frozen=True)
 class ResidualModel:
-    """What the dictionary predicts of a gap.
+    """What the dictionary predicts of a residual.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ class ResidualModel:
     equation : str
         The sparse equation, in the output's unit.
     explained : float
-        Part of the gap's energy on held-out samples that the sparse equation explains.
+        Part of the residual's energy on held-out samples that the sparse equation explains.
     """
 
     ratio: float
@@ -38,7 +38,7 @@ class ResidualModel:
 
 
 def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.ndarray]:
-    """Return names and columns (n, m) of what a gap could depend on."""
+    """Return names and columns (n, m) of what a residual could depend on."""
     t, u, y = problem.time, _standard(problem.u), _standard(simulated)
     rate = _standard(np.gradient(simulated, problem.interval))
     input_rate = _standard(np.gradient(problem.u, problem.interval))
@@ -69,17 +69,17 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
     return list(terms), np.column_stack([np.clip(c, -30, 30) for c in terms.values()])
 
 
-def residual_model(problem: Problem, gap: np.ndarray) -> ResidualModel:
-    """Fit the dictionary to ``gap`` on one half of the samples; judge it on the other."""
-    names, X = dictionary(problem, problem.y - gap)
+def residual_model(problem: Problem, residual: np.ndarray) -> ResidualModel:
+    """Fit the dictionary to ``residual`` on one half of the samples; judge it on the other."""
+    names, X = dictionary(problem, problem.y - residual)
     train, test = problem.fit, problem.select
     mean, scale = X[train].mean(0), X[train].std(0) + 1e-12
     X = (X - mean) / scale
-    level = gap[train].mean()
-    e = gap - level
+    level = residual[train].mean()
+    e = residual - level
     left, s, right = np.linalg.svd(X[train], full_matrices=False)
     projected = left.T @ e[train]
-    before = rmse(gap, test)
+    before = rmse(residual, test)
     best = before
     for ridge in _RIDGES * train.sum() ** 0.5:
         weights = right.T @ (s / (s**2 + ridge**2) * projected)

@@ -74,12 +74,12 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
         "measured": ("time", problem.y, _attributes(unit, "measured output")),
         "nominal": (
             "time",
-            problem.y - diagnosis.nominal.gap,
+            problem.y - diagnosis.nominal.residual,
             _attributes(unit, "output of the simulation as it was, refitted"),
         ),
         "extended": (
             "time",
-            problem.y - diagnosis.extended.gap,
+            problem.y - diagnosis.extended.residual,
             _attributes(unit, "output of the extended simulation"),
         ),
         "role": (

@@ -29,14 +29,14 @@ def estimates(problem: Problem, fit: Fit, index: int) -> dict[str, Estimate]:
     """
     extended = fit.extended
     where = extended.effect_slices[index]
-    gap = fit.gap[problem.seen]
-    spectrum = np.abs(np.fft.rfft(gap - gap.mean(), 2 * gap.size)) ** 2
-    correlation = np.fft.irfft(spectrum)[: gap.size // 4]
+    residual = fit.residual[problem.seen]
+    spectrum = np.abs(np.fft.rfft(residual - residual.mean(), 2 * residual.size)) ** 2
+    correlation = np.fft.irfft(spectrum)[: residual.size // 4]
     correlation /= correlation[0] or 1.0
     # Summed up to the first crossing of zero (Geyer 1992).
     crossing = int(np.argmax(correlation <= 0)) or correlation.size
     inflation = 1.0 + 2.0 * float(np.sum(correlation[1:crossing]))
-    variance = float(np.mean(gap**2)) * inflation
+    variance = float(np.mean(residual**2)) * inflation
     deviation = np.sqrt(np.diag(fit.covariance(problem.seen, variance)))
     values = fit.values
     own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
@@ -98,7 +98,8 @@ def verdict_of(
             "records": {name: asdict(value) for name, value in elsewhere.items()},
         },
         unit=unit,
-        ladder={name: rmse(gap, problem.seen) for name, gap in rungs} | {"noise floor": floor},
+        ladder={name: rmse(residual, problem.seen) for name, residual in rungs}
+        | {"noise floor": floor},
         experiment=asdict(experiment) if experiment else None,
         equation=unexplained.equation if decision.status == "unknown" else None,
         not_identifiable=tuple(name for name, (size, _) in signatures.items() if size < DETECTABLE),
@@ -116,7 +117,7 @@ def _rungs(
         rungs += [(f"+ {labels[0]}", c.fit) for c in first.candidates if c.labels == alone]
     if labels:
         rungs.append((f"+ {labels[-1]}", final))
-    return [(name, held_out.gap(fit)) for name, fit in rungs]
+    return [(name, held_out.residual(fit)) for name, fit in rungs]
 
 
 def _effects(
@@ -135,7 +136,7 @@ def _effects(
     result = []
     for index, attached in enumerate(final.extended.attached):
         last = min(index + 1, len(rungs) - 1)
-        before, after = (gap for _, gap in rungs[last - 1 : last + 1])
+        before, after = (residual for _, residual in rungs[last - 1 : last + 1])
         if len(final.extended.attached) == 1:
             found, at = gained, singles.index((final.extended.label(attached),))
         else:

@@ -1,4 +1,4 @@
-"""Where to start the laws that are not convex: lines and jumps of the gap."""
+"""Where to start the laws that are not convex: lines and jumps of the residual."""
 
 import numpy as np
 
@@ -9,12 +9,12 @@ _JUMPS = 3
 _GRID = 8
 
 
-def lines(problem: Problem, gap: np.ndarray) -> tuple[float, ...]:
-    """Return frequencies (Hz) of lines that stand out of the gap, or out of what the input has."""
-    window = np.hanning(gap.size)
-    power = np.abs(np.fft.rfft((gap - gap.mean()) * window)) ** 2
+def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
+    """Return frequencies (Hz) of lines that stand out of the residual, or out of what the input has."""
+    window = np.hanning(residual.size)
+    power = np.abs(np.fft.rfft((residual - residual.mean()) * window)) ** 2
     drive = np.abs(np.fft.rfft((problem.u - problem.u.mean()) * window)) ** 2
-    frequency = np.fft.rfftfreq(gap.size, problem.interval)
+    frequency = np.fft.rfftfreq(residual.size, problem.interval)
     surroundings = np.convolve(drive, np.ones(9) / 9, "same")
     found: list[float] = []
     for prominence in (power.copy(), power / (surroundings / surroundings.max() + 1e-3)):
@@ -36,14 +36,14 @@ def _offset(power: np.ndarray, peak: int) -> float:
     return float(np.clip(0.5 * (left - right) / curvature, -0.5, 0.5)) if curvature < 0 else 0.0
 
 
-def jumps(problem: Problem, gap: np.ndarray) -> tuple[float, ...]:
-    """Return instants (s) at which mean, or coupling to the output, of the gap changes most.
+def jumps(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
+    """Return instants (s) at which mean, or coupling to the output, of the residual changes most.
 
     Cumulative sums find them (Page 1954); a coarse grid catches what they miss.
     """
-    simulated = problem.y - gap
+    simulated = problem.y - residual
     found: list[float] = []
-    for weighted in (gap, gap * (simulated - simulated.mean())):
+    for weighted in (residual, residual * (simulated - simulated.mean())):
         n = weighted.size
         k = np.arange(1, n)
         score = np.abs(np.cumsum(weighted - weighted.mean())[:-1]) / np.sqrt(k * (n - k) / n)
@@ -51,5 +51,5 @@ def jumps(problem: Problem, gap: np.ndarray) -> tuple[float, ...]:
             at = int(np.argmax(score))
             found.append(at * problem.interval)
             score[max(0, at - n // 20) : at + n // 20] = 0.0
-    grid = (np.arange(_GRID) + 0.5) / _GRID * gap.size * problem.interval
+    grid = (np.arange(_GRID) + 0.5) / _GRID * residual.size * problem.interval
     return (*found, *(float(instant) for instant in grid))

@@ -114,7 +114,7 @@ def judge(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
     """
     count = int(problem.seen.sum())
     charge = float(np.exp(0.5 * fit.coordinates.size * np.log(count) / count))
-    rmse = problem.seen_rmse(fit.gap)
+    rmse = problem.seen_rmse(fit.residual)
     return Candidate(fit, rmse, rmse * charge, finished)
 
 
@@ -138,7 +138,7 @@ def extend_by_each(
     )
 
     def error(candidate: Fit) -> float:
-        return problem.seen_rmse(candidate.gap)
+        return problem.seen_rmse(candidate.residual)
 
     stable: dict[str, list[Fit]] = {}
     for fits in sorted((fits for fits in screened if fits), key=lambda fits: error(fits[0])):
@@ -179,7 +179,7 @@ def _polished(problem: Problem, fitted: Fit, shakes: int) -> Fit:
     own = fitted.extended.free >= fitted.extended.effect_slices[-1].start
     count = shakes if len(fitted.extended.attached) == 1 else 0
     for push in _SHAKE * np.random.default_rng(0).standard_normal((count, own.size)):
-        if problem.seen_rmse(best.gap) <= _NEARLY_NOISE * white_level(best.gap, whole):
+        if problem.seen_rmse(best.residual) <= _NEARLY_NOISE * white_level(best.residual, whole):
             break
         shaken = best.coordinates + np.where(own, push, 0.0)
         best = min(
@@ -205,7 +205,7 @@ def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:
 def _offers(problem: Problem, before: Fit, effects: Sequence[Effect]) -> list[Offer]:
     """Return every effect at every port it can attach to and is not attached to yet."""
     ports = before.extended.simulation.force_ports
-    frequencies, instants = lines(problem, before.gap), jumps(problem, before.gap)
+    frequencies, instants = lines(problem, before.residual), jumps(problem, before.residual)
     told = [
         replace(
             measured_scales(before.extended, before.values, problem, i),

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit, fit, remainder
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.sensitivity import unabsorbed
 from dea.simulation import Effect, ExtendedSimulation, Scales
 
 # Fits beyond the kept ones that a few cheap steps do not rule out.
@@ -24,7 +25,7 @@ class Base:
     @classmethod
     def of(cls, problem: Problem, fitted: Fit) -> "Base":
         """Prepare a fit; all effects offered share it."""
-        return cls(fitted, remainder(fitted.jacobian[problem.seen], problem.noise))
+        return cls(fitted, unabsorbed(fitted.jacobian[problem.seen], problem.noise))
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def screen(
         return []
 
     def error(candidate: Fit) -> float:
-        return problem.seen_rmse(candidate.gap)
+        return problem.seen_rmse(candidate.residual)
 
     cheap = [
         fit(
@@ -64,8 +65,7 @@ def screen(
             extended,
             start,
             iterations=steps,
-            kept=base.fit.jacobian,
-            held=held,
+            columns=Columns(held=held, kept=base.fit.jacobian),
         )
         for base in bases
         for start in promising(problem, base, extended, starts)[: max(1, kept // 2)]
@@ -85,19 +85,19 @@ def promising(
     extended: ExtendedSimulation,
     starts: Sequence[tuple[float, ...]],
 ) -> list[np.ndarray]:
-    """Return the coordinates of the starts, first those that explain most of a base's gap.
+    """Return the coordinates of the starts, first those that explain most of a base's residual.
 
     What explains it is the signature: the change of the output that the law makes at that start,
     at its best size, with the simulation's parameters refitted by a linear step.
     """
-    seen, before = problem.seen, base.fit.gap
+    seen, before = problem.seen, base.fit.residual
     left = base.left(before[seen])
 
     def explained(coordinates: np.ndarray) -> float:
-        gap = problem.gap(extended, extended.values(coordinates))
-        if not np.isfinite(gap).all():
+        residual = problem.residual(extended, extended.values(coordinates))
+        if not np.isfinite(residual).all():
             return -1.0
-        change = base.left((before - gap)[seen])
+        change = base.left((before - residual)[seen])
         return max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
 
     placed = [extended.coordinates(np.concatenate([base.fit.values, start])) for start in starts]
@@ -113,8 +113,7 @@ def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | 
         screened.extended,
         screened.coordinates,
         iterations=iterations,
-        slow=known,
-        held=held,
+        columns=Columns(held=held, slow=known),
     )
 
 

@@ -88,7 +88,7 @@ class Search:
         return [self._round([fitted], effects) for fitted in kept if fitted.stable]
 
     def _lacking(self, candidates: Sequence[Candidate]) -> bool:
-        nominal_error = self.problem.seen_rmse(self.nominals[0].gap)
+        nominal_error = self.problem.seen_rmse(self.nominals[0].residual)
         return leaves_room(candidates[0].rmse, nominal_error, self._floor(candidates), self.rules)
 
     def _open(self, grown: Sequence[Round]) -> bool:
@@ -102,14 +102,14 @@ class Search:
         return misfit(candidates[0].rmse, self._floor(candidates))
 
     def _floor(self, candidates: Sequence[Candidate]) -> float:
-        return min(white_level(c.fit.gap, [slice(0, c.fit.gap.size)]) for c in candidates)
+        return min(white_level(c.fit.residual, [slice(0, c.fit.residual.size)]) for c in candidates)
 
 
 def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
     """Return the lowest white level any simulation leaves over."""
-    gaps = [rounds[0].before.gap]
-    gaps += [c.fit.gap for r in rounds for c in r.candidates[:3] if c.finished]
-    return min(white_level(gap, list(blocks)) for gap in gaps)
+    residuals = [rounds[0].before.residual]
+    residuals += [c.fit.residual for r in rounds for c in r.candidates[:3] if c.finished]
+    return min(white_level(residual, list(blocks)) for residual in residuals)
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:

@@ -48,9 +48,9 @@ def fit_nominal(
 def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
     """Fit with so little trust in the record that parameters stay near their prior.
 
-    Refitting smears a gap over the whole record; this fit leaves it where it is.
+    Refitting smears a residual over the whole record; this fit leaves it where it is.
     """
-    trust = rmse(refitted.gap, problem.seen) * np.sqrt(problem.seen.sum()) / 3.0
+    trust = rmse(refitted.residual, problem.seen) * np.sqrt(problem.seen.sum()) / 3.0
     start = np.zeros(refitted.coordinates.size)
     return fit(problem.with_noise(max(trust, problem.noise)), refitted.extended, start)
 
