@@ -28,9 +28,9 @@ _DIRECTIONS = ("falling", "still", "rising")
 class Localisation:
     """Energy of the gap along each quantity, and in words where it is.
 
-    ``dataset`` holds, for each quantity, its bins, the RMS residual in them and the probability that
-    chance concentrates the residual as much; ``strongest`` names the quantity along which the residual is
-    concentrated most, or ``None`` where chance explains all of it.
+    ``dataset`` holds, for each quantity, its bins, the RMS residual in them and the probability
+    that chance concentrates the residual as much; ``strongest`` names the quantity along which the
+    residual is concentrated most, or ``None`` where chance explains all of it.
     """
 
     dataset: xr.Dataset

@@ -10,7 +10,7 @@ _GRID = 8
 
 
 def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
-    """Return frequencies (Hz) of lines that stand out of the residual, or out of what the input has."""
+    """Return frequencies (Hz) at which the residual, or its ratio to the input, has a line."""
     window = np.hanning(residual.size)
     power = np.abs(np.fft.rfft((residual - residual.mean()) * window)) ** 2
     drive = np.abs(np.fft.rfft((problem.u - problem.u.mean()) * window)) ** 2
