@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from dea.compiled import keep_compiled_functions
+from dea.declared_code import refuse_undeclared_code
 
 if TYPE_CHECKING:
     from dea.discrepancy import diagnose
@@ -26,6 +27,8 @@ __all__ = [
 
 # Numba reads where to keep what it compiles when it is imported first.
 keep_compiled_functions()
+# After it, since that reads every module to tell whether any has changed.
+refuse_undeclared_code()
 
 _ROOM_OF = {
     "NarxModel": "dea.narx",

@@ -75,6 +75,11 @@ def settings(*sections, **own_leaves):
     return resolve
 
 
+def stage(command):
+    """The shell command that runs a stage; it refuses code that the rule's ``code`` does not list."""
+    return f"DEA_CODE='{{input.code}}' python -m dea.stages.{command}"
+
+
 def failures(folder, since):
     """How the logs that end in an error and are younger than ``since`` end, each with its name."""
     ends = []

@@ -22,8 +22,10 @@ rule acquire:
     params:
         settings=acquisition_settings("record"),
     shell:
-        "python -m dea.stages.acquire --settings {params.settings:q} --device {input.device:q}"
-        " --record {output.record:q} --link {output.link:q} 2> {log:q}"
+        stage(
+            "acquire --settings {params.settings:q} --device {input.device:q}"
+            " --record {output.record:q} --link {output.link:q} 2> {log:q}"
+        )
 
 
 use rule acquire as acquire_second with:

@@ -16,5 +16,7 @@ rule score_tests:
     params:
         settings=settings(),
     shell:
-        "python -m dea.stages.score_tests --settings {params.settings:q} --model {input.model:q}"
-        " --test {input.test:q} --scores {output.scores:q} 2> {log:q}"
+        stage(
+            "score_tests --settings {params.settings:q} --model {input.model:q}"
+            " --test {input.test:q} --scores {output.scores:q} 2> {log:q}"
+        )

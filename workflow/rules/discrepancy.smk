@@ -31,8 +31,10 @@ rule diagnose:
     params:
         settings=discrepancy_settings,
     shell:
-        "python -m dea.stages.diagnose --threads {threads} --settings {params.settings:q}"
-        " --record {input.record:q}"
-        " --tests {input.tests:q} --localisation {output.localisation:q}"
-        " --candidates {output.candidates:q} --verdict {output.verdict:q}"
-        " --extended {output.extended:q} --certificate {output.certificate:q} 2> {log:q}"
+        stage(
+            "diagnose --threads {threads} --settings {params.settings:q}"
+            " --record {input.record:q}"
+            " --tests {input.tests:q} --localisation {output.localisation:q}"
+            " --candidates {output.candidates:q} --verdict {output.verdict:q}"
+            " --extended {output.extended:q} --certificate {output.certificate:q} 2> {log:q}"
+        )

@@ -87,8 +87,10 @@ for name, group in FIGURES.items():
         params:
             settings=figure_settings(group),
         shell:
-            "python -m dea.stages.figures --settings {params.settings:q}"
-            " --sources {input.sources:q} --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
+            stage(
+                "figures --settings {params.settings:q}"
+                " --sources {input.sources:q} --png {output.png:q} --pdf {output.pdf:q} 2> {log:q}"
+            )
 
 
 # The paper shows its first actuator; so do the figures without a name.

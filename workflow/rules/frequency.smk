@@ -14,5 +14,7 @@ rule gfrf:
     params:
         settings=settings("gfrf"),
     shell:
-        "python -m dea.stages.gfrf --settings {params.settings:q} --record {input.record:q}"
-        " --model {input.model:q} --track {input.track:q} --gfrf {output.gfrf:q} 2> {log:q}"
+        stage(
+            "gfrf --settings {params.settings:q} --record {input.record:q}"
+            " --model {input.model:q} --track {input.track:q} --gfrf {output.gfrf:q} 2> {log:q}"
+        )

@@ -12,8 +12,10 @@ rule orders:
     params:
         settings=settings("identification", "orders"),
     shell:
-        "python -m dea.stages.orders --record {input.record:q} --settings {params.settings:q}"
-        " --orders {output.orders:q} 2> {log:q}"
+        stage(
+            "orders --record {input.record:q} --settings {params.settings:q}"
+            " --orders {output.orders:q} 2> {log:q}"
+        )
 
 
 rule select:
@@ -29,8 +31,10 @@ rule select:
     params:
         settings=settings("identification"),
     shell:
-        "python -m dea.stages.select --record {input.record:q} --settings {params.settings:q}"
-        " --model {output.model:q} 2> {log:q}"
+        stage(
+            "select --record {input.record:q} --settings {params.settings:q}"
+            " --model {output.model:q} 2> {log:q}"
+        )
 
 
 rule validate:
@@ -47,5 +51,7 @@ rule validate:
     params:
         settings=settings("identification", "validation"),
     shell:
-        "python -m dea.stages.validate --record {input.record:q} --model {input.model:q}"
-        " --settings {params.settings:q} --validation {output.validation:q} 2> {log:q}"
+        stage(
+            "validate --record {input.record:q} --model {input.model:q}"
+            " --settings {params.settings:q} --validation {output.validation:q} 2> {log:q}"
+        )

@@ -18,8 +18,10 @@ rule import_record:
         ),
         case=lambda wildcards: CASES[wildcards.case],
     shell:
-        "python -m dea.stages.import_record --case {params.case:q} --settings {params.settings:q}"
-        " --record {output.record:q} 2> {log:q}"
+        stage(
+            "import_record --case {params.case:q} --settings {params.settings:q}"
+            " --record {output.record:q} 2> {log:q}"
+        )
 
 
 use rule import_record as import_test_record with:

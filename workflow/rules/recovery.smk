@@ -2,7 +2,7 @@
 rule recover:
     input:
         models=config["recovery"]["models"],
-        code=modules("dea.stages.recover", "dea.gfrf.response"),
+        code=modules("dea.stages.recover"),
     output:
         recovery="results/recovery.nc",
     log:
@@ -12,5 +12,7 @@ rule recover:
     params:
         settings=settings("identification", "recovery"),
     shell:
-        "python -m dea.stages.recover --models {input.models:q} --settings {params.settings:q}"
-        " --recovery {output.recovery:q} 2> {log:q}"
+        stage(
+            "recover --models {input.models:q} --settings {params.settings:q}"
+            " --recovery {output.recovery:q} 2> {log:q}"
+        )

@@ -63,5 +63,7 @@ for name, group in TABLES.items():
         params:
             settings=json.dumps({"tables": list(group.members)}),
         shell:
-            "python -m dea.stages.tables --settings {params.settings:q} --sources {input.sources:q}"
-            " --csv {output.csv:q} --md {output.md:q} --tex {output.tex:q} 2> {log:q}"
+            stage(
+                "tables --settings {params.settings:q} --sources {input.sources:q}"
+                " --csv {output.csv:q} --md {output.md:q} --tex {output.tex:q} 2> {log:q}"
+            )

@@ -13,5 +13,7 @@ rule track:
     params:
         settings=settings("tracking"),
     shell:
-        "python -m dea.stages.track --settings {params.settings:q} --record {input.record:q}"
-        " --model {input.model:q} --track {output.track:q} 2> {log:q}"
+        stage(
+            "track --settings {params.settings:q} --record {input.record:q}"
+            " --model {input.model:q} --track {output.track:q} 2> {log:q}"
+        )

@@ -35,8 +35,10 @@ rule trial_draw:
             }
         ),
     shell:
-        "python -m dea.stages.trial_draw --settings {params.settings:q} --bench {input.bench:q}"
-        " --sealed {output.sealed:q} --commitment {output.commitment:q} 2> {log:q}"
+        stage(
+            "trial_draw --settings {params.settings:q} --bench {input.bench:q}"
+            " --sealed {output.sealed:q} --commitment {output.commitment:q} 2> {log:q}"
+        )
 
 
 rule trial_acquire:
@@ -61,9 +63,11 @@ rule trial_acquire:
             sort_keys=True,
         ),
     shell:
-        "python -m dea.stages.trial_acquire --settings {params.settings:q}"
-        " --device {input.device:q} --bench {input.bench:q} --sealed {input.sealed:q}"
-        " --commitment {input.commitment:q} --records {output.records:q} 2> {log:q}"
+        stage(
+            "trial_acquire --settings {params.settings:q}"
+            " --device {input.device:q} --bench {input.bench:q} --sealed {input.sealed:q}"
+            " --commitment {input.commitment:q} --records {output.records:q} 2> {log:q}"
+        )
 
 
 rule trial_diagnose:
@@ -82,8 +86,10 @@ rule trial_diagnose:
             sort_keys=True,
         ),
     shell:
-        "python -m dea.stages.trial_diagnose --settings {params.settings:q}"
-        " --records {input.records:q} --verdicts {output.verdicts:q} 2> {log:q}"
+        stage(
+            "trial_diagnose --settings {params.settings:q}"
+            " --records {input.records:q} --verdicts {output.verdicts:q} 2> {log:q}"
+        )
 
 
 rule trial_score:
@@ -103,6 +109,8 @@ rule trial_score:
             {"seed": TRIALS["seeds"][wildcards.set], "set": wildcards.set}
         ),
     shell:
-        "python -m dea.stages.trial_score --settings {params.settings:q}"
-        " --commitment {input.commitment:q} --sealed {input.sealed:q}"
-        " --verdicts {input.verdicts:q} --scores {output.scores:q} 2> {log:q}"
+        stage(
+            "trial_score --settings {params.settings:q}"
+            " --commitment {input.commitment:q} --sealed {input.sealed:q}"
+            " --verdicts {input.verdicts:q} --scores {output.scores:q} 2> {log:q}"
+        )
