@@ -114,6 +114,28 @@ def test_greedy_steps_take_the_largest_reduction_of_the_simulated_error():
             error = errors[best]
 
 
+@pytest.mark.parametrize("threshold", [1e-4, 1e-2])
+def test_pruning_removes_the_cheapest_term_while_it_costs_less_than_the_threshold(threshold):
+    _, u, y = record(SMALL, 300, noise=0.05)
+    candidates = candidate_terms(1, 2, 2)
+    subset = list(range(len(candidates)))
+    power = np.mean(y[2:] ** 2)
+    error, costs = slow_trial(candidates, subset, u, y, 2)[0], []
+    while True:
+        options = [[i for i in subset if i != j] for j in subset]
+        errors = [slow_trial(candidates, option, u, y, 2)[0] for option in options]
+        best = int(np.argmin(errors))
+        costs.append((errors[best] - error) / power)
+        if costs[-1] > threshold:
+            break
+        subset, error = options[best], errors[best]
+    # Removals that cost something were accepted: a threshold of the other sign would refuse them.
+    assert max(costs[:-1]) > 0.0
+    trials, everything = Trials(candidates, [(u, y)]), tuple(range(len(candidates)))
+    found = forward_and_prune(trials, everything, 1e-4, threshold, 99, Trace())
+    assert found == tuple(subset)
+
+
 def test_the_small_model_found_is_the_best_of_all_subsets():
     terms = {"y(t-1)": 0.5, "u(t-1)": 0.4, "u(t-1)^2": 0.3}
     _, u, y = record(terms, 200, noise=0.02)

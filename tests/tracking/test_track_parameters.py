@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from dea.errors import InputError
 from dea.gfrf import frequency_response
@@ -105,6 +106,75 @@ def test_sensitivity_is_the_derivative_of_the_free_run():
             simulate_varying(PLANT.terms, theta + s * step, u, np.zeros(2)) for s in (1.0, -1.0)
         )
         np.testing.assert_allclose(psi[:, j], (ahead - behind)[2:] / 2e-6, rtol=1e-5, atol=1e-7)
+
+
+def unequal_record():
+    """A short record whose regressors differ in size by a factor of a thousand."""
+    model = NarxModel.from_terms({"1": 0.3, "y(t-1)": 0.5, "u(t-1)": 0.02, "u(t-1)^2": -1e-4})
+    rng = np.random.default_rng(12)
+    u = rng.uniform(-50.0, 50.0, 60)
+    y = model.simulate(u) + 0.05 * rng.standard_normal(60)
+    Phi = np.column_stack([np.ones(59), y[:-1], u[:-1], u[:-1] ** 2])
+    return model, u, y, Phi, np.sqrt(np.mean(Phi**2, axis=0))
+
+
+def test_the_band_of_least_squares_is_that_of_the_batch_estimate():
+    """The normal equations of (11) in the units of the model, where each weight has its own."""
+    model, u, y, Phi, size = unequal_record()
+    fade, leakage, delta = 0.95, 1e-3, 2.0
+    track = track_parameters(model, u, y, forgetting=fade, leakage=leakage, delta=delta)
+    for n in (5, 30, 59):
+        weight = fade ** np.arange(n)[::-1]
+        pull = np.diag(size**2) * (leakage * weight.sum() + delta * fade**n)
+        information = Phi[:n].T @ (weight[:, None] * Phi[:n]) + pull
+        right = Phi[:n].T @ (weight * y[1 : n + 1]) + pull @ model.parameters
+        theta = np.linalg.solve(information, right)
+        moved = theta - model.parameters
+        squares = weight @ (y[1 : n + 1] - Phi[:n] @ theta) ** 2 + moved @ pull @ moved
+        variance = squares / weight.sum() * np.diag(np.linalg.inv(information))
+        np.testing.assert_allclose(track["parameter"].values[n], theta, rtol=1e-8)
+        np.testing.assert_allclose(track["parameter_std"].values[n], np.sqrt(variance), rtol=1e-8)
+
+
+def test_the_band_of_the_smoother_is_that_of_the_joint_gaussian():
+    """All parameters at all samples as one Gaussian vector, in the units of the model."""
+    model, u, y, Phi, size = unequal_record()
+    ratio, delta, (n, p) = 1e-3, 2.0, Phi.shape
+    track = track_parameters(model, u, y, method="kalman", noise_ratio=ratio, delta=delta)
+    # cov(theta_s, theta_t) of the walk, in units of the noise variance.
+    steps = 1.0 + np.minimum.outer(np.arange(n), np.arange(n))
+    prior = np.kron(1.0 / delta + ratio * steps, np.diag(1.0 / size**2))
+    observe = np.zeros((n, n * p))
+    for t in range(n):
+        observe[t, t * p : (t + 1) * p] = Phi[t]
+    marginal = observe @ prior @ observe.T + np.eye(n)
+    residual = y[1:] - Phi @ model.parameters
+    gain = prior @ observe.T @ np.linalg.inv(marginal)
+    noise = residual @ np.linalg.solve(marginal, residual) / n
+    variance = noise * np.diag(prior - gain @ observe @ prior).reshape(n, p)
+    theta = model.parameters + (gain @ residual).reshape(n, p)
+    np.testing.assert_allclose(track["parameter"].values[1:], theta, rtol=1e-6)
+    np.testing.assert_allclose(track["parameter_std"].values[1:], np.sqrt(variance), rtol=1e-6)
+
+
+def test_frozen_errors_are_those_of_each_stretchs_middle_parameters():
+    model = NarxModel.from_terms({"1": 0.0, "y(t-1)": 0.5, "u(t-1)": 1.0})
+    rng = np.random.default_rng(13)
+    samples, window = 95, 20
+    u = rng.standard_normal(samples)
+    theta = model.parameters + np.linspace(0.0, 0.4, samples)[:, None] ** 2 * [1.0, 0.5, -1.0]
+    y = np.cumsum(0.1 * rng.standard_normal(samples)) + u
+    track = xr.Dataset({"parameter": (("time", "term"), theta)})
+    errors = []
+    for first in range(0, samples - window + 1, window):
+        constant, pole, gain = theta[first + window // 2]
+        run, squares = y[first], []
+        for t in range(first + 1, first + window):
+            run = constant + pole * run + gain * u[t - 1]
+            squares.append((run - y[t]) ** 2)
+        errors.append(np.mean(squares))
+    found = compare_free_runs(model, {"made": track}, u, y, window=window)["nmse_frozen"]
+    assert found.sel(simulation="made").item() == pytest.approx(np.median(errors) / np.var(y))
 
 
 def test_the_track_is_labelled_and_complete():
