@@ -1,19 +1,15 @@
 """How an acquisition drives, waits and repeats."""
 
-from dataclasses import dataclass, fields
-from typing import Any, Literal
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, Self
 
-from dea.errors import InputError
+from dea.configuration.acquisition import Acquisition
+from dea.configuration.problems import validated
+from dea.configuration.section import partial
 
-_CHOICES = {"mode": ("buffered", "polled"), "on_break": ("stop", "restart"), "paced": (True, False)}
-_LOWEST = {
-    "ramp_rate": 1e-3,
-    "restarts": 0,
-    "timeout": 1e-3,
-    "retries": 0,
-    "reconnect_time": 0.0,
-    "late_after": 0.0,
-}
+# A caller names the settings that differ from the defaults.
+_SOME = partial(Acquisition)
 
 
 @dataclass(frozen=True)
@@ -31,28 +27,7 @@ class AcquisitionSettings:
     paced: bool = True
 
     @classmethod
-    def from_mapping(cls, values: dict[str, Any]) -> "AcquisitionSettings":
+    def from_mapping(cls, values: Mapping[str, Any]) -> Self:
         """Check settings read from a file; raises InputError for a misspelt key or bad value."""
-        known = {f.name for f in fields(cls)}
-        for key in values:
-            if key not in known:
-                raise InputError(
-                    "unknown key", field=f"acquisition.{key}", remedy=f"Known: {sorted(known)}."
-                )
-        settings = cls(**values)
-        for key, allowed in _CHOICES.items():
-            if getattr(settings, key) not in allowed:
-                raise InputError(
-                    f"{getattr(settings, key)!r}",
-                    field=f"acquisition.{key}",
-                    remedy=f"Use {' or '.join(map(str, allowed))}.",
-                )
-        for key, low in _LOWEST.items():
-            number = getattr(settings, key)
-            if isinstance(number, bool) or not isinstance(number, int | float) or number < low:
-                raise InputError(
-                    f"{number!r}",
-                    field=f"acquisition.{key}",
-                    remedy=f"Use a number of at least {low:g}.",
-                )
-        return settings
+        given = validated(_SOME, values, place="acquisition")
+        return cls(**given.model_dump(exclude_unset=True))
