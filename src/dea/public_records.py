@@ -3,13 +3,14 @@
 import argparse
 import hashlib
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
 
-import yaml
-
+from dea.configuration.files import read_yaml
+from dea.configuration.problems import validated
+from dea.configuration.public_records import PublicRecord, PublicRecords
 from dea.errors import InputError
 from dea.store import atomic
 
@@ -36,14 +37,15 @@ def fetch(
         If a name is unknown, an address does not answer, or the content is not the one whose
         SHA-256 the catalogue holds; nothing is left behind for that record.
     """
-    records = yaml.safe_load(catalogue.read_text())
+    content = read_yaml(catalogue, what="the catalogue", example=str(CATALOGUE))
+    records = validated(PublicRecords, content, catalogue).root
     return [
         _fetch_one(name, _entry(records, name, catalogue), catalogue, destination, folder)
         for name in (list(names) or records)
     ]
 
 
-def _entry(records: dict[str, dict[str, str]], name: str, catalogue: Path) -> dict[str, str]:
+def _entry(records: Mapping[str, PublicRecord], name: str, catalogue: Path) -> PublicRecord:
     if name not in records:
         raise InputError(
             f"there is no public record {name!r}",
@@ -54,12 +56,12 @@ def _entry(records: dict[str, dict[str, str]], name: str, catalogue: Path) -> di
 
 
 def _fetch_one(
-    name: str, entry: dict[str, str], catalogue: Path, destination: Path, folder: Path | None
+    name: str, entry: PublicRecord, catalogue: Path, destination: Path, folder: Path | None
 ) -> Path:
     target = destination / name
-    if target.exists() and _sha256(target.read_bytes()) == entry["sha256"]:
+    if target.exists() and _sha256(target.read_bytes()) == entry.sha256:
         return target
-    address = (folder / name).resolve().as_uri() if folder else entry["url"]
+    address = (folder / name).resolve().as_uri() if folder else entry.url
     try:
         with urlopen(address, timeout=60) as answer:
             content = answer.read()
@@ -71,12 +73,12 @@ def _fetch_one(
             remedy="Check the connection, or give a folder that holds the records with --from",
         ) from error
     found = _sha256(content)
-    if found != entry["sha256"]:
+    if found != entry.sha256:
         raise InputError(
             f"{address} holds something else (SHA-256 {found[:12]}…)",
             file=catalogue,
             field=name,
-            remedy=f"The record's SHA-256 is {entry['sha256'][:12]}…; give a folder with --from",
+            remedy=f"The record's SHA-256 is {entry.sha256[:12]}…; give a folder with --from",
         )
     with atomic(target) as partial:
         partial.write_bytes(content)

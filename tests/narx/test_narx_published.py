@@ -42,10 +42,11 @@ def test_normalised_inputs_keep_all_six_bounded_and_raw_volts_do_not(plants):
     ("text", "message"),
     [
         ("models: {A: {'x(t-1)': 1}}", r"published.yaml: models.A: 'x\(t-1\)' is not a term"),
-        ("models: {A: {'y(t-1)': fast}}", r"models.A.y\(t-1\): its coefficient is 'fast'"),
-        ("models: [1, 2]", "holds no models"),
-        ("plants: {}", "holds no models"),
-        ("models: {A: [", "holds no models"),
+        ("models: {A: {'y(t-1)': fast}}", r"models.A.y\(t-1\): it is 'fast'. Give a number"),
+        ("models: {A: {'y(t-1)': true}}", r"models.A.y\(t-1\): it is True"),
+        ("models: [1, 2]", "models: it is .* Give a mapping of names"),
+        ("plants: {}", "plants: unknown key 'plants'.*models"),
+        ("models: {A: [", "not valid YAML"),
     ],
 )
 def test_a_wrong_file_is_named(tmp_path, text, message):

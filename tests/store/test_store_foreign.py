@@ -108,9 +108,9 @@ def test_a_file_whose_columns_are_named_is_read_as_a_case_reads_it(write, file, 
     ("changes", "message"),
     [
         ({"inputs": NAMED["input"]}, "inputs: unknown"),
-        ({"input": None}, "input: column and units are wanted"),
-        ({"input": {"column": "u"}}, "input: column and units are wanted"),
-        ({"time": {"column": "u", "units": "s"}}, "time, sampling_interval: one of them"),
+        ({"input": None}, "input: missing. Give a mapping with the keys column, units"),
+        ({"input": {"column": "u"}}, r"input\.units: missing. Give text: units"),
+        ({"time": {"column": "u", "units": "s"}}, "time: both of time and sampling_interval given"),
         ({"output": {"column": "z", "units": "mm"}}, r"output\.column: .* no column 'z'"),
     ],
 )
@@ -126,7 +126,9 @@ def test_a_file_that_does_not_say_its_columns_tells_how_to(tmp_path):
     write_csv(tmp_path)
     with pytest.raises(InputError, match=r"Name them: read_record\(path, sampling_interval="):
         store.read_record(tmp_path / "mine.csv")
-    with pytest.raises(InputError, match="output: it is not named"):
+    with pytest.raises(
+        InputError, match=r"output: missing\. Give a mapping with the keys column, units"
+    ):
         store.read_record(tmp_path / "mine.csv", sampling_interval=0.5, input=NAMED["input"])
 
 

@@ -2,61 +2,22 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from dea.configuration.discrepancy import Split
 from dea.configuration.files import read_yaml
 from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Identification, Orders, Validation
 from dea.configuration.problems import validated
-from dea.configuration.section import Name, Positive, Section, Whole, key, refuse
+from dea.configuration.record import Record
+from dea.configuration.section import Name, Section, key
 from dea.configuration.study import RESERVED, Study, check_tracker, settings
 from dea.configuration.tracking import Tracking
 from dea.errors import InputError
 
 SECTIONS = ("identification", "orders", "validation", "tracking", "gfrf")
-
-
-class Column(Section):
-    """A column of numbers in a file."""
-
-    column: str = key("name of the column, or of the variable of a NetCDF or MATLAB file")
-    units: str = key("units of the numbers, as the file has them where it says so")
-    name: str | None = key("what it is, for labels; the column's own name otherwise", default=None)
-
-
-class Record(Section):
-    """A record: its file, and what the columns of the file are."""
-
-    file: str = key("CSV, NetCDF or MATLAB file, relative to the project")
-    time: Column | None = key("time in seconds, uniform", default=None)
-    sampling_interval: Positive | None = key(
-        "time between samples, where there is no time column", unit="s", default=None
-    )
-    input: Column = key("what drove the system")
-    output: Column = key("what was measured")
-    rows: Annotated[list[Whole], Field(min_length=2, max_length=2)] | None = key(
-        "first row, and one past the last; negative rows count from the end", default=None
-    )
-
-    @model_validator(mode="after")
-    def _one_time(self) -> Self:
-        if (self.time is None) == (self.sampling_interval is None):
-            count = "neither" if self.time is None else "both"
-            raise refuse(
-                "time",
-                f"{count} of time and sampling_interval given",
-                "Give the time column, or the sampling_interval in s.",
-            )
-        if self.time is not None and self.time.units != "s":
-            raise refuse(
-                "time.units",
-                f"its units are {self.time.units!r}",
-                "Time is in 's': convert the column, or give a sampling_interval instead.",
-            )
-        return self
 
 
 class Case(Section):

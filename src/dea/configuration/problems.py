@@ -1,18 +1,17 @@
 """From pydantic's errors to one line that names file, key, remedy and the nearest key."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from dea.configuration.section import Section
 from dea.configuration.wording import Schema, allowed, resolved
 from dea.errors import InputError
 
-_Model = TypeVar("_Model", bound=Section)
+_Model = TypeVar("_Model", bound=BaseModel)
 
 
 def validated(
@@ -45,7 +44,7 @@ def unknown_key(name: str, known: Sequence[str]) -> tuple[str, str]:
 
 
 def _input_error(
-    model: type[Section], details: Sequence[ErrorDetails], file: str | Path | None, place: str
+    model: type[BaseModel], details: Sequence[ErrorDetails], file: str | Path | None, place: str
 ) -> InputError:
     schema = model.model_json_schema()
     # A misspelt key is also a missing one; and a value that fits no member of a union is reported
@@ -97,12 +96,12 @@ def _located(place: Sequence[str | int], schema: Schema) -> tuple[Schema, str, s
     node, path, rest = schema, "", None
     for step in place:
         node, rest = resolved(node, definitions), None
-        inner = _inner(node, step, definitions)
-        if inner is None:
+        if (member := _member(node, step)) is not None:
+            node = member
+        elif (inner := _inner(node, step, definitions)) is not None:
+            node, path = inner, _joined(path, step)
+        else:
             rest = step
-            continue
-        member = step in node.get("discriminator", {}).get("mapping", {})
-        node, path = inner, path if member else _joined(path, step)
     node = resolved(node, definitions)
     # An optional section is a section or nothing.
     for choice in node.get("anyOf", ()):
@@ -111,12 +110,20 @@ def _located(place: Sequence[str | int], schema: Schema) -> tuple[Schema, str, s
     return node, path, rest
 
 
+def _member(node: Schema, step: str | int) -> Schema | None:
+    """Return the member of a union that ``step`` names, by its tag or its model."""
+    if step in (tags := node.get("discriminator", {}).get("mapping", {})):
+        return {"$ref": tags[step]}
+    members: Iterator[Schema] = (
+        choice for choice in node.get("anyOf", ()) if choice.get("$ref", "").endswith(f"/{step}")
+    )
+    return next(members, None)
+
+
 def _inner(node: Schema, step: str | int, definitions: Schema) -> Schema | None:
     if isinstance(step, int):
         own = {"unit": node["unit"]} if "unit" in node else {}
         return {**node["items"], **own} if "items" in node else None
-    if (mapping := node.get("discriminator", {}).get("mapping", {})) and step in mapping:
-        return {"$ref": mapping[step]}
     if step in node.get("properties", {}):
         found: Schema = node["properties"][step]
         return found

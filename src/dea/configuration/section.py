@@ -1,7 +1,7 @@
 """What the sections of all files are made of: strict keys, numbers with ranges and units."""
 
 from copy import copy
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol, runtime_checkable
 
 from pydantic import (
     AfterValidator,
@@ -15,6 +15,14 @@ from pydantic import (
 )
 from pydantic.config import JsonDict
 from pydantic_core import PydanticCustomError
+
+
+@runtime_checkable
+class SupportsItem(Protocol):
+    """A number of NumPy, which this room does not import."""
+
+    def item(self) -> int | float:
+        """Return it as a number of Python."""
 
 
 class Section(BaseModel):
@@ -46,10 +54,12 @@ def partial(section: type[Section]) -> Any:
 
 
 def _from_text(value: Any) -> Any:
-    """Return the number that a text is.
+    """Return the number that a text is, or a number of NumPy.
 
     Snakemake hands over nested numbers of its command line as text, and YAML reads 1e-5 as text.
     """
+    if isinstance(value, SupportsItem):
+        return value.item()
     if isinstance(value, str):
         for kind in (int, float):
             try:

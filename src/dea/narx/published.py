@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-import yaml
-
 from dea.errors import InputError
 from dea.narx.model import NarxModel
 
@@ -18,31 +16,21 @@ def load_published(path: str | Path) -> dict[str, NarxModel]:
     InputError
         Naming the file and the model, for text that is no term or no number.
     """
-    file = Path(path)
-    try:
-        listed = yaml.safe_load(file.read_text())["models"]
-        tables = {str(name): dict(terms) for name, terms in listed.items()}
-    except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(
-            f"it holds no models ({error})",
-            file=file,
-            field="models",
-            remedy='Write models: {NAME: {"y(t-1)": 0.9}}.',
-        ) from error
-    return {name: _model(terms, file, name) for name, terms in tables.items()}
+    # pydantic takes long to import, and most who import this room read no published model.
+    from dea.configuration.files import read_yaml
+    from dea.configuration.problems import validated
+    from dea.configuration.published import PublishedModels
+
+    content = read_yaml(
+        path, what="the file of published models", example="config/published_models.yaml"
+    )
+    listed = validated(PublishedModels, content, path).models
+    return {name: _model(terms, path, name) for name, terms in listed.items()}
 
 
-def _model(terms: dict, file: Path, name: str) -> NarxModel:
-    for term, value in terms.items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(
-                f"its coefficient is {value!r}",
-                file=file,
-                field=f"models.{name}.{term}",
-                remedy="Coefficients are numbers.",
-            )
+def _model(terms: dict[str, float], file: str | Path, name: str) -> NarxModel:
     try:
-        return NarxModel.from_terms({str(term): value for term, value in terms.items()})
+        return NarxModel.from_terms(terms)
     except InputError as error:
         raise InputError(
             error.problem, file=file, field=f"models.{name}", remedy=error.remedy

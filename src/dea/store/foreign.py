@@ -2,13 +2,16 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
 from dea.store.records import check_record
+
+if TYPE_CHECKING:
+    from dea.configuration.record import Column
 
 
 def import_record(
@@ -28,10 +31,15 @@ def import_record(
     Raises
     ------
     InputError
-        If the file cannot be read, a column is missing or holds text, units disagree with the
-        file, or the record is not whole.
+        If a setting is wrong, the file cannot be read, a column is missing or holds text, units
+        disagree with the file, or the record is not whole.
     """
-    file = root / settings["file"]
+    # pydantic takes long to import, and most who import this room import no record.
+    from dea.configuration.problems import validated
+    from dea.configuration.record import Record
+
+    described = validated(Record, settings, case_file, "record" if case_file else "")
+    file = root / described.file
     place = "record." if case_file else ""
     if not file.exists():
         raise InputError(
@@ -41,10 +49,10 @@ def import_record(
             remedy="Correct the path, or fetch the public records with `make records`",
         )
     columns, units = _read_columns(file, case_file)
-    rows = slice(*settings.get("rows", (None,)))
+    rows = slice(*(described.rows or (None,)))
 
-    def column(role: str) -> np.ndarray:
-        name = settings[role]["column"]
+    def column(role: str, declared: "Column") -> np.ndarray:
+        name = declared.column
         if name not in columns:
             raise InputError(
                 f"{file} has no column {name!r}",
@@ -52,43 +60,37 @@ def import_record(
                 field=f"{place}{role}.column",
                 remedy=f"Its columns of numbers are {', '.join(columns) or 'none'}",
             )
-        declared, stored = settings[role]["units"], units.get(name, settings[role]["units"])
-        if declared != stored:
+        stored = units.get(name, declared.units)
+        if declared.units != stored:
             raise InputError(
-                f"{file} has {name!r} in {stored!r}, not in {declared!r}",
+                f"{file} has {name!r} in {stored!r}, not in {declared.units!r}",
                 file=case_file,
                 field=f"{place}{role}.units",
                 remedy="Correct the units, or convert the record",
             )
         return columns[name][rows]
 
-    u, y = column("input"), column("output")
-    if "time" in settings:
-        if settings["time"]["units"] != "s":
-            raise InputError(
-                f"its units are {settings['time']['units']!r}",
-                file=case_file,
-                field=f"{place}time.units",
-                remedy="Time is in 's': convert the column, or give a sampling_interval instead",
-            )
-        time = column("time")
+    u, y = column("input", described.input), column("output", described.output)
+    if described.time is not None:
+        time = column("time", described.time)
         time = time - time[:1]
     else:
-        time = np.arange(u.size) * float(settings["sampling_interval"])
+        assert described.sampling_interval is not None
+        time = np.arange(u.size) * float(described.sampling_interval)
     record = xr.Dataset(
         {
-            role: ("time", values, _attributes(settings[role]))
-            for role, values in (("input", u), ("output", y))
+            "input": ("time", u, _attributes(described.input)),
+            "output": ("time", y, _attributes(described.output)),
         },
         coords={"time": ("time", time, {"units": "s", "long_name": "time since the start"})},
-        attrs={"contract": "imported_record", "source_file": settings["file"]},
+        attrs={"contract": "imported_record", "source_file": described.file},
     )
     check_record(record, file)
     return record
 
 
-def _attributes(role: Mapping[str, str]) -> dict[str, str]:
-    return {"units": role["units"], "long_name": role.get("name", role["column"])}
+def _attributes(column: "Column") -> dict[str, str]:
+    return {"units": column.units, "long_name": column.name or column.column}
 
 
 def _read_columns(file: Path, case_file: Path | None) -> "_Columns":

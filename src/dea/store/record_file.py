@@ -1,6 +1,5 @@
 """One way to read a record, whatever wrote it."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,6 @@ from dea.store.files import read
 from dea.store.foreign import FORMATS, import_record
 from dea.store.records import check_record
 
-_ROLES = ("input", "output", "time")
-_KNOWN = {*_ROLES, "sampling_interval", "rows"}
 _EXAMPLE = (
     "read_record(path, sampling_interval=0.02, input={'column': 'volts', 'units': 'V'}, "
     "output={'column': 'position', 'units': 'mm'})"
@@ -39,7 +36,11 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
     """
     file = Path(path)
     if columns:
-        _check_columns(columns, file)
+        # pydantic takes long to import, and most who import this room name no columns.
+        from dea.configuration.problems import validated
+        from dea.configuration.record import Columns
+
+        validated(Columns, columns, file)
         return import_record({"file": str(file), **columns})
     if file.suffix.lower() in FORMATS and file.suffix.lower() != ".nc":
         raise InputError(
@@ -50,22 +51,3 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
     dataset = read(file)
     check_record(dataset, file)
     return dataset
-
-
-def _check_columns(columns: Mapping[str, Any], file: Path) -> None:
-    """A case file's schema asks for the same."""
-    remedy = f"As in {_EXAMPLE}"
-    for name in columns:
-        if name not in _KNOWN:
-            known = ", ".join(sorted(_KNOWN))
-            raise InputError("unknown", file=file, field=name, remedy=f"Known are {known}")
-    for role in ("input", "output"):
-        if role not in columns:
-            raise InputError("it is not named", file=file, field=role, remedy=remedy)
-    for role in set(_ROLES) & set(columns):
-        if not isinstance(columns[role], Mapping) or not {"column", "units"} <= set(columns[role]):
-            raise InputError("column and units are wanted", file=file, field=role, remedy=remedy)
-    if ("time" in columns) == ("sampling_interval" in columns):
-        raise InputError(
-            "one of them is wanted", file=file, field="time, sampling_interval", remedy=remedy
-        )

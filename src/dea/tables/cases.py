@@ -8,13 +8,13 @@ import xarray as xr
 
 from dea.notation import DASH, number
 from dea.store import Sources
-from dea.tables.published import check_units
+from dea.tables.published import check_units, published_errors
 from dea.tables.table import Table
 
 
 def tabulate(sources: Sources) -> Table:
     """Make it from ``test_scores.nc`` of every case and ``published_errors.yaml``."""
-    published = sources.document("published_errors")["errors"]
+    published = published_errors(sources)["errors"]
     return cases(sources.datasets("test_scores"), published)
 
 

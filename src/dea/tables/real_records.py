@@ -7,7 +7,7 @@ import pandas as pd
 
 from dea.notation import DASH, number
 from dea.store import Sources
-from dea.tables.published import check_units
+from dea.tables.published import check_units, published_errors
 from dea.tables.table import Table
 
 _NO_NAME = "no name"
@@ -16,7 +16,7 @@ _KEPT = "kept block"
 
 def tabulate(sources: Sources) -> Table:
     """Make it from ``verdict.json`` of every diagnosed case and ``published_errors.yaml``."""
-    published = sources.document("published_errors")["extensions"]
+    published = published_errors(sources)["extensions"]
     return real_records(sources.documents("verdict"), published)
 
 

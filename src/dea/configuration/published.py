@@ -1,0 +1,50 @@
+"""What others have published: config/published_models.yaml and config/published_errors.yaml."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator
+
+from dea.configuration.section import NotNegative, Number, Positive, Section, key
+
+
+def _texts(terms: Any) -> Any:
+    """Return the terms as texts; YAML reads the constant term 1 as a number."""
+    return {str(term): value for term, value in terms.items()} if isinstance(terms, dict) else terms
+
+
+Terms = Annotated[dict[str, Number], BeforeValidator(_texts)]
+
+
+class PublishedModels(Section):
+    """Polynomial NARX models of normalised input and output, as plants with known answers."""
+
+    sampling_rate: Positive | None = key("of the models", unit="Hz", default=None)
+    models: dict[str, Terms] = key("coefficients by name of the model and term, such as y(t-1)")
+
+
+class PublishedError(Section):
+    """An error of a free run."""
+
+    rmse: NotNegative = key("root mean square error")
+    units: str = key("units of the error, which are those of the record")
+
+
+class PublishedExtension(Section):
+    """Errors with simple physics, without and with the effect it lacks."""
+
+    before: NotNegative = key("root mean square error without the effect")
+    after: NotNegative = key("root mean square error with the effect")
+    units: str = key("units of the errors, which are those of the record")
+
+
+class NoExtension(Section):
+    """No effect is known that such a record could prove."""
+
+    effect: Literal["none"] = key("no effect")
+
+
+class PublishedErrors(Section):
+    """Errors on public test records, by case and test record."""
+
+    errors: dict[str, dict[str, PublishedError]] = key("of polynomial NARX models")
+    extensions: dict[str, dict[str, PublishedExtension | NoExtension]] = key("of simple physics")

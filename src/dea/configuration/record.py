@@ -1,0 +1,52 @@
+"""A record made elsewhere: its file, and what the columns of the file are."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from dea.configuration.section import Positive, Section, Whole, key, refuse
+
+
+class Column(Section):
+    """A column of numbers in a file."""
+
+    column: str = key("name of the column, or of the variable of a NetCDF or MATLAB file")
+    units: str = key("units of the numbers, as the file has them where it says so")
+    name: str | None = key("what it is, for labels; the column's own name otherwise", default=None)
+
+
+class Columns(Section):
+    """What drove the system and what was measured, and when."""
+
+    input: Column = key("what drove the system")
+    output: Column = key("what was measured")
+    time: Column | None = key("time in seconds, uniform", default=None)
+    sampling_interval: Positive | None = key(
+        "time between samples, where there is no time column", unit="s", default=None
+    )
+    rows: Annotated[list[Whole], Field(min_length=2, max_length=2, strict=False)] | None = key(
+        "first row, and one past the last; negative rows count from the end", default=None
+    )
+
+    @model_validator(mode="after")
+    def _one_time(self) -> Self:
+        if self.time is not None and self.time.units != "s":
+            raise refuse(
+                "time.units",
+                f"its units are {self.time.units!r}",
+                "Time is in 's': convert the column, or give a sampling_interval instead.",
+            )
+        if (self.time is None) == (self.sampling_interval is None):
+            count = "neither" if self.time is None else "both"
+            raise refuse(
+                "time",
+                f"{count} of time and sampling_interval given",
+                "Give the time column, or the sampling_interval in s.",
+            )
+        return self
+
+
+class Record(Columns):
+    """A record made elsewhere."""
+
+    file: str = key("CSV, NetCDF or MATLAB file, relative to the project")
