@@ -14,7 +14,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study case cases report diagnose discrepancy real trials records faults peers \
-	interoperability soak check test benchmark clean
+	interoperability soak check test mutants benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -83,6 +83,10 @@ check: $(VENV)/installed ## linters, formatters, the type checker and the import
 
 test: check ## the whole test suite
 	pytest
+
+mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=300 SEED=1 ROOM=narx)
+	python -m benchmarks.mutants --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) \
+		$(ROOM:%=--room %)
 
 benchmark: $(VENV)/installed ## speed of identification, tracking and simulation against peers
 	python -m benchmarks

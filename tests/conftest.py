@@ -1,7 +1,7 @@
 """Fixtures of every room."""
 
 import pytest
-from hypothesis import settings
+from hypothesis import Phase, settings
 
 import made_datasets as made
 from served_bench import ServedBench
@@ -9,6 +9,10 @@ from served_bench import ServedBench
 # The first call of a compiled function compiles it, which no deadline allows for.
 settings.register_profile("compiled", deadline=None)
 settings.load_profile("compiled")
+# Whether any example fails is what a mutant is judged by, not which the smallest is.
+settings.register_profile(
+    "first_failure", deadline=None, phases=[Phase.explicit, Phase.generate], database=None
+)
 
 
 def pytest_addoption(parser):

@@ -1,0 +1,221 @@
+"""A sample of mutants, each tested in a copy of the project; what was done is kept."""
+
+import json
+import random
+import tempfile
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from difflib import unified_diff
+from hashlib import sha256
+from pathlib import Path
+from queue import SimpleQueue
+
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from benchmarks.mutants.sites import Mutant, mutants
+from benchmarks.mutants.suite import Selection, TimedFile, read_report, select, test_files
+from benchmarks.mutants.workplace import Workplace
+
+# Rooms whose mistakes spoil a result or a device, as files and folders of src/dea.
+ROOMS = {
+    "narx": ("narx",),
+    "tracking": ("tracking",),
+    "gfrf": ("gfrf",),
+    "terms": ("terms", "terms.py"),
+    "signals": ("signals", "signals.py"),
+    "simulation": ("simulation",),
+    "discrepancy": ("discrepancy/evidence", "discrepancy/search"),
+    "plant": ("plant",),
+    "acquisition": ("acquisition",),
+    "modbus": ("modbus",),
+    "store": ("store",),
+}
+DISPLAY = {"panel.py"}  # what is shown while a record is made
+# Status of pytest: 1 where a test failed, 2 to 4 where none could be run.
+OUTCOMES = {0: "survived", 1: "killed", 2: "incompetent", 3: "incompetent", 4: "incompetent",
+            5: "survived", None: "timeout"}  # fmt: skip
+# A mutant has its tests' time this often, and the seconds that a start and a compilation take.
+PATIENCE, START = 4.0, 45.0
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """How many mutants of which rooms are tried, and how long on each."""
+
+    root: Path
+    folder: Path  # for the copies of the project and the times of its tests
+    rooms: Sequence[str]
+    count: int
+    seed: int
+    budget: float  # s of tests for each mutant
+    workers: int
+
+
+def sample(campaign: Campaign) -> list[tuple[str, Mutant]]:
+    """Draw places evenly from all of the rooms, and one mutant at each; the same for one seed."""
+    places = [
+        (room, place)
+        for room in campaign.rooms
+        for file in _modules(campaign.root, room)
+        for place in mutants(campaign.root, file)
+    ]
+    rng = random.Random(campaign.seed)
+    rng.shuffle(places)
+    drawn: list[tuple[str, Mutant]] = []
+    for room, place in places:
+        if len(drawn) == campaign.count:
+            break
+        mutant = rng.choice(place)
+        if mutant.is_another_program((campaign.root / mutant.file).read_text()):
+            drawn.append((room, mutant))
+    return drawn
+
+
+def run(campaign: Campaign, results: Path) -> list[dict[str, object]]:
+    """Test the sample and return a row for each mutant; rows already in ``results`` are kept.
+
+    A row holds while the mutated module and the tests it is put before are what they were.
+    """
+    drawn = sample(campaign)
+    known = _known(results)
+    workplaces: SimpleQueue[Workplace] = SimpleQueue()
+    copies = [
+        Workplace(campaign.root, campaign.folder / str(number))
+        for number in range(campaign.workers)
+    ]
+    with _progress() as progress:
+        suites = _suites(campaign, copies, progress)
+        for copy in copies:
+            workplaces.put(copy)
+        rows: list[dict[str, object]] = []
+        bar = progress.add_task("mutants", total=len(drawn))
+        with ThreadPoolExecutor(campaign.workers) as pool:
+            tried = [
+                pool.submit(_row, campaign, room, mutant, suites[room], known, workplaces)
+                for room, mutant in drawn
+            ]
+            try:
+                for done in as_completed(tried):
+                    rows.append(done.result())
+                    _keep(results, known, rows)
+                    progress.advance(bar)
+            except BaseException:
+                pool.shutdown(cancel_futures=True)
+                raise
+    order = {mutant: index for index, (_, mutant) in enumerate(drawn)}
+    rows.sort(key=lambda row: order[_mutant(row)])
+    return rows
+
+
+def _row(
+    campaign: Campaign,
+    room: str,
+    mutant: Mutant,
+    files: Sequence[TimedFile],
+    known: dict[str, dict[str, object]],
+    workplaces: "SimpleQueue[Workplace]",
+) -> dict[str, object]:
+    source = (campaign.root / mutant.file).read_text()
+    chosen = select(mutant, room, files, campaign.budget)
+    key = mutant.key(sha256(source.encode()).hexdigest() + chosen.state)
+    if key in known:
+        return known[key]
+    mutated = mutant.apply(source)
+    workplace = workplaces.get()
+    try:
+        outcome = _outcome(workplace, mutant, mutated, chosen)
+    finally:
+        workplaces.put(workplace)
+    lines = unified_diff(source.splitlines(), mutated.splitlines(), n=0, lineterm="")
+    diff = [line.rstrip() for line in lines][3:]
+    return {"key": key, "room": room, "outcome": outcome, **asdict(mutant), "diff": diff,
+            "tests": len(chosen.tests), "seconds": round(chosen.seconds, 1)}  # fmt: skip
+
+
+def _outcome(workplace: Workplace, mutant: Mutant, mutated: str, chosen: Selection) -> str:
+    if not chosen.tests:
+        return "survived"
+    timeout = START + PATIENCE * chosen.seconds
+    return OUTCOMES[workplace.test(mutant.file, mutated, chosen.tests, timeout)]
+
+
+def _suites(
+    campaign: Campaign, copies: Sequence[Workplace], progress: Progress
+) -> dict[str, list[TimedFile]]:
+    """Return the tests of each room with their times, after running them once as they are.
+
+    So no mutant is blamed for a test that fails anyway, and every copy has its compiled functions.
+    The times are kept for as long as the code and the file of tests stay what they are.
+    """
+    chosen = {room: test_files(campaign.root, room) for room in campaign.rooms}
+    files = sorted({file for room in chosen.values() for file in room})
+    kept = campaign.folder / "times.json"
+    times = json.loads(kept.read_text()) if kept.exists() else {}
+    code = _state([*campaign.root.glob("src/**/*.py"), *campaign.root.glob("tests/**/[!t]*.py")])
+    suite = {}
+    bar = progress.add_task("tests as they are", total=len(files))
+    for file in files:
+        path = str(file.relative_to(campaign.root))
+        key = f"{path} {code} {_state([file])} {len(copies)}"
+        if key not in times:
+            times[key] = _times(copies, path)
+            kept.write_text(json.dumps(times))
+        suite[file] = TimedFile(path, file.read_text(), times[key])
+        progress.advance(bar)
+    return {room: [suite[file] for file in files] for room, files in chosen.items()}
+
+
+def _times(copies: Sequence[Workplace], path: str) -> dict[str, float]:
+    with tempfile.NamedTemporaryFile(suffix=".xml") as report:
+        arguments = [path, f"--junitxml={report.name}"]
+        status, compiled = copies[0].warm(arguments)
+        if compiled:  # the time of the first run is not that of the next
+            for copy in copies:
+                status, _ = copy.warm(arguments)
+        if status == 5:
+            return {}
+        if status != 0:
+            raise SystemExit(f"{path} fails on the code as it is: no mutant can be tried")
+        return read_report(Path(report.name))
+
+
+def _state(files: Sequence[Path]) -> str:
+    state = sha256()
+    for file in sorted(files):
+        state.update(file.read_bytes())
+    return state.hexdigest()
+
+
+def _modules(root: Path, room: str) -> Iterator[Path]:
+    for part in ROOMS[room]:
+        path = root / "src" / "dea" / part
+        found = sorted(path.rglob("*.py")) if path.is_dir() else [path] * path.exists()
+        yield from (file for file in found if file.name not in DISPLAY)
+
+
+def _mutant(row: dict[str, object]) -> Mutant:
+    return Mutant(**{name: row[name] for name in Mutant.__dataclass_fields__})  # type: ignore[arg-type]
+
+
+def _known(results: Path) -> dict[str, dict[str, object]]:
+    if not results.exists():
+        return {}
+    return {row["key"]: row for row in json.loads(results.read_text())["tried"]}
+
+
+def _keep(
+    results: Path, known: dict[str, dict[str, object]], rows: Sequence[dict[str, object]]
+) -> None:
+    """Write what is known so far, whole or not at all."""
+    tried = known | {str(row["key"]): row for row in rows}
+    results.parent.mkdir(parents=True, exist_ok=True)
+    partial = results.with_suffix(".partial")
+    partial.write_text(json.dumps({"tried": list(tried.values())}, indent=1) + "\n")
+    partial.replace(results)
+
+
+def _progress() -> Progress:
+    return Progress(
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    )

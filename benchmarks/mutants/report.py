@@ -1,0 +1,58 @@
+"""The outcome of a campaign as a table of rooms and a list of survivors."""
+
+from collections import Counter
+from collections.abc import Sequence
+
+from scipy.stats import binomtest
+
+OUTCOMES = ("killed", "timeout", "survived", "incompetent")
+HEAD = """# Mutants
+
+{count} mutants, drawn with seed {seed}, each put before at most {budget:g} s of its room's tests.
+A mutant with which no test can be run (incompetent) is left out of the rate; one with which the
+tests do not end in time (timeout) counts as killed.
+
+| room | killed | timeout | survived | incompetent | kill rate (%) | 95 % interval (%) |
+|---|---|---|---|---|---|---|
+"""
+
+
+def kill_rate(outcomes: Sequence[str]) -> tuple[float, float, float] | None:
+    """Return the share of competent mutants that tests noticed, and Wilson's 95 % interval."""
+    counts = Counter(outcomes)
+    noticed = counts["killed"] + counts["timeout"]
+    if noticed + counts["survived"] == 0:
+        return None
+    test = binomtest(noticed, noticed + counts["survived"])
+    interval = test.proportion_ci(method="wilson")
+    return test.statistic, interval.low, interval.high
+
+
+def markdown(rows: Sequence[dict], seed: int, budget: float) -> str:
+    """Return the report: outcomes by room, then every survivor with its change."""
+    rooms = sorted({row["room"] for row in rows})
+    text = HEAD.format(count=len(rows), seed=seed, budget=budget)
+    for room in rooms:
+        text += _line(room, [row["outcome"] for row in rows if row["room"] == room])
+    text += _line("all", [row["outcome"] for row in rows])
+    survivors = sorted(
+        (row for row in rows if row["outcome"] == "survived"),
+        key=lambda row: (row["room"], row["file"], row["line"]),
+    )
+    text += f"\n## Survivors ({len(survivors)})\n"
+    for row in survivors:
+        text += f"\n`{row['file']}:{row['line']}` {row['definition']} ({row['operator']})\n"
+        text += "```diff\n" + "\n".join(row["diff"]) + "\n```\n"
+    return text
+
+
+def _line(room: str, outcomes: Sequence[str]) -> str:
+    counts = Counter(outcomes)
+    cells = [room, *(str(counts[outcome]) for outcome in OUTCOMES)]
+    rate = kill_rate(outcomes)
+    if rate is None:
+        cells += ["", ""]
+    else:
+        value, low, high = (100.0 * part for part in rate)
+        cells += [f"{value:.1f}", f"{low:.1f} to {high:.1f}"]
+    return "| " + " | ".join(cells) + " |\n"
