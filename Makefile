@@ -82,7 +82,7 @@ check: $(VENV)/installed ## linters, formatters, the type checker and the import
 	snakemake --lint
 
 test: check ## the whole test suite
-	pytest
+	pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
 mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=300 SEED=1 ROOM=narx)
 	python -m benchmarks.mutants --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) \

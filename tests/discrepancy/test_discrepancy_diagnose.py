@@ -20,6 +20,8 @@ from dea.errors import InputError
 from dea.simulation import load_extended, load_simulation, save_extended
 from dea.store import CONTRACTS
 
+pytestmark = pytest.mark.slow
+
 NOISE = 1.5e-3
 
 
@@ -43,7 +45,7 @@ def test_nothing_is_named_where_nothing_is_missing():
     ],
 )
 def test_an_effect_of_another_form_is_named(name, size):
-    found = diagnose(record([(name, size)], duration=80.0, seed=3), "dea_membrane")
+    found = diagnose(record([(name, size)], duration=40.0, seed=3), "dea_membrane")
     assert found.verdict.status == "named", found.verdict.sentence
     assert found.verdict.names == (name,)
     assert found.verdict.certified["rmse_after"] < 1.3 * found.floor

@@ -11,6 +11,8 @@ from dea.discrepancy import Settings, diagnose
 from dea.errors import InputError
 from dea.simulation import load_simulation
 
+pytestmark = pytest.mark.slow
+
 DOCUMENT = Path(__file__).parents[2] / "docs" / "discrepancy.md"
 DT = 0.02
 

@@ -6,6 +6,8 @@ import xarray as xr
 
 from dea.discrepancy import Settings, diagnose
 
+pytestmark = pytest.mark.slow
+
 DT, PARTS = 0.01, 50
 SIMULATION = """
 from dea.simulation import ForcePort, Parameter, Simulation, State

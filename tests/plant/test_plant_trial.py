@@ -12,6 +12,8 @@ from dea.plant.hidden import EFFECTS
 from dea.plant.hidden.draw import ROUND, STRONGEST, WEAKEST, draw, schedule
 from dea.plant.hidden.trial import Trial
 
+pytestmark = pytest.mark.slow
+
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 SEED = 41
 

@@ -1,3 +1,5 @@
+import fcntl
+import hashlib
 import os
 import shutil
 import subprocess
@@ -6,6 +8,12 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+# Few and quickly diagnosed, since how they are named is tested elsewhere.
+FOUR_TRIALS = [
+    "--config",
+    "trials={count: 4, batch: 2, set: tuning}",
+    "discrepancy={budget: {finished: 2, beam: 1, effects: 1}}",
+]
 PARTS = ["Snakefile", "config", "src", "workflow", "pyproject.toml"]
 
 
@@ -14,13 +22,18 @@ class Project:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+
+    def copy(self) -> "Project":
+        """Copy the project to its folder."""
+        self.folder.mkdir(exist_ok=True)
         for part in PARTS:
-            source = ROOT / part
+            source, copied = ROOT / part, self.folder / part
             if source.is_dir():
-                shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+                shutil.copytree(source, copied, ignore=shutil.ignore_patterns("__pycache__"))
             else:
-                shutil.copy2(source, folder / part)
-        shutil.copy2(ROOT / "tests/workflow/small.yaml", folder)
+                shutil.copy2(source, copied)
+        shutil.copy2(ROOT / "tests/workflow/small.yaml", self.folder)
+        return self
 
     def snakemake(
         self, *arguments: str, cores: int = 2, small: bool = True
@@ -55,26 +68,44 @@ class Project:
                 jobs[words[0]] = int(words[1])
         return jobs
 
+    def digests(self, *kinds: str) -> dict[str, str]:
+        """Hashes of the results of these kinds; the record of an exchange differs in every run."""
+        return {
+            str(file.relative_to(self.folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+            for kind in kinds
+            for file in (self.folder / "results").rglob(f"*.{kind}")
+            if "link" not in file.name
+        }
+
 
 @pytest.fixture
 def project(tmp_path):
-    return Project(tmp_path)
+    return Project(tmp_path).copy()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def finished(tmp_path_factory):
-    """A copy in which the small study has run."""
-    project = Project(tmp_path_factory.mktemp("study"))
-    run = project.snakemake("study")
-    assert run.returncode == 0, run.stdout + run.stderr
+    """A copy in which the small study has run, once for all of the workers of a test run."""
+    shared = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        shared = shared.parent
+    project = Project(shared / "study")
+    with (shared / "study.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not project.folder.exists():
+            project.copy()
+            run = project.snakemake("study")
+            (shared / "study.log").write_text(run.stdout + run.stderr)
+            if run.returncode == 0:
+                (shared / "study.done").touch()
+    assert (shared / "study.done").exists(), (shared / "study.log").read_text()
     return project
 
 
 @pytest.fixture(scope="module")
 def finished_campaign(tmp_path_factory):
-    """A copy in which a dozen blind trials of the tuning set have run."""
-    project = Project(tmp_path_factory.mktemp("trials"))
-    dozen = ["--config", "trials={count: 12, set: tuning}"]
-    run = project.snakemake("trials", *dozen, small=False)
+    """A copy in which four blind trials of the tuning set have run, in two batches."""
+    project = Project(tmp_path_factory.mktemp("trials")).copy()
+    run = project.snakemake("trials", *FOUR_TRIALS, small=False)
     assert run.returncode == 0, run.stdout + run.stderr
     return project

@@ -1,9 +1,10 @@
 """The shape of the DAG, what an edit reruns, and a small study from end to end."""
 
-import hashlib
 import time
 
 import pytest
+
+pytestmark = pytest.mark.slow
 
 PER_ACTUATOR = ["acquire", "orders", "select", "validate", "track", "gfrf"]
 
@@ -11,15 +12,6 @@ PER_ACTUATOR = ["acquire", "orders", "select", "validate", "track", "gfrf"]
 def edit(file):
     """Change a module's content and time, as an editor does."""
     file.write_text(file.read_text() + "\n# edited\n")
-
-
-def digests(project, *kinds):
-    return {
-        str(file.relative_to(project.folder)): hashlib.sha256(file.read_bytes()).hexdigest()
-        for kind in kinds
-        for file in (project.folder / "results").rglob(f"*.{kind}")
-        if "link" not in file.name
-    }
 
 
 def test_there_is_one_job_per_actuator_and_stage(project):
@@ -68,13 +60,13 @@ def test_the_small_study_makes_every_figure_and_table(finished):
 
 
 def test_a_second_run_does_nothing_and_is_quick(finished):
-    before = digests(finished, "nc", "png", "csv")
+    before = finished.digests("nc", "png", "csv")
     start = time.monotonic()
     run = finished.snakemake("study")
     elapsed = time.monotonic() - start
     assert run.returncode == 0
     assert "Nothing to be done" in run.stdout + run.stderr
-    assert digests(finished, "nc", "png", "csv") == before
+    assert finished.digests("nc", "png", "csv") == before
     # Three seconds on an idle machine; the test allows a busy one.
     assert elapsed < 9
 
@@ -117,10 +109,3 @@ def test_a_setting_of_one_figure_redraws_its_group_alone(finished):
     finally:
         config.write_text(content)
     assert {name for name in jobs if name != "study"} == {"figures_actuator", "first_actuator"}
-
-
-def test_results_do_not_depend_on_the_number_of_cores(finished, project):
-    run = project.snakemake("study", cores=1)
-    assert run.returncode == 0, run.stdout + run.stderr
-    kinds = ("nc", "png", "pdf", "csv", "md", "tex")
-    assert digests(project, *kinds) == digests(finished, *kinds)

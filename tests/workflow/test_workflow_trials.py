@@ -6,19 +6,20 @@ import subprocess
 
 import pytest
 
+from conftest import FOUR_TRIALS
 from dea import store
 from dea.errors import InputError
 from dea.stages.trial_score import trial_score
 
+pytestmark = pytest.mark.slow
 SCORES = "results/trials/tuning/scores.nc"
-DOZEN = ["--config", "trials={count: 12, set: tuning}"]
 
 
 @pytest.fixture
 def planned_jobs(project):
     """Inputs and command of every job of a campaign, by rule."""
     run = subprocess.run(
-        ["snakemake", "--dry-run", "--printshellcmds", "--cores", "1", SCORES, *DOZEN],
+        ["snakemake", "--dry-run", "--printshellcmds", "--cores", "1", SCORES, *FOUR_TRIALS],
         cwd=project.folder, capture_output=True, text=True, check=True,
     )  # fmt: skip
     jobs: dict[str, list[tuple[list[str], str]]] = {}
@@ -62,11 +63,10 @@ def campaign(finished_campaign):
     return finished_campaign.folder / "results" / "trials" / "tuning"
 
 
-@pytest.mark.slow
-def test_a_dozen_trials_are_drawn_recorded_diagnosed_and_scored(finished_campaign, campaign):
+def test_four_trials_are_drawn_recorded_diagnosed_and_scored(finished_campaign, campaign):
     scores = store.read(campaign / "scores.nc")
-    assert scores["trial"].values.tolist() == [f"{index:04d}" for index in range(12)]
-    assert int(scores["confusion"].sum()) == 12
+    assert scores["trial"].values.tolist() == [f"{index:04d}" for index in range(4)]
+    assert int(scores["confusion"].sum()) == 4
     for name in ("confusion", "risk_coverage", "strength", "gap"):
         figure = finished_campaign.folder / f"results/figures/trials_{name}_tuning.png"
         assert figure.stat().st_size > 5_000
@@ -75,7 +75,6 @@ def test_a_dozen_trials_are_drawn_recorded_diagnosed_and_scored(finished_campaig
         assert "right name" in table.read_text()
 
 
-@pytest.mark.slow
 def test_a_record_says_nothing_of_what_is_hidden(campaign):
     for batch in campaign.glob("*-*"):
         for sealed in (batch / "sealed").glob("*.json"):
@@ -88,7 +87,6 @@ def test_a_record_says_nothing_of_what_is_hidden(campaign):
             assert str(trial["seed"]) not in told
 
 
-@pytest.mark.slow
 def test_a_label_changed_after_the_verdict_is_refused(campaign, tmp_path):
     batch = sorted(campaign.glob("*-*"))[0]
     sealed = next((batch / "sealed").glob("*.json"))
