@@ -14,6 +14,7 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -114,11 +115,17 @@ def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
 
     The bytes depend on the figure alone: no dates, no names of programs.
     """
+    FigureCanvasAgg(figure)
+    figure.set_dpi(resolution)
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        # Arranged once: the same panels in every format. Left to `savefig`, it takes a drawing more.
+        engine.execute(figure)
+        figure.set_layout_engine("none")
     for path in paths:
         kind = path.suffix.lstrip(".")
         with atomic(path) as partial:
             figure.savefig(partial, format=kind, dpi=resolution, metadata=_NO_DATE[kind])
-        figure.set_layout_engine("none")  # arranged once: the same panels in every format
 
 
 def panel_letters(
