@@ -119,7 +119,8 @@ def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
     figure.set_dpi(resolution)
     engine = figure.get_layout_engine()
     if engine is not None:
-        # Arranged once: the same panels in every format. Left to `savefig`, it takes a drawing more.
+        # Arranged once, so that every format has the same panels; `savefig` would draw the figure
+        # once more for it.
         engine.execute(figure)
         figure.set_layout_engine("none")
     for path in paths:

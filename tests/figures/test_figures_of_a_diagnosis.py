@@ -1,0 +1,131 @@
+"""What the figure of a diagnosis plots: residuals, where they are, the ladder, the law, confusion."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea.figures import style
+from dea.figures.discrepancy import discrepancy
+
+TIME = np.arange(20.0)
+MEASURED, NOMINAL, EXTENDED = np.sin(TIME), 0.5 * np.sin(TIME), 0.9 * np.sin(TIME)
+CERTIFICATE = xr.Dataset(
+    {
+        "measured": ("time", MEASURED, {"units": "mm"}),
+        "nominal": ("time", NOMINAL),
+        "extended": ("time", EXTENDED),
+        "role": ("time", np.where(TIME < 12, 1, 3)),
+    },
+    coords={"time": TIME},
+)
+BINS = {
+    f"{along}_{what}_{when}": ("bin", values + shift, {"units": unit})
+    for shift, along in enumerate(("input", "output"))
+    for when, values in (
+        ("before", np.array([3.0, 4.0, 5.0])),
+        ("after", np.array([1.0, 2.0, 1.5])),
+    )
+    for what, unit in (("gap", "mm"), ("null", "mm"))
+}
+EDGES = {
+    f"{along}_{end}_{when}": ("bin", np.array([0.0, 1.0, 2.0]) + (end == "high"), {"units": unit})
+    for along, unit in (("input", "V"), ("output", "mm"))
+    for when in ("before", "after")
+    for end in ("low", "high")
+}
+LOCALISATION = xr.Dataset(BINS | EDGES)
+NAMES = ["dead_zone", "sensor_lag", "none"]
+CANDIDATES = xr.Dataset(
+    {
+        "gain": ("candidate", [0.1, 0.9]),
+        "gain_low": ("candidate", [0.0, 0.7]),
+        "gain_high": ("candidate", [0.3, 1.0]),
+        "null_gain": ((), 0.2),
+        "confusion": (("present", "called"), [[0.9, 0.1, 0.0], [0.2, 0.7, 0.1], [0.0, 0.05, 0.95]]),
+    },
+    coords={"candidate": NAMES[:2], "present": NAMES},
+)
+
+
+def verdict(status="named"):
+    law = {
+        "width": {"value": 0.4, "low": 0.3, "high": 0.6, "unit": "V"},
+        "slope": {"value": 0.1, "low": -0.05, "high": 0.25, "unit": "1"},
+    }
+    effects = [{"name": "dead_zone", "balance": None, "parameters": law}]
+    return {
+        "status": status,
+        "effects": effects if status == "named" else [],
+        "where": {"along": "input"},
+        "ladder": [["nominal", 0.5], ["dead_zone", 0.1], ["noise floor", 0.05]],
+        "unit": "mm",
+    }
+
+
+@pytest.fixture
+def panels():
+    axes = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict()).axes
+    return dict(zip(("series", "where", "ladder", "law", "confusion"), axes, strict=False))
+
+
+def test_the_series_is_measured_minus_simulated_and_the_certified_block_is_shaded(panels):
+    ax = panels["series"]
+    drawn = {line.get_label(): line for line in ax.lines}
+    for name, simulated in (("nominal", NOMINAL), ("extended", EXTENDED)):
+        np.testing.assert_array_equal(drawn[name].get_xdata(), TIME)
+        np.testing.assert_array_equal(drawn[name].get_ydata(), MEASURED - simulated)
+    block = ax.patches[0].get_extents().transformed(ax.transData.inverted())
+    assert (block.x0, block.x1) == pytest.approx((12, 19))
+
+
+def test_residuals_are_shown_along_the_quantity_that_the_verdict_names(panels):
+    ax = panels["where"]
+    assert ax.get_xlabel() == "input (V)"
+    steps = {patch.get_label(): patch.get_data() for patch in ax.patches}
+    for when in ("before", "after"):
+        np.testing.assert_array_equal(steps[when].values, LOCALISATION[f"input_gap_{when}"])
+        np.testing.assert_array_equal(steps[when].edges, [0, 1, 2, 3])
+    dotted = [p.get_data().values for p in ax.patches if p.get_linestyle() == ":"]
+    np.testing.assert_array_equal(
+        dotted, [BINS["input_null_before"][1], BINS["input_null_after"][1]]
+    )
+
+
+def test_the_ladder_goes_from_the_nominal_error_down_to_the_noise_floor(panels):
+    ax = panels["ladder"]
+    assert [bar.get_width() for bar in ax.patches] == [0.5, 0.1]
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["nominal", "dead zone"]
+    assert ax.lines[0].get_xdata() == [0.05, 0.05]
+    assert ax.get_xlabel() == "held-out RMSE (mm)"
+    assert ax.get_ylim()[0] > ax.get_ylim()[1]
+
+
+def test_each_parameter_has_its_interval_in_percent_and_is_grey_where_it_may_be_zero(panels):
+    ax = panels["law"]
+    intervals = [line for line in ax.lines if len(line.get_xdata()) == 2][:2]
+    np.testing.assert_allclose(intervals[0].get_xdata(), [-25, 50])
+    np.testing.assert_allclose(intervals[1].get_xdata(), [-100, 100])
+    assert [line.get_color() for line in intervals] == [style.VERMILION, style.GREY]
+    texts = [text.get_text() for text in ax.get_yticklabels()]
+    assert texts == ["width = 0.4 ± 0.15 V", "slope = 0.1 ± 0.15"]
+
+
+def test_the_confusion_has_the_present_effect_in_rows(panels):
+    ax = panels["confusion"]
+    np.testing.assert_array_equal(ax.images[0].get_array(), CANDIDATES["confusion"])
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["dead zone", "sensor lag", "none"]
+    written = {text.get_position(): text.get_text() for text in ax.texts}
+    assert (written[1, 0], written[0, 1]) == ("0.10", "0.20")
+    assert (2, 0) not in written
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("called (same order)", "present")
+
+
+def test_without_a_name_the_gains_of_the_candidates_are_shown_best_first():
+    figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict("unknown"))
+    ax = figure.axes[3]
+    marks, _, [interval] = ax.containers[0]
+    np.testing.assert_array_equal(marks.get_xdata(), [0.9, 0.1])
+    ends = [segment[:, 0] for segment in interval.get_segments()]
+    np.testing.assert_allclose(ends, [[0.7, 1.0], [0.0, 0.3]])
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["sensor_lag", "dead_zone"]
+    assert figure.get_suptitle() == "unknown"

@@ -1,0 +1,116 @@
+"""What the figures of all systems plot: each system in its panel, each value in its place."""
+
+import numpy as np
+import pytest
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import same_color
+
+import made_datasets as made
+from dea.figures import style
+from dea.figures.fig3 import fig3
+from dea.figures.fig3_phase import fig3_phase
+from dea.figures.fig4_h2 import fig4_h2
+from dea.figures.frequency_maps import as_complex
+from dea.figures.link import link
+
+EACH = {"dea1": 1, "dea2": 2, "dea3": 3}
+
+
+def meshes(figure):
+    """The maps of a figure with their axes; the colour bar's has no data of its own."""
+    found = [(ax, c) for ax in figure.axes for c in ax.collections if isinstance(c, QuadMesh)]
+    return [(ax, mesh) for ax, mesh in found if ax.get_label() != "<colorbar>"]
+
+
+def centres(mesh):
+    """The values of x and y at which the cells of a mesh lie."""
+    corners = mesh.get_coordinates()
+    x, y = corners[0, :, 0], corners[:, 0, 1]
+    return 0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])
+
+
+def asymmetric(seed):
+    """Responses whose H2 differs with the order of its frequencies and with time."""
+    gfrf = made.gfrf(seed)
+    f1, f2, t = gfrf["frequency_1"], gfrf["frequency_2"], gfrf["time_h2"]
+    real = seed * (1 + t / 1800) * (1 + f1 + 3 * f2**2)
+    gfrf["H2"].loc[{"part": "real"}] = real.transpose("time_h2", "frequency_1", "frequency_2")
+    gfrf["H2"].loc[{"part": "imag"}] = 0.0
+    return gfrf
+
+
+@pytest.mark.parametrize("draw", [fig3, fig3_phase])
+def test_maps_of_h1_lie_below_their_own_record_over_time_and_frequency(draw):
+    records = {name: made.record(seed) for name, seed in EACH.items()}
+    responses = {name: made.gfrf(seed) for name, seed in EACH.items()}
+    for response in responses.values():  # equal steps, so that a cell's centre is its value
+        response["frequency"] = np.linspace(0.1, 2.0, 60)
+    figure = draw(records, responses)
+    drawn = meshes(figure)
+    assert len(drawn) == len(EACH)
+    for (ax, mesh), (name, response) in zip(drawn, responses.items(), strict=True):
+        h1 = as_complex(response["H1"]).values
+        expected = np.abs(h1) if draw is fig3 else np.degrees(np.angle(h1))
+        np.testing.assert_allclose(mesh.get_array().reshape(expected.T.shape), expected.T)
+        time, frequency = centres(mesh)
+        np.testing.assert_allclose(time, response["time"])
+        np.testing.assert_allclose(frequency, response["frequency"])
+        position = ax.get_subplotspec()
+        [series] = [
+            other
+            for other in figure.axes
+            if other.get_title() == name and other.get_subplotspec().is_last_col() ==
+            position.is_last_col()
+        ]  # fmt: skip
+        assert series.get_subplotspec().rowspan.start == position.rowspan.start - 1
+        x, y = series.lines[0].get_data()
+        np.testing.assert_array_equal(x, records[name]["time"])
+        np.testing.assert_array_equal(y, records[name]["displacement"])
+
+
+def test_fig4_has_a_column_for_each_system_a_row_for_each_time_and_f1_along_x():
+    responses = {name: asymmetric(seed) for name, seed in EACH.items()}
+    figure = fig4_h2(responses)
+    axes = {ax: mesh for ax, mesh in meshes(figure)}
+    assert len(axes) == 9
+    for ax, mesh in axes.items():
+        spec = ax.get_subplotspec()
+        name, instant = list(EACH)[spec.colspan.start], spec.rowspan.start
+        h2 = abs(as_complex(responses[name]["H2"])).isel(time_h2=instant)
+        expected = h2.transpose("frequency_2", "frequency_1").values
+        np.testing.assert_allclose(mesh.get_array().reshape(expected.shape), expected)
+        for drawn, axis in zip(centres(mesh), ("frequency_1", "frequency_2"), strict=True):
+            np.testing.assert_allclose(drawn, responses[name][axis])
+        if spec.is_first_row():
+            assert ax.get_title() == name
+        if spec.is_first_col():
+            assert ax.get_ylabel() == f"at {(5, 15, 25)[instant]} min\n$f_2$ (Hz)"
+        if spec.is_last_row():
+            assert ax.get_xlabel() == "$f_1$ (Hz)"
+    bar = next(ax for ax in figure.axes if ax.get_label() == "<colorbar>")
+    assert bar.get_ylabel() == "$|H_2(f_1, f_2)|$ (mm/V²)"
+
+
+def test_link_plots_the_round_trips_and_the_lateness_of_each_system():
+    links = {name: made.link(seed, polled=True) for name, seed in EACH.items()}
+    trips, course, lateness, repairs = link(links).axes
+    for place, (name, dataset) in enumerate(links.items()):
+        colour = style.CYCLE[place]
+        edges = dataset["round_trip_low"].values * 1e3, dataset["round_trip_high"].values * 1e3
+        step = trips.patches[place]
+        assert step.get_label() == name
+        assert same_color(step.get_edgecolor(), colour)
+        np.testing.assert_array_equal(step.get_data().values, dataset["round_trip_count"])
+        np.testing.assert_array_equal(step.get_data().edges, [*edges[0], edges[1][-1]])
+        x, y = course.lines[place].get_data()
+        np.testing.assert_array_equal(x, dataset["send_time"])
+        np.testing.assert_allclose(y, 1e3 * (dataset["receive_time"] - dataset["send_time"]))
+        late, share = lateness.lines[place].get_data()
+        jitter = 1e3 * dataset["jitter"].values
+        for at in (0, 10, late.size - 1):
+            assert share[at] == pytest.approx(np.mean(jitter >= late[at]))
+        cells = repairs.tables[0].get_celld()
+        row = [cells[place + 1, column].get_text().get_text() for column in range(5)]
+        retries, reconnects = int(dataset["retries"].sum()), int(dataset["reconnects"])
+        errors = f"{int(dataset['errors'][0])} no reply\n2 short reply"
+        assert row == [name, "900", str(retries), str(reconnects), errors]

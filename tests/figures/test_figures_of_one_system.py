@@ -1,0 +1,161 @@
+"""What the figures of one system plot: which numbers, on which axes, with which labels."""
+
+import numpy as np
+import pytest
+from matplotlib.colors import same_color
+
+import made_datasets as made
+from dea.figures import style
+from dea.figures.fig1 import fig1
+from dea.figures.fig2 import fig2
+from dea.figures.recovery import recovery
+from dea.figures.residual_tests import residual_tests
+from dea.figures.tracked_parameters import tracked_parameters
+from dea.terms import Term
+
+
+def line(ax, colour):
+    """The data (x, y) of the only line of a colour."""
+    [found] = [each for each in ax.lines if same_color(each.get_color(), colour)]
+    return found.get_data()
+
+
+def assert_line(ax, colour, x, y):
+    drawn = line(ax, colour)
+    np.testing.assert_array_equal(drawn[0], x)
+    np.testing.assert_array_equal(drawn[1], y)
+
+
+def labels(ax):
+    return ax.get_xlabel(), ax.get_ylabel()
+
+
+def test_fig1_plots_input_and_output_over_time_and_against_each_other():
+    record = made.record(1)
+    figure = fig1(record, "dea1", (100, 130))
+    _, series, details = figure.subfigs
+    time, u, y = (record[name].values for name in ("time", "voltage", "displacement"))
+    top, bottom = series.axes
+    assert_line(top, style.BLUE, time / 60, u)
+    assert_line(bottom, style.BLACK, time / 60, y)
+    assert (top.get_ylabel(), bottom.get_ylabel()) == ("input $u$ (V)", "output $y$ (mm)")
+    assert (top.get_title(loc="right"), bottom.get_xlabel()) == ("dea1", "time (min)")
+    for ax in (top, bottom):
+        span = ax.patches[0].get_extents().transformed(ax.transData.inverted())
+        assert (span.x0, span.x1) == pytest.approx((100 / 60, 130 / 60))
+    zoomed_input, loop, zoomed_output, bar = details.axes
+    inside = (time >= 100) & (time <= 130)
+    assert_line(zoomed_input, style.BLUE, time[inside], u[inside])
+    assert_line(zoomed_output, style.BLACK, time[inside], y[inside])
+    assert labels(zoomed_input) == ("time (s)", "input $u$ (V)")
+    assert labels(zoomed_output) == ("time (s)", "output $y$ (mm)")
+    [points] = loop.collections
+    np.testing.assert_array_equal(points.get_offsets(), np.column_stack([u, y]))
+    np.testing.assert_array_equal(points.get_array(), time / 60)
+    assert labels(loop) == ("input $u$ (V)", "output $y$ (mm)")
+    assert bar.get_ylabel() == "time (min)"
+
+
+@pytest.mark.parametrize(("panel", "kind"), [(0, "dynamic"), (1, "polynomial")])
+def test_fig2_plots_nmse_and_fpe_against_the_order_on_their_own_axes(panel, kind):
+    orders = made.orders(1)
+    choice = fig2(orders, made.validation(1), "dea1").subfigs[0]
+    left, right = choice.axes[panel], choice.axes[3 + panel]
+    order = orders[f"{kind}_order"].values
+    assert_line(left, style.BLUE, order, orders[f"{kind}_nmse"])
+    assert_line(right, style.VERMILION, order, orders[f"{kind}_fpe"])
+    assert (*labels(left), right.get_ylabel()) == (f"{kind} order", "nmse", "fpe (mm²)")
+
+
+def test_fig2_plots_honest_simulations_against_the_measurement():
+    validation = made.validation(1)
+    scatter = fig2(made.orders(1), validation, "dea1").subfigs[0].axes[2]
+    measured = validation["measured"].values.ravel()
+    for model, colour in (("linear", style.LINEAR), ("narx", style.NARX)):
+        simulated = validation["simulated"].sel(model=model, approach="honest").values.ravel()
+        assert_line(scatter, colour, measured, simulated)
+    assert labels(scatter) == ("measured $y$ (mm)", r"simulated $\hat y$, honest (mm)")
+    texts = [text.get_text() for text in scatter.get_legend().get_texts()]
+    assert texts == ["linear", "NARX"]
+
+
+@pytest.mark.parametrize(("row", "model", "window"), [(0, "linear", 0), (1, "narx", 0),
+                                                      (2, "narx", 1), (3, "narx", 2)])  # fmt: skip
+def test_fig2_plots_each_window_with_its_time_and_scores(row, model, window):
+    validation = made.validation(1)
+    ax = fig2(made.orders(1), validation, "dea1").subfigs[1].axes[row]
+    part = validation.isel(window=window).sel(model=model)
+    assert_line(ax, style.MEASURED, part["time"], part["measured"])
+    for approach, colour in (("honest", style.HONEST), ("re-estimated", style.RE_ESTIMATED)):
+        assert_line(ax, colour, part["time"], part["simulated"].sel(approach=approach))
+    scores = [f"{a} {float(part['nmse'].sel(approach=a)):#.3g}" for a in ("re-estimated", "honest")]
+    title = ax.get_title(loc="right")
+    assert title.startswith("linear model" if model == "linear" else "NARX model")
+    assert all(score in title for score in scores)
+
+
+def test_residual_tests_plot_each_test_in_its_row_and_each_window_in_its_column():
+    validation = made.validation(1)
+    validation["band"].values[:] = np.linspace(0.05, 0.09, len(made.TESTS))
+    axes = np.reshape(residual_tests(validation, "dea1").axes, (len(made.TESTS), 3))
+    chosen = validation.sel(approach="honest")
+    for row, test in enumerate(made.TESTS):
+        for window in range(3):
+            ax = axes[row, window]
+            part = chosen["correlation"].sel(test=test).isel(window=window)
+            for model, colour in (("linear", style.LINEAR), ("narx", style.NARX)):
+                assert_line(ax, colour, part["lag"], part.sel(model=model))
+            band = ax.patches[0].get_extents().transformed(ax.transData.inverted())
+            reach = float(validation["band"].sel(test=test))
+            assert (band.y0, band.y1) == pytest.approx((-reach, reach))
+    titles = [ax.get_title() for ax in axes[0]]
+    assert titles == ["100 to 130 s", "900 to 930 s", "1700 to 1730 s"]
+    assert [ax.get_ylabel() for ax in axes[1:3, 0]] == [r"$\phi_{eu}$", r"$\phi_{e(eu)}$"]
+    assert {ax.get_xlabel() for ax in axes[-1]} == {"lag (samples)"}
+
+
+COLOURS = {
+    "fixed": style.GREY, "rls": style.BLUE, "kalman": style.VERMILION, "output_error": style.GREEN
+}  # fmt: skip
+
+
+def test_tracked_parameters_plot_what_each_simulation_leaves():
+    record, track = made.record(1), made.track(1)
+    axes = tracked_parameters(record, track, "dea1").subfigs[0].axes
+    measured = record["displacement"].sel(time=track["time"]).values
+    for ax, (simulation, colour) in zip(axes, COLOURS.items(), strict=True):
+        chosen = track.sel(simulation=simulation)
+        np.testing.assert_array_equal(line(ax, colour)[0], track["time"])
+        np.testing.assert_allclose(line(ax, colour)[1], measured - chosen["simulated"], atol=1e-12)
+        title = ax.get_title(loc="right")
+        assert f"nmse {float(chosen['nmse']):#.3g}, rmse {float(chosen['rmse']):#.3g} mm" in title
+
+
+def test_tracked_parameters_plot_each_parameter_with_its_95_percent_band():
+    track = made.track(1)
+    track["parameter_std"].values[:] = 0.01 * np.arange(1, 4)[:, None, None]
+    axes = tracked_parameters(made.record(1), track, "dea1").subfigs[1].axes
+    thin = track.isel(time=slice(None, None, 3))
+    for ax, term in zip(axes, track["term"].values, strict=False):
+        assert ax.get_title() == Term.parse(term).mathematics()
+        for band, tracker in zip(ax.collections, made.TRACKERS, strict=True):
+            theta = thin["parameter"].sel(tracker=tracker, term=term).values
+            reach = 1.96 * thin["parameter_std"].sel(tracker=tracker, term=term).values
+            assert_line(ax, COLOURS[tracker], thin["time"], theta)
+            assert same_color(band.get_facecolor()[0][:3], COLOURS[tracker])
+            edges = {tuple(point) for point in band.get_paths()[0].vertices}
+            for edge in (theta - reach, theta + reach):
+                assert edges >= set(zip(thin["time"].values, edge, strict=True))
+
+
+@pytest.mark.parametrize(("panel", "name"), [(0, "nmse"), (1, "h1_error"), (2, "h2_error")])
+def test_recovery_plots_each_plant_in_its_row(panel, name):
+    scores = made.recovery(1)
+    ax = recovery(scores).axes[panel]
+    drawn = {each.get_label(): each.get_data() for each in ax.lines}
+    for excitation, words in (("coloured", "band-limited input"), ("white", "white input")):
+        for search, how in (("forward", "forward selection"), ("refined", "with refinement")):
+            x, y = drawn[f"{words}, {how}"]
+            np.testing.assert_array_equal(x, scores[name].sel(excitation=excitation, search=search))
+            np.testing.assert_array_equal(np.round(y), np.arange(6))
+    assert ax.get_ylim()[0] > ax.get_ylim()[1]
