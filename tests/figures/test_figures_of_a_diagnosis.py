@@ -1,4 +1,4 @@
-"""What the figure of a diagnosis plots: residuals, where they are, the ladder, the law, confusion."""
+"""What the figure of a diagnosis plots, panel by panel."""
 
 import numpy as np
 import pytest
@@ -86,9 +86,8 @@ def test_residuals_are_shown_along_the_quantity_that_the_verdict_names(panels):
         np.testing.assert_array_equal(steps[when].values, LOCALISATION[f"input_gap_{when}"])
         np.testing.assert_array_equal(steps[when].edges, [0, 1, 2, 3])
     dotted = [p.get_data().values for p in ax.patches if p.get_linestyle() == ":"]
-    np.testing.assert_array_equal(
-        dotted, [BINS["input_null_before"][1], BINS["input_null_after"][1]]
-    )
+    expected = [LOCALISATION[f"input_null_{when}"] for when in ("before", "after")]
+    np.testing.assert_array_equal(dotted, expected)
 
 
 def test_the_ladder_goes_from_the_nominal_error_down_to_the_noise_floor(panels):

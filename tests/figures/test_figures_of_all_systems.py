@@ -71,7 +71,7 @@ def test_maps_of_h1_lie_below_their_own_record_over_time_and_frequency(draw):
 def test_fig4_has_a_column_for_each_system_a_row_for_each_time_and_f1_along_x():
     responses = {name: asymmetric(seed) for name, seed in EACH.items()}
     figure = fig4_h2(responses)
-    axes = {ax: mesh for ax, mesh in meshes(figure)}
+    axes = dict(meshes(figure))
     assert len(axes) == 9
     for ax, mesh in axes.items():
         spec = ax.get_subplotspec()
