@@ -1,7 +1,8 @@
 """The outcome of a campaign as a table of rooms and a list of survivors."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from scipy.stats import binomtest
 
@@ -28,7 +29,7 @@ def kill_rate(outcomes: Sequence[str]) -> tuple[float, float, float] | None:
     return test.statistic, interval.low, interval.high
 
 
-def markdown(rows: Sequence[dict], seed: int, budget: float) -> str:
+def markdown(rows: Sequence[Mapping[str, Any]], seed: int, budget: float) -> str:
     """Return the report: outcomes by room, then every survivor with its change."""
     rooms = sorted({row["room"] for row in rows})
     text = HEAD.format(count=len(rows), seed=seed, budget=budget)
