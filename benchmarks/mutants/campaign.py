@@ -117,7 +117,7 @@ def _row(
     workplaces: "SimpleQueue[Workplace]",
 ) -> dict[str, object]:
     source = (campaign.root / mutant.file).read_text()
-    chosen = select(mutant, room, files, campaign.budget)
+    chosen = select(mutant, files, campaign.budget)
     key = mutant.key(sha256(source.encode()).hexdigest() + chosen.state)
     if key in known:
         return known[key]

@@ -33,16 +33,9 @@ class Selection:
 
 
 def test_files(root: Path, room: str) -> list[Path]:
-    """Return the files of tests of a room and those elsewhere that use it.
-
-    Tests of the workflow run whole studies and are left out, as are all that are marked slow.
-    """
-    files = []
-    for file in sorted((root / "tests").rglob("test_*.py")):
-        parts = file.relative_to(root / "tests").parts
-        if parts[0] != "workflow" and (_is_of(file, room) or f"dea.{room}" in file.read_text()):
-            files.append(file)
-    return files
+    """Return the files of tests of a room."""
+    files = sorted((root / "tests").rglob("test_*.py"))
+    return [file for file in files if room in file.parts or file.stem == f"test_{room}"]
 
 
 def read_report(report: Path) -> dict[str, float]:
@@ -54,16 +47,16 @@ def read_report(report: Path) -> dict[str, float]:
     }
 
 
-def select(mutant: Mutant, room: str, files: Sequence[TimedFile], budget: float) -> Selection:
+def select(mutant: Mutant, files: Sequence[TimedFile], budget: float) -> Selection:
     """Return the tests to run, at most ``budget`` seconds of them.
 
     First the files that carry the module's name, then those that name the function changed or
-    import the module, then the others of its room, then those elsewhere; the quicker ones before.
-    A test that alone takes more than half of the budget is left out.
+    import the module, then the others of its room; among these the quicker ones before. A test
+    that alone takes more than half of the budget is left out.
     """
     tests: list[str] = []
     seconds, state = 0.0, sha256()
-    for file in sorted(files, key=lambda file: (_distance(mutant, room, file), file.total)):
+    for file in sorted(files, key=lambda file: (_distance(mutant, file), file.total)):
         for name, time in file.seconds.items():
             if time <= budget / 2 and seconds + time <= budget:
                 tests.append(f"{file.path}::{name}")
@@ -72,18 +65,14 @@ def select(mutant: Mutant, room: str, files: Sequence[TimedFile], budget: float)
     return Selection(tuple(tests), seconds, state.hexdigest())
 
 
-def _distance(mutant: Mutant, room: str, file: TimedFile) -> int:
+def _distance(mutant: Mutant, file: TimedFile) -> int:
     module = Path(mutant.file).with_suffix("").relative_to("src")
     if module.name.strip("_") in Path(file.path).stem:
         return 0
     dotted = ".".join(module.parts)
     if (mutant.definition and mutant.definition in file.text) or dotted in file.text:
         return 1
-    return 2 if _is_of(Path(file.path), room) else 3
-
-
-def _is_of(file: Path, room: str) -> bool:
-    return room in file.parts or file.stem == f"test_{room}"
+    return 2
 
 
 def _classes(case: ElementTree.Element) -> list[str]:
