@@ -14,7 +14,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study case cases report diagnose discrepancy real trials records faults peers \
-	interoperability soak check test mutants benchmark clean
+	interoperability soak configuration check test mutants benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -72,6 +72,9 @@ interoperability: peers $(VENV)/installed ## client and bench against libmodbus,
 
 soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
 	python -m benchmarks.acquisition --soak
+
+configuration: $(VENV)/installed ## write docs/configuration.md from the models of the config
+	python -m dea.configuration page > docs/configuration.md
 
 check: $(VENV)/installed ## linters, formatters, the type checker and the import contracts
 	ruff check .

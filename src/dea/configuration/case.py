@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
-from pydantic import model_validator
+from pydantic import create_model, model_validator
 
 from dea.configuration.discrepancy import Split
 from dea.configuration.files import read_yaml
@@ -12,7 +12,7 @@ from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Identification, Orders, Validation
 from dea.configuration.problems import validated
 from dea.configuration.record import Record
-from dea.configuration.section import Name, Section, key
+from dea.configuration.section import Name, Section, key, partial
 from dea.configuration.study import RESERVED, Study, check_tracker, settings
 from dea.configuration.tracking import Tracking
 from dea.errors import InputError
@@ -41,6 +41,16 @@ class Case(Section):
     def _tracker_runs(self) -> Self:
         check_tracker(self.gfrf, self.tracking)
         return self
+
+
+_FILE: dict[str, Any] = {
+    name: (partial(field.annotation), key(field.description or "", default={}))
+    if name in SECTIONS
+    else (field.annotation, field)
+    for name, field in Case.model_fields.items()
+}
+# A case as its file may hold it: any keys of the sections that config/config.yaml has too.
+CaseFile = create_model("CaseFile", __base__=Section, __doc__=Case.__doc__, **_FILE)
 
 
 def check_case(content: Any, study: Study, file: str | Path | None = None) -> Case:

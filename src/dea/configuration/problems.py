@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -46,7 +47,7 @@ def unknown_key(name: str, known: Sequence[str]) -> tuple[str, str]:
 def _input_error(
     model: type[BaseModel], details: Sequence[ErrorDetails], file: str | Path | None, place: str
 ) -> InputError:
-    schema = model.model_json_schema()
+    schema = _schema(model)
     # A misspelt key is also a missing one; and a value that fits no member of a union is reported
     # once for each member.
     found: dict[str, tuple[str, str]] = {}
@@ -58,6 +59,11 @@ def _input_error(
     others = [key for key in list(found)[1:] if key not in meant]
     more = f" Wrong too: {', '.join(others)}." if others else ""
     return InputError(problem, file=file, field=field or None, remedy=f"{remedy}{more}")
+
+
+@cache
+def _schema(model: type[BaseModel]) -> Schema:
+    return model.model_json_schema()
 
 
 def _said(detail: ErrorDetails, schema: Schema) -> tuple[str, str, str]:

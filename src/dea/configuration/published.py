@@ -1,10 +1,10 @@
 """What others have published: config/published_models.yaml and config/published_errors.yaml."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, model_validator
 
-from dea.configuration.section import NotNegative, Number, Positive, Section, key
+from dea.configuration.section import NotNegative, Number, Positive, Section, key, refuse
 
 
 def _texts(terms: Any) -> Any:
@@ -30,21 +30,27 @@ class PublishedError(Section):
 
 
 class PublishedExtension(Section):
-    """Errors with simple physics, without and with the effect it lacks."""
+    """Errors with simple physics, without and with the effect it lacks; or ``effect: none``."""
 
-    before: NotNegative = key("root mean square error without the effect")
-    after: NotNegative = key("root mean square error with the effect")
-    units: str = key("units of the errors, which are those of the record")
+    before: NotNegative | None = key("root mean square error without the effect", default=None)
+    after: NotNegative | None = key("root mean square error with the effect", default=None)
+    units: str | None = key("units of the errors, which are those of the record", default=None)
+    effect: Literal["none"] | None = key(
+        "none where no effect is known that such a record could prove", default=None
+    )
 
-
-class NoExtension(Section):
-    """No effect is known that such a record could prove."""
-
-    effect: Literal["none"] = key("no effect")
+    @model_validator(mode="after")
+    def _errors_or_none(self) -> Self:
+        given = [value is not None for value in (self.before, self.after, self.units)]
+        if any(given) == (self.effect is not None) or any(given) != all(given):
+            raise refuse(
+                "", "neither errors nor none", "Give before, after and units, or effect: none."
+            )
+        return self
 
 
 class PublishedErrors(Section):
     """Errors on public test records, by case and test record."""
 
     errors: dict[str, dict[str, PublishedError]] = key("of polynomial NARX models")
-    extensions: dict[str, dict[str, PublishedExtension | NoExtension]] = key("of simple physics")
+    extensions: dict[str, dict[str, PublishedExtension]] = key("of simple physics")

@@ -43,7 +43,7 @@ def refuse(place: str, problem: str, remedy: str) -> PydanticCustomError:
     return PydanticCustomError("relation", "{problem}", context)
 
 
-def partial(section: type[Section]) -> Any:
+def partial(section: Any) -> Any:
     """Return a model of any of the keys of ``section``, without what they must agree on."""
     fields: dict[str, Any] = {}
     for name, declared in section.model_fields.items():
