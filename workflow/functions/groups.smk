@@ -1,5 +1,5 @@
-# Figures and tables come in groups: what one job makes from the same files, so that its members
-# share the start of Python and the reading of the files.
+# Groups of figures and tables. One job makes a group from the same files, so that Python starts and
+# the files are read once for all its members.
 from dataclasses import dataclass, field
 
 import yaml

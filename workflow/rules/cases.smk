@@ -1,7 +1,7 @@
 include: "../functions/cases.smk"
 
 
-# How the models of records made elsewhere do on records that identification never saw.
+# Free runs of the models of records made elsewhere on records not used in identification.
 rule score_tests:
     input:
         model="results/{case}/model.nc",

@@ -1,5 +1,5 @@
 # Every figure as PNG and PDF: workflow/figures.yaml lists them, their groups are here. A group's job
-# depends on the modules of all its members, so that a group is what may well be drawn anew together.
+# depends on the modules of all its members: an edit of one draws the whole group again.
 FIRST = next(iter(ACTUATORS))
 FIGURES = filled(
     "figures",

@@ -1,4 +1,4 @@
-# Known answers: the published models as plants, identified from what they simulate.
+# The published models as plants with known parameters, identified from what they simulate.
 rule recover:
     input:
         models=config["recovery"]["models"],

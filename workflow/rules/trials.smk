@@ -2,8 +2,8 @@ include: "../functions/trials.smk"
 
 
 # Blind trials: the bench hides an effect, the diagnosis names it from the record alone, and the
-# seals are opened when all verdicts exist. Trials go in batches, a job each, so that starting
-# Python does not cost more than the work.
+# seals are opened when all verdicts exist. A job runs a batch of trials: for a single one, starting
+# Python would take longer than the work.
 TRIALS = config["trials"]
 COUNT, BATCH = TRIALS["count"], TRIALS["batch"]
 

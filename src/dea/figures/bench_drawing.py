@@ -125,7 +125,7 @@ def _amplifier(ax: Axes, x: float, y: float) -> None:
 
 
 def _actuator(ax: Axes, x: float, y: float) -> None:
-    """The frame on its posts, the film with its electrode, and the ball in its dip."""
+    """Draw the frame on its posts, the film with its electrode, and the ball."""
     outer, inner, electrode, ball, thickness = 19.0, 14.8, 11.2, 3.4, 2.4
     for dx, depth in ((-13.5, 0.62), (13.5, 0.62)):
         ax.add_patch(Rectangle((x + dx - 0.9, 5.6), 1.8, y - 5.6 - depth * 7.6, fc=_STEEL,
@@ -166,7 +166,7 @@ def _actuator(ax: Axes, x: float, y: float) -> None:
 
 
 def _laser(ax: Axes, x: float, ball: float) -> None:
-    """The sensor head; it sends a beam down and sees where the reflection falls."""
+    """Draw the sensor head, its beam and the reflection."""
     _box(ax, x - 8, 46.5, 16, 10, "laser\nsensor")
     for window in (x - 1.2, x + 4.6):
         ax.add_patch(Rectangle((window, 45.7), 2.4, 0.9, fc=_EDGE, ec="none"))
@@ -180,7 +180,7 @@ def _disc(x: float, y: float, radius: float, **look: Any) -> Ellipse:
 
 
 def _ball(ax: Axes, x: float, y: float, radius: float) -> None:
-    """A steel ball lit from the upper left."""
+    """Draw a steel ball, lit from the upper left."""
     dark, light = np.array(to_rgb("#6B747C")), np.array(to_rgb("#F7F9FA"))
     for k in np.linspace(0, 1, 28):
         shift = 0.32 * radius * k
@@ -211,7 +211,7 @@ def _force(
 
 
 def _source(ax: Axes, b: float, slope: float) -> None:
-    """The film voltage across the electrodes, at the right-hand frame."""
+    """Draw the film voltage across the electrodes, at the right-hand frame."""
     colour = _HIGH_VOLTAGE
     contact = np.array([b, 0]) - 4.5 * np.array([cos(slope), sin(slope)])
     normal = np.array([-sin(slope), cos(slope)])

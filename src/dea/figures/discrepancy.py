@@ -1,4 +1,4 @@
-"""A diagnosis in one picture: where, the ladder of gaps, the law, and the record's confusion."""
+"""A diagnosis: the residual and where it is largest, the errors, the parameters, the confusion."""
 
 import re
 from collections.abc import Mapping
@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from dea.figures import style
 from dea.store import Sources
 
-# Above the highest gap, room for the legend.
+# Upper limit of the axis over the largest value, which leaves room for the legend.
 _HEADROOM = 1.3
-# Rungs that the ladder has room for at least.
+# Bars that the panel of errors has room for at least.
 _FEW = 3
 
 
@@ -65,7 +65,7 @@ def _title(verdict: Mapping[str, Any]) -> str:
 
 
 def _series(ax: Axes, certificate: xr.Dataset) -> None:
-    """Draw the gap of both simulations over the record; the certified block is shaded."""
+    """Draw the residual of both simulations over time and shade the samples of role certify."""
     time, measured = certificate["time"].values, certificate["measured"].values
     unit = certificate["measured"].attrs["units"]
     for name, colour in (("nominal", style.GREY), ("extended", style.VERMILION)):
@@ -78,7 +78,7 @@ def _series(ax: Axes, certificate: xr.Dataset) -> None:
 
 
 def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> None:
-    """Draw the gap along the quantity it is concentrated on, before and after."""
+    """Draw the RMS residual, before and after, along the quantity on which it depends most."""
     along = verdict["where"]["along"] or "output"
     highest = 0.0
     for when, colour in (("before", style.GREY), ("after", style.VERMILION)):
@@ -101,7 +101,7 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
 
 
 def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
-    """Draw the held-out error, one effect at a time, down to the noise floor."""
+    """Draw the held-out RMS error after each effect added, and the noise floor."""
     rungs = dict(verdict["ladder"])
     floor = rungs.pop("noise floor")
     ax.barh(range(len(rungs)), list(rungs.values()), color=style.BLUE, height=0.55)
@@ -114,7 +114,7 @@ def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
 
 
 def _in_words(label: str) -> str:
-    """Write effects a line each, and below each the balance it acts on, if it is told."""
+    """Return an effect's name in words and, on a line below, the force port of the label."""
     label = re.sub("@([^>+]*)>", r"\nfrom \1 to ", label.replace("_", " "))
     return label.replace("@", "\nat ")
 
@@ -136,7 +136,7 @@ def _law(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> None:
             value, low, high = (estimate[key] for key in ("value", "low", "high"))
             size = max(abs(value), 1e-12)
             ends = np.clip([100 * (end - value) / size for end in (low, high)], -100, 100)
-            # What may as well be zero has no relative interval worth a colour.
+            # The interval contains zero: its size relative to the estimate says nothing.
             colour = style.GREY if low <= 0 <= high else style.VERMILION
             y = len(labels)
             ax.plot(ends, [y, y], color=colour, lw=1.5)
@@ -164,7 +164,7 @@ def _gains(ax: Axes, candidates: xr.Dataset) -> None:
 
 
 def _confusion(ax: Axes, candidates: xr.Dataset) -> None:
-    """Draw how likely an effect, present at its fitted size, is called another."""
+    """Draw the probability that an effect, present at its fitted size, is named as another."""
     matrix = candidates["confusion"].values
     names = _told_apart([str(name) for name in candidates["present"].values])
     image = ax.imshow(matrix, cmap="Blues", vmin=0, vmax=1)
@@ -179,7 +179,7 @@ def _confusion(ax: Axes, candidates: xr.Dataset) -> None:
 
 
 def _told_apart(labels: list[str]) -> list[str]:
-    """Write sets of effects in words, with the balances they act on only where it takes these."""
+    """Return effect sets in words; force ports only where two sets differ in nothing else."""
     bare = [re.sub("@[^+]*", "", label) for label in labels]
     return [
         _in_words((label if bare.count(short) > 1 else short).replace("+", "\n+ "))

@@ -1,4 +1,4 @@
-"""Fig. 1: the bench, the actuator, and what was applied and measured."""
+"""Fig. 1: the bench, the actuator, and its record."""
 
 import xarray as xr
 from matplotlib.axes import Axes

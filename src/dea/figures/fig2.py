@@ -13,7 +13,7 @@ from dea.figures import style
 from dea.notation import number
 from dea.store import Sources
 
-_HEADROOM = 1.45  # above the largest value, where the legend fits
+_HEADROOM = 1.45  # of the largest value, so that the legend fits above it
 _COLOUR = {"re-estimated": style.RE_ESTIMATED, "honest": style.HONEST}
 _LABEL = {"re-estimated": "re-estimated on the window shown", "honest": "honest: fitted before it"}
 
@@ -47,7 +47,7 @@ def fig2(orders: xr.Dataset, validation: xr.Dataset, name: str) -> Figure:
 
 
 def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
-    """nmse on the left axis, fpe on the right one, against an order."""
+    """Draw nmse on the left axis and fpe on the right one against an order."""
     order = orders[f"{kind}_order"]
     right = ax.twinx()
     right.spines["right"].set_visible(True)
@@ -67,7 +67,7 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
 
 
 def _predicted(ax: Axes, validation: xr.Dataset) -> None:
-    """Simulated against measured output, honest approach, every window."""
+    """Draw simulated against measured output, honest approach, all windows."""
     measured = validation["measured"]
     honest = validation["simulated"].sel(approach="honest")
     for model, colour in (("linear", style.LINEAR), ("narx", style.NARX)):
@@ -106,7 +106,7 @@ def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
 
 
 def _around(measured: xr.DataArray) -> tuple[float, float]:
-    """Limits of an axis on which a simulation that runs away does not hide the measurement."""
+    """Return limits of an axis from the measurement alone: a simulation may diverge."""
     low, high = float(measured.min()), float(measured.max())
     margin = 0.25 * (high - low)
     return low - margin, high + margin

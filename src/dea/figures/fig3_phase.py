@@ -1,4 +1,4 @@
-"""Fig. 3, phase: that of the first-order frequency response over time, below the raw output."""
+"""Phase of the first-order frequency response over time, below the raw output."""
 
 from collections.abc import Mapping
 
@@ -29,7 +29,7 @@ def fig3_phase(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dat
 
 
 def _degrees(response: xr.Dataset) -> xr.DataArray:
-    """The phase without jumps of a turn along the frequencies."""
+    """Return the phase (degrees), unwrapped along the frequencies."""
     h1 = as_complex(response["H1"])
     unwrapped = np.unwrap(np.angle(h1), axis=h1.get_axis_num("frequency"))
     return h1.copy(data=np.degrees(unwrapped))

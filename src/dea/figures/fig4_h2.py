@@ -1,4 +1,4 @@
-"""Fig. 4: how two frequencies mix, |H2(f1, f2)| of every actuator at chosen times."""
+"""Fig. 4: magnitude of the second-order frequency response H2(f1, f2) at chosen times."""
 
 from collections.abc import Mapping
 from itertools import count
@@ -18,9 +18,9 @@ from dea.store import Sources
 Array = NDArray[np.float64]
 _MARGIN, _LARGEST_PANEL = 36.0, 52.0  # mm
 _CONTOURS = 3
-_FLAT = 0.01  # of the largest; lines of a map that varies less show no shape worth reading
-_BEYOND = 1.4
-_LABELLED = 0.6  # of the way from the middle to the edge; a label further out would be cut
+_FLAT = 0.01  # of the largest value; a map that varies less gets no contours
+_BEYOND = 1.4  # upper limit of the axes over the highest excited frequency
+_LABELLED = 0.6  # of the way from the middle to the edge: a label further out would be cut
 _APART = 0.75  # of the way from the middle to the edge, between labels
 
 
@@ -53,7 +53,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
 
 
 def _doubtful(response: xr.Dataset) -> NDArray[np.bool_]:
-    """Where either frequency was not excited, shape (f2, f1)."""
+    """Return where either frequency was not excited, shape (f2, f1)."""
     excited = response["excited_h2"].transpose("frequency_2", "frequency_1").values
     return np.asarray(excited == 0)
 
@@ -85,13 +85,13 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize
 
 
 def _view(frequency: Array, excited: NDArray[np.bool_]) -> tuple[float, float]:
-    """What was excited and a margin beyond it."""
+    """Return the limits of an axis: the excited frequencies and a margin above them."""
     highest = frequency[excited].max(initial=frequency[0])
     return frequency[0], min(frequency[-1], _BEYOND * highest)
 
 
 def _contours(ax: Axes, trusted: xr.DataArray) -> None:
-    """A few lines of the panel's own: its shape shows even where the common scale is wide."""
+    """Draw contours at levels of the panel's own, since the common colour scale may be wide."""
     low, high = float(trusted.min()), float(trusted.max())
     if not high - low > _FLAT * high:
         return
@@ -127,7 +127,7 @@ def _place_for_label(
 ) -> Array | None:
     """Return where a line (k, 2) is nearest to the middle of the map and away from other labels.
 
-    There is no such place where a label would be cut by the edge, or cross another.
+    Return ``None`` where every label would be cut by the edge or overlap another.
     """
     middle = np.array([f1[0] + f1[-1], f2[0] + f2[-1]]) / 2
     half = np.array([np.ptp(f1), np.ptp(f2)]) / 2
@@ -142,6 +142,6 @@ def _place_for_label(
 
 
 def _labels(levels: Array) -> list[str]:
-    """Numbers with as many digits, three or more, as tell them apart."""
+    """Return the levels as text, with three digits or as many more as make them differ."""
     written = ([f"{level:.{digits}g}" for level in levels] for digits in count(3))
     return next(labels for labels in written if len(set(labels)) == levels.size)

@@ -1,4 +1,4 @@
-"""What the maps of frequency responses share: complex values, and where to doubt them."""
+"""What the maps of frequency responses share: complex values, hatching, colours."""
 
 from collections.abc import Mapping
 
@@ -25,7 +25,7 @@ def as_complex(response: xr.DataArray) -> xr.DataArray:
 
 
 def hatch(ax: Axes, x: Array, y: Array, where: NDArray[np.bool_]) -> None:
-    """Grey and hatch the cells ``where`` (shape (y, x)) the response is extrapolated."""
+    """Grey and hatch the cells ``where`` (shape (y, x)) the input held no power."""
     if not where.any():
         return
     cells = where.astype(float)
@@ -36,7 +36,7 @@ def hatch(ax: Axes, x: Array, y: Array, where: NDArray[np.bool_]) -> None:
 
 
 def explain(figure: Figure, maps: Mapping[str, xr.DataArray]) -> None:
-    """Legend of what :func:`hatch` marks and, where there are any, of missing values."""
+    """Add a legend of what :func:`hatch` marks and, if there are any, of missing values."""
     handles = [
         Patch(
             facecolor=_VEIL, edgecolor=style.BLACK, hatch="////", lw=0.4,
@@ -52,9 +52,9 @@ def explain(figure: Figure, maps: Mapping[str, xr.DataArray]) -> None:
 
 
 def magnitude_scale(trusted: Array) -> Normalize:
-    """Colour scale of the magnitudes to be trusted, logarithmic where they span a decade.
+    """Return the colour scale of the magnitudes ``trusted``, logarithmic if they span a decade.
 
-    Where none is, as for a model that never has a steady state, the scale is that of nothing.
+    Without any finite positive one, as for a model that has no steady state, it is 0 to 1.
     """
     positive = trusted[np.isfinite(trusted) & (trusted > 0)]
     if not positive.size:
@@ -64,7 +64,7 @@ def magnitude_scale(trusted: Array) -> Normalize:
 
 
 def colour_bar(figure: Figure, mesh: QuadMesh, axes: NDArray[np.object_], label: str) -> None:
-    """One colour bar beside all maps."""
+    """Draw one colour bar beside all maps."""
     bar = figure.colorbar(mesh, ax=axes, label=label, aspect=45, pad=0.01)
     if isinstance(mesh.norm, LogNorm):
         style.plain_log_ticks(bar.ax.yaxis)

@@ -20,7 +20,7 @@ _COLUMNS = 2
 
 
 class Scale(NamedTuple):
-    """What all maps share: the range of the colours, the colours and the bar's label."""
+    """The colour scale of all maps: range, name of the colour map, label of the colour bar."""
 
     norm: Normalize
     colours: str

@@ -1,4 +1,4 @@
-"""How the acquisition went: round trips, lateness and repairs of every actuator's link."""
+"""Quality of the acquisition: round trips, lateness, retries and errors of every actuator."""
 
 from collections.abc import Mapping
 
@@ -60,7 +60,7 @@ def _course(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str
 
 
 def _lateness(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str]) -> None:
-    """Samples behind their deadline; only a host that paces the samples has deadlines."""
+    """Draw the share of samples against their lateness; there is none if the device paces them."""
     ax.set(xlabel="lateness behind the deadline (ms)", ylabel="share at least as late")
     polled = {name: each["jitter"].values for name, each in links.items() if each["jitter"].size}
     for name, jitter in polled.items():
@@ -78,7 +78,7 @@ def _lateness(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, s
 
 
 def _repairs(ax: Axes, links: Mapping[str, xr.Dataset]) -> None:
-    """A line per actuator: what went wrong on its link and was repaired."""
+    """Write a line per actuator: exchanges, retries, reconnects and errors."""
     ax.axis("off")
     rows = [
         [

@@ -1,4 +1,4 @@
-"""How well known models come back: errors of output, H1 and H2, and the terms that were found."""
+"""Published models identified again: errors of output, H1 and H2, and the terms found."""
 
 from itertools import product
 

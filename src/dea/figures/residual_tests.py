@@ -1,4 +1,4 @@
-"""Residual correlation tests: what the residuals still hold, against the bands of white noise."""
+"""Residual correlation tests with the 95 % bands of white noise."""
 
 import re
 

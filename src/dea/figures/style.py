@@ -30,18 +30,18 @@ FULL_WIDTH = 174.0
 PAGE_HEIGHT = 230.0
 _MM_PER_INCH = 25.4
 MINUTE = 60.0  # s
-_LONG = 300.0  # s, from which a record is read in minutes
+_LONG = 300.0  # s; the time axis of a longer record is in minutes
 _MOST_TICKS = 7
 
-# Okabe and Ito (2008): told apart with every common colour blindness.
+# Okabe and Ito (2008): distinguishable with common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#6E6E6E"
 PALE = "#D9D9D9"
 CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
-# One meaning, one colour, in every figure.
-MEASURED = "#A6A6A6"  # drawn wide, so that a model that is right shows on top of it
+# The same in every figure.
+MEASURED = "#A6A6A6"  # drawn wide, so that a simulation on top of it leaves its edges visible
 HONEST = VERMILION
 RE_ESTIMATED = BLUE
 LINEAR = BLUE
@@ -94,7 +94,7 @@ def styled(draw: Callable[_P, _R]) -> Callable[_P, _R]:
     @wraps(draw)
     def with_style(*args: _P.args, **kwargs: _P.kwargs) -> _R:
         with mpl.rc_context():
-            mpl.rcdefaults()  # whatever the user's own matplotlibrc says
+            mpl.rcdefaults()  # not the user's own matplotlibrc
             mpl.rcParams.update(_STYLE)
             return draw(*args, **kwargs)
 
@@ -102,7 +102,7 @@ def styled(draw: Callable[_P, _R]) -> Callable[_P, _R]:
 
 
 def page_figure(width: float, height: float) -> Figure:
-    """Return an empty figure of this many mm, whose panels arrange themselves."""
+    """Return an empty figure of this many mm, with constrained layout."""
     return Figure(
         figsize=(width / _MM_PER_INCH, height / _MM_PER_INCH),
         layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03),
@@ -113,7 +113,7 @@ def page_figure(width: float, height: float) -> Figure:
 def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
     """Save ``figure`` at each path, PNG or PDF by its ending, at ``resolution`` dots per inch.
 
-    The bytes depend on the figure alone: no dates, no names of programs.
+    The files hold no dates and no names of programs: the same figure gives the same bytes.
     """
     FigureCanvasAgg(figure)
     figure.set_dpi(resolution)
@@ -153,7 +153,7 @@ def quantity(name: str, units: str) -> str:
 
 
 def truncated(name: str, low: float = 0.0, high: float = 1.0) -> ListedColormap:
-    """Return the stretch ``low`` to ``high`` of a named colour map."""
+    """Return the part ``low`` to ``high`` (0 to 1) of a named colour map."""
     whole = mpl.colormaps[name]
     return ListedColormap([whole(low + (high - low) * i / 255) for i in range(256)], name=name)
 
@@ -166,12 +166,12 @@ def plain_log_ticks(axis: Axis) -> None:
 
 
 def clock(time: NDArray[np.float64]) -> tuple[float, str]:
-    """Return the unit a record's times (s) are best read in: its length in s, and its name."""
+    """Return the unit of a record's time axis: its length in s, and its name."""
     return (MINUTE, "min") if time[-1] - time[0] > _LONG else (1.0, "s")
 
 
 def time_axis(ax: Axes, time: NDArray[np.float64]) -> None:
-    """Limit an axis of seconds to a record and number it in what the record is best read in."""
+    """Limit an axis of times (s) to a record and number it in the unit of :func:`clock`."""
     unit, name = clock(time)
     end = 2 * time[-1] - time[-2]  # where the last sample ends
     steps = (m * 10.0**e for e in range(-3, 6) for m in (1, 2, 5))

@@ -1,4 +1,4 @@
-"""Tracked parameters with their bands, and what following them buys in free-run simulation."""
+"""Tracked parameters with their bands, and the residuals of free-run simulation with them."""
 
 from math import ceil
 
@@ -15,7 +15,7 @@ from dea.store import Sources, signals
 from dea.terms import Term
 
 _COLUMNS = 3
-_POINTS = 1200  # a panel is 600 pixels wide: more cannot be seen
+_POINTS = 1200  # a panel is 600 pixels wide
 _BAND = 1.96  # standard deviations either side of the estimate: 95 %
 _PALENESS = 0.22
 _TRACKER = {
@@ -33,7 +33,7 @@ def draw(sources: Sources) -> Figure:
 
 @style.styled
 def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figure:
-    """Draw simulation errors over the whole record, then each parameter over time.
+    """Draw the residuals of each simulation, then each parameter over time.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def _errors(axes: NDArray[np.object_], record: xr.Dataset, track: xr.Dataset) ->
         chosen = track.sel(simulation=simulation)
         error = measured - chosen["simulated"].values
         worst = float(np.abs(error[np.isfinite(error)]).max(initial=0.0))
-        reach = min(worst, float(np.ptp(whole.y)))  # a simulation may run away
+        reach = min(worst, float(np.ptp(whole.y)))  # a simulation may diverge
         ax.set_ylim(-1.1 * reach, 1.1 * reach)
         ax.plot(time, error, lw=0.2, color=colour, rasterized=True)
         ax.axhline(0, color=style.BLACK, lw=0.4)

@@ -1,4 +1,4 @@
-"""What was hidden against what was named: the confusion matrix of the blind trials."""
+"""Confusion matrix of the blind trials: hidden effects against named ones."""
 
 import numpy as np
 import xarray as xr
@@ -56,7 +56,7 @@ def _write_counts(ax: Axes, counts: NDArray[np.int64], shares: NDArray[np.float6
 
 
 def _outline_right_answers(ax: Axes, rows: list[str], columns: list[str]) -> None:
-    """Right is the name itself; for a foreign effect, to give none."""
+    """Outline the name itself or, for an effect outside the catalogue, the verdicts without one."""
     for row, name in enumerate(rows):
         right = [name] if name in columns else ["ambiguous", "unknown"]
         for column in map(columns.index, right):

@@ -1,4 +1,4 @@
-"""How far the gap between simulation and record shrinks, against the noise floor."""
+"""Held-out errors of the blind trials before and after the verdict, in noise floors."""
 
 import numpy as np
 import xarray as xr
@@ -16,7 +16,7 @@ COLOURS = {
     "wrong name": style.VERMILION,
     "right none": style.BLACK,
 }
-_CLOSED = 1.3  # noise floors
+_CLOSED = 1.3  # noise floors, below which the simulation counts as complete
 
 
 def draw(sources: Sources) -> Figure:

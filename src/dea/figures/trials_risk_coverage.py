@@ -1,4 +1,4 @@
-"""How many names are wrong, against how many trials are given one."""
+"""Share of wrong names (risk) against the share of trials with a name (coverage)."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ def draw(sources: Sources) -> Figure:
 
 @style.styled
 def trials_risk_coverage(scores: xr.Dataset) -> Figure:
-    """Draw the risk-coverage curve (contract ``scores``) and where the verdicts stand on it."""
+    """Draw the risk-coverage curve (contract ``scores``) and the point of the verdicts."""
     figure = style.page_figure(style.SINGLE_COLUMN, 70)
     ax = figure.subplots()
     ax.step(

@@ -1,4 +1,4 @@
-"""What verdicts are worth, by the strength of the hidden effect and by the excitation."""
+"""Outcomes of the blind trials by the strength of the hidden effect and by the excitation."""
 
 import numpy as np
 import xarray as xr
@@ -18,7 +18,7 @@ def draw(sources: Sources) -> Figure:
 
 @style.styled
 def trials_strength(scores: xr.Dataset) -> Figure:
-    """Draw the outcomes of single effects (contract ``scores``), with the right names' interval."""
+    """Draw the outcomes of single effects and the interval of right names (contract ``scores``)."""
     figure = style.page_figure(style.FULL_WIDTH, 78)
     by_strength, by_excitation = figure.subplots(1, 2, sharey=True, width_ratios=[4, 6])
     _stack(by_strength, scores, "strength_bin")
@@ -34,7 +34,7 @@ def trials_strength(scores: xr.Dataset) -> Figure:
 
 
 def _stack(ax: Axes, scores: xr.Dataset, dim: str) -> None:
-    """Stack the shares of every outcome of single effects, from the right name upwards."""
+    """Stack the shares of the outcomes of single effects, right names at the bottom."""
     counts = scores[f"{dim}_outcomes"].values
     total = np.maximum(counts.sum(axis=1), 1)
     place, base = np.arange(counts.shape[0]), np.zeros(counts.shape[0])

@@ -1,4 +1,4 @@
-"""The table of the cases: free runs on their test records beside published errors."""
+"""The table of the cases: errors of free runs on their test records, and published ones."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -21,7 +21,7 @@ def tabulate(sources: Sources) -> Table:
 def cases(
     scores: Mapping[str, xr.Dataset], published: Mapping[str, Mapping[str, Mapping[str, Any]]]
 ) -> Table:
-    """Scores of every case and test record, with the published rmse and the two's ratio.
+    """Scores of every case and test record, with the published rmse and the ratio of the two.
 
     Parameters
     ----------

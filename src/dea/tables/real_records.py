@@ -1,4 +1,4 @@
-"""The table of the diagnosed cases: what was named, and what it is worth on other records."""
+"""The table of the diagnosed cases: named effects and errors on samples not fitted to."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -26,7 +26,7 @@ def real_records(
 ) -> Table:
     """Errors without and with the named effects, beside published ones.
 
-    They are those on the block of the record that was kept for proof, and on every test record.
+    They are those on the samples of role certify, and on every test record.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def real_records(
     published
         By case and test record, for those that have one: ``before`` and ``after``, the rmse
         without and with the effect, and their ``units``; or ``effect: none``, where others found
-        none that a record could prove.
+        none that a record can show.
 
     Raises
     ------

@@ -13,7 +13,7 @@ def tabulate(sources: Sources) -> Table:
 
 
 def recovery(scores: xr.Dataset) -> Table:
-    """How each published plant came back (``recovery.nc``): by excitation and by search."""
+    """Errors and terms of each published model (``recovery.nc``), by excitation and search."""
     errors = [name for name in scores.data_vars if not str(name).startswith("terms")]
     counts = ["terms found", "foreign terms"]
     exact, shown = [], []

@@ -18,7 +18,7 @@ def tabulate(sources: Sources) -> Table:
 
 
 def rates(scores: xr.Dataset) -> Table:
-    """Rates with Wilson's 95 % intervals and what was to be reached (contract ``scores``)."""
+    """Rates with Wilson's 95 % intervals and their targets (contract ``scores``)."""
     exact = scores[["rate", "rate_low", "rate_high", "rate_trials", "rate_target"]].to_dataframe()
     shown = [
         {

@@ -13,7 +13,7 @@ def tabulate(sources: Sources) -> Table:
 
 
 def effects(scores: xr.Dataset) -> Table:
-    """How often each hidden effect met each outcome, and what it was taken for."""
+    """Number of trials by hidden effect and outcome, and the wrong names given."""
     counts = scores["effect_outcomes"].to_pandas()
     counts = counts[counts.sum(axis=1) > 0]
     confusion = scores["confusion"].to_pandas().loc[counts.index]
