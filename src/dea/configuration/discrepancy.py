@@ -1,6 +1,16 @@
 """What the simulation of a system is missing: ``discrepancy`` of config/config.yaml."""
 
-from dea.configuration.section import Count, NotNegative, Positive, Section, Share, Whole, key
+from dea.configuration.section import (
+    Count,
+    NotNegative,
+    Number,
+    Positive,
+    Section,
+    Share,
+    Whole,
+    WholeNotNegative,
+    key,
+)
 
 
 class Budget(Section):
@@ -9,6 +19,32 @@ class Budget(Section):
     finished: Count = key("candidates of a round that are fitted to the end")
     beam: Count = key("candidates that the next round builds on")
     effects: Whole = key("effects attached at most", ge=1, le=3)
+    starts: Count = key("starts of the fit of the simulation alone", default=4)
+    kept: Count = key("fits of one effect that go on after the screening, at least", default=2)
+    screening: Count = key("steps of each fit of the screening", default=4)
+    first_steps: Count = key("steps of every finished candidate", default=6)
+    last_steps: Count = key("further steps of candidates near the leader", default=20)
+    near: Number = key("errors of the leader up to which a candidate is near it", default=2.5, ge=1)
+    shakes: WholeNotNegative = key(
+        "perturbed starts from which the best single effects are fitted again", default=4
+    )
+    shake_above: Positive = key("residual above which they are", unit="noise floors", default=1.15)
+    shake_size: Positive = key(
+        "standard deviation of the perturbation", unit="prior spreads", default=0.5
+    )
+    exchanges: WholeNotNegative = key(
+        "times that the best pair gives up one of its effects for another", default=3
+    )
+    exchange_above: Positive = key(
+        "residual above which it does", unit="noise floors", default=1.05
+    )
+    exchange_misfit: Share = key(
+        "part of the best single effect's misfit up to which it does", default=0.8
+    )
+    exchange_gain: Share = key("factor by which an exchange must lower the error", default=0.9)
+    long_record: Count = key(
+        "record length above which all this is halved", unit="samples", default=30_000
+    )
 
 
 class Rules(Section):
@@ -24,6 +60,28 @@ class Rules(Section):
     second: Share = key("part of the remaining misfit that a further effect must remove")
     rival_margin: Positive = key("factor by which a beaten rival's misfit is larger")
     predictable: Share = key("part of the error that a flexible model must leave")
+    noise_like: Positive = key(
+        "residual up to which one that nothing reduces counts as noise",
+        unit="noise floors",
+        default=1.5,
+    )
+    negligible: NotNegative = key(
+        "misfit below which two candidates are not distinguished",
+        unit="noise floors",
+        default=0.05,
+    )
+    near: Number = key(
+        "errors of the chosen candidate up to which others are compared with it on blocks that"
+        " neither was fitted to",
+        default=2.5,
+        ge=1,
+    )
+    detectable: NotNegative = key(
+        "sensitivity to an effect, beyond what the simulation's own parameters absorb, below which"
+        " the record cannot show it",
+        unit="noise deviations",
+        default=0.2,
+    )
 
 
 class Discrepancy(Section):

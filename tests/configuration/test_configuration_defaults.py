@@ -1,0 +1,68 @@
+"""A default of the config is that of the library, which also works without a config."""
+
+import inspect
+from dataclasses import asdict, fields
+from pathlib import Path
+
+import pytest
+import yaml
+
+from dea import signals
+from dea.acquisition import AcquisitionSettings
+from dea.configuration import acquisition, device, discrepancy, excitation
+from dea.discrepancy import Settings
+from dea.modbus import Register, Serial, parse_device
+
+ROOT = Path(__file__).parents[2]
+KINDS = {
+    "gaussian": excitation.Gaussian,
+    "bursts": excitation.Bursts,
+    "multisine": excitation.Multisine,
+    "staircase": excitation.Staircase,
+    "binary": excitation.Binary,
+    "triangle": excitation.Triangle,
+}
+
+
+def defaults(model):
+    """Return the keys of a section that have a default."""
+    return {name: f.default for name, f in model.model_fields.items() if not f.is_required()}
+
+
+@pytest.mark.parametrize("kind", signals.KINDS)
+def test_a_kind_of_excitation_has_the_keys_and_defaults_of_its_function(kind):
+    own = {
+        name: parameter.default
+        for name, parameter in inspect.signature(signals.KINDS[kind]).parameters.items()
+        if parameter.kind is inspect.Parameter.KEYWORD_ONLY
+    }
+    assert defaults(KINDS[kind]) == own
+
+
+def test_an_acquisition_has_the_keys_of_the_config():
+    """Pacing is for tests alone, which need not wait."""
+    known = {field.name for field in fields(AcquisitionSettings)} - {"paced"}
+    assert known == set(acquisition.Acquisition.model_fields)
+
+
+def test_a_register_and_a_line_have_the_defaults_of_their_description():
+    found = parse_device(
+        {
+            "name": "module",
+            "framing": "serial",
+            "serial": {"port": "/dev/ttyS0"},
+            "unit_id": 1,
+            "sampling_rate": 50,
+            "registers": {"output": {"address": 0}},
+        }
+    )
+    assert found["output"] == Register(name="output", address=0)
+    assert found.serial == Serial(port="/dev/ttyS0")
+    assert defaults(device.Serial).keys() == {field.name for field in fields(Serial)} - {"port"}
+
+
+@pytest.mark.parametrize(("name", "model"), [("rules", "Rules"), ("budget", "Budget")])
+def test_the_diagnosis_has_the_numbers_of_the_config(name, model):
+    shipped = yaml.safe_load((ROOT / "config/config.yaml").read_text())["discrepancy"][name]
+    configured = defaults(getattr(discrepancy, model)) | shipped
+    assert asdict(getattr(Settings(), name)).items() <= configured.items()
