@@ -14,9 +14,9 @@ from dea.narx import (
     regressor_matrix,
     select_terms,
 )
+from dea.narx.candidate_models import CandidateModels
 from dea.narx.selection import forward_and_prune
 from dea.narx.trace import Trace
-from dea.narx.trials import Trials
 
 # DEA2's column of Table 1 of the reference study.
 DEA2 = {
@@ -42,8 +42,8 @@ def record(terms, samples=1500, noise=0.0, seed=0, spread=0.6):
     return model, u, y + noise * y.std() * rng.standard_normal(samples)
 
 
-def slow_trial(candidates, subset, u, y, start):
-    """A trial by textbook least squares and term-by-term simulation."""
+def slow_candidate(candidates, subset, u, y, start):
+    """A candidate by textbook least squares and term-by-term simulation."""
     terms = [candidates[j] for j in subset]
     matrix = regressor_matrix(terms, u, y, start)
     theta = np.linalg.lstsq(matrix, y[start:], rcond=None)[0]
@@ -51,25 +51,25 @@ def slow_trial(candidates, subset, u, y, start):
     return np.mean((run[start:] - y[start:]) ** 2), theta
 
 
-def test_trials_equal_textbook_estimates_and_simulations():
+def test_candidates_equal_textbook_estimates_and_simulations():
     _, u, y = record(SMALL, 300, noise=0.05)
     candidates = candidate_terms(2, 2, 3)
-    trials = Trials(candidates, [(u, y)])
+    models = CandidateModels(candidates, [(u, y)])
     rng = np.random.default_rng(3)
     # Terms of degree one and inputs alone: no free run of these diverges.
     tame = [j for j, term in enumerate(candidates) if term.degree < 2 or not term.y_lags]
     subsets = [tuple(sorted(rng.choice(tame, size, replace=False))) for size in (1, 3, 6, 9)]
     subsets.append(tuple(candidates.index(term) for term in NarxModel.from_terms(SMALL).terms))
-    for subset, outcome in zip(subsets, trials(subsets), strict=True):
-        error, theta = slow_trial(candidates, subset, u, y, 2)
+    for subset, outcome in zip(subsets, models(subsets), strict=True):
+        error, theta = slow_candidate(candidates, subset, u, y, 2)
         np.testing.assert_allclose(outcome.parameters, theta, rtol=1e-8)
         assert outcome.msse == pytest.approx(error, rel=1e-8)
 
 
-def test_trials_on_two_records_share_their_parameters():
+def test_candidates_on_two_records_share_their_parameters():
     _, u, y = record(SMALL, 300, noise=0.05)
     candidates = linear_terms(2, 2)
-    both = Trials(candidates, [(u[:100], y[:100]), (u[100:], y[100:])])
+    both = CandidateModels(candidates, [(u[:100], y[:100]), (u[100:], y[100:])])
     theta = both([(0, 1, 2, 3, 4)])[0].parameters
     matrix = np.vstack(
         [regressor_matrix(candidates, u[part], y[part]) for part in (slice(100), slice(100, None))]
@@ -83,7 +83,7 @@ def test_a_dependent_regressor_gets_no_weight():
     y = np.concatenate([[0.0], 0.5 * u[:-1]])
     y[1:] += 0.1 * np.sin(np.arange(199))
     candidates = linear_terms(1, 2)
-    outcome = Trials(candidates, [(u, y)])([(0, 2, 3)])[0]
+    outcome = CandidateModels(candidates, [(u, y)])([(0, 2, 3)])[0]
     assert np.count_nonzero(outcome.parameters) == 2
     assert np.isfinite(outcome.msse)
 
@@ -92,16 +92,16 @@ def test_greedy_steps_take_the_largest_reduction_of_the_simulated_error():
     _, u, y = record(SMALL, 300, noise=0.02)
     candidates = candidate_terms(1, 2, 2)
     trace = Trace()
-    forward_and_prune(Trials(candidates, [(u, y)]), (0, 1, 2, 3), 1e-4, 1e-4, 99, trace)
+    forward_and_prune(CandidateModels(candidates, [(u, y)]), (0, 1, 2, 3), 1e-4, 1e-4, 99, trace)
     steps = trace.to_dataset().to_dataframe()
     subset = [0, 1, 2, 3]
-    error = slow_trial(candidates, subset, u, y, 2)[0]
+    error = slow_candidate(candidates, subset, u, y, 2)[0]
     power = np.mean(y[2:] ** 2)
     forward = steps[steps.trial_phase == "forward"]
     assert len(forward.groupby("trial_step")) >= 2
     for _, tried in forward.groupby("trial_step"):
         free = [j for j in range(len(candidates)) if j not in subset]
-        errors = [slow_trial(candidates, sorted([*subset, j]), u, y, 2)[0] for j in free]
+        errors = [slow_candidate(candidates, sorted([*subset, j]), u, y, 2)[0] for j in free]
         np.testing.assert_allclose(tried.trial_msse, errors, rtol=1e-7)
         np.testing.assert_allclose(tried.trial_serr, (error - errors) / power, atol=1e-9)  # (5)
         best = int(np.argmin(errors))
@@ -120,10 +120,10 @@ def test_pruning_removes_the_cheapest_term_while_it_costs_less_than_the_threshol
     candidates = candidate_terms(1, 2, 2)
     subset = list(range(len(candidates)))
     power = np.mean(y[2:] ** 2)
-    error, costs = slow_trial(candidates, subset, u, y, 2)[0], []
+    error, costs = slow_candidate(candidates, subset, u, y, 2)[0], []
     while True:
         options = [[i for i in subset if i != j] for j in subset]
-        errors = [slow_trial(candidates, option, u, y, 2)[0] for option in options]
+        errors = [slow_candidate(candidates, option, u, y, 2)[0] for option in options]
         best = int(np.argmin(errors))
         costs.append((errors[best] - error) / power)
         if costs[-1] > threshold:
@@ -131,8 +131,8 @@ def test_pruning_removes_the_cheapest_term_while_it_costs_less_than_the_threshol
         subset, error = options[best], errors[best]
     # Removals that cost something were accepted: a threshold of the other sign would refuse them.
     assert max(costs[:-1]) > 0.0
-    trials, everything = Trials(candidates, [(u, y)]), tuple(range(len(candidates)))
-    found = forward_and_prune(trials, everything, 1e-4, threshold, 99, Trace())
+    models, everything = CandidateModels(candidates, [(u, y)]), tuple(range(len(candidates)))
+    found = forward_and_prune(models, everything, 1e-4, threshold, 99, Trace())
     assert found == tuple(subset)
 
 
@@ -143,7 +143,7 @@ def test_the_small_model_found_is_the_best_of_all_subsets():
     found = select_terms(u, y, y_lags=1, u_lags=1, degree=2, refine=False, scaling=Scaling())
     size = len(found.terms)
     errors = {
-        subset: slow_trial(candidates, subset, u, y, 1)[0]
+        subset: slow_candidate(candidates, subset, u, y, 1)[0]
         for subset in combinations(range(len(candidates)), size)
     }
     best = min(errors, key=errors.get)
@@ -170,7 +170,7 @@ def test_refining_never_simulates_worse_than_the_forward_selection():
     assert cost[refined] <= cost[plain] * (1 + 1e-9)
 
 
-def test_unstable_trials_have_an_infinite_error_and_no_nan():
+def test_unstable_candidates_have_an_infinite_error_and_no_nan():
     rng = np.random.default_rng(0)
     u = rng.standard_normal(300)
     y = np.cumsum(u + 0.3 * rng.standard_normal(300))  # an integrator, on the edge

@@ -1,4 +1,4 @@
-"""Where an input holds power, and so where a response found from it can be trusted."""
+"""The spectrum of an input, which says at which frequencies a response is measured."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,8 @@ def input_spectrum(u: ArrayLike, sampling_rate: float, frequencies: ArrayLike) -
     signal = np.asarray(u, dtype=float)
     length = max(signal.size // _SEGMENTS, min(signal.size, 16))
     lines, density = welch(signal, sampling_rate, nperseg=length)
-    return np.interp(np.abs(frequencies), lines, density)
+    found: Array = np.interp(np.abs(frequencies), lines, density)
+    return found
 
 
 def excited(density: ArrayLike, threshold: float) -> NDArray[np.bool_]:

@@ -73,7 +73,8 @@ def spectral_radius(expanded: Polynomial) -> Array:
     companion[..., range(1, order), range(order - 1)] = 1.0
     for lag, coefficient in linear.items():
         companion[..., 0, lag - 1] = coefficient
-    return np.abs(np.linalg.eigvals(companion)).max(axis=-1)
+    largest: Array = np.abs(np.linalg.eigvals(companion)).max(axis=-1)
+    return largest
 
 
 def _is_linear_output(term: Term) -> bool:

@@ -31,7 +31,7 @@ def rest(terms: Sequence[Term], theta: Array, u0: float, start: float = 0.0) -> 
     -------
     float or None
         The normalised output, exact to rounding; None where the run diverges, oscillates or
-        creeps on.
+        does not settle.
     """
     terms = tuple(terms)
     roots = _attracting_roots(terms, theta, u0)
@@ -79,10 +79,10 @@ def _attracting_roots(terms: tuple[Term, ...], theta: Array, u0: float) -> list[
     candidates = polynomial.polyroots(coefficients)
     slope = polynomial.polyder(coefficients)
     roots = []
-    # A double root of real coefficients comes out with an imaginary part near the square root of
-    # the rounding; it attracts from one side only and is no rest.
+    # A double root of real coefficients is computed with an imaginary part near the square root
+    # of the rounding error; it attracts from one side only and is not a rest.
     for root in candidates.real[np.abs(candidates.imag) <= 1e-9 * (1.0 + np.abs(candidates))]:
-        for _ in range(2):  # Newton: the eigenvalues that polyroots takes lose a few digits
+        for _ in range(2):  # Newton steps: polyroots computes eigenvalues, which lose a few digits
             gradient = polynomial.polyval(root, slope)
             if gradient != 0.0:
                 root = root - polynomial.polyval(root, coefficients) / gradient

@@ -1,10 +1,11 @@
 """The recursive probing method: GFRFs of any order from the polynomial around a rest.
 
 With the input U_t = sum_i e^{j w_i t} of n tones the output contains, for each set S of tones, the
-line at sum_{i in S} w_i with the amplitude G(S) = |S|! H_{|S|}(w_i, i in S). A monomial feeds that
-line once for every way of dealing the tones of S to its factors, each output factor taking one or
-more tones and each input factor exactly one. Equating both sides of the model equation line by
-line gives G(S) from the G of smaller sets, (20)-(31) for every order, already symmetric.
+line at sum_{i in S} w_i with the amplitude G(S) = |S|! H_{|S|}(w_i, i in S). A monomial
+contributes to that line once for every way of distributing the tones of S over its factors, each
+output factor with one or more tones and each input factor with exactly one. Equating both sides of
+the model equation line by line gives G(S) from the G of smaller sets, (20)-(31) for every order,
+already symmetric.
 """
 
 from collections.abc import Iterator, Sequence
@@ -55,7 +56,7 @@ def probe(expanded: Polynomial, omega: Sequence[NDArray[np.float64]]) -> Complex
 
     @cache
     def deal(factors: tuple[Factor, ...], tones: int) -> Complex | None:
-        """Sum over every way of dealing ``tones`` to ``factors``; None where there is none."""
+        """Sum over the ways of distributing ``tones`` over ``factors``; None if there is none."""
         (signal, lag), rest = factors[0], factors[1:]
         if not rest:
             return taken(signal, lag, tones)

@@ -6,6 +6,8 @@ from numpy.typing import ArrayLike, NDArray
 from dea.gfrf.response import frequency_response
 from dea.narx import NarxModel, nmse
 
+Array = NDArray[np.float64]
+
 _LINES = 25  # frequencies on each axis at which responses are compared
 
 
@@ -52,7 +54,7 @@ def _difference(
     plant: NarxModel,
     found: NarxModel,
     order: int,
-    frequencies: NDArray | tuple[NDArray, NDArray],
+    frequencies: Array | tuple[Array, Array],
     sampling_rate: float,
 ) -> float:
     expected, actual = (

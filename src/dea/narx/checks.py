@@ -1,4 +1,4 @@
-"""What signals must satisfy before anything is estimated from them."""
+"""Checks of signals before anything is estimated from them."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,7 +31,7 @@ def as_signal(values: ArrayLike, name: str) -> Array:
         raise InputError(
             f"{bad.size} of {signal.size} samples are not numbers, the first at sample {bad[0]}",
             field=name,
-            remedy="Cut the signal before the first.",
+            remedy="Cut the signal before that sample.",
         )
     return signal
 
@@ -64,6 +64,6 @@ def as_record(u: ArrayLike, y: ArrayLike, lag: int = 0, terms: int = 0) -> tuple
             raise InputError(
                 f"it is constant at {signal[0]:g}",
                 field=name,
-                remedy="A model can only be identified from signals that move.",
+                remedy="A model can only be identified from signals that vary.",
             )
     return inputs, outputs

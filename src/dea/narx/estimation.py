@@ -58,7 +58,7 @@ def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> tuple[A
     matrix = np.vstack([regressor_matrix(terms, u, y) for u, y in segments])
     target = np.concatenate([y[start:] for _, y in segments])
     norms = np.linalg.norm(matrix, axis=0)
-    scale = np.where(norms > 0.0, norms, 1.0)  # the columns' units must not decide the rank
+    scale = np.where(norms > 0.0, norms, 1.0)  # the rank must not depend on the columns' units
     left, singular, right = np.linalg.svd(matrix / scale, full_matrices=False)
     kept = singular > _DEPENDENT * singular[0]
     inverse = (right[kept].T / singular[kept]) / scale[:, None]
@@ -87,7 +87,7 @@ def scaling_of(records: Sequence[Segment], centre_input: bool = True) -> Scaling
 
 
 def normalised(records: Sequence[Segment], scaling: Scaling) -> list[Segment]:
-    """Return each record as the model's equation sees it."""
+    """Return each record in the units of the model's equation."""
     return [(scaling.normalise_input(u), scaling.normalise_output(y)) for u, y in records]
 
 

@@ -1,15 +1,15 @@
-"""Better structures for the same price: terms added, dropped and exchanged under refinement.
+"""Improve a structure by adding, removing and exchanging terms under refined parameters.
 
-Forward selection judges each term by least-squares parameters, which noise biases, and never
-looks back at pairs. Here every trial's parameters minimise the simulated error, which makes the
-right structure reach the noise floor. Sensitivities make that affordable: the slope of the run by
-*every* candidate, projected off the slopes of the present terms, predicts what each would gain, so
-that only the most promising few are fitted. A step is taken only if
+Forward selection judges each term by least-squares parameters, which noise biases, and does not
+reconsider pairs of terms. Here the parameters of every candidate structure minimise the simulated
+error, so that the right structure reaches the noise floor. To limit the number of fits, the
+derivative of the run by the parameter of *every* candidate term, projected orthogonally to those
+of the present terms, predicts the gain of each; only the best few are fitted. A step is taken if
 
     MSSE / mean(y^2) + price * (number of terms)
 
-falls, hence no structure comes back and the search ends. A model that stays bounded on these
-records alone counts as unstable.
+falls; since this cost falls with every step, no structure is taken twice and the search ends. A
+model that stays bounded only on these records counts as unstable.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,18 +17,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.refinement import Refined, column_norms, linearise, minimise
 from dea.narx.simulation import simulate
 from dea.narx.trace import Trace, gain
-from dea.narx.trials import Segment, Subset
 from dea.terms import Term
 
-_FITTED = 4  # the most promising additions, and removals, that are fitted in a round
-_EFFORT = (8, 1e-4)  # iterations and relative tolerance of a trial's fit
-_LEAST_FALL = 0.01  # of the price
+_FITTED = 4  # additions, and removals, of best predicted gain that are fitted in a round
+_EFFORT = (8, 1e-4)  # iterations and relative tolerance of a candidate's fit
+_LEAST_FALL = 0.01  # share of the price by which the cost falls in an accepted step
 _LEEWAY = 3.0  # times the largest measured output that a run may reach on reversed inputs
-_DEPENDENT = 1e-10  # of a slope's energy: less than this is rounding
+_DEPENDENT = 1e-10  # share of a slope's energy below which it is rounding
 
 
 class Move(NamedTuple):
@@ -86,7 +86,7 @@ class Exchange:
         return subset, fit.parameters
 
     def _rounds(self, subset: Subset, fit: Refined, most: int) -> Iterator[list[Move]]:
-        """Removals, then additions, then additions with a removal: the cheapest first."""
+        """Removals, then additions, then exchanges: in order of computing time."""
         yield self._removals(subset, fit, "")
         additions = self._additions(subset, fit)
         if len(subset) < most:
@@ -124,7 +124,7 @@ class Exchange:
         return moves
 
     def _additions(self, subset: Subset, fit: Refined) -> list[Move]:
-        """The terms that promise the largest fall, by their slope off the present slopes."""
+        """The terms of largest predicted fall, by their slope orthogonal to the present slopes."""
         full = np.zeros(len(self._candidates))
         full[list(subset)] = fit.parameters
         point = linearise(self._candidates, full, self._segments)
@@ -156,10 +156,10 @@ class Exchange:
         return self._fits[subset]
 
     def _is_steady(self, terms: tuple[Term, ...], theta: Array) -> bool:
-        """Whether the model stays in range on inputs it was not fitted to: the records reversed.
+        """Whether the model stays in range on the time-reversed inputs of the records.
 
-        They have the same amplitudes and spectrum, so that a model which leaves the measured range
-        by far under them is one that only these records keep bounded.
+        These have the same amplitudes and spectrum, so that a model that leaves the measured range
+        by far on them is bounded on these records only.
         """
         for u, y in self._segments:
             limit = _LEEWAY * float(np.abs(y).max())

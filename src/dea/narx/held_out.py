@@ -18,8 +18,8 @@ def held_out_error(model: NarxModel, u: ArrayLike, y: ArrayLike, *, parts: int =
 
     The record is cut into contiguous parts. For each, the parameters that minimise the simulated
     error (6) on all others are sought from the model's own, and simulate the part left out from
-    its first measured outputs on. Among models of several lags, degrees and thresholds that were
-    selected on the record, the one of least error is a choice that no test record has seen.
+    its first measured outputs on. Choosing lags, degree and thresholds by this error uses no test
+    record.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How sure each selected term is: how often selection on resampled records finds it again."""
+"""Inclusion frequency of each selected term: how often selection on resampled records finds it."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -25,8 +25,9 @@ def inclusion_frequency(
     """Share of bootstrap resamples whose selection contains each of ``terms``.
 
     The records are cut into contiguous blocks, which keeps the dynamics inside them; each resample
-    draws as many blocks with replacement and selects terms on them anew. A low share says that
-    the data hold other, equally good terms: neighbouring lags of a smooth signal often do.
+    draws as many blocks with replacement and selects terms on them anew. A low share
+    means that other terms describe the data equally well, often neighbouring lags of a smooth
+    signal.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ def inclusion_frequency(
         Number of selections, and of blocks that each record is cut into.
     selection
         Further arguments of :func:`dea.narx.select_terms`. The scaling is by default that of the
-        whole records, so that every resample speaks of the same terms.
+        whole records, so that terms are comparable between resamples.
 
     Returns
     -------

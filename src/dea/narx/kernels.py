@@ -1,20 +1,27 @@
 """The compiled loops behind simulation and refinement.
 
-A model comes as integer arrays: which group each term belongs to (terms of a group share their
-outputs), the lags of each group's outputs and of each term's inputs, padded with NONE. Runs stop
-where an output exceeds the bound.
+A model is described by integer arrays: the group that each term belongs to (terms of a group have
+the same output factors), the lags of each group's outputs and of each term's inputs, padded with
+NONE. A run stops where an output exceeds the bound.
 """
+
+from typing import TypeAlias
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-NONE = -1  # pads the lags of monomials with fewer factors than the longest
+from dea.narx.checks import Array
+
+Indices: TypeAlias = NDArray[np.int64]
+
+NONE = -1  # pads the lags of terms with fewer factors than the longest
 BLOCK = 512  # samples whose products of inputs stay in the cache
 
 
 @njit(cache=True, inline="always")
-def output_of(coefficients, i, y_lags, y, t):
-    """What remains of (7) for sample t: sum_g C_g[i] * prod_k y_{t-k}."""
+def output_of(coefficients: Array, i: int, y_lags: Indices, y: Array, t: int) -> float:
+    """The output of sample t by (7), from its coefficients: sum_g C_g[i] * prod_k y_{t-k}."""
     total = 0.0
     for g in range(y_lags.shape[0]):
         monomial = coefficients[g, i]
@@ -28,7 +35,16 @@ def output_of(coefficients, i, y_lags, y, t):
 
 
 @njit(cache=True)
-def _coefficients(group, u_lags, parameters, u, first, last, product, coefficients):
+def _coefficients(
+    group: Indices,
+    u_lags: Indices,
+    parameters: Array,
+    u: Array,
+    first: int,
+    last: int,
+    product: Array,
+    coefficients: Array,
+) -> None:
     """Fill C_g[t] of the samples from ``first`` to before ``last``; ``product`` is scratch."""
     count = last - first
     coefficients[:, :count] = 0.0
@@ -47,7 +63,16 @@ def _coefficients(group, u_lags, parameters, u, first, last, product, coefficien
 
 
 @njit(cache=True)
-def run(group, y_lags, u_lags, parameters, start, u, y, bound):
+def run(
+    group: Indices,
+    y_lags: Indices,
+    u_lags: Indices,
+    parameters: Array,
+    start: int,
+    u: Array,
+    y: Array,
+    bound: float,
+) -> None:
     """Continue ``y`` from sample ``start``, infinite from the sample on where it diverges."""
     coefficients = np.empty((y_lags.shape[0], BLOCK))
     product = np.empty(BLOCK)
@@ -63,7 +88,9 @@ def run(group, y_lags, u_lags, parameters, start, u, y, bound):
 
 
 @njit(cache=True)
-def run_varying(y_lags, u_lags, theta, start, u, y, bound):
+def run_varying(
+    y_lags: Indices, u_lags: Indices, theta: Array, start: int, u: Array, y: Array, bound: float
+) -> None:
     """As :func:`run` with ``theta[t]`` at sample t; ``y_lags`` are those of each term."""
     for t in range(start, y.size):
         total = 0.0
@@ -85,8 +112,18 @@ def run_varying(y_lags, u_lags, theta, start, u, y, bound):
 
 
 @njit(cache=True)
-def run_with_slope(group, y_lags, u_lags, theta, start, u, y, slope, bound):
-    """Continue run and slope from sample ``start``; terms that share their outputs share work."""
+def run_with_slope(
+    group: Indices,
+    y_lags: Indices,
+    u_lags: Indices,
+    theta: Array,
+    start: int,
+    u: Array,
+    y: Array,
+    slope: Array,
+    bound: float,
+) -> None:
+    """Continue the run ``y`` and its derivatives ``slope`` by the parameters from ``start`` on."""
     groups, factors = y_lags.shape
     terms = theta.size
     inputs = np.empty((BLOCK, terms))  # each term's product of inputs

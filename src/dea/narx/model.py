@@ -31,7 +31,7 @@ class NarxModel:
     covariance
         Of the parameters, shape (terms, terms), where they were estimated.
     trace
-        Where the terms were selected, every trial on the way; dimension ``trial``:
+        Where the terms were selected, every candidate model tried; dimension ``trial``:
         ``trial_phase`` (basis, forward, pruning, exchange), ``trial_step``, ``trial_term``,
         ``trial_msse``, ``trial_serr`` and ``trial_status`` (added, pruned, exchanged, rejected,
         unstable).
@@ -168,13 +168,13 @@ class NarxModel:
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> "NarxModel":
         """Return the model that :meth:`to_dataset` described."""
-        trials = [name for name, variable in dataset.items() if variable.dims == ("trial",)]
+        trace = [name for name, variable in dataset.items() if variable.dims == ("trial",)]
         return NarxModel(
             tuple(map(Term.parse, dataset["term"].values.tolist())),
             dataset["parameter"].values,
             Scaling(**{item.name: float(dataset[item.name]) for item in fields(Scaling)}),
             dataset["covariance"].values if "covariance" in dataset else None,
-            dataset[trials].drop_attrs(deep=False) if trials else None,
+            dataset[trace].drop_attrs(deep=False) if trace else None,
         )
 
     def save(self, path: str | Path, *, u_units: str = "1", y_units: str = "1") -> None:

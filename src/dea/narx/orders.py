@@ -71,7 +71,7 @@ def compare_orders(
         dimension = f"{kind}_order"
         orders = np.arange(1, highest + 1)
         models = [identify(int(order)) for order in orders]
-        # All are scored on the samples that the longest memory leaves, so that they compare.
+        # All are scored on the samples after the largest lag of any, so that errors are comparable.
         start = max(model.max_lag for model in models)
         pairs = [(outputs[start:], each.simulate(inputs, outputs)[start:]) for each in models]
         sizes = [len(model.terms) for model in models]

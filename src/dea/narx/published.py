@@ -1,4 +1,4 @@
-"""Models known from elsewhere, read from a file of their terms and coefficients."""
+"""Published models, read from a file of their terms and coefficients."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from dea.narx.model import NarxModel
 def load_published(path: str | Path) -> dict[str, NarxModel]:
     """Read models by name from YAML: ``models: {NAME: {"y(t-1)": 0.9, ...}}``.
 
-    They speak of signals as the file's authors scaled them; nothing is scaled here.
+    They hold for signals as the file's authors scaled them; nothing is scaled here.
 
     Raises
     ------

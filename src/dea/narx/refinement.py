@@ -29,8 +29,8 @@ class Refined(NamedTuple):
 def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) -> NarxModel:
     """Return ``model`` with the parameters that minimise its simulated error (6).
 
-    Least squares minimises the one-step error instead, which noise on the output biases; this does
-    not, and weighs errors as a free run shows them. Starts from the model's own parameters.
+    Least squares minimises the one-step error instead, which noise on the output biases; this
+    does not have that bias. Starts from the model's own parameters.
 
     Parameters
     ----------
@@ -112,11 +112,12 @@ class _FreeRuns:
         norms = column_norms(slope)
         scaled = slope / norms
         energy, directions = np.linalg.eigh(scaled.T @ scaled)
-        energy = np.maximum(energy, 0.0)  # rounding may carry a vanishing one below
+        energy = np.maximum(energy, 0.0)  # rounding may make a zero eigenvalue negative
         projected = directions.T @ (scaled.T @ residual)
 
         def step(damping: float) -> Array:
-            return (directions @ (projected / (energy + damping))) / norms
+            moved: Array = (directions @ (projected / (energy + damping))) / norms
+            return moved
 
         return Model(error, step)
 
@@ -177,7 +178,7 @@ def robust_covariance(terms: tuple[Term, ...], theta: Array, segments: Sequence[
 
 
 def column_norms(matrix: Array) -> Array:
-    """Norm of each column, 1 for a column of zeros: a term that the run never meets."""
+    """Norm of each column, 1 for a column of zeros."""
     norms = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
     return np.where(norms > 0.0, norms, 1.0)
 

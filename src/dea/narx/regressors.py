@@ -1,4 +1,4 @@
-"""The regressor matrix: what each term is worth at each sample."""
+"""The regressor matrix: the value of each term at each sample."""
 
 from collections.abc import Sequence
 

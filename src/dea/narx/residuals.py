@@ -49,7 +49,7 @@ def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
 
 def band(samples: int) -> float:
     """Half-width of the 95 % band of a correlation over ``samples`` samples."""
-    return _CONFIDENCE / np.sqrt(samples)
+    return float(_CONFIDENCE / np.sqrt(samples))
 
 
 def _correlation(a: Array, b: Array, max_lag: int) -> Array:

@@ -30,11 +30,11 @@ class Scaling:
                 )
 
     def normalise_input(self, u: Array) -> Array:
-        """Return the input as the equation sees it."""
+        """Return the input in the units of the equation."""
         return (u - self.u_offset) / self.u_scale
 
     def normalise_output(self, y: Array) -> Array:
-        """Return the output as the equation sees it."""
+        """Return the output in the units of the equation."""
         return (y - self.y_offset) / self.y_scale
 
     def restore_output(self, y: Array) -> Array:

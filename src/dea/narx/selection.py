@@ -1,10 +1,11 @@
-"""Term selection by simulated error reduction, and how sure each selected term is."""
+"""Term selection by simulated error reduction."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from dea.errors import InputError
+from dea.narx.candidate_models import CandidateModels, Subset
 from dea.narx.candidate_terms import candidate_terms
 from dea.narx.estimation import (
     Signals,
@@ -18,7 +19,6 @@ from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise, robust_covariance
 from dea.narx.scaling import Scaling
 from dea.narx.trace import Trace, gain
-from dea.narx.trials import Subset, Trials
 from dea.terms import max_lag
 
 
@@ -40,11 +40,11 @@ def select_terms(
     """Select the terms of a NARX model by how well it simulates.
 
     Starts from the linear basis and adds, one at a time, the term with the *largest* simulated
-    error reduction ratio SERR (5)-(9), then removes terms by the same ratio. Every trial is
-    re-estimated by least squares (4) and simulated freely over the whole record; an unstable trial
+    error reduction ratio SERR (5)-(9), then removes terms by the same ratio. Every candidate model
+    is re-estimated by least squares (4) and simulated freely over the whole record; an unstable one
     has an infinite error. With ``refine``, the structure is then improved by adding, dropping and
     exchanging terms while their parameters minimise the simulated error itself; models that leave
-    the measured range by far on the records' reversed inputs are passed over.
+    the measured range by far on the time-reversed inputs of the records are rejected.
 
     Parameters
     ----------
@@ -56,18 +56,18 @@ def select_terms(
     degree
         Largest polynomial order.
     even_in_input
-        Consider only terms with an even number of inputs, for a system that answers the input's
-        negative alike: behind a sensor without a sign, or under a stress that goes with V^2. The
-        input is then scaled about zero.
+        Consider only terms with an even number of inputs, for a system whose response to the
+        negated input is the same: measured by a sensor without a sign, or driven by a stress
+        proportional to V^2. The input is then scaled about zero.
     add_threshold
-        SERR below which no term is worth adding; also the price of a term while refining. SERR is
-        a share of the mean square of the normalised output.
+        SERR below which no term is added; also the cost of a term while refining. SERR is a
+        share of the mean square of the normalised output.
     prune_threshold
-        A term is removed while that costs less SERR than this.
+        Terms are removed while the removal raises the error by less than this, as SERR.
     refine
         False gives the forward selection and pruning alone, with least-squares parameters.
     rounds
-        Most accepted steps of the refining search; 0 refines the parameters alone.
+        Largest number of accepted steps of the refining search; 0 refines the parameters alone.
     max_terms
         The model has at most this many terms; pruning goes on until it does.
     scaling
@@ -76,7 +76,7 @@ def select_terms(
     Returns
     -------
     NarxModel
-        With covariance, scaling and the trace of all trials.
+        With covariance, scaling and the trace of all candidate models.
 
     Raises
     ------
@@ -90,14 +90,14 @@ def select_terms(
     records = as_segments(u, y, max_lag(candidates), len(linear))
     scale = scaling_of(records, not even_in_input) if scaling is None else scaling
     segments = normalised(records, scale)
-    trials, trace = Trials(candidates, segments), Trace()
+    models, trace = CandidateModels(candidates, segments), Trace()
     most = len(candidates) if max_terms is None else max_terms
     if most < 1:
         raise InputError(f"it is {most}", field="max_terms", remedy="Allow at least one term.")
-    subset = forward_and_prune(trials, linear, add_threshold, prune_threshold, most, trace)
-    theta = trials([subset])[0].parameters
+    subset = forward_and_prune(models, linear, add_threshold, prune_threshold, most, trace)
+    theta = models([subset])[0].parameters
     if refine:
-        exchange = Exchange(candidates, segments, trials.power, add_threshold)
+        exchange = Exchange(candidates, segments, models.power, add_threshold)
         subset, theta = exchange.search(subset, theta, rounds, most, trace)
     terms = tuple(candidates[j] for j in subset)
     if refine:
@@ -105,7 +105,7 @@ def select_terms(
         covariance = robust_covariance(terms, theta, segments)
     else:
         _, covariance = least_squares(terms, segments)
-        error = trials([subset])[0].msse
+        error = models([subset])[0].msse
     if not np.isfinite(error):
         raise InputError(
             "every model of these terms diverges in free run",
@@ -116,18 +116,18 @@ def select_terms(
 
 
 def forward_and_prune(
-    trials: Trials,
+    models: CandidateModels,
     basis: Subset,
     add_threshold: float,
     prune_threshold: float,
     most: int,
     trace: Trace,
 ) -> Subset:
-    """Grow ``basis`` by the largest SERR, then remove what costs least; candidate indices."""
-    names = [str(term) for term in trials.candidates]
-    error = trials([basis])[0].msse
-    # SERR of the basis (9) is its error, not a fall of it.
-    trace.add("basis", 0, ["linear basis"], [error], [error / trials.power], 0, "added")
+    """Add the term of largest SERR, then remove the term of least, while that pays."""
+    names = [str(term) for term in models.candidates]
+    error = models([basis])[0].msse
+    # SERR of the basis (9) is its error itself, not a reduction.
+    trace.add("basis", 0, ["linear basis"], [error], [error / models.power], 0, "added")
 
     def grow(subset: Subset) -> dict[str, Subset]:
         free = [j for j in range(len(names)) if j not in subset] if len(subset) < most else []
@@ -137,16 +137,16 @@ def forward_and_prune(
         removable = subset if len(subset) > 1 else ()
         return {names[j]: tuple(i for i in subset if i != j) for j in removable}
 
-    grown = _descend(trials, basis, grow, lambda _: add_threshold, trace, ("forward", "added"))
+    grown = _descend(models, basis, grow, lambda _: add_threshold, trace, ("forward", "added"))
 
-    def dearest(subset: Subset) -> float:
+    def least_gain(subset: Subset) -> float:
         return -prune_threshold if len(subset) <= most else -np.inf
 
-    return _descend(trials, grown, shrink, dearest, trace, ("pruning", "pruned"))
+    return _descend(models, grown, shrink, least_gain, trace, ("pruning", "pruned"))
 
 
 def _descend(
-    trials: Trials,
+    models: CandidateModels,
     subset: Subset,
     moves: Callable[[Subset], dict[str, Subset]],
     least_gain: Callable[[Subset], float],
@@ -155,11 +155,11 @@ def _descend(
 ) -> Subset:
     """Take the move of least simulated error while its SERR (5) is at least ``least_gain``."""
     phase, status = labels
-    error, step = trials([subset])[0].msse, 0
+    error, step = models([subset])[0].msse, 0
     while options := moves(subset):
         step += 1
-        errors = [outcome.msse for outcome in trials(options.values())]
-        gains = [gain(error, tried, trials.power) for tried in errors]
+        errors = [outcome.msse for outcome in models(options.values())]
+        gains = [gain(error, after, models.power) for after in errors]
         best = int(np.argmin(errors))
         accepted = gains[best] >= least_gain(subset)
         trace.add(phase, step, list(options), errors, gains, best if accepted else None, status)

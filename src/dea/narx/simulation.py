@@ -1,6 +1,6 @@
 """Free-run simulation of polynomial NARX models, compiled.
 
-What the inputs contribute does not wait for the output: the terms are grouped by their monomial
+The contributions of the inputs do not depend on the output: the terms are grouped by their monomial
 of outputs, and each group's coefficient C_g[t], a polynomial of inputs alone, is computed for all
 t at once. What remains of the recursion (7) is y_t = sum_g C_g[t] * prod_k y_{t-k}.
 """

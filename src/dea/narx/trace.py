@@ -1,4 +1,4 @@
-"""The record of a selection: every trial, what it gained and what became of it."""
+"""The record of a selection: every candidate model, its gain and whether it was accepted."""
 
 from collections.abc import Sequence
 
@@ -25,7 +25,7 @@ def gain(before: float, after: float, power: float) -> float:
 
 
 class Trace:
-    """Collects trials in the order in which they were made."""
+    """Collects candidate models in the order in which they were tried."""
 
     def __init__(self) -> None:
         self._rows: list[tuple[str, int, str, float, float, str]] = []
@@ -40,7 +40,7 @@ class Trace:
         accepted: int | None = None,
         status: str = "",
     ) -> None:
-        """Add one step's trials; trial number ``accepted`` got ``status``, the rest did not."""
+        """Add the candidates of one step; the one of index ``accepted`` has this ``status``."""
         for i, (label, error, serr) in enumerate(zip(labels, errors, gains, strict=True)):
             outcome = "rejected" if np.isfinite(error) else "unstable"
             self._rows.append(
@@ -48,7 +48,7 @@ class Trace:
             )
 
     def to_dataset(self) -> xr.Dataset:
-        """Return the trials with dimension ``trial``, as ``model.nc`` holds them."""
+        """Return the candidates with dimension ``trial``, as ``model.nc`` names and holds them."""
         columns = zip(*self._rows, strict=True) if self._rows else [()] * len(_LABELS)
         return xr.Dataset(
             {

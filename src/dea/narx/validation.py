@@ -1,10 +1,11 @@
 """Validation on windows of a long record: re-estimated as published, and honestly."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
 from dea.narx.checks import as_record
@@ -178,7 +179,10 @@ def _spans(
     return spans
 
 
-def _labelled(variables: dict, coordinates: dict) -> xr.Dataset:
+def _labelled(
+    variables: Mapping[str, tuple[tuple[str, ...], NDArray[Any], str, str]],
+    coordinates: Mapping[str, NDArray[Any]],
+) -> xr.Dataset:
     return xr.Dataset(
         {
             name: (dims, values, {"units": units, "long_name": label})

@@ -1,4 +1,4 @@
-"""Every dataset the study keeps: written whole with its provenance, read with its checks."""
+"""The study's datasets: written atomically with provenance, read with their contract checked."""
 
 from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.files import atomic, read, sha256, write

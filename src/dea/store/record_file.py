@@ -1,4 +1,4 @@
-"""One way to read a record, whatever wrote it."""
+"""Read a record of the study, or of another program whose columns are named."""
 
 from pathlib import Path
 from typing import Any

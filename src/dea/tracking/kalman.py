@@ -5,10 +5,10 @@
 
 All covariances below are in units of sigma^2, which is concentrated out of the likelihood, so the
 unknowns are the ratios q alone, one for each parameter: some parameters of a system drift and
-others stand still, and a common ratio would let the standing ones follow noise.
+others are constant, and a common ratio would let the constant ones follow noise.
 
 The smoother is the Rauch-Tung-Striebel estimate in the form of Bryson and Frazier, whose backward
-pass needs no inverse, so that ratios of zero (constant parameters) are nothing special. Its
+pass needs no inverse, so that ratios of zero (constant parameters) need no special treatment. Its
 adjoints also give the exact gradient of the likelihood: S. J. Koopman and N. Shephard, Exact score
 for time series models in state space form, Biometrika 79 (1992).
 """
@@ -48,7 +48,7 @@ def smooth(
     Parameters
     ----------
     Phi, y
-        Regressors (n, p) and outputs (n,); a sample whose output is NaN is passed over.
+        Regressors (n, p) and outputs (n,); a sample whose output is NaN is skipped.
     noise_ratio
         q, shape (p,): variance of a parameter's step over that of the noise.
     theta_0, prior_variance
@@ -90,22 +90,22 @@ def fit_noise_ratio(
     """Return the noise ratios of largest likelihood, shape (p,).
 
     The best common ratio is found first; from it, log q is refined for each parameter with the
-    exact gradient. A ratio that ends at ``lowest`` is as good as constant.
+    exact gradient. A ratio that ends at ``lowest`` is practically that of a constant parameter.
 
     Parameters
     ----------
     thinning
-        Only every so many samples enter. The errors of neighbouring samples are alike, since noise
-        and what a model misses pass through the same dynamics; the likelihood takes them for
-        independent and would read their likeness as parameters on the move.
+        Only every ``thinning``-th sample enters. The errors of neighbouring samples are correlated,
+        since noise and unmodelled effects pass through the same dynamics; the likelihood assumes
+        independence and would explain the correlation by moving parameters.
     lowest, highest
-        Between which the ratios are sought.
+        Bounds of the ratios.
 
     Other parameters are those of :func:`smooth`.
     """
     from scipy.optimize import minimize, minimize_scalar
 
-    # A parameter walks `thinning` steps between the samples that are left.
+    # A parameter takes `thinning` steps between the samples that are used.
     Phi, y = np.ascontiguousarray(Phi[::thinning]), np.ascontiguousarray(y[::thinning])
     p, count = Phi.shape[1], y.size
 
@@ -129,7 +129,8 @@ def fit_noise_ratio(
         method="L-BFGS-B",
         options={"maxiter": 30, "ftol": 1e-7},
     )
-    return np.exp(found.x) / thinning
+    ratios: Array = np.exp(found.x) / thinning
+    return ratios
 
 
 def _concentrated(innovation: Array, S: Array) -> tuple[float, float]:

@@ -1,19 +1,19 @@
 """Tracking by the simulated error: the Kalman smoother on a linearised free run.
 
-Least squares and the Kalman filter regress on measured outputs, whose noise biases them, worst
-when the sampling is fast. A free run has no measured outputs in it. Around a trajectory theta^0_t
+Least squares and the Kalman filter regress on measured outputs, whose noise biases them, most
+when the sampling is fast. A free run uses no measured outputs. Around a trajectory theta^0_t
 with free run y^0_t and sensitivity psi_t,
 
     z_t = y_t - y^0_t + psi_t theta^0_t = psi_t theta_t + e_t,
 
 so the random-walk smoother applies with psi in the place of phi and z in the place of y. Repeated
 around its own result this is the Gauss-Newton iteration for the parameters whose free run comes
-closest to the measured output, penalised by how fast they walk: an iterated Kalman smoother,
+closest to the measured output, with a penalty on their rate of change: an iterated Kalman smoother,
 B. M. Bell, SIAM Journal on Optimization 4 (1994).
 
-psi_t takes theta to have been theta_t for as long as the system remembers. Where a pole lies so
-close to one that parameters walk within that time, the step leads nowhere; only steps that lower
-the error of the free run are taken, so the result is then the start itself.
+psi_t assumes that theta was theta_t throughout the memory of the system. Where a pole is so close
+to one that parameters change within that time, the step does not lower the error of the free run;
+only steps that do are taken, so the result is then the start itself.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 _ITERATIONS = 5
 _SMALLEST_STEP = 1.0 / 64.0
-_SMALLEST_FALL = 0.01  # of the squared error, below which another iteration is not worth it
+_SMALLEST_FALL = 0.01  # share of the squared error; a smaller fall ends the iteration
 
 
 def smooth_simulation(
@@ -44,7 +44,7 @@ def smooth_simulation(
     u, y
         Normalised record, shape (samples,).
     walk
-        How the parameters may walk; ratios that it leaves open are fitted in each iteration.
+        Random-walk model of the parameters; ratios it does not give are fitted in each iteration.
 
     Returns
     -------
@@ -59,14 +59,14 @@ def smooth_simulation(
         found = walk.smooth(psi, z, model.parameters)
         step, before = 1.0, error
         while step >= _SMALLEST_STEP:
-            trial = best.theta + step * (found.theta - best.theta)
-            trial_run, error = free_run(model, trial, u, y)
+            moved = best.theta + step * (found.theta - best.theta)
+            moved_run, error = free_run(model, moved, u, y)
             if error < before:
                 break
             step /= 2.0
         else:
             return best
-        best, run = found._replace(theta=trial), trial_run
+        best, run = found._replace(theta=moved), moved_run
         if error > (1.0 - _SMALLEST_FALL) * before:
             break
     return best

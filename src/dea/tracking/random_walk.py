@@ -12,17 +12,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RandomWalk:
-    """How parameters may walk, for regressors scaled to a root mean square of one.
+    """The random walk of the parameters, for regressors scaled to a root mean square of one.
 
     Parameters
     ----------
     noise_ratio
         Variance of a parameter's step in one sample over that of the noise; one for all, or one
-        each. None fits one each by likelihood.
+        each. None fits one for each by likelihood.
     prior_variance
         Variance of the parameters before the first sample over that of the noise.
     thinning
-        Of the samples whose likelihood is taken; see :func:`dea.tracking.kalman.fit_noise_ratio`.
+        Of the samples that the likelihood uses; see :func:`dea.tracking.kalman.fit_noise_ratio`.
     """
 
     noise_ratio: Array | None = None
@@ -30,7 +30,7 @@ class RandomWalk:
     thinning: int = 10
 
     def smooth(self, Phi: Array, y: Array, theta_0: Array) -> Smoothed:
-        """Smooth ``y = Phi theta_t`` around ``theta_0``; parameters and variances come unscaled."""
+        """Smooth ``y = Phi theta_t`` around ``theta_0``; the result is for the unscaled ``Phi``."""
         scale = root_mean_square(Phi)
         Phi = Phi / scale
         theta_0 = theta_0 * scale

@@ -1,4 +1,4 @@
-"""How a free run answers to its parameters when these change with time."""
+"""Derivatives of a free run by its parameters when these change with time."""
 
 from collections import Counter
 
@@ -13,10 +13,10 @@ Array = NDArray[np.float64]
 
 
 def sensitivity(terms: tuple[Term, ...], theta: Array, u: Array, y: Array) -> Array:
-    """Return what each output of a free run changes when a parameter is larger throughout.
+    """Return the derivative of each output of a free run by a constant change of each parameter.
 
-    psi_t = phi_t + sum_l (df/dy_{t-l}) psi_{t-l}. For parameters that change slowly against the
-    memory of the system this is what y_t owes to theta around t.
+    psi_t = phi_t + sum_l (df/dy_{t-l}) psi_{t-l}. For parameters that change slowly compared with
+    the memory of the system this is the derivative of y_t by theta_t.
 
     Parameters
     ----------

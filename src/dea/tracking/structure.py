@@ -9,8 +9,8 @@ from dea.terms import Term
 def with_constant(model: NarxModel) -> NarxModel:
     """Return ``model`` with a constant, of zero, where it has none.
 
-    What changes first in a drifting system is its level. Without a constant to carry it the drift
-    is charged to the dynamics, and gains follow the level instead of the gain.
+    In a drifting system the level changes first. Without a constant to represent it, the drift is
+    attributed to the dynamic terms, and the tracked gain follows the level instead of the gain.
     """
     if Term() in model.terms:
         return model

@@ -1,4 +1,4 @@
-"""How well tracked parameters reproduce the record: free runs beside that of the fixed model."""
+"""Free-run errors of tracked parameters, compared with those of the fixed model."""
 
 from collections.abc import Mapping
 
@@ -24,10 +24,10 @@ def compare_free_runs(
 ) -> xr.Dataset:
     """Simulate the whole record with the fixed and with every tracked set of parameters.
 
-    A tracked free run is given no output but the first few, yet its parameters have seen the
-    record. ``nmse_frozen`` therefore adds a harder figure: each stretch of ``window`` samples is
-    simulated with the parameters of its middle held constant, so that parameters which chase the
-    output within a stretch gain nothing. It is the median over the stretches.
+    A tracked free run is given only the first outputs, but its parameters were estimated from the
+    whole record. ``nmse_frozen`` is a stricter measure: each stretch of ``window`` samples is
+    simulated with the parameters of its middle sample held constant, so that parameters which
+    follow the output within a stretch have no advantage. It is the median over the stretches.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def compare_free_runs(
 
 
 def normalised_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
-    """Return input and output as the equation sees them.
+    """Return input and output in the units of the equation.
 
     Raises
     ------

@@ -38,10 +38,10 @@ def track_parameters(
     thinning: int | None = None,
     sampling_rate: float = 1.0,
 ) -> xr.Dataset:
-    """Let the parameters of ``model`` change with time, (10), and follow them through a record.
+    """Track the parameters of ``model`` through a record, (10).
 
-    Regressors are scaled to a root mean square of one, so that one number serves for all terms. A
-    constant is tracked too where the model has none; see :func:`dea.tracking.with_constant`.
+    Regressors are scaled to a root mean square of one, so that one setting holds for all terms. A
+    constant is added where the model has none; see :func:`dea.tracking.with_constant`.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def track_parameters(
         per term; fitted by likelihood where it is not given.
     thinning
         For the other two, of the samples that the likelihood is taken over, by default 10; about
-        the number of samples over which errors of the one-step prediction stay alike.
+        the number of samples over which one-step prediction errors are correlated.
     sampling_rate
         In Hz; only labels the time.
 
@@ -138,7 +138,7 @@ def track_parameters(
 
 
 def _settings(method: str, **given: Any) -> dict[str, Any]:
-    """What ``method`` knows, with its default where nothing was given."""
+    """Return the settings of ``method``, with defaults where nothing was given."""
     if method not in METHODS:
         raise InputError(f"{method!r} is unknown", field="method", remedy=f"One of {METHODS}")
     known = _DEFAULTS[method]
@@ -159,7 +159,7 @@ def _settings(method: str, **given: Any) -> dict[str, Any]:
 
 
 def _bounded(model: NarxModel, starts: list[Smoothed], u: Array, y: Array) -> Smoothed:
-    """The one of ``starts`` with the best free run."""
+    """Return the one of ``starts`` with the smallest free-run error."""
     errors = [free_run(model, start.theta, u, y)[1] for start in starts]
     best = int(np.argmin(errors))
     if not np.isfinite(errors[best]):

@@ -1,9 +1,9 @@
-"""Trial models: any subset of the candidate terms, estimated and simulated freely, fast.
+"""Candidate models: subsets of the candidate terms, estimated and simulated freely, fast.
 
 The candidates' regressors are compressed once to a triangle by QR, so that least squares (4) on a
 subset costs nothing that grows with the record and, unlike normal equations, does not square the
 condition number: neighbouring lags of a smooth signal are almost collinear. Products of inputs
-are computed once as well; only the recursion (7) is left for each trial.
+are computed once as well; only the recursion (7) is left for each candidate model.
 """
 
 from collections.abc import Iterable, Sequence
@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.narx.candidate_kernels import estimate_and_simulate
 from dea.narx.checks import Array
 from dea.narx.kernels import NONE
 from dea.narx.regressors import regressor_matrix
 from dea.narx.simulation import structure
-from dea.narx.trial_kernels import run_trials
 from dea.terms import Term, max_lag
 
 Subset = tuple[int, ...]
@@ -25,13 +25,13 @@ _DIVERGED = 100.0  # times the largest measured output
 
 
 class Outcome(NamedTuple):
-    """What became of a trial model."""
+    """The result for one candidate model."""
 
     msse: float  # mean squared simulated error (6); inf where the run diverged
     parameters: Array  # (terms of the subset,)
 
 
-class Trials:
+class CandidateModels:
     """Estimates and simulates models made of any of the candidate terms.
 
     Parameters
@@ -72,7 +72,7 @@ class Trials:
         self._known: dict[Subset, Outcome] = {}
 
     def __call__(self, subsets: Iterable[Subset]) -> list[Outcome]:
-        """Return the outcome of each subset (sorted candidate indices); none is tried twice."""
+        """Return the outcome of each subset (sorted candidate indices); each is computed once."""
         asked = list(subsets)
         fresh = [subset for subset in dict.fromkeys(asked) if subset not in self._known]
         if fresh:
@@ -81,7 +81,7 @@ class Trials:
             for row, subset in zip(columns, fresh, strict=True):
                 row[: len(subset)] = subset
             msse, theta = np.empty(len(fresh)), np.zeros((len(fresh), width))
-            run_trials(
+            estimate_and_simulate(
                 columns,
                 self._triangle,
                 self._group,

@@ -1,23 +1,24 @@
-"""The compiled loops behind the trials of a selection: estimate many subsets, simulate each.
+"""The compiled loops of a selection: estimate many subsets of the candidate terms, simulate each.
 
-A model comes as integer arrays, as in :mod:`dea.narx.kernels`. A row of ``columns`` is a trial: the
-candidates of its subset, padded with NONE.
+A model is described by integer arrays, as in :mod:`dea.narx.kernels`. A row of ``columns`` is a
+candidate model: the indices of its terms, padded with NONE.
 """
 
 import numpy as np
 from numba import njit
 
-from dea.narx.kernels import BLOCK, NONE, output_of
+from dea.narx.checks import Array
+from dea.narx.kernels import BLOCK, NONE, Indices, output_of
 
-_DEPENDENT = 1e-12  # of a regressor's norm: less than this is rounding
+_DEPENDENT = 1e-12  # share of a regressor's norm below which the rest is rounding
 
 
 @njit(cache=True)
-def solve_subset(triangle, columns, count):
+def solve_subset(triangle: Array, columns: Indices, count: int) -> Array:
     """Least squares (4) by modified Gram-Schmidt on the compressed regressors.
 
-    ``triangle`` holds a regressor a row, the output last. A regressor that depends on those before
-    it gets the parameter zero.
+    Each row of ``triangle`` is a regressor, the last one the output. A regressor that depends
+    linearly on those before it gets the parameter zero.
     """
     rows = triangle.shape[1]
     q = np.empty((count, rows))
@@ -52,9 +53,20 @@ def solve_subset(triangle, columns, count):
 
 
 @njit(cache=True)
-def run_trials(
-    columns, triangle, group, y_lags, product, products, y, ends, start, bound, error, theta
-):
+def estimate_and_simulate(
+    columns: Indices,
+    triangle: Array,
+    group: Indices,
+    y_lags: Indices,
+    product: Indices,
+    products: Array,
+    y: Array,
+    ends: Indices,
+    start: int,
+    bound: float,
+    error: Array,
+    theta: Array,
+) -> None:
     """Estimate and simulate each row of ``columns``; fill its sum of squared errors and theta."""
     longest = 0
     begin = 0
@@ -64,16 +76,16 @@ def run_trials(
     run = np.empty(longest)
     place = np.empty(y_lags.shape[0], dtype=np.int64)
     used = np.empty(y_lags.shape[0], dtype=np.int64)
-    for trial in range(columns.shape[0]):
+    for candidate in range(columns.shape[0]):
         count = 0
-        while count < columns.shape[1] and columns[trial, count] != NONE:
+        while count < columns.shape[1] and columns[candidate, count] != NONE:
             count += 1
-        solution = solve_subset(triangle, columns[trial], count)
-        theta[trial, :count] = solution
+        solution = solve_subset(triangle, columns[candidate], count)
+        theta[candidate, :count] = solution
         place[:] = NONE
         groups = 0
         for j in range(count):
-            g = group[columns[trial, j]]
+            g = group[columns[candidate, j]]
             if place[g] == NONE:
                 place[g] = groups
                 used[groups] = g
@@ -84,7 +96,7 @@ def run_trials(
         for end in ends:
             run[:start] = y[begin : begin + start]
             total += _squared_error(
-                columns[trial, :count],
+                columns[candidate, :count],
                 solution,
                 group,
                 place,
@@ -97,13 +109,23 @@ def run_trials(
                 bound,
             )
             begin = end
-        error[trial] = total
+        error[candidate] = total
 
 
 @njit(cache=True)
 def _squared_error(
-    columns, theta, group, place, monomials, product, products, y, run, start, bound
-):
+    columns: Indices,
+    theta: Array,
+    group: Indices,
+    place: Indices,
+    monomials: Indices,
+    product: Indices,
+    products: Array,
+    y: Array,
+    run: Array,
+    start: int,
+    bound: float,
+) -> float:
     """Sum of squared errors of one free run, infinite where it leaves the bound."""
     coefficients = np.empty((monomials.shape[0], BLOCK))
     total = 0.0
