@@ -126,7 +126,8 @@ class _Trail:
         self._steps = [*self._steps[1 - _SLOW_STEPS :], (after - before, rejected)]
         if len(self._steps) < _SLOW_STEPS or not any(damped for _, damped in self._steps):
             return None
-        return np.sum([step for step, _ in self._steps], axis=0)
+        direction: Array = np.sum([step for step, _ in self._steps], axis=0)
+        return direction
 
 
 def _searched(task: Task[Value], point: Point[Value], direction: Array) -> Point[Value]:
