@@ -43,6 +43,7 @@ def test_an_acquisition_has_the_keys_of_the_config():
     """Pacing is for tests alone, which need not wait."""
     known = {field.name for field in fields(AcquisitionSettings)} - {"paced"}
     assert known == set(acquisition.Acquisition.model_fields)
+    assert defaults(acquisition.Acquisition).items() <= asdict(AcquisitionSettings()).items()
 
 
 def test_a_register_and_a_line_have_the_defaults_of_their_description():

@@ -130,4 +130,4 @@ def _drive(panel: Panel, sequence: np.ndarray, settings: AcquisitionSettings) ->
             field="registers.block_samples",
             remedy="Set acquisition.mode to polled, or describe them.",
         )
-    return buffered.play(panel, sequence)
+    return buffered.play(panel, sequence, tolerance=settings.read_back_tolerance)

@@ -79,8 +79,10 @@ def _reply(value: dict) -> Reply:
     )  # fmt: skip
 
 
-def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
+def play(panel: Panel, counts: np.ndarray, *, tolerance: float) -> Iterator[Samples]:
     """Start the device, play ``counts`` and yield what it measured, in order and whole.
+
+    ``tolerance`` is that of :class:`~dea.acquisition.read_back.ReadBack`.
 
     Samples the device added by holding its output are yielded with the position of the sample
     held, flagged.
@@ -92,7 +94,7 @@ def play(panel: Panel, counts: np.ndarray) -> Iterator[Samples]:
     ReadBackError
         Where the register of the applied output does not tell what is played.
     """
-    playback, read_back = _Playback(panel, counts), ReadBack(panel, counts)
+    playback, read_back = _Playback(panel, counts), ReadBack(panel, counts, tolerance)
     while playback.done < counts.size:
         reply = playback.feed()
         if reply is not None:

@@ -11,7 +11,6 @@ from dea.acquisition.panel import Panel
 from dea.errors import DeviceError
 from dea.modbus import to_physical
 
-TOLERANCE = 0.05  # of the output's limits: what an amplifier's monitor may be off
 RUNNING = 2  # state
 
 
@@ -28,14 +27,16 @@ class ReadBack:
         Of a device that plays; one without ``applied_output`` and ``state`` is not asked.
     counts
         The output counts it plays.
+    tolerance
+        Deviation that is no error, as a share of the span of the output's limits.
     """
 
-    def __init__(self, panel: Panel, counts: np.ndarray) -> None:
+    def __init__(self, panel: Panel, counts: np.ndarray, tolerance: float) -> None:
         self.panel = panel
         # What is applied after so many samples; before the first, zero.
         self.volts = np.append(0.0, to_physical(panel.device["output"], counts))
         low, high = panel.device["output"].limits or (0.0, 0.0)
-        self.tolerance = TOLERANCE * (high - low)
+        self.tolerance = tolerance * (high - low)
         self.pending = "applied_output" in panel and "state" in panel
         self._seen: tuple[int, float] | None = None
 

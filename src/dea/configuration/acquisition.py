@@ -34,6 +34,14 @@ class Acquisition(Section):
     late_after: Positive = key(
         "delay behind its deadline from which a polled sample is flagged late", unit="s"
     )
+    read_back_tolerance: Number = key(
+        "difference of the applied output that is read from what is played, as a share of the span"
+        " of the output's limits, up to which the register is trusted; what an amplifier's monitor"
+        " may be off",
+        default=0.05,
+        gt=0,
+        le=0.25,
+    )
 
 
 class Bench(Section):
