@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from benchmarks.row import Row
 from dea import signals
-from dea.discrepancy import Settings, diagnose
+from dea.discrepancy import diagnose
 from dea.plant import Rig
 from dea.plant.parameters import read_parameters
 from dea.simulation import ExtendedSimulation, load_simulation
@@ -61,10 +61,9 @@ def _simulation() -> Row:
 def _diagnosis() -> Row:
     record = _half_an_hour()
     warm = record.isel(time=slice(0, 5000))
-    settings = Settings(workers=2)
-    diagnose(warm, "dea_membrane", settings=settings)
+    diagnose(warm, "dea_membrane", workers=2)
     start = time.perf_counter()
-    found = diagnose(record, "dea_membrane", settings=settings)
+    found = diagnose(record, "dea_membrane", workers=2)
     seconds = time.perf_counter() - start
     name = f"diagnosis of {record.time.size} samples on two threads, against a minute"
     return Row.of_times(name, seconds, LONGEST_DIAGNOSIS, 1.0, found.verdict.sentence)

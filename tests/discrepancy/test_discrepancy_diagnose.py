@@ -102,7 +102,7 @@ def test_a_diagnosis_does_not_depend_on_the_number_of_threads():
     made = record([("transport_delay", 1.0)], duration=40.0, seed=9)
     offered = ("electrode_lag", "gain_drift", "transport_delay")
     one, two = (
-        diagnose(made, "dea_membrane", settings=Settings(effects=offered, workers=workers))
+        diagnose(made, "dea_membrane", settings=Settings(effects=offered), workers=workers)
         for workers in (1, 2)
     )
     assert one.verdict == two.verdict

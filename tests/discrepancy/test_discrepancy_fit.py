@@ -8,15 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from dea.discrepancy.decision import Decision, Evidence, Rules, confirmed, decide, same_class
-from dea.discrepancy.evidence.gain import HeldOut, folds, gains
+from dea.discrepancy.decision import Decision, Status, confirmed, decide, same_class
+from dea.discrepancy.evidence.bootstrap import gains
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.evidence.held_out import HeldOut, folds
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit, step_in_box, without
 from dea.discrepancy.problem import Problem, rmse
-from dea.discrepancy.search.rounds import Candidate
+from dea.discrepancy.report.sentence import where_sentence
+from dea.discrepancy.rules import Rules
+from dea.discrepancy.search.candidates import Candidate
 from dea.errors import InputError
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
@@ -149,7 +153,7 @@ def test_a_gap_is_found_where_it_is():
     problem = Problem(u, y, INTERVAL, *(np.ones(3000, bool),) * 3)
     found = localise(problem, gap, ("V", "mm"), problem.fit, rng)
     assert found.strongest == "input"
-    assert "where the input is between" in found.sentence
+    assert "where the input is between" in where_sentence(found)
 
 
 def test_columns_of_the_reading_are_those_of_whole_simulations():
@@ -268,7 +272,7 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
     )
     chosen = None if status == "none" else Candidate(final, 0.0, 0.0)
     evidence = judged_by(problem, noise=1.0)
-    found = confirmed(Decision(status, chosen), evidence, nominal)
+    found = confirmed(Decision(Status(status), chosen), evidence, nominal)
     assert found.status == expected
 
 

@@ -6,13 +6,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dea.discrepancy.decision import Evidence, Rules, decide
-from dea.discrepancy.evidence.gain import HeldOut
+from dea.discrepancy.decision import decide
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Fit, at, fit
 from dea.discrepancy.problem import Problem
-from dea.discrepancy.search.rounds import Budget, Candidate, extend_by_each
+from dea.discrepancy.rules import Rules
+from dea.discrepancy.search.budget import Budget
+from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.rounds import extend_by_each
 from dea.discrepancy.search.screening import Base, promising
 from dea.discrepancy.search.search import Search, pool_of
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared

@@ -1,14 +1,16 @@
 """Find, name and prove the effect a simulation is missing."""
 
-from dea.discrepancy.decision import Rules
-from dea.discrepancy.diagnose import Diagnosis, Settings, diagnose
+from dea.discrepancy.diagnose import diagnose
+from dea.discrepancy.diagnosis import Diagnosis
 from dea.discrepancy.report.datasets import (
     candidates_dataset,
     certificate_dataset,
     localisation_dataset,
 )
 from dea.discrepancy.report.verdict import Estimate, NamedEffect, Verdict, read_verdict
-from dea.discrepancy.search.rounds import Budget
+from dea.discrepancy.rules import Rules
+from dea.discrepancy.search.budget import Budget
+from dea.discrepancy.settings import Settings
 
 __all__ = [
     "Budget",

@@ -1,126 +1,98 @@
-"""From fitted candidates to a name, several, none, or an honest "unknown"."""
+"""From fitted candidates to a name, several, none, or "unknown"."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
-from dea.discrepancy.evidence.confusion import beaten
-from dea.discrepancy.evidence.gain import HeldOut
+from dea.discrepancy.evidence.bootstrap import Gains, beaten
+from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.residual_model import ResidualModel, residual_model
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Problem, rmse
-from dea.discrepancy.search.rounds import Candidate
-
-# Part of the noise floor below which no misfit is told from another.
-_NEGLIGIBLE = 0.05
-# Noise floors up to which a residual that nothing narrows counts as noise.
-_BARELY = 1.5
-# Errors of the chosen candidate beyond which another is not worth a fit without each fold.
-_NEAR = 2.5
+from dea.discrepancy.problem import rmse
+from dea.discrepancy.rules import Rules, misfit
+from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.rounds import Round
 
 
-@dataclass(frozen=True)
-class Rules:
-    """When a name is given. Every figure may be changed in the config.
+class Status(StrEnum):
+    """The outcomes of a diagnosis."""
 
-    Parameters
-    ----------
-    margin
-        Part of the held-out error that an effect must remove, at the lower end of its interval.
-    clean
-        A residual up to this many noise floors counts as explained.
-    misfit
-        Part of the nominal misfit (root mean square above the floor) that may remain.
-    further
-        Factor on it for each effect beyond the first: two laws bend to anything more easily.
-    grow
-        A further effect is looked for where more than this many noise floors are left, or more of
-        the misfit than may remain.
-    second
-        A further effect must remove this part of the misfit that is left; a law that is only
-        nearly right leaves crumbs, of which any second one takes up a few.
-    rival_margin
-        A rival of another class is beaten if its misfit is larger by this factor, and surely so.
-    predictable
-        A flexible model that lowers the remaining error below this part of it says that
-        something else is missing.
-    """
+    NAMED = "named"
+    NONE = "none"
+    AMBIGUOUS = "ambiguous"
+    UNKNOWN = "unknown"
 
-    margin: float = 0.10
-    clean: float = 1.15
-    misfit: float = 0.25
-    further: float = 0.4
-    grow: float = 1.25
-    second: float = 0.65
-    rival_margin: float = 1.05
-    predictable: float = 0.80
+
+class Reason(StrEnum):
+    """Why no single effect set is named."""
+
+    ACCURATE = "the simulation is as good as it is said to be"
+    NOISE = "the residual is at the noise floor"
+    IRREDUCIBLE = "no effect and no flexible model reduces the residual"
+    NO_EFFECT = "no effect of the catalogue reduces the residual"
+    UNEXPLAINED = "the best effect leaves too much unexplained"
+    RIVAL = "a rival explains the record as well"
+    ONLY_CERTIFIED = "only the certified samples show it"
+    CONTRADICTED = "the best effect fails on the certified samples"
 
 
 @dataclass(frozen=True)
 class Decision:
     """The status, the chosen candidate and, where it is not alone, its rivals."""
 
-    status: str
+    status: Status
     chosen: Candidate | None
     rivals: tuple[Candidate, ...] = ()
-    reason: str = ""
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What candidates are judged by.
-
-    Parameters
-    ----------
-    held_out
-        Gaps on blocks that the parameters have not seen.
-    blocks
-        Blocks of the seen samples, that are drawn from with replacement.
-    nominal_error
-        What the simulation alone leaves over (root mean square).
-    noise
-        Noise floor, down to which rivals are told apart.
-    accuracy
-        How well the simulation is said to describe the device.
-    rng
-        Draws of the blocks.
-
-    Errors are in the output's unit.
-    """
-
-    problem: Problem
-    held_out: HeldOut
-    blocks: Sequence[slice]
-    nominal_error: float
-    noise: float
-    accuracy: float
-    rules: Rules
-    rng: np.random.Generator
+    reason: Reason | None = None
 
     @property
-    def floor(self) -> float:
-        """What may be left over: the noise, and what the simulation is said to miss."""
-        return float(np.hypot(self.noise, self.accuracy))
+    def answer(self) -> Candidate | None:
+        """The candidate that is named, with or without rivals."""
+        return self.chosen if self.status in (Status.NAMED, Status.AMBIGUOUS) else None
 
 
-def misfit(error: float, floor: float) -> float:
-    """Return what an error holds beyond the noise floor (root mean square)."""
-    return float(np.sqrt(max(error**2 - floor**2, 0.0)))
+def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[Candidate]:
+    """Return the single effects whose gain is beyond the margin and beyond chance, best first."""
+    needed = max(rules.needed_gain, gained.null)
+    pairs = zip(rounds[0].candidates, gained.low, strict=True)
+    return [c for c, low in pairs if c.finished and low > needed]
 
 
-def leaves_room(error: float, nominal_error: float, floor: float, rules: Rules) -> bool:
-    """Return whether an error leaves room for a further effect."""
-    if error <= rules.clean * floor:
-        return False
-    left, whole = misfit(error, floor), misfit(nominal_error, floor)
-    return error > rules.grow * floor or left > rules.misfit * whole
+def best_extension(
+    evidence: Evidence, rounds: Sequence[Round], proven: Sequence[Candidate]
+) -> Candidate | None:
+    """Return the best single effect that is proven, or the best larger set that helps more.
 
+    Of those that are as good as the best, down to the noise, it is the one with the fewest
+    parameters.
+    """
+    held_out, floor, rules = evidence.held_out, evidence.floor, evidence.rules
 
-def as_good(other: Candidate, best: Candidate, floor: float, rules: Rules) -> bool:
-    """Return whether a candidate's misfit is that of the best, or nearly so."""
-    left = max(misfit(best.error, floor), _NEGLIGIBLE * floor)
-    return misfit(other.error, floor) <= rules.rival_margin * left
+    def simplest(candidates: Sequence[Candidate]) -> Candidate:
+        best = min(candidates, key=lambda c: c.error)
+        equal = [c for c in candidates if rules.as_good(c.error, best.error, evidence.noise)]
+        return min(equal, key=lambda c: (c.fit.coordinates.size, c.error))
+
+    chosen = simplest(proven) if proven else None
+    larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
+    for size in sorted({len(c.names) for c in larger}):
+        best = simplest([c for c in larger if len(c.names) == size])
+        before = chosen.fit if chosen else rounds[0].before
+        _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.rng)
+        if held_out.rmse(best.fit) >= held_out.rmse(before):
+            continue
+        if chosen is None:
+            # Two effects at once, neither of which is proven alone, must remove twice the margin.
+            if low > -np.log1p(-2 * rules.margin):
+                chosen = best
+            continue
+        needed = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
+        left = (1.0 - rules.second) * misfit(chosen.rmse, floor)
+        if needed and low > rules.needed_gain and misfit(best.rmse, floor) <= left:
+            chosen = best
+    return chosen
 
 
 def decide(
@@ -132,55 +104,57 @@ def decide(
 ) -> Decision:
     """Name the chosen candidate unless something speaks against it.
 
-    ``pool`` holds all candidates, ``proven`` the single effects that help for sure.
+    ``pool`` holds all candidates, ``proven`` the single effects whose gain is significant.
     """
     error, floor, rules = evidence.nominal_error, evidence.floor, evidence.rules
-    if error <= _BARELY * evidence.accuracy:
-        return Decision("none", None, reason="the simulation is as good as it is said to be")
+    if error <= rules.noise_like * evidence.accuracy:
+        return Decision(Status.NONE, None, reason=Reason.ACCURATE)
     if chosen is None:
-        if error <= rules.clean * floor and unexplained.ratio > 1.0 - rules.margin:
-            return Decision("none", None, reason="the gap is at the noise floor")
-        if unexplained.ratio > 1.0 - rules.margin and error <= _BARELY * floor:
-            return Decision("none", None, reason="no effect and no flexible model narrows the gap")
-        return Decision("unknown", None, reason="no effect of the catalogue narrows the gap")
+        unpredictable = unexplained.ratio > 1.0 - rules.margin
+        if error <= rules.clean * floor and unpredictable:
+            return Decision(Status.NONE, None, reason=Reason.NOISE)
+        if unpredictable and error <= rules.noise_like * floor:
+            return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
+        return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)
     if not _explained(evidence, chosen, unexplained):
-        return Decision("unknown", chosen, reason="the best effect leaves too much unexplained")
+        return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = _rivals(evidence, chosen, pool)
     if not rivals:
-        return Decision("named", chosen, tuple(_rivals(evidence, chosen, pool, akin=True)))
-    shared = set(chosen.names).intersection(*(rival.names for rival in rivals))
+        akin = _rivals(evidence, chosen, pool, akin=True)
+        return Decision(Status.NAMED, chosen, tuple(akin))
+    shared = chosen.effects.intersection(*(rival.effects for rival in rivals))
     for candidate in proven:
-        # Many seconds do as well: the first is sure, and what is left of it a law of another form.
+        # If many second effects do as well, the shared one is certain, and the second one stands
+        # for an error of its law.
         if (
             len(chosen.names) > 1
-            and candidate.names == tuple(shared)
+            and candidate.effects == shared
             and _explained(
                 evidence, candidate, residual_model(evidence.problem, candidate.fit.residual)
             )
             and not _rivals(evidence, candidate, pool)
         ):
-            return Decision("named", candidate)
-    return Decision("ambiguous", chosen, tuple(rivals), "a rival explains the record as well")
+            return Decision(Status.NAMED, candidate)
+    return Decision(Status.AMBIGUOUS, chosen, tuple(rivals), Reason.RIVAL)
 
 
 def confirmed(decision: Decision, evidence: Evidence, nominal: Fit) -> Decision:
-    """Withdraw what the samples kept for proof contradict; they choose nothing."""
-    certify, floor = evidence.problem.certify, evidence.floor
+    """Withdraw what the certified samples contradict; they choose nothing."""
+    certify, floor, rules = evidence.problem.certify, evidence.floor, evidence.rules
     before = rmse(nominal.residual, certify)
-    if decision.status == "none" and before > _BARELY * floor:
-        return Decision("unknown", None, reason="only the samples kept for proof show it")
-    if decision.status in ("named", "ambiguous") and decision.chosen is not None:
-        after = rmse(decision.chosen.fit.residual, certify)
-        if after > max(before, evidence.rules.clean * floor):
-            reason = "the best effect fails on the samples kept for proof"
-            return Decision("unknown", decision.chosen, reason=reason)
+    if decision.status is Status.NONE and before > rules.noise_like * floor:
+        return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)
+    if decision.answer is not None:
+        after = rmse(decision.answer.fit.residual, certify)
+        if after > max(before, rules.clean * floor):
+            return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.CONTRADICTED)
     return decision
 
 
 def same_class(first: Candidate, second: Candidate) -> bool:
     """Return whether the effects in which two candidates differ share their port or their physics.
 
-    Such effects are one class: seen from outside they are hard, or impossible, to tell apart.
+    Such effects form one class: a record hardly distinguishes them, or not at all.
     """
     own, other = (
         [
@@ -211,22 +185,22 @@ def _rivals(
 ) -> list[Candidate]:
     """Return the candidates that explain the record as well: of another class, or of the same.
 
-    Those near the chosen one are compared with it on blocks that neither was fitted to: the freer
-    of two laws bends to more.
+    Those with a similar error are compared with it on held-out residuals, since of two laws the
+    more flexible one fits better the blocks that it has seen.
     """
-    held_out = evidence.held_out
+    held_out, rules = evidence.held_out, evidence.rules
     rivals = []
-    known = {frozenset(chosen.names)}
+    known = {chosen.effects}
     for other in pool:
         if len(other.names) != len(chosen.names) or not other.finished:
             continue
-        if frozenset(other.names) in known or same_class(chosen, other) is not akin:
+        if other.effects in known or same_class(chosen, other) is not akin:
             continue
-        known.add(frozenset(other.names))
+        known.add(other.effects)
         residuals = chosen.fit.residual, other.fit.residual
-        if other.error <= _NEAR * chosen.error:
+        if other.error <= rules.near * chosen.error:
             residuals = held_out.residual(chosen.fit), held_out.residual(other.fit)
         _, low = beaten(*residuals, evidence.blocks, evidence.rng)
-        if low <= 0 or as_good(other, chosen, evidence.noise, evidence.rules):
+        if low <= 0 or rules.as_good(other.error, chosen.error, evidence.noise):
             rivals.append(other)
     return rivals

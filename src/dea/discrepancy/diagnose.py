@@ -1,29 +1,39 @@
 """Name what a simulation is missing, from a record of the device it describes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dea.discrepancy.choose import best_extension, proven_alone
-from dea.discrepancy.decision import Decision, Evidence, Rules, confirmed, decide
-from dea.discrepancy.evidence import certificate as proof
+from dea.discrepancy.decision import (
+    Decision,
+    Status,
+    best_extension,
+    confirmed,
+    decide,
+    proven_alone,
+)
+from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
+from dea.discrepancy.evidence.bootstrap import Gains, gains
+from dea.discrepancy.evidence.certificate import certify
 from dea.discrepancy.evidence.confusion import confusion
+from dea.discrepancy.evidence.contributions import contributions, ladder
+from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.experiment import Experiment, separating_experiment
-from dea.discrepancy.evidence.gain import Gains, HeldOut, gains, null_gain
-from dea.discrepancy.evidence.identifiability import signature
-from dea.discrepancy.evidence.localisation import Localisation, localise
+from dea.discrepancy.evidence.held_out import HeldOut
+from dea.discrepancy.evidence.identifiability import visibility
+from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
-from dea.discrepancy.evidence.residual_model import ResidualModel, residual_model
+from dea.discrepancy.evidence.null import null_gain
+from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.split import Split, split
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Problem
-from dea.discrepancy.report.sentence import verdict_of
-from dea.discrepancy.search.rounds import Budget, Candidate, Round
-from dea.discrepancy.search.screening import in_parallel
+from dea.discrepancy.parallel import in_parallel
+from dea.discrepancy.problem import Problem, Samples
+from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.search import Search, noise_floor, pool_of
 from dea.discrepancy.search.starts import bases, fit_near_prior, fit_nominal
+from dea.discrepancy.settings import Settings
 from dea.errors import InputError
 from dea.seeds import generator
 from dea.simulation import (
@@ -39,81 +49,9 @@ from dea.simulation import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from dea.discrepancy.report.verdict import Verdict
-
-_BLOCKS = 48
-_NOISE_MARGIN = 1.5
-# Error of integration, in noise deviations; the refit takes up most of it.
-_STEP_ERROR = 0.5
-# The same, as a part of the output's deviation: no simulation is that good.
-_RELATIVE_ERROR = 1e-3
-# Times that the steps of the simulation alone may be cut for an effect; laws with corners would
-# never have enough.
+# Factor by which the integration steps of the simulation alone may be shortened for an effect; a
+# law with corners would be shortened without end.
 _SHORTER = 4
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How a diagnosis is made.
-
-    Parameters
-    ----------
-    effects
-        Names of the effects offered; all of the catalogue if empty.
-    slowest_time
-        Slowest time constant (s) for the gaps of the split; the simulation's own if ``None``.
-    warm_up
-        Time (s) at the start of the record that no error counts; at most a fiftieth of it.
-    workers
-        Threads that candidates are fitted on.
-    """
-
-    effects: tuple[str, ...] = ()
-    slowest_time: float | None = None
-    warm_up: float = 1.0
-    workers: int = 1
-    budget: Budget = field(default_factory=Budget)
-    rules: Rules = field(default_factory=Rules)
-    seed: int = 0
-    name: str = "case"
-
-    @classmethod
-    def of(cls, leaves: Mapping[str, Any]) -> "Settings":
-        """Return the settings that the config's ``discrepancy`` and a case's ``split`` hold."""
-        own, parts = leaves["discrepancy"], leaves.get("split", {})
-        return cls(
-            effects=tuple(own["effects"]),
-            slowest_time=parts.get("slowest_time"),
-            warm_up=parts.get("warm_up", own["warm_up"]),
-            budget=Budget(**own["budget"]),
-            rules=Rules(**own["rules"]),
-            seed=leaves["seed"],
-            name=leaves["system"],
-        )
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """Everything a diagnosis found; ``verdict`` is the short of it."""
-
-    verdict: "Verdict"
-    problem: Problem
-    split: Split
-    units: tuple[str, str]
-    nominal: Fit
-    extended: Fit
-    before: Localisation
-    after: Localisation
-    first: Round
-    gains: Gains
-    pool: tuple[Candidate, ...]
-    decision: Decision
-    confusion_of: tuple[Candidate, ...]
-    confusion: np.ndarray
-    elsewhere: Mapping[str, tuple[proof.Certified, np.ndarray, np.ndarray]]
-    floor: float
-    unexplained: ResidualModel
-    signatures: Mapping[str, tuple[float, float]]
 
 
 def diagnose(
@@ -122,6 +60,7 @@ def diagnose(
     *,
     test_records: "Mapping[str, xr.Dataset] | None" = None,
     settings: Settings | None = None,
+    workers: int = 1,
 ) -> Diagnosis:
     """Compare a record with a simulation and name the effect, or effects, that are missing.
 
@@ -133,35 +72,33 @@ def diagnose(
         A simulation, the name of one that comes with the study, or a Python file.
     test_records
         Records of the same device under other excitations, to certify on.
+    workers
+        Threads that candidates are fitted on; the result does not depend on it.
 
     Raises
     ------
     InputError
-        If units do not match, the record is too short for the split, or the simulation runs away.
+        If units do not match, the record is too short for the split, or the simulation diverges.
     """
     settings = settings or Settings()
+    rules = settings.rules
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
+    units = own.input_unit, own.output_unit
     rng = generator(settings.seed, settings.name, "diagnose")
-    u, y, interval = signals_of(record, own)
-    others = {
-        name: proof.OtherRecord(*signals_of(other, own))
-        for name, other in (test_records or {}).items()
-    }
-    units = (own.input_unit, own.output_unit)
+    samples = signals_of(record, own)
+    others = {name: signals_of(other, own) for name, other in (test_records or {}).items()}
     offered = _offered(settings.effects)
+    budget = settings.budget.of(samples.u.size)
 
-    budget = settings.budget.of(u.size)
-    problem, parts, extended = _prepare(u, y, interval, own, settings)
-    nominal = fit_nominal(problem, extended, budget.starts, rng, settings.workers)
+    # Split the record, and fit the simulation alone.
+    problem, parts, bare = _prepare(samples, own, settings)
+    nominal = fit_nominal(problem, bare, budget.starts, rng, workers)
     near = fit_near_prior(problem, nominal)
-    # Blocks much shorter than the device's memory would pass for more evidence than they are.
-    length = max(problem.u.size / _BLOCKS, parts.gap)
-    blocks = parts.blocks(problem.seen, length)
 
+    # Fit candidates, which also show the noise floor.
     starts = bases(problem, nominal, near, rng)
-    rounds = Search(problem, starts, offered, budget, settings.rules, settings.workers).rounds()
-    floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
-    singles = list(rounds[0].candidates)
+    rounds = Search(problem, starts, offered, budget, rules, workers).rounds()
+    singles = rounds[0].candidates
     if not singles:
         raise InputError(
             "none of the effects offered can attach to this simulation and stay stable",
@@ -169,57 +106,53 @@ def diagnose(
             field="force_ports",
             remedy="Declare its force ports, or offer effects of other ports",
         )
-    null = null_gain(
-        problem, nominal, [c.fit for c in singles], singles[0].fit.residual, blocks, rng
-    )
-    held_out = HeldOut(problem)
-    after = in_parallel(
-        lambda c: held_out.residual(c.fit) if c.finished else c.fit.residual,
-        singles,
-        settings.workers,
-    )
-    gained = gains(held_out.residual(nominal), after, blocks, null, rng)
-    evidence = Evidence(
-        problem, held_out, blocks, problem.seen_rmse(nominal.residual), floor, own.accuracy,
-        settings.rules, rng,
-    )  # fmt: skip
-    proven = proven_alone(rounds, gained, settings.rules)
-    chosen = best_extension(evidence, rounds, proven)
     pool = pool_of(rounds)
-    unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
-    decision = confirmed(decide(evidence, chosen, pool, proven, unexplained), evidence, nominal)
-    answer = decision.chosen if decision.status in ("named", "ambiguous") else None
-    final = answer.fit if answer else nominal
+    floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
 
-    where_before = localise(problem, near.residual, units, problem.seen, rng)
-    where_after = localise(problem, final.residual, units, problem.seen, rng)
-    rivals = _rivals_to_show(decision, pool)
-    noisy = problem.with_noise(evidence.floor)
-    experiment = _experiment(noisy, decision, settings.seed)
-    elsewhere = proof.certify_elsewhere(
-        others if proof.transferable(final.extended) else {}, nominal, final
+    # Collect evidence.
+    length = max(problem.u.size / settings.blocks, parts.gap)
+    blocks = parts.blocks(problem.seen, length)
+    nominal_error = problem.seen_rmse(nominal.residual)
+    evidence = Evidence(
+        problem, HeldOut(problem), blocks, nominal_error, floor, own.accuracy, rules, rng
     )
-    signatures = {"+".join(c.labels): signature(noisy, nominal, c.fit) for c in singles}
-    verdict = verdict_of(
-        problem=problem, nominal=nominal, decision=decision, first=rounds[0], gained=gained,
-        held_out=held_out, before=where_before, after=where_after, floor=floor,
-        unexplained=unexplained, experiment=experiment,
-        signatures=signatures, elsewhere={name: e[0] for name, e in elsewhere.items()},
-        unit=own.output_unit, blocks=blocks, rng=rng,
-    )  # fmt: skip
+    gained = _gains(evidence, nominal, singles, workers)
+    proven = proven_alone(rounds, gained, rules)
+    chosen = best_extension(evidence, rounds, proven)
+    unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
+
+    # Decide.
+    decision = confirmed(decide(evidence, chosen, pool, proven, unexplained), evidence, nominal)
+    final = decision.answer.fit if decision.answer else nominal
+
+    # Describe, and certify.
+    where = Where(
+        localise(problem, near.residual, units, problem.seen, rng),
+        localise(problem, final.residual, units, problem.seen, rng),
+    )
+    noisy = problem.with_noise(evidence.floor)
+    rungs = ladder(evidence, nominal, final, singles)
     return Diagnosis(
-        verdict=verdict, problem=noisy, split=parts, units=units, nominal=nominal, extended=final,
-        before=where_before, after=where_after, first=rounds[0], gains=gained, pool=tuple(pool),
-        decision=decision, confusion_of=rivals,
-        confusion=confusion(noisy, [c.fit for c in rivals]), elsewhere=elsewhere, floor=floor,
-        unexplained=unexplained, signatures=signatures,
-    )  # fmt: skip
+        problem=noisy,
+        split=parts,
+        nominal=nominal,
+        extended=final,
+        singles=Singles(singles, gained, tuple(visibility(noisy, nominal, c.fit) for c in singles)),
+        pool=tuple(pool),
+        decision=decision,
+        ladder=Ladder(tuple(rungs), tuple(contributions(evidence, rungs, final, singles, gained))),
+        where=where,
+        unexplained=unexplained,
+        confusion=confusion(noisy, _rivals_to_show(decision, pool)),
+        experiment=_experiment(noisy, decision, settings.seed),
+        certificate=certify(problem, nominal, final, others),
+        floor=floor,
+        rules=rules,
+    )
 
 
-def signals_of(
-    record: "xr.Dataset", simulation: Simulation
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return input, output and interval (s) of a record whose units are the simulation's."""
+def signals_of(record: "xr.Dataset", simulation: Simulation) -> Samples:
+    """Return the signals of a record, whose units must be the simulation's."""
     from dea.store import signals
 
     found = signals(record)
@@ -234,7 +167,7 @@ def signals_of(
                 field=role,
                 remedy="Convert the record, or use a simulation in its units",
             )
-    return found.u, found.y, 1.0 / found.sampling_rate
+    return Samples(found.u, found.y, 1.0 / found.sampling_rate)
 
 
 def _offered(names: Sequence[str]) -> list[Effect]:
@@ -249,21 +182,40 @@ def _offered(names: Sequence[str]) -> list[Effect]:
 
 
 def _prepare(
-    u: np.ndarray, y: np.ndarray, interval: float, simulation: Simulation, settings: Settings
+    samples: Samples, simulation: Simulation, settings: Settings
 ) -> tuple[Problem, Split, ExtendedSimulation]:
     """Split the record, estimate its noise, and choose the integration step to match."""
+    u, y, interval = samples.u, samples.y, samples.interval
     noise = white_level(y, [slice(0, y.size)])
-    tolerance = max(_STEP_ERROR * noise, _RELATIVE_ERROR * float(np.std(y)))
+    tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
     extended = prepared(simulation, u, interval, tolerance)
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)
     parts = split(u, interval, slowest, min(settings.warm_up, 0.02 * u.size * interval))
     problem = Problem(
-        u, y, interval, parts.fit, parts.select, parts.certify, _NOISE_MARGIN * noise, tolerance,
+        u,
+        y,
+        interval,
+        parts.fit,
+        parts.select,
+        parts.certify,
+        settings.noise_margin * noise,
+        tolerance,
         _SHORTER * extended.substeps,
-    )  # fmt: skip
+    )
     return problem, parts, extended
+
+
+def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], workers: int) -> Gains:
+    """Return the gains of the single effects on held-out blocks, and that of chance."""
+    problem, held_out, blocks = evidence.problem, evidence.held_out, evidence.blocks
+    fits = [c.fit for c in singles]
+    null = null_gain(problem, nominal, fits, singles[0].fit.residual, blocks, evidence.rng)
+    after = in_parallel(
+        lambda c: held_out.residual(c.fit) if c.finished else c.fit.residual, singles, workers
+    )
+    return gains(held_out.residual(nominal), after, blocks, null, evidence.rng)
 
 
 def _rivals_to_show(
@@ -274,11 +226,11 @@ def _rivals_to_show(
     shown: dict[frozenset[str], Candidate] = {}
     for c in pool:
         if c.finished and len(c.names) == count:
-            shown.setdefault(frozenset(c.names), c)
+            shown.setdefault(c.effects, c)
     return tuple(shown.values())[:most]
 
 
 def _experiment(problem: Problem, decision: Decision, seed: int) -> Experiment | None:
-    if decision.status != "ambiguous" or decision.chosen is None:
+    if decision.status is not Status.AMBIGUOUS or decision.chosen is None:
         return None
     return separating_experiment(problem, decision.chosen.fit, decision.rivals[0].fit, seed)

@@ -1,4 +1,4 @@
-"""A record to be explained: its signals, which samples are for what, and its noise."""
+"""A record to be explained: its signals, the roles of its samples, and its noise."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,8 +9,17 @@ from dea.simulation import ExtendedSimulation
 
 
 @dataclass(frozen=True)
-class Problem:
-    """Input and output of a record at a uniform interval (s), and who may see which samples.
+class Samples:
+    """Input and output of a record, each (n,), at a uniform interval (s)."""
+
+    u: np.ndarray
+    y: np.ndarray
+    interval: float
+
+
+@dataclass(frozen=True)
+class Problem(Samples):
+    """A record with the roles of its samples.
 
     Parameters
     ----------
@@ -26,9 +35,6 @@ class Problem:
         Steps of integration that a sample may have.
     """
 
-    u: np.ndarray
-    y: np.ndarray
-    interval: float
     fit: np.ndarray
     select: np.ndarray
     certify: np.ndarray

@@ -9,6 +9,7 @@ import numpy as np
 from dea.errors import InputError
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
+from dea.simulation.force_port import ForcePort
 from dea.simulation.integrate import integrate
 from dea.simulation.interpolation import at_steps
 from dea.simulation.normalisation import Normalisation
@@ -35,7 +36,10 @@ class ExtendedSimulation:
     def parameters(self) -> tuple[Parameter, ...]:
         """Parameters of simulation, start, both ends and effects, in the order of ``values``."""
         own = self.simulation
-        starts = (Parameter(f"initial.{s.name}", s.unit, s.initial, s.spread) for s in own.states)
+        starts = (
+            Parameter(f"initial.{s.name}", s.unit, s.initial, s.spread, at_start=True)
+            for s in own.states
+        )
         ends = (
             Parameter(INPUT_OFFSET, own.input_unit, 0.0, own.input_offset_spread),
             Parameter(OUTPUT_GAIN, "1", 1.0, own.output_gain_spread),
@@ -81,6 +85,11 @@ class ExtendedSimulation:
         return np.array([self.parameters[i].shape for i in self.free])
 
     @cached_property
+    def at_start(self) -> np.ndarray:
+        """Which free coordinates belong to the state at the start of the record."""
+        return np.array([self.parameters[i].at_start for i in self.free])
+
+    @cached_property
     def effect_slices(self) -> tuple[slice, ...]:
         """Where in ``values`` each effect's parameters are."""
         position = self._laws_from
@@ -104,14 +113,14 @@ class ExtendedSimulation:
     def label(self, attached: Attached) -> str:
         """Return an effect's name, with its force port where the simulation has several."""
         port = self.force_port_of(attached)
-        return f"{attached.effect.name}@{port}" if port else attached.effect.name
+        return f"{attached.effect.name}@{port.name}" if port else attached.effect.name
 
-    def force_port_of(self, attached: Attached) -> str | None:
-        """Return the name of the force port of a force law, if the simulation has several."""
+    def force_port_of(self, attached: Attached) -> ForcePort | None:
+        """Return the force port of a force law, if the simulation has several."""
         ports = self.simulation.force_ports
         if attached.effect.force is None or len(ports) < 2:
             return None
-        return ports[attached.force_port].name
+        return ports[attached.force_port]
 
     def attach(
         self, effect: Effect, scales: Scales, force_port: int = 0, upstream: bool = False

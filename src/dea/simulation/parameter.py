@@ -22,7 +22,9 @@ class Parameter:
         Whether the fit works with the logarithm; the value is then positive.
     shape
         Whether it only shapes a law. A fit then holds it until place and size of the effect are
-        found: freed too early, a shape bends towards an effect in the wrong place.
+        found: freed earlier, it would adapt to an effect in the wrong place.
+    at_start
+        Whether it belongs to the state at the start of a record, and is fitted anew to another.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Parameter:
     high: float = np.inf
     log: bool = False
     shape: bool = False
+    at_start: bool = False
 
     def value(self, coordinate: float) -> float:
         """Return the value at a ``coordinate`` counted in spreads from the nominal value."""

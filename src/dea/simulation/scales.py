@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Scales:
-    """How large things are in a record: what an effect's priors and starting values refer to.
+    """Typical sizes in a record, to which the priors and starting values of effects refer.
 
     Input in ``u_unit``, output in ``y_unit``, times in s. ``z`` is the normalised position of the
     force balance (zero at rest, one at the largest excursion of the nominal simulation).

@@ -19,8 +19,6 @@ def diagnose(
     threads: int,
 ) -> None:
     """Diagnose a record with the simulation the settings name, on so many ``threads``."""
-    from dataclasses import replace
-
     from dea import store
     from dea.discrepancy import (
         Settings,
@@ -38,7 +36,8 @@ def diagnose(
             store.read_record(record),
             settings["simulation"],
             test_records={path.stem: store.read_record(path) for path in tests},
-            settings=replace(Settings.of(settings), workers=threads),
+            settings=Settings.of(settings),
+            workers=threads,
         )
     except InputError as error:
         raise InputError(

@@ -44,7 +44,7 @@ def trial_score(
             said[name] = trials.Said(
                 status=verdict.status,
                 effects=frozenset(verdict.names),
-                rivals=tuple(frozenset(rival.split("+")) for rival in rivals),
+                rivals=tuple(frozenset(rival) for rival in rivals),
                 ranking=tuple((frozenset(r["effects"]), r["error"]) for r in rankings[name]),
                 error_before=verdict.certified["rmse_before"],
                 error_after=verdict.certified["rmse_after"],

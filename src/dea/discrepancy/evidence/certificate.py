@@ -1,4 +1,4 @@
-"""Prove an extension on samples, and on records, that nothing was fitted or chosen on."""
+"""Certify an extension on samples, and on records, that nothing was fitted or chosen on."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.problem import Problem, rmse
-from dea.simulation import ExtendedSimulation, Port
+from dea.discrepancy.problem import Problem, Samples, rmse
+from dea.simulation import ExtendedSimulation
 
+# Part of another record at its start that the state at the start is fitted to.
 _HEAD = 0.1
 
 
@@ -22,52 +23,56 @@ class Certified:
 
 
 @dataclass(frozen=True)
-class OtherRecord:
-    """A record with another excitation: input, output, and the interval in s."""
+class Certificate:
+    """The errors on the certified block, and on each other record by name."""
 
-    u: np.ndarray
-    y: np.ndarray
-    interval: float
+    block: Certified
+    records: Mapping[str, Certified]
 
 
-def certify(problem: Problem, nominal: Fit, extended: Fit) -> Certified:
-    """Compare both simulations on the certified block."""
-    return Certified(
+def certify(
+    problem: Problem, nominal: Fit, extended: Fit, others: Mapping[str, Samples]
+) -> Certificate:
+    """Compare both simulations on the certified block, and on other records.
+
+    An extension that describes what happened during this record says nothing about others.
+    """
+    block = Certified(
         rmse(nominal.residual, problem.certify),
         rmse(extended.residual, problem.certify),
         int(problem.certify.sum()),
     )
+    transfers = transferable(extended.extended)
+    return Certificate(block, certify_elsewhere(others if transfers else {}, nominal, extended))
 
 
 def transferable(extended: ExtendedSimulation) -> bool:
     """Return whether all effects are properties of the device and not of one record's time."""
-    return all(
-        a.effect.port is not Port.TIME and a.effect.name != "periodic_disturbance"
-        for a in extended.attached
-    )
+    return all(a.effect.transferable for a in extended.attached)
 
 
 def certify_elsewhere(
-    others: Mapping[str, OtherRecord], nominal: Fit, extended: Fit
-) -> dict[str, tuple[Certified, np.ndarray, np.ndarray]]:
-    """Compare both simulations on other records; return errors and both simulated outputs.
+    others: Mapping[str, Samples], nominal: Fit, extended: Fit
+) -> dict[str, Certified]:
+    """Compare the free-run errors of both simulations on other records.
 
-    Only the state of the device at the start is fitted, on the first tenth of the record, which
-    is left out of the errors' choice but, as published errors do, counted in them.
+    Only the state of the device at the start is fitted, on the first tenth of the record. That
+    tenth counts in the errors, as it does in published ones.
     """
-    result = {}
-    for name, other in others.items():
-        before, after = (_from_its_own_start(other, f) for f in (nominal, extended))
-        everywhere = np.ones(other.y.size, bool)
-        errors = [rmse(other.y - y, everywhere) for y in (before, after)]
-        result[name] = Certified(errors[0], errors[1], other.y.size), before, after
-    return result
+    return {
+        name: Certified(_error_on(other, nominal), _error_on(other, extended), other.y.size)
+        for name, other in others.items()
+    }
 
 
-def _from_its_own_start(other: OtherRecord, fitted: Fit) -> np.ndarray:
+def _error_on(other: Samples, fitted: Fit) -> float:
+    y = _from_its_own_start(other, fitted)
+    return rmse(other.y - y, np.ones(other.y.size, bool))
+
+
+def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
     extended = fitted.extended
-    starting = np.array([_is_start(extended.names[i]) for i in extended.free])
-    if not starting.any():
+    if not extended.at_start.any():
         return extended.simulate(fitted.values, other.u, other.interval)
     head = np.arange(other.u.size) < max(10, round(_HEAD * other.u.size))
     nothing = np.zeros_like(head)
@@ -80,10 +85,6 @@ def _from_its_own_start(other: OtherRecord, fitted: Fit) -> np.ndarray:
         nothing,
         max(rmse(fitted.residual, np.isfinite(fitted.residual)), 1e-12),
     )
-    own = fit(problem, extended, fitted.coordinates, iterations=10, columns=Columns(held=~starting))
+    held = Columns(held=~extended.at_start)
+    own = fit(problem, extended, fitted.coordinates, iterations=10, columns=held)
     return extended.simulate(own.values, other.u, other.interval)
-
-
-def _is_start(name: str) -> bool:
-    owner, _, own = name.rpartition(".")
-    return owner == "initial" or (owner != "" and own.startswith("start_"))

@@ -1,7 +1,7 @@
-"""Where a simulation and a record disagree, against what chance would make of the same gap."""
+"""Where the residual is concentrated, compared with what chance would make of it."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,31 +11,74 @@ from dea.discrepancy.problem import Problem
 BINS = 12
 _DRAWS = 200
 _LEVEL = 0.05
-# Unit of a quantity along which the residual is looked at, and how a sentence speaks of it.
-_PHRASES: Mapping[str, str] = {
-    "time": "between {low:.3g} and {high:.3g} s",
-    "input": "where the input is between {low:.3g} and {high:.3g} {unit}",
-    "input_rate": "where the input changes by {low:.3g} to {high:.3g} {unit}",
-    "output": "where the simulated output is between {low:.3g} and {high:.3g} {unit}",
-    "output_rate": "where the output moves at {low:.3g} to {high:.3g} {unit}",
-    "direction": "while the output is {name}",
-    "reversal": "{low:.3g} to {high:.3g} s after a reversal of the motion",
-}
-_DIRECTIONS = ("falling", "still", "rising")
+
+
+@dataclass(frozen=True)
+class Concentration:
+    """The bin that the residual is concentrated in most.
+
+    ``inside`` and ``elsewhere`` are the RMS residuals in the bin and in the other bins of the
+    quantity ``along``; ``low`` and ``high`` are the bin's ends in ``unit``, ``number`` its index.
+    """
+
+    along: str
+    number: int
+    low: float
+    high: float
+    unit: str
+    inside: float
+    elsewhere: float
+
+
+@dataclass(frozen=True)
+class Band:
+    """The octave (Hz) that holds most of the residual's energy, and the part it holds."""
+
+    low: float
+    high: float
+    part: float
 
 
 @dataclass(frozen=True)
 class Localisation:
-    """Energy of the gap along each quantity, and in words where it is.
+    """Energy of the residual along each quantity, and where it is concentrated.
 
-    ``dataset`` holds, for each quantity, its bins, the RMS residual in them and the probability
-    that chance concentrates the residual as much; ``strongest`` names the quantity along which the
-    residual is concentrated most, or ``None`` where chance explains all of it.
+    Parameters
+    ----------
+    dataset
+        For each quantity its bins, the RMS residual in them and the probability that chance
+        concentrates the residual as much.
+    concentration
+        The strongest bin of the quantity along which the residual is concentrated most, or
+        ``None`` where chance explains all of it.
+    rms
+        RMS residual over all samples, in ``unit``.
     """
 
     dataset: xr.Dataset
-    sentence: str
-    strongest: str | None
+    concentration: Concentration | None
+    band: Band
+    rms: float
+    unit: str
+
+    @property
+    def strongest(self) -> str | None:
+        """Name of the quantity along which the residual is concentrated most."""
+        return self.concentration.along if self.concentration else None
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    """A quantity along which the residual is binned."""
+
+    values: np.ndarray
+    unit: str
+    edges: np.ndarray
+    label: np.ndarray
+
+    @property
+    def bins(self) -> int:
+        return self.edges.size - 1
 
 
 def localise(
@@ -45,62 +88,92 @@ def localise(
     samples: np.ndarray,
     rng: np.random.Generator,
 ) -> Localisation:
-    """Find where ``gap`` (n,) lives among ``samples`` (n, bool).
+    """Find where a ``residual`` (n,) is concentrated among ``samples`` (n, bool).
 
-    The energy is shuffled in blocks that keep its own correlation; the largest standardised bin
-    over all quantities (max statistic) gives the null.
+    The null distribution comes from its energy, shuffled in blocks that keep its own correlation:
+    the largest standardised bin over all quantities (max statistic).
     """
-    from scipy.signal import coherence
-
     where = np.flatnonzero(samples & np.isfinite(residual))
     energy = residual[where] ** 2
-    quantities = _quantities(problem, residual, units)
-    labels, edges = {}, {}
-    for name, (values, _) in quantities.items():
-        edges[name] = _edges(values[where], name)
-        labels[name] = np.clip(
-            np.searchsorted(edges[name], values[where], "right") - 1, 0, edges[name].size - 2
-        )
-    measured = {name: _mean(energy, label, edges[name].size - 1) for name, label in labels.items()}
-    null = {name: np.empty((_DRAWS, m.size)) for name, m in measured.items()}
+    quantities = {}
+    for name, (values, unit) in _quantities(problem, residual, units).items():
+        edges = _edges(values[where], name)
+        label = np.searchsorted(edges, values[where], "right") - 1
+        quantities[name] = _Quantity(values, unit, edges, np.clip(label, 0, edges.size - 2))
+    measured = {name: _mean(energy, q.label, q.bins) for name, q in quantities.items()}
+    null = {name: np.empty((_DRAWS, q.bins)) for name, q in quantities.items()}
     length = max(8, where.size // 150)
     for draw in range(_DRAWS):
         shuffled = _shuffle(energy, length, rng)
-        for name, label in labels.items():
-            null[name][draw] = _mean(shuffled, label, measured[name].size)
+        for name, q in quantities.items():
+            null[name][draw] = _mean(shuffled, q.label, q.bins)
+    probability = _probability(measured, null)
+    rms = {name: np.sqrt(mean) for name, mean in measured.items()}
+    found = [name for name in measured if probability[name] <= _LEVEL]
+    strongest = max(found, key=lambda name: float(measured[name].max())) if found else None
+    variables: dict[str, Any] = {}
+    for name, q in quantities.items():
+        variables |= _along(name, q, rms[name], null[name], units[1])
+        variables[f"{name}_probability"] = ((), probability[name], _label("1", f"chance, {name}"))
+    overall = float(np.sqrt(energy.mean()))
+    variables |= _spectrum(problem, residual, where)
+    variables["gap_rms"] = ((), overall, _label(units[1], "RMS gap"))
+    concentration = (
+        _concentration(strongest, quantities[strongest], rms[strongest]) if strongest else None
+    )
+    band = _band(residual[where], problem.interval)
+    return Localisation(xr.Dataset(variables), concentration, band, overall, units[1])
+
+
+def _probability(measured: dict[str, np.ndarray], null: dict[str, np.ndarray]) -> dict[str, float]:
+    """Return the probability that chance concentrates the energy as much along each quantity."""
     scores, thresholds = {}, []
     for name, mean in measured.items():
         centre, width = null[name].mean(0), null[name].std(0) + 1e-300
         scores[name] = (mean - centre) / width
         thresholds.append(np.max((null[name] - centre) / width, axis=1))
     largest = np.max(thresholds, axis=0)
-    probability = {
+    return {
         name: float((1 + np.sum(largest >= score.max())) / (1 + _DRAWS))
         for name, score in scores.items()
     }
-    rms = {name: np.sqrt(mean) for name, mean in measured.items()}
-    overall = float(np.sqrt(energy.mean()))
-    found = [name for name in scores if probability[name] <= _LEVEL]
-    strongest = max(found, key=lambda name: measured[name].max()) if found else None
+
+
+def _concentration(name: str, quantity: _Quantity, rms: np.ndarray) -> Concentration:
+    number = int(np.argmax(rms))
+    low, high = quantity.edges[number : number + 2]
+    others = np.delete(rms, number)
+    elsewhere = float(np.sqrt(np.mean(np.square(others))))
+    inside = float(rms[number])
+    return Concentration(name, number, float(low), float(high), quantity.unit, inside, elsewhere)
+
+
+def _along(
+    name: str, quantity: _Quantity, rms: np.ndarray, null: np.ndarray, unit: str
+) -> dict[str, Any]:
+    edges = quantity.edges
+    return {
+        f"{name}_low": (name, edges[:-1], _label(quantity.unit, f"{name}: lower end")),
+        f"{name}_high": (name, edges[1:], _label(quantity.unit, f"{name}: upper end")),
+        f"{name}_gap": (name, rms, _label(unit, f"RMS gap along {name}")),
+        f"{name}_null": (
+            name,
+            np.sqrt(np.quantile(null, 0.95, axis=0)),
+            _label(unit, f"RMS gap along {name} that chance exceeds in 5 %"),
+        ),
+    }
+
+
+def _spectrum(problem: Problem, residual: np.ndarray, where: np.ndarray) -> dict[str, Any]:
+    from scipy.signal import coherence
+
     segment = min(where.size, max(64, problem.u.size // 16))
     u, e = problem.u[where], residual[where]
     frequency, coherent = coherence(u, e, 1.0 / problem.interval, nperseg=segment)
-    band, part = _band(e, problem.interval)
-    sentence = _sentence(strongest, rms, edges, quantities, overall, units[1], band, part)
-    variables: dict[str, tuple] = {}
-    for name, (_, unit) in quantities.items():
-        variables[f"{name}_low"] = (name, edges[name][:-1], _label(unit, f"{name}: lower end"))
-        variables[f"{name}_high"] = (name, edges[name][1:], _label(unit, f"{name}: upper end"))
-        variables[f"{name}_gap"] = (name, rms[name], _label(units[1], f"RMS gap along {name}"))
-        variables[f"{name}_null"] = (
-            name, np.sqrt(np.quantile(null[name], 0.95, axis=0)),
-            _label(units[1], f"RMS gap along {name} that chance exceeds in 5 %"),
-        )  # fmt: skip
-        variables[f"{name}_probability"] = ((), probability[name], _label("1", f"chance, {name}"))
-    variables["frequency"] = ("frequency", frequency, _label("Hz", "frequency"))
-    variables["coherence"] = ("frequency", coherent, _label("1", "coherence of input and gap"))
-    variables["gap_rms"] = ((), overall, _label(units[1], "RMS gap"))
-    return Localisation(xr.Dataset(variables), sentence, strongest)
+    return {
+        "frequency": ("frequency", frequency, _label("Hz", "frequency")),
+        "coherence": ("frequency", coherent, _label("1", "coherence of input and gap")),
+    }
 
 
 def _label(units: str, long_name: str) -> dict[str, str]:
@@ -150,41 +223,12 @@ def _shuffle(energy: np.ndarray, length: int, rng: np.random.Generator) -> np.nd
     return np.concatenate([blocks[i] for i in rng.permutation(len(blocks))])
 
 
-def _band(residual: np.ndarray, interval: float) -> tuple[tuple[float, float], float]:
-    """Return the octave-wide band (Hz) that holds most of the gap, and the part it holds."""
+def _band(residual: np.ndarray, interval: float) -> Band:
     power = np.abs(np.fft.rfft(residual - residual.mean())) ** 2
     frequency = np.fft.rfftfreq(residual.size, interval)
     total = power.sum() or 1.0
     lows = frequency[1] * 2.0 ** np.arange(0, np.log2(frequency.size), 0.5)
     parts = [power[(frequency >= low) & (frequency < 2 * low)].sum() / total for low in lows]
     best = int(np.argmax(parts))
-    return (float(lows[best]), float(min(2 * lows[best], frequency[-1]))), float(parts[best])
-
-
-def _sentence(
-    strongest: str | None,
-    rms: Mapping[str, np.ndarray],
-    edges: Mapping[str, np.ndarray],
-    quantities: Mapping[str, tuple[np.ndarray, str]],
-    overall: float,
-    unit: str,
-    band: tuple[float, float],
-    part: float,
-) -> str:
-    spectrum = f"{100 * part:.0f} % of its energy lies between {band[0]:.2g} and {band[1]:.2g} Hz"
-    if strongest is None:
-        return (
-            f"the gap of {overall:.3g} {unit} (RMS) is spread as chance would spread it; {spectrum}"
-        )
-    bin_ = int(np.argmax(rms[strongest]))
-    place = _PHRASES[strongest].format(
-        low=edges[strongest][bin_],
-        high=edges[strongest][bin_ + 1],
-        unit=quantities[strongest][1],
-        name=_DIRECTIONS[bin_] if strongest == "direction" else "",
-    )
-    others = np.delete(rms[strongest], bin_)
-    return (
-        f"the gap is {rms[strongest][bin_]:.3g} {unit} (RMS) {place}, "
-        f"{np.sqrt(np.mean(np.square(others))):.3g} {unit} elsewhere; {spectrum}"
-    )
+    high = min(2 * lows[best], frequency[-1])
+    return Band(float(lows[best]), float(high), float(parts[best]))

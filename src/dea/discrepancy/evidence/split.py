@@ -8,9 +8,9 @@ import numpy as np
 
 from dea.errors import InputError
 
-# Fitting and choosing alternate, so that what changes with time, or shows only now and then, is
-# seen by both. How many such blocks, how long the certified one is in theirs, and how many gaps
-# the shortest must hold; the first that fits is used.
+# Blocks to fit on and to choose by alternate, so that both see changes with time and rare events.
+# Each pattern is the number of such blocks, the length of the certified block in theirs, and the
+# least length of a block in gaps; the first pattern that the record is long enough for is used.
 _PATTERNS = ((18, 3.0, 3.0), (8, 1.5, 1.0), (3, 0.75, 1.0))
 _GAP_IN_TIME_CONSTANTS = 3.0
 # Part of the input's range by which the certified block may go beyond the others.
@@ -28,20 +28,26 @@ class Split:
 
     def blocks(self, mask: np.ndarray, length: float) -> list[slice]:
         """Cut the contiguous runs of ``mask`` into blocks of about ``length`` samples."""
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
         result = []
-        for start, stop in zip(edges[::2], edges[1::2], strict=True):
-            parts = max(1, round((stop - start) / length))
-            cuts = np.linspace(start, stop, parts + 1).astype(int)
+        for run in runs(mask):
+            parts = max(1, round((run.stop - run.start) / length))
+            cuts = np.linspace(run.start, run.stop, parts + 1).astype(int)
             result += [slice(a, b) for a, b in pairwise(cuts)]
         return result
+
+
+def runs(mask: np.ndarray) -> list[slice]:
+    """Return the contiguous runs of a ``mask`` (n, bool)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
+    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) -> Split:
     """Split a record of input ``u`` (n,) with gaps of three of the ``slowest`` times (s).
 
-    The certified block lies inside the record, where a drift can be interpolated, and as near its
-    middle as the input allows: what an input does that no other block has seen, nobody can tell.
+    The certified block lies inside the record, so that a drift is interpolated in it, and as near
+    the middle as possible without its input leaving the range of the other blocks: there, no
+    candidate could have been fitted.
 
     Raises
     ------

@@ -1,40 +1,44 @@
-"""A diagnosis as labelled datasets: where, which candidates, and the certificate."""
+"""A diagnosis as labelled datasets: localisation, candidates and certificate."""
+
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from dea.discrepancy.diagnose import Diagnosis
+from dea.discrepancy.diagnosis import Diagnosis
+from dea.discrepancy.report.sentence import where_sentence
+from dea.discrepancy.search.candidates import Candidate
 
 
 def localisation_dataset(diagnosis: Diagnosis) -> xr.Dataset:
-    """Return where the gap is, before and after, along each quantity."""
-    pieces = [diagnosis.before.dataset, diagnosis.after.dataset]
+    """Return where the residual is concentrated, before and after, along each quantity."""
+    where = diagnosis.where
     renamed = [
         piece.rename({d: f"{d}_{when}" for d in piece.dims}).rename(
             {name: f"{name}_{when}" for name in piece.variables if name not in piece.dims}
         )
-        for piece, when in zip(pieces, ("before", "after"), strict=True)
+        for piece, when in ((where.before.dataset, "before"), (where.after.dataset, "after"))
     ]
     return xr.merge(renamed).assign_attrs(
-        sentence_before=diagnosis.before.sentence,
-        sentence_after=diagnosis.after.sentence,
+        sentence_before=where_sentence(where.before),
+        sentence_after=where_sentence(where.after),
         units=diagnosis.units[1],
         input_units=diagnosis.units[0],
     )
 
 
 def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
-    """Return every effect's gain with its interval, what could be seen of it, and rivals."""
+    """Return every effect's gain with its interval, its visibility, and its rivals."""
     unit = diagnosis.units[1]
-    singles = diagnosis.first.candidates
-    signatures = [diagnosis.signatures["+".join(c.labels)] for c in singles]
-    sets = diagnosis.pool
-    gained = diagnosis.gains
+    singles, gained = diagnosis.singles.candidates, diagnosis.singles.gains
+    visible = diagnosis.singles.visibility
+    sets, confusion = diagnosis.pool, diagnosis.confusion
 
-    def column(values: list[float] | np.ndarray, units: str, meaning: str) -> tuple:
+    def column(values: list[float] | np.ndarray, units: str, meaning: str) -> tuple[Any, ...]:
         return ("candidate", np.asarray(values, float), _attributes(units, meaning))
 
-    rivals = np.array(["+".join(c.labels) for c in diagnosis.confusion_of], dtype=object)
+    rivals = _written(confusion.candidates)
     data = xr.Dataset(
         {
             "gain": column(gained.gain, "1", "log ratio of held-out RMSE without and with it"),
@@ -42,20 +46,22 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             "gain_high": column(gained.high, "1", "upper end of the 95 % interval"),
             "error": column([c.error for c in singles], unit, "RMSE, charged for parameters"),
             "finished": column([c.finished for c in singles], "1", "whether fitted to the end"),
-            "visible": column([s[0] for s in signatures], "1", "signature left over the noise"),
-            "independent": column([s[1] for s in signatures], "1", "part of the signature left"),
+            "visible": column([v.size for v in visible], "1", "signature left over the noise"),
+            "independent": column(
+                [v.independent for v in visible], "1", "part of the signature left"
+            ),
             "null_gain": ((), gained.null, _attributes("1", "gain that chance exceeds in 5 %")),
             "set_error": (
                 "set", [c.error for c in sets], _attributes(unit, "RMSE, charged for parameters"),
             ),
             "confusion": (
-                ("present", "called"), diagnosis.confusion,
+                ("present", "called"), confusion.probability,
                 _attributes("1", "probability that one effect is called the other"),
             ),
         },
         coords={
-            "candidate": ("candidate", np.array(["+".join(c.labels) for c in singles], object)),
-            "set": ("set", np.array(["+".join(c.labels) for c in sets], object)),
+            "candidate": ("candidate", _written(singles)),
+            "set": ("set", _written(sets)),
             "present": ("present", rivals),
             "called": ("called", rivals),
         },
@@ -89,11 +95,11 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
         ),
         "noise_floor": ((), diagnosis.floor, _attributes(unit, "noise floor")),
     }
-    names = list(diagnosis.elsewhere)
+    names = list(diagnosis.certificate.records)
     for key, meaning in (("before", "without"), ("after", "with")):
         data[f"record_rmse_{key}"] = (
             "record",
-            np.array([getattr(diagnosis.elsewhere[n][0], key) for n in names], float),
+            np.array([getattr(diagnosis.certificate.records[n], key) for n in names], float),
             _attributes(unit, f"free-run RMSE on another record {meaning} the effects"),
         )
     coords = {
@@ -101,6 +107,11 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
         "record": ("record", np.array(names, object), _attributes("1", "other record")),
     }
     return xr.Dataset(data, coords=coords)
+
+
+def _written(candidates: Iterable[Candidate]) -> np.ndarray:
+    """Return the labels of each candidate's effects, joined."""
+    return np.array(["+".join(c.labels) for c in candidates], dtype=object)
 
 
 def _attributes(units: str, long_name: str) -> dict[str, str]:

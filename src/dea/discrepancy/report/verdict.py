@@ -1,4 +1,4 @@
-"""What a diagnosis says, in words and as ``verdict.json``."""
+"""The verdict: what a diagnosis says in numbers and words, and ``verdict.json``."""
 
 import json
 from collections.abc import Mapping
@@ -8,7 +8,8 @@ from typing import Any
 
 from dea.errors import InputError
 
-STATUSES = ("named", "none", "ambiguous", "unknown")
+# Joins the names of an effect set in ``verdict.json``.
+_JOINED = "+"
 
 
 @dataclass(frozen=True)
@@ -23,12 +24,19 @@ class Estimate:
 
 @dataclass(frozen=True)
 class NamedEffect:
-    """An effect as it is in the extended simulation.
+    """An effect as it is in the extended simulation, with the names of ``verdict.json``.
 
-    ``gap_before`` and ``gap_after`` are free-run errors on held-out blocks without and with it;
-    ``gain`` is the logarithm of their ratio with its 95 % interval, which holds over the whole
-    catalogue for an effect alone; ``rivals`` are effects this record cannot tell from it;
-    ``balance`` is where a force acts, if the simulation has several.
+    Parameters
+    ----------
+    gap_before, gap_after
+        Free-run errors on held-out blocks without and with it.
+    gain
+        Logarithm of their ratio with its 95 % interval, which holds over the whole catalogue for
+        an effect alone.
+    rivals
+        The effects of each extension that this record cannot tell from it.
+    balance
+        Name of the force port it acts at, if the simulation has several.
     """
 
     name: str
@@ -38,7 +46,7 @@ class NamedEffect:
     gap_before: float
     gap_after: float
     gain: tuple[float, float, float]
-    rivals: tuple[str, ...] = ()
+    rivals: tuple[tuple[str, ...], ...] = ()
     balance: str | None = None
 
 
@@ -67,8 +75,11 @@ class Verdict:
         """Write ``verdict.json``."""
         from dea.store import atomic
 
+        content = asdict(self)
+        for effect in content["effects"]:
+            effect["rivals"] = [_JOINED.join(rival) for rival in effect["rivals"]]
         with atomic(path) as partial:
-            partial.write_text(json.dumps(asdict(self), indent=2, allow_nan=True) + "\n")
+            partial.write_text(json.dumps(content, indent=2, allow_nan=True) + "\n")
 
 
 def read_verdict(path: str | Path) -> Verdict:
@@ -90,7 +101,7 @@ def read_verdict(path: str | Path) -> Verdict:
                     **effect,
                     "parameters": {k: Estimate(**v) for k, v in effect["parameters"].items()},
                     "gain": tuple(effect["gain"]),
-                    "rivals": tuple(effect["rivals"]),
+                    "rivals": tuple(tuple(rival.split(_JOINED)) for rival in effect["rivals"]),
                 }
             )
             for effect in content["effects"]

@@ -1,7 +1,6 @@
-"""Fit every effect of the catalogue to a record, each with the same freedom and budget."""
+"""Screen an effect: fit it by a few cheap steps from its most promising starts."""
 
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,16 +10,16 @@ from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import unabsorbed
 from dea.simulation import Effect, ExtendedSimulation, Scales
 
-# Fits beyond the kept ones that a few cheap steps do not rule out.
+# Fits beyond the kept ones that go on after the cheap steps, which rank them only roughly.
 _MORE = 1
 
 
 @dataclass(frozen=True)
 class Base:
-    """A fit to start from, and what is left of a change once its parameters have made up for it."""
+    """A fit to start from, and what its parameters cannot absorb of a change of the output."""
 
     fit: Fit
-    left: Callable[[np.ndarray], np.ndarray]
+    remainder: Callable[[np.ndarray], np.ndarray]
 
     @classmethod
     def of(cls, problem: Problem, fitted: Fit) -> "Base":
@@ -30,7 +29,7 @@ class Base:
 
 @dataclass(frozen=True)
 class Offer:
-    """An effect, where it would attach, and the scales it is told."""
+    """An effect, the port and place at which it would be attached, and its scales."""
 
     effect: Effect
     scales: Scales
@@ -41,12 +40,13 @@ class Offer:
 def screen(
     problem: Problem, bases: Sequence[Base], offer: Offer, kept: int, steps: int
 ) -> list[Fit]:
-    """Fit an effect by a few cheap ``steps``; return the stable ones of ``kept`` fits, best first.
+    """Fit an effect by a few cheap ``steps``; return at most ``kept`` stable fits, best first.
 
-    From each of the ``bases`` (fits of the same simulation), the start that promises most goes on,
-    or half as many as are ``kept``, first with the Jacobian of what is there already as it was in
-    the base; little more than ``kept`` of them then with whole ones, or the one. Shapes of laws are
-    held. An effect without a start in this record has no fit.
+    From each of the ``bases`` (fits of the same simulation) the most promising starts go on, half
+    as many as are ``kept``. Their first steps use the base's Jacobian for all parameters that the
+    base has; the best of them, one more than are kept (or the best alone), get steps with a
+    Jacobian of their own. Parameters that shape a law are held. An effect without a start in this
+    record has no fit.
     """
     extended = bases[0].fit.extended.attach(
         offer.effect, offer.scales, offer.force_port, offer.upstream
@@ -87,18 +87,18 @@ def promising(
 ) -> list[np.ndarray]:
     """Return the coordinates of the starts, first those that explain most of a base's residual.
 
-    What explains it is the signature: the change of the output that the law makes at that start,
-    at its best size, with the simulation's parameters refitted by a linear step.
+    A start explains what the change of the output that the law causes there does, scaled to its
+    best size, with the simulation's parameters refitted by a linear step.
     """
     seen, before = problem.seen, base.fit.residual
-    left = base.left(before[seen])
+    left = base.remainder(before[seen])
 
     def explained(coordinates: np.ndarray) -> float:
         residual = problem.residual(extended, extended.values(coordinates))
         if not np.isfinite(residual).all():
             return -1.0
-        change = base.left((before - residual)[seen])
-        return max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
+        change = base.remainder((before - residual)[seen])
+        return float(max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300))
 
     placed = [extended.coordinates(np.concatenate([base.fit.values, start])) for start in starts]
     return sorted(placed, key=explained, reverse=True)
@@ -115,12 +115,3 @@ def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | 
         iterations=iterations,
         columns=Columns(held=held, slow=known),
     )
-
-
-def in_parallel(task, items: Iterable, workers: int) -> list:
-    """Apply ``task`` to each item on threads (the integrator releases the lock), in order."""
-    items = list(items)
-    if workers == 1:
-        return [task(item) for item in items]
-    with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(task, items))

@@ -1,17 +1,17 @@
-"""What the simulation alone makes of a record: its refit, and a second one near the prior."""
+"""Fits of the simulation alone, which the candidates are compared with and start from."""
 
 import numpy as np
 
 from dea.discrepancy.fit import Fit, at, fit
+from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem, rmse
-from dea.discrepancy.search.screening import in_parallel
 from dea.errors import InputError
 from dea.simulation import ExtendedSimulation
 
 _ITERATIONS = 30
-# Prior spreads by which the two fits of the simulation must differ for both to be starts.
+# Distance (in prior spreads) from the refit beyond which another fit is a start of its own.
 _FAR = 1.0
-# Draws of the prior, at most, and how many samples are simulated for them.
+# Draws of the prior, at most, and the samples that may be simulated for them in all.
 _DRAWS, _SHORT = 40, 10_000
 
 
@@ -46,9 +46,10 @@ def fit_nominal(
 
 
 def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
-    """Fit with so little trust in the record that parameters stay near their prior.
+    """Fit with so large an assumed noise that the parameters stay near their prior.
 
-    Refitting smears a residual over the whole record; this fit leaves it where it is.
+    A refit spreads the residual that a missing effect causes over the whole record; in this fit
+    it stays where the effect acts.
     """
     trust = rmse(refitted.residual, problem.seen) * np.sqrt(problem.seen.sum()) / 3.0
     start = np.zeros(refitted.coordinates.size)
@@ -58,8 +59,8 @@ def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
 def fit_parts(problem: Problem, near: Fit) -> list[Fit]:
     """Fit the lower and the upper half of the output alone.
 
-    An effect that acts at one end, a limit or a threshold, leaves the other half to the
-    simulation; there it has no need to bend its parameters.
+    An effect that acts at one end of the range, such as a limit or a threshold, is absent from
+    the other half, so that the fit to that half estimates the parameters without bias.
     """
     middle = np.median(problem.y)
     parts = []
@@ -70,11 +71,11 @@ def fit_parts(problem: Problem, near: Fit) -> list[Fit]:
 
 
 def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -> list[Fit]:
-    """Return the fits to start candidates from: the refit, and others where it is far from them.
+    """Return the fits to start candidates from: the refit first, and others that are far from it.
 
-    A refit that has bent the parameters to make up for what is missing is a bad place to start;
-    the fit near the prior, those of one half of the output and the prior itself are others, and a
-    short record affords draws of the prior as well.
+    Where an effect is missing, the parameters of the refit are biased, which makes it a bad
+    start. The fit near the prior, the fits to one half of the output and the prior itself are
+    others, and a short record affords draws of the prior as well.
     """
     size = nominal.coordinates.size
     draws = int(min(_DRAWS, _SHORT // problem.u.size))

@@ -1,4 +1,4 @@
-"""What an effect is: a law with bounded parameters that attaches at a port of any simulation."""
+"""An effect: a law with bounded parameters that attaches at a port of any simulation."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Port(StrEnum):
 
 
 class Family(StrEnum):
-    """Effects that are the same physics seen from outside, so that one can pass for another."""
+    """Kinds of physics; a record hardly distinguishes effects of the same kind."""
 
     THRESHOLD = "threshold"
     LIMIT = "limit"
@@ -63,6 +63,9 @@ class Effect:
         ``law(t, q)`` returns the factor on the simulation's drive parameter.
     shape_output
         ``law(y, t, q, interval)`` returns what the sensor reports.
+    transferable
+        Whether it is a property of the device, which holds in other records, too. An event or a
+        drift belongs to the record it happened in.
     uses_position
         Whether the force looks at the position, which not every force balance has.
     refine
@@ -82,6 +85,7 @@ class Effect:
     memory: Callable[[np.ndarray], np.ndarray] | None = None
     scale_drive: Law | None = None
     shape_output: Law | None = None
+    transferable: bool = True
     uses_position: bool = True
     refine: int = 1
 

@@ -1,4 +1,4 @@
-"""Pieces that several laws share."""
+"""Functions that several laws share."""
 
 from collections.abc import Sequence
 

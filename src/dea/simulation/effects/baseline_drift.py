@@ -1,4 +1,4 @@
-"""The zero of the output wanders."""
+"""The offset of the output drifts."""
 
 import numpy as np
 
@@ -33,9 +33,10 @@ EFFECT = Effect(
     name="baseline_drift",
     port=Port.TIME,
     family=Family.AGEING,
-    symptom="the gap changes slowly with time and does not depend on the input",
+    symptom="the residual changes slowly with time and does not depend on the input",
     citation="Bendat and Piersol (2010), Random Data, section 10.4, on trends",
     parameters=parameters,
     starts=starts,
     shape_output=law,
+    transferable=False,
 )

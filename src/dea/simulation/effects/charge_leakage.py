@@ -1,4 +1,4 @@
-"""Charge flows off through the film, the faster the higher the field."""
+"""Charge leaks through the film, faster at a higher field."""
 
 import numpy as np
 from numba import njit
@@ -12,8 +12,7 @@ from dea.simulation.scales import Scales
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Lose a part of the field that grows with its size and builds up with a time constant.
 
-    The field is what the loss has left of the input. How far it had come before the record is
-    unknown.
+    The field is the input less the loss. The loss at the start of the record is unknown.
     """
     loss, growth, tau, peak, started = q[0], q[1], q[2], q[3], q[4]
     decay = np.exp(-interval / tau)
@@ -36,7 +35,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("field_growth", "1", 0.0, 3.0, 0.0, 20.0, shape=True),
         Parameter("time_constant", "s", 30 * dt, 2.0, 10 * dt, scales.duration, log=True),
         Parameter("full_field", scales.u_unit, peak, 0.0),
-        Parameter("start_part", "1", 0.7, 0.4, 0.0, 2.0),
+        Parameter("start_part", "1", 0.7, 0.4, 0.0, 2.0, at_start=True),
     )
 
 

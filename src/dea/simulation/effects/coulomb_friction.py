@@ -25,7 +25,7 @@ def update(z, z_next, h, memory, q):
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return a contact that is slack at rest, where the device has come from."""
+    """Return a contact without force at the rest position."""
     state = np.zeros(MEMORY)
     state[1] = q[4]
     return state
@@ -48,7 +48,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return weak friction to such that holds the device most of the time, soft and hard."""
+    """Return weak to strong friction, with a soft and a hard contact."""
     span = scales.z_span
     return tuple(
         (part * span, slip * span, 0.0, 0.1 * span, 0.0)

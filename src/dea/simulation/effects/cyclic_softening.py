@@ -1,4 +1,4 @@
-"""Each cycle leaves the material softer."""
+"""The material softens with each cycle."""
 
 import numpy as np
 from numba import njit
@@ -11,14 +11,14 @@ from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z, w, memory, q):
-    """Part of the elastic force that the damage has taken away; ``memory[0]`` is the travel."""
+    """Part of the elastic force that damage removes; ``memory[0]`` is the travel."""
     damage = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
     return q[0] * damage * z
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
-    """Add up the way travelled."""
+    """Add up the travel."""
     memory[0] += abs(z_next - z)
 
 

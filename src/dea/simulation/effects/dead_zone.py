@@ -1,4 +1,4 @@
-"""The device does not answer to small inputs."""
+"""The device does not respond to small inputs."""
 
 import numpy as np
 from numba import njit
@@ -11,7 +11,7 @@ from dea.simulation.scales import Scales
 
 @njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Answer to what exceeds the threshold (gate 0), or beyond it to the whole input (gate 1)."""
+    """Pass the excess over the threshold (gate 0), or beyond it the whole input (gate 1)."""
     threshold, width, gate, ratio, slope, jump = q[0], q[1], q[2], q[3], q[4], q[5]
     result = np.empty(u.size)
     for k in range(u.size):
@@ -41,7 +41,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     low, high, peak = max(scales.u_low, 0.0), scales.u_high, scales.u_peak
 
     def slope(part: float) -> float:
-        # The largest input still passes whole, as the fitted simulation has it.
+        # The largest input passes unchanged, as in the fitted simulation.
         return high / ((1.0 - part) * (high - low))
 
     return tuple(

@@ -13,8 +13,8 @@ from dea.simulation.scales import Scales
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Charge the far part of the electrodes through a slow lag, the near part through a fast one.
 
-    The two lags stand for the ladder of resistances and capacitances that an electrode is. What
-    it was charged to before the record is unknown.
+    The two lags approximate the ladder of resistances and capacitances of an electrode. Its
+    charge at the start of the record is unknown.
     """
     slow, ratio, near, start = q[0], q[1], q[2], q[3]
     far = held_lag(u, u[0] + start, slow, interval)
@@ -28,7 +28,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
         Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
         Parameter("near_part", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
-        Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span),
+        Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span, at_start=True),
     )
 
 

@@ -1,4 +1,4 @@
-"""The motion meets a stop."""
+"""The motion is limited by a stop."""
 
 from numba import njit
 

@@ -1,4 +1,4 @@
-"""The device answers more, or less, strongly as time goes by."""
+"""The gain of the device changes slowly with time."""
 
 import numpy as np
 
@@ -35,4 +35,5 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     scale_drive=law,
+    transferable=False,
 )

@@ -1,4 +1,4 @@
-"""The input stops growing beyond a limit."""
+"""The input saturates at a limit."""
 
 import numpy as np
 from numba import njit

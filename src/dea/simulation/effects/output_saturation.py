@@ -1,4 +1,4 @@
-"""The sensor stops at the ends of its range."""
+"""The sensor saturates at the ends of its range."""
 
 import numpy as np
 from numba import njit

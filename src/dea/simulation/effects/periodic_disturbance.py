@@ -1,4 +1,4 @@
-"""Something outside shakes the output at a fixed frequency."""
+"""A periodic disturbance adds to the output."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ _WANDERS = range(2, 7)
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Add a wave of five harmonics whose phase may wander slowly."""
+    """Add a wave of five harmonics whose phase may change slowly."""
     *wander, duration = q[1 + 2 * _HARMONICS :]
     slow = np.polynomial.legendre.legval(2.0 * t / duration - 1.0, [0.0, 0.0, *wander])
     phase = 2.0 * np.pi * q[0] * t + slow
@@ -39,9 +39,9 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return the frequencies at which the gap of the nominal simulation peaks, in four phases.
+    """Return the frequencies at which the residual of the nominal simulation peaks, in four phases.
 
-    A wave more than a right angle out of phase would seem to explain nothing.
+    A start more than 90 degrees out of phase would appear to explain nothing.
     """
     # So small that the first step finds amplitude and phase before the frequency moves.
     size = 1e-5 * scales.y_span
@@ -57,9 +57,10 @@ EFFECT = Effect(
     name="periodic_disturbance",
     port=Port.OUTPUT,
     family=Family.OSCILLATION,
-    symptom="the gap oscillates at one frequency that the input does not have",
+    symptom="the residual oscillates at one frequency that the input does not have",
     citation="Rife and Boorstyn (1974), IEEE Transactions on Information Theory 20:591",
     parameters=parameters,
     starts=starts,
     shape_output=law,
+    transferable=False,
 )

@@ -1,4 +1,4 @@
-"""The way up differs from the way down, however slowly both are gone."""
+"""The force differs between loading and unloading, independently of the rate."""
 
 import numpy as np
 from numba import float64, int64, njit, types
@@ -14,7 +14,7 @@ _VECTOR = types.Array(float64, 1, "C")
 
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
 def _growth(z, q):
-    """Return how much stronger the stops are at a place: at one end, or at both."""
+    """Return the factor on the stop operators at a position: larger at one end, or at both."""
     place = min(max((z - q[6]) / q[7], -2.0), 2.0)
     return 1.0 + q[4] * place + q[5] * place * place
 
@@ -49,7 +49,7 @@ def update(z, z_next, h, memory, q):
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return stops that are slack where the device has come from: at rest, if nothing is known."""
+    """Return stop operators without force at the start position."""
     state = np.zeros(MEMORY)
     state[OPERATORS] = q[3]
     return state
@@ -62,7 +62,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True),
         Parameter("largest_radius", "1", 0.5 * span, 1.0, 0.02 * span, 5 * span, log=True),
         Parameter("weight_decay", "1", 2.0, 2.0, -3.0, 20.0, shape=True),
-        Parameter("start_position", "1", 0.0, span),
+        Parameter("start_position", "1", 0.0, span, at_start=True),
         Parameter("tilt", "1", 0.0, 0.3, -1.0, 1.0, shape=True),
         Parameter("growth_at_ends", "1", 0.0, 0.3, 0.0, 5.0, shape=True),
         Parameter("middle", "1", middle, 0.0),

@@ -1,4 +1,4 @@
-"""A second mass swings along."""
+"""A second mass is coupled to the first by a spring and a dashpot."""
 
 import numpy as np
 from numba import njit
@@ -21,11 +21,11 @@ def force(z, w, memory, q):
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z, z_next, h, memory, q):
-    """Swing the second mass by the trapezoidal rule."""
+    """Integrate the motion of the second mass by the trapezoidal rule."""
     omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]
     a, v = memory[0], memory[1]
     half = 0.5 * h
-    # The stiffness of the stretch at hand, so that only the linear part is implicit.
+    # The stiffness at the present stretch: only the linear part is implicit.
     square = omega * omega * (1.0 + q[4] * (z - a) ** 2)
     pull = square * (z_next - a - half * v) + damping * ((z_next - z) / h - v)
     v_next = v + h * pull / (1.0 + half * damping + half * half * square)
@@ -42,20 +42,19 @@ def memory(q: np.ndarray) -> np.ndarray:
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return coupling, frequency, damping and start of the second mass, and the hardening."""
-    nyquist = 0.5 / scales.interval
+    nyquist, middle = 0.5 / scales.interval, 0.5 * (scales.z_low + scales.z_high)
+    span = scales.z_span
     return (
         Parameter("coupling", "1", 0.1, 1.5, 1e-4, 5.0, log=True),
         Parameter("frequency", "Hz", 0.1 * nyquist, 1.0, 1e-3 * nyquist, nyquist, log=True),
         Parameter("damping_ratio", "1", 0.05, 1.0, 2e-3, 0.9, log=True),
-        Parameter("start_position", "1", 0.5 * (scales.z_low + scales.z_high), scales.z_span),
-        Parameter(
-            "hardening", "1", 0.0, 0.3 / scales.z_span**2, 0.0, 10.0 / scales.z_span**2, shape=True
-        ),
+        Parameter("start_position", "1", middle, span, at_start=True),
+        Parameter("hardening", "1", 0.0, 0.3 / span**2, 0.0, 10.0 / span**2, shape=True),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return second masses at the frequencies at which the gap peaks, and from slow to fast.
+    """Return second masses at the frequencies at which the residual peaks, and from slow to fast.
 
     They are light and well damped, which widens the band from which a fit finds the frequency.
     """

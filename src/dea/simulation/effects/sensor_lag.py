@@ -1,4 +1,4 @@
-"""The sensor smooths what it sees."""
+"""The sensor responds with a lag."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The sensor's reading is a curve of the output, or of its distance from a place."""
+"""The sensor's reading is a nonlinear function of the output, or of its distance from a fold."""
 
 import numpy as np
 from numba import njit
@@ -17,7 +17,7 @@ WEIGHTS = INTERVALS + 3
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Fold the output at a place, and bend it by cubic B-splines.
 
-    Splines act where their knots are: a stretch that a fit has not seen stays as it was.
+    Splines act locally: where a fit has seen no data the curve stays unchanged.
     """
     fold, corner, middle, half = q[WEIGHTS], q[WEIGHTS + 1], q[WEIGHTS + 2], q[WEIGHTS + 3]
     result = np.empty(y.size)
@@ -62,7 +62,7 @@ EFFECT = Effect(
     name="sensor_nonlinearity",
     port=Port.OUTPUT,
     family=Family.CURVE,
-    symptom="the gap is a curve of the simulated output, at any rate of the input",
+    symptom="the residual is a function of the simulated output, at any rate of the input",
     citation="Wigren (1993), Automatica 29:943, on output nonlinearities (Wiener systems)",
     parameters=parameters,
     starts=starts,

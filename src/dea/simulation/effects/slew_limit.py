@@ -1,4 +1,4 @@
-"""The input can change only so fast."""
+"""The rate of change of the input is limited."""
 
 import numpy as np
 from numba import njit

@@ -1,4 +1,4 @@
-"""At one instant something gives way."""
+"""Gain and offset change at one instant."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def offset(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.n
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the instant, the steps of gain and of offset, and how long they take."""
     dt, duration = scales.interval, scales.duration
-    # A fit may not see the instant, if it lies in a block that is held out.
+    # The instant may lie in a block that is held out, where a fit cannot see it.
     likeliest = scales.jumps[0] if scales.jumps else 0.5 * duration
     return (
         Parameter("instant", "s", likeliest, 0.02 * duration, 0.0, duration, shape=True),
@@ -35,7 +35,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return the instants at which the gap of the nominal simulation jumps most."""
+    """Return the instants at which the residual of the nominal simulation changes most."""
     rise = 0.01 * scales.duration
     return tuple((instant, 0.01, 0.01 * scales.y_span, rise) for instant in scales.jumps)
 
@@ -44,10 +44,11 @@ EFFECT = Effect(
     name="step_fault",
     port=Port.TIME,
     family=Family.EVENT,
-    symptom="from one instant on the device answers differently",
+    symptom="from one instant on the device responds differently",
     citation="Basseville and Nikiforov (1993), Detection of Abrupt Changes, chapter 2",
     parameters=parameters,
     starts=starts,
     scale_drive=gain,
     shape_output=offset,
+    transferable=False,
 )

@@ -1,4 +1,4 @@
-"""The input arrives late."""
+"""The input is delayed."""
 
 import numpy as np
 

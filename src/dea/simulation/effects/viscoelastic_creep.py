@@ -1,4 +1,4 @@
-"""The material goes on giving way under a held load."""
+"""The material creeps under a constant load."""
 
 import numpy as np
 from numba import njit
@@ -32,7 +32,7 @@ def update(z, z_next, h, memory, q):
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return dashpots at the start: the slower they are, the less they have come to rest."""
+    """Return the dashpots at the start; slow ones may be further from equilibrium."""
     state = np.zeros(MEMORY)
     state[:BRANCHES] = np.linspace(q[3], q[4], BRANCHES)
     return state
@@ -45,8 +45,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("stiffness", "1", 0.1, 1.5, 1e-4, 10.0, log=True),
         Parameter("fastest_time", "s", 20 * dt, 2.0, 2 * dt, scales.duration, log=True),
         Parameter("branch_ratio", "1", 0.7, 0.5, 0.01, 3.0, log=True, shape=True),
-        Parameter("start_position", "1", middle, max(scales.z_span, 0.5)),
-        Parameter("slow.start_position", "1", middle, max(scales.z_span, 0.5)),
+        Parameter("start_position", "1", middle, max(scales.z_span, 0.5), at_start=True),
+        Parameter("slow.start_position", "1", middle, max(scales.z_span, 0.5), at_start=True),
     )
 
 

@@ -1,0 +1,93 @@
+"""Everything a diagnosis finds."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from dea.discrepancy.decision import Decision
+from dea.discrepancy.evidence.bootstrap import Gains
+from dea.discrepancy.evidence.certificate import Certificate
+from dea.discrepancy.evidence.confusion import Confusion
+from dea.discrepancy.evidence.contributions import Contribution, Rung
+from dea.discrepancy.evidence.experiment import Experiment
+from dea.discrepancy.evidence.identifiability import Visibility
+from dea.discrepancy.evidence.localisation import Localisation
+from dea.discrepancy.evidence.residual_model import ResidualModel
+from dea.discrepancy.evidence.split import Split
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Problem
+from dea.discrepancy.report.summary import verdict_of
+from dea.discrepancy.report.verdict import Verdict
+from dea.discrepancy.rules import Rules
+from dea.discrepancy.search.candidates import Candidate
+
+
+@dataclass(frozen=True)
+class Singles:
+    """The single effects: their candidates, best first, their gains, and what is visible of them.
+
+    Gains and visibilities are in the order of the candidates.
+    """
+
+    candidates: tuple[Candidate, ...]
+    gains: Gains
+    visibility: tuple[Visibility, ...]
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where the residual is concentrated before and after the extension."""
+
+    before: Localisation
+    after: Localisation
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """The extension step by step, and what each of its effects contributes."""
+
+    rungs: tuple[Rung, ...]
+    contributions: tuple[Contribution, ...]
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything a diagnosis finds; ``verdict`` is its summary.
+
+    Parameters
+    ----------
+    problem
+        The record, with the floor as its noise.
+    nominal, extended
+        The simulation as it was, refitted, and with the effects that are named.
+    pool
+        The best candidate of every effect set tried, best first.
+    floor
+        Noise floor in the output's unit.
+    """
+
+    problem: Problem
+    split: Split
+    nominal: Fit
+    extended: Fit
+    singles: Singles
+    pool: tuple[Candidate, ...]
+    decision: Decision
+    ladder: Ladder
+    where: Where
+    unexplained: ResidualModel
+    confusion: Confusion
+    experiment: Experiment | None
+    certificate: Certificate
+    floor: float
+    rules: Rules
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """The summary in numbers and words."""
+        return verdict_of(self)
+
+    @property
+    def units(self) -> tuple[str, str]:
+        """Units of input and output."""
+        own = self.nominal.extended.simulation
+        return own.input_unit, own.output_unit

@@ -1,0 +1,65 @@
+"""How much candidates reduce the residual, with intervals from resampled blocks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+_DRAWS, _PAIR_DRAWS = 2000, 500
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Gains log(RMSE₀/RMSEₖ) over the chosen blocks, one per candidate.
+
+    ``low`` and ``high`` bound all of them together with 95 % confidence; ``null`` is the gain
+    that the best of them exceeds in 5 % of records that miss nothing.
+    """
+
+    gain: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    null: float
+
+
+def energies(residual: np.ndarray, blocks: Sequence[slice]) -> np.ndarray:
+    """Return the sum of squares of ``residual`` in each block."""
+    return np.array([float(residual[block] @ residual[block]) for block in blocks])
+
+
+def gains(
+    before: np.ndarray,
+    after: Sequence[np.ndarray],
+    blocks: Sequence[slice],
+    null: float,
+    rng: np.random.Generator,
+) -> Gains:
+    """Compare residuals block by block; resample blocks in pairs, and bound all gains together.
+
+    Percentile intervals hold for the whole catalogue at once (min-p, Westfall and Young 1993,
+    section 2.3), each at the same level of its own distribution, so that an effect that helps in
+    a single block does not widen the bounds of the others. With a few dozen blocks of very
+    unequal residuals they hold in some 85 to 92 % of records instead of 95.
+    """
+    reference = energies(before, blocks)
+    sums = np.array([energies(residual, blocks) for residual in after])
+    picks = rng.integers(0, len(blocks), (_DRAWS, len(blocks)))
+    drawn = 0.5 * np.log(reference[picks].sum(1) / sums[:, picks].sum(2))
+    rank = (np.argsort(np.argsort(drawn, axis=1), axis=1) + 0.5) / _DRAWS
+    rarity = np.minimum(rank, 1.0 - rank).min(0)
+    level = float(np.quantile(rarity, 0.05))
+    low, high = np.quantile(drawn, [level, 1.0 - level], axis=1)
+    return Gains(0.5 * np.log(reference.sum() / sums.sum(1)), low, high, null)
+
+
+def beaten(
+    best: np.ndarray, rival: np.ndarray, blocks: Sequence[slice], rng: np.random.Generator
+) -> tuple[float, float]:
+    """Return how much larger the rival's RMSE is (log ratio), and its lower 95 % bound.
+
+    Blocks are resampled in pairs, so that what both leave over cancels.
+    """
+    a, b = energies(best, blocks), energies(rival, blocks)
+    picks = rng.integers(0, len(blocks), (_PAIR_DRAWS, len(blocks)))
+    drawn = 0.5 * np.log(b[picks].sum(1) / a[picks].sum(1))
+    return 0.5 * float(np.log(b.sum() / a.sum())), float(np.quantile(drawn, 0.05))

@@ -1,0 +1,79 @@
+"""What each effect of an extension contributes, one after the other."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dea.discrepancy.evidence.bootstrap import Gains, gains
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import rmse
+from dea.discrepancy.search.candidates import Candidate
+
+
+@dataclass(frozen=True)
+class Rung:
+    """A step of the extension: the label of the effect added, and the held-out residual (n,)."""
+
+    label: str | None
+    residual: np.ndarray
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """Held-out RMS residuals without and with an effect; their log ratio with its 95 % interval."""
+
+    before: float
+    after: float
+    gain: float
+    low: float
+    high: float
+
+
+def ladder(
+    evidence: Evidence, nominal: Fit, final: Fit, singles: Sequence[Candidate]
+) -> list[Rung]:
+    """Return the nominal simulation, its first effect alone, and all effects together."""
+    labels = [final.extended.label(a) for a in final.extended.attached]
+    rungs: list[tuple[str | None, Fit]] = [(None, nominal)]
+    if len(labels) > 1:
+        alone = (labels[0],)
+        rungs += [(labels[0], c.fit) for c in singles if c.labels == alone]
+    if labels:
+        rungs.append((labels[-1], final))
+    return [Rung(label, evidence.held_out.residual(fit)) for label, fit in rungs]
+
+
+def contributions(
+    evidence: Evidence,
+    rungs: Sequence[Rung],
+    final: Fit,
+    singles: Sequence[Candidate],
+    gained: Gains,
+) -> list[Contribution]:
+    """Return what each attached effect contributes.
+
+    The interval of a single effect is that over the whole catalogue, ``gained``.
+    """
+    attached = final.extended.attached
+    result = []
+    for index, effect in enumerate(attached):
+        last = min(index + 1, len(rungs) - 1)
+        before, after = (rung.residual for rung in rungs[last - 1 : last + 1])
+        if len(attached) == 1:
+            labels = [c.labels for c in singles]
+            found, at = gained, labels.index((final.extended.label(effect),))
+        else:
+            found, at = gains(before, [after], evidence.blocks, 0.0, evidence.rng), 0
+        seen = evidence.problem.seen
+        result.append(
+            Contribution(
+                rmse(before, seen),
+                rmse(after, seen),
+                float(found.gain[at]),
+                float(found.low[at]),
+                float(found.high[at]),
+            )
+        )
+    return result

@@ -1,0 +1,79 @@
+"""Summarise a diagnosis as a verdict."""
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from dea.discrepancy.decision import Status
+from dea.discrepancy.problem import rmse
+from dea.discrepancy.report.estimates import estimates
+from dea.discrepancy.report.sentence import verdict_sentence, where_sentence
+from dea.discrepancy.report.verdict import NamedEffect, Verdict
+
+if TYPE_CHECKING:
+    from dea.discrepancy.diagnosis import Diagnosis
+
+
+def verdict_of(found: "Diagnosis") -> Verdict:
+    """Return the verdict with its sentence."""
+    effects = _effects(found) if found.decision.answer else ()
+    block, where = found.certificate.block, found.where
+    seen = found.problem.seen
+    rungs = {
+        "nominal" if rung.label is None else f"+ {rung.label}": rmse(rung.residual, seen)
+        for rung in found.ladder.rungs
+    }
+    unknown = found.decision.status is Status.UNKNOWN
+    return Verdict(
+        status=str(found.decision.status),
+        sentence=verdict_sentence(found, effects),
+        effects=effects,
+        where={
+            "before": where_sentence(where.before),
+            "after": where_sentence(where.after),
+            "along": where.before.strongest,
+            "along_after": where.after.strongest,
+        },
+        noise_floor=found.floor,
+        certified={
+            "rmse_before": block.before,
+            "rmse_after": block.after,
+            "samples": block.samples,
+            "records": {name: asdict(each) for name, each in found.certificate.records.items()},
+        },
+        unit=found.units[1],
+        ladder=rungs | {"noise floor": found.floor},
+        experiment=asdict(found.experiment) if found.experiment else None,
+        equation=found.unexplained.equation if unknown else None,
+        not_identifiable=tuple(
+            label
+            for candidate, visible in zip(
+                found.singles.candidates, found.singles.visibility, strict=True
+            )
+            if visible.size < found.rules.detectable
+            for label in candidate.labels
+        ),
+    )
+
+
+def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
+    extended = found.extended.extended
+    rivals = tuple(rival.names for rival in found.decision.rivals)
+    result = []
+    for index, (attached, part) in enumerate(
+        zip(extended.attached, found.ladder.contributions, strict=True)
+    ):
+        port = extended.force_port_of(attached)
+        result.append(
+            NamedEffect(
+                name=attached.effect.name,
+                port=str(attached.effect.port),
+                family=str(attached.effect.family),
+                parameters=estimates(found.problem, found.extended, index),
+                gap_before=part.before,
+                gap_after=part.after,
+                gain=(part.gain, part.low, part.high),
+                rivals=rivals,
+                balance=port.name if port else None,
+            )
+        )
+    return tuple(result)

@@ -1,0 +1,81 @@
+"""The thresholds of the verdict, and the criteria made of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Rules:
+    """When an effect is named.
+
+    Parameters
+    ----------
+    margin
+        Part of the held-out error that an effect must remove, at the lower end of its interval.
+    clean
+        Residual, in noise floors, up to which a record counts as explained.
+    misfit
+        Part of the nominal misfit (RMS above the noise floor) that may remain.
+    further
+        Factor on ``misfit`` for each effect beyond the first, since several laws together fit
+        almost any residual more easily than one.
+    grow
+        A further effect is looked for if the residual exceeds this many noise floors, or the
+        misfit exceeds what may remain.
+    second
+        Part of the remaining misfit that a further effect must remove. A law that is only nearly
+        right leaves a small structured residual, part of which almost any second law removes.
+    rival_margin
+        A rival of another class is beaten if its misfit is larger by this factor, and the
+        difference is significant.
+    predictable
+        A flexible model that lowers the remaining error below this part of it shows that
+        something else is missing.
+    noise_like
+        Residual, in noise floors, up to which a residual that no effect and no flexible model
+        reduces counts as noise.
+    negligible
+        Part of the noise floor below which the misfits of two candidates are not distinguished.
+    near
+        Candidates with an error up to this factor of the chosen one's are compared with it on
+        blocks that neither was fitted to.
+    detectable
+        An effect is not identifiable from a record if its sensitivity that the simulation's own
+        parameters cannot absorb is below this many noise deviations.
+    """
+
+    margin: float = 0.10
+    clean: float = 1.15
+    misfit: float = 0.25
+    further: float = 0.4
+    grow: float = 1.25
+    second: float = 0.65
+    rival_margin: float = 1.05
+    predictable: float = 0.80
+    noise_like: float = 1.5
+    negligible: float = 0.05
+    near: float = 2.5
+    detectable: float = 0.2
+
+    @property
+    def needed_gain(self) -> float:
+        """Gain (log ratio of errors) that removes ``margin`` of the error."""
+        return -float(np.log1p(-self.margin))
+
+    def leaves_room(self, error: float, nominal_error: float, floor: float) -> bool:
+        """Return whether an error leaves room for a further effect."""
+        if error <= self.clean * floor:
+            return False
+        left, whole = misfit(error, floor), misfit(nominal_error, floor)
+        return error > self.grow * floor or left > self.misfit * whole
+
+    def as_good(self, error: float, best: float, floor: float) -> bool:
+        """Return whether the misfit of an error is that of the ``best`` one, or nearly so."""
+        left = max(misfit(best, floor), self.negligible * floor)
+        return misfit(error, floor) <= self.rival_margin * left
+
+
+def misfit(error: float, floor: float) -> float:
+    """Return the part of an error above the noise floor (root of the difference of squares)."""
+    return float(np.sqrt(max(error**2 - floor**2, 0.0)))

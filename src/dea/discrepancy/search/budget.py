@@ -1,0 +1,81 @@
+"""How much is spent on the search."""
+
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How far the search goes, the same for every candidate of a round.
+
+    Parameters
+    ----------
+    starts
+        Starts of the fit of the nominal simulation.
+    finished
+        Candidates of a round that are fitted to the end; the rest are only screened.
+    beam
+        Best candidates that the next round extends.
+    effects
+        Effects attached at most.
+    kept
+        Fits of one effect that go on after the screening, at least; a short record affords more.
+    screening
+        Steps of each fit of the screening.
+    first_steps, last_steps
+        Steps that every finished candidate gets, and that those near the leader get in addition.
+    near
+        A candidate is near the leader if its error is within this factor of the leader's.
+    shakes
+        Perturbed starts from which the best single effects are fitted again.
+    shake_above, shake_size
+        Residual, in noise floors, above which they are, and the deviation of the perturbation of
+        the law's parameters, in prior spreads.
+    exchanges
+        Times that the best pair gives up one of its effects for another. Without any, the
+        partners of the best pair are not extended either.
+    exchange_above, exchange_misfit
+        A pair is exchanged if it leaves more than this many noise floors, but no more than this
+        part of the best single effect's misfit: one of its effects may stand for another.
+    exchange_gain
+        Factor by which an exchange must lower the error of the best pair for another one.
+    long_record
+        A record of more samples gets half of the counts above but as many effects, one shake, and
+        no exchange.
+    """
+
+    starts: int = 4
+    finished: int = 6
+    beam: int = 2
+    effects: int = 2
+    kept: int = 2
+    screening: int = 4
+    first_steps: int = 6
+    last_steps: int = 20
+    near: float = 2.5
+    shakes: int = 4
+    shake_above: float = 1.15
+    shake_size: float = 0.5
+    exchanges: int = 3
+    exchange_above: float = 1.05
+    exchange_misfit: float = 0.8
+    exchange_gain: float = 0.9
+    long_record: int = 30_000
+
+    def of(self, samples: int) -> "Budget":
+        """Return the budget for a record of this length."""
+        if samples <= self.long_record:
+            return self
+
+        def half(count: int) -> int:
+            return max(1, count // 2)
+
+        return replace(
+            self,
+            starts=half(self.starts),
+            finished=half(self.finished),
+            beam=half(self.beam),
+            kept=half(self.kept),
+            screening=half(self.screening),
+            shakes=min(1, self.shakes),
+            exchanges=0,
+        )

@@ -1,0 +1,71 @@
+"""Candidates: fitted extensions of the simulation, ranked by how well they explain the record."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Problem
+
+EffectSet = frozenset[str]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A fitted extension of the simulation, and how well it explains the record.
+
+    Parameters
+    ----------
+    rmse
+        RMS residual over all samples seen.
+    error
+        The same with a charge for each parameter, to rank by.
+    finished
+        Whether it was fitted to the end, or only screened.
+    """
+
+    fit: Fit
+    rmse: float
+    error: float
+    finished: bool = True
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects, in the order in which they were attached."""
+        return tuple(a.effect.name for a in self.fit.extended.attached)
+
+    @cached_property
+    def labels(self) -> tuple[str, ...]:
+        """The same with the force port of each where the simulation has several."""
+        return tuple(self.fit.extended.label(a) for a in self.fit.extended.attached)
+
+    @cached_property
+    def effects(self) -> EffectSet:
+        """The effect set, whatever the order and the force ports."""
+        return frozenset(self.names)
+
+
+def judged(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
+    """Return a fit as a candidate, with its errors over all samples seen.
+
+    A law has a handful of parameters against thousands of samples, so that the samples it was
+    fitted to count, too; the charge is that of the Bayesian information criterion.
+    """
+    count = int(problem.seen.sum())
+    charge = float(np.exp(0.5 * fit.coordinates.size * np.log(count) / count))
+    rmse = problem.seen_rmse(fit.residual)
+    return Candidate(fit, rmse, rmse * charge, finished)
+
+
+def best_of_each_set(candidates: Iterable[Candidate]) -> list[Candidate]:
+    """Return the best candidate of every effect set (with its force ports), best first.
+
+    A set is fitted from several starts, and in several orders. Finished and merely screened
+    candidates are kept apart.
+    """
+    best: dict[tuple[EffectSet, bool], Candidate] = {}
+    for candidate in sorted(candidates, key=lambda c: c.error):
+        best.setdefault((frozenset(candidate.labels), candidate.finished), candidate)
+    return list(best.values())

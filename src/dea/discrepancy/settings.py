@@ -1,0 +1,65 @@
+"""How a diagnosis is made."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from dea.discrepancy.rules import Rules
+from dea.discrepancy.search.budget import Budget
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a diagnosis is made.
+
+    Parameters
+    ----------
+    effects
+        Names of the effects offered; all of the catalogue if empty.
+    slowest_time
+        Slowest time constant (s), which sets the gaps of the split; the simulation's own if
+        ``None``.
+    warm_up
+        Time (s) at the start of the record that no error counts; at most a fiftieth of it.
+    blocks
+        Blocks of the seen samples that are resampled, at most. A block is never shorter than a gap
+        of the split: blocks shorter than the device's memory are not independent.
+    noise_margin
+        Factor on the estimated noise that fits weigh the record with, since the residual of a
+        simulation that misses an effect is larger than the noise.
+    step_error, relative_step_error
+        Error of integration that is small enough: this part of the noise's standard deviation, or
+        this part of the output's if that is larger.
+    budget
+        How far the search goes.
+    rules
+        When an effect is named.
+    seed, name
+        The random draws follow from both.
+    """
+
+    effects: tuple[str, ...] = ()
+    slowest_time: float | None = None
+    warm_up: float = 1.0
+    blocks: int = 48
+    noise_margin: float = 1.5
+    step_error: float = 0.5
+    relative_step_error: float = 1e-3
+    budget: Budget = field(default_factory=Budget)
+    rules: Rules = field(default_factory=Rules)
+    seed: int = 0
+    name: str = "case"
+
+    @classmethod
+    def of(cls, leaves: Mapping[str, Any]) -> "Settings":
+        """Return the settings that the config's ``discrepancy`` and a case's ``split`` hold."""
+        own, parts = leaves["discrepancy"], leaves.get("split", {})
+        return cls(
+            effects=tuple(own["effects"]),
+            slowest_time=parts.get("slowest_time"),
+            warm_up=parts.get("warm_up", own["warm_up"]),
+            budget=Budget(**own["budget"]),
+            rules=Rules(**own["rules"]),
+            seed=leaves["seed"],
+            name=leaves["system"],
+        )
