@@ -222,9 +222,11 @@ def _named(trials: Sequence[Opened]) -> Proportion:
     return wilson(sum(t.said.status == "named" for t in trials), len(trials))
 
 
-def _counted(dims: tuple[str, ...], counts: object) -> tuple:
+def _counted(
+    dims: tuple[str, ...], counts: object
+) -> tuple[tuple[str, ...], np.ndarray, dict[str, str]]:
     return dims, np.asarray(counts, np.int64), {"units": "1", "long_name": "number of trials"}
 
 
-def _share_of(dim: str, values: object, long_name: str) -> tuple:
+def _share_of(dim: str, values: object, long_name: str) -> tuple[str, np.ndarray, dict[str, str]]:
     return dim, np.asarray(values, float), {"units": "1", "long_name": long_name}
