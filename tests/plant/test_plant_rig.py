@@ -16,7 +16,7 @@ from dea.plant import Rig
 from dea.plant.amplifier import Amplifier, amplify
 from dea.plant.converter import Converter
 from dea.plant.parameters import read_parameters, read_plain
-from dea.plant.sensor import butterworth, low_pass, settled
+from dea.plant.sensor import AntiAliasFilter
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 ACTUATORS = list(yaml.safe_load(CONFIG.read_text())["actuators"])
@@ -140,16 +140,15 @@ def test_the_amplifier_keeps_its_limits():
 
 
 def test_the_anti_alias_filter_is_a_butterworth():
-    coefficients = butterworth(15.0)
-    b, a = signal.butter(2, 15.0, fs=1000.0)
-    np.testing.assert_allclose(coefficients, [*b, *a[1:]], rtol=1e-12)
+    constant = AntiAliasFilter(15.0, 0.7)
+    np.testing.assert_allclose(constant.advance(np.full(50, 0.7)), 0.7, rtol=1e-12)
     noise = np.random.default_rng(0).standard_normal(400)
-    memory = settled(coefficients, 0.7)
-    np.testing.assert_allclose(
-        low_pass(coefficients, memory, np.full(50, 0.7), np.empty(50)), 0.7, rtol=1e-12
-    )
-    filtered = low_pass(coefficients, np.zeros(2), noise, np.empty(400))
-    np.testing.assert_allclose(filtered, signal.lfilter(b, a, noise), atol=1e-12)
+    b, a = signal.butter(2, 15.0, fs=1000.0)
+    pieces = AntiAliasFilter(15.0, 0.0)
+    filtered = [pieces.advance(piece) for piece in np.split(noise, [0, 1, 100])]
+    np.testing.assert_allclose(np.concatenate(filtered), signal.lfilter(b, a, noise), atol=1e-12)
+    _, response = signal.freqz(b, a, [15.0], fs=1000.0)
+    assert np.abs(response[0]) == pytest.approx(np.sqrt(0.5))
 
 
 def changed(folder, keys, value):

@@ -14,7 +14,7 @@ from dea.plant.film import advance as advance_film
 from dea.plant.forces import ForceLaw, stack
 from dea.plant.history import History
 from dea.plant.parameters import Parameters, read_parameters
-from dea.plant.sensor import butterworth, low_pass, settled
+from dea.plant.sensor import AntiAliasFilter
 from dea.plant.signal_law import SignalLaw
 from dea.seeds import generator
 
@@ -61,9 +61,8 @@ class Rig:
         self._state[Y] = start
         self._output = np.zeros(1)
         self._load = capacitance(film, start)
-        if parameters.sensor.cutoff < np.inf:
-            self._filter = butterworth(parameters.sensor.cutoff)
-            self._memory = settled(self._filter, start)
+        cutoff = parameters.sensor.cutoff
+        self._filter = AntiAliasFilter(cutoff, start) if cutoff < np.inf else None
         self.applied_count = self.zero_count
         self.history = History()
 
@@ -153,6 +152,6 @@ class Rig:
             for law in self._output_laws:
                 law.advance(reading)
         reading = np.clip(reading, sensor.range_low, sensor.range_high)
-        if sensor.cutoff < np.inf:
-            low_pass(self._filter, self._memory, reading, reading)
+        if self._filter is not None:
+            reading = self._filter.advance(reading)
         return displacement, film_voltage, reading[::SUBSTEPS]
