@@ -28,11 +28,12 @@ def nominal(**changes):
 
 def run(film, supply, rest=600.0):
     branches = np.ones((film.branch_modulus.size, 2))
-    state = np.zeros(5)
-    state[dynamics.Y] = dynamics.rest(film, branches, rest)
+    scalars = np.zeros(5)
+    scalars[dynamics.Y] = dynamics.rest(film, branches, rest)
+    state = dynamics.FilmState(scalars, branches)
     displacement, voltage = np.empty_like(supply), np.empty_like(supply)
-    dynamics.advance(film, branches, stack([]), state, supply, displacement, voltage)
-    return displacement, voltage, state
+    dynamics.advance(film, state, stack([]), supply, displacement, voltage)
+    return displacement, voltage, scalars
 
 
 def derivative(film, supply, hours):
@@ -78,11 +79,11 @@ def derivative(film, supply, hours):
 )
 def test_three_kilovolts_after_ten_minutes_of_rest(prestretch, after_1_s, after_1800_s):
     film = nominal(prestretch=prestretch, **PERFECT_ELECTRODES)
-    displacement, _, state = run(film, np.full(1_800_001, 3000.0))
+    displacement, _, scalars = run(film, np.full(1_800_001, 3000.0))
     response = 1e3 * (displacement - displacement[0])
     assert response[1000] == pytest.approx(after_1_s, abs=0.01)
     assert response[-1] == pytest.approx(after_1800_s, abs=0.03)
-    assert state[dynamics.FAULT] == dynamics.WHOLE
+    assert scalars[dynamics.FAULT] == dynamics.WHOLE
 
 
 def test_field_capacitance_and_resonance_are_those_of_such_films():
@@ -166,16 +167,16 @@ def test_halving_the_voltage_quarters_a_small_response():
 def test_too_much_voltage_pulls_the_film_in_and_shorts_it_for_good():
     film = nominal(prestretch=3.2)
     supply = np.concatenate([np.full(5000, 6000.0), np.full(5000, 3000.0)])
-    displacement, voltage, state = run(film, supply)
-    assert state[dynamics.FAULT] == dynamics.PULLED_IN
+    displacement, voltage, scalars = run(film, supply)
+    assert scalars[dynamics.FAULT] == dynamics.PULLED_IN
     assert np.isfinite(displacement).all()
     assert voltage[-5000:].max() == 0.0
 
 
 def test_a_thin_spot_breaks_down_before_it_is_pulled_in():
     film = nominal(breakdown_field=30e6)
-    displacement, voltage, state = run(film, np.full(2000, 3000.0))
-    assert state[dynamics.FAULT] == dynamics.BROKEN_DOWN
+    displacement, voltage, scalars = run(film, np.full(2000, 3000.0))
+    assert scalars[dynamics.FAULT] == dynamics.BROKEN_DOWN
     assert np.isfinite(displacement).all()
     assert voltage[-1] == 0.0
 

@@ -197,8 +197,8 @@ def resist(force_law, path):
     last = path[0]
     for y in path:
         v = (y - last) / SUBSTEP
-        forces.remember(stacked, y, v, SUBSTEP)
-        felt.append(forces.resistance(stacked, y, v))
+        forces.update_memory(stacked, y, v, SUBSTEP)
+        felt.append(forces.total_force(stacked, y, v))
         last = y
     return np.array(felt)
 
@@ -217,9 +217,9 @@ def test_creep_relaxes_as_a_power_of_time():
     elapsed = 0
     for time in times:
         while elapsed < round(time / SUBSTEP):
-            forces.remember(stacked, y, 0.0, SUBSTEP)
+            forces.update_memory(stacked, y, 0.0, SUBSTEP)
             elapsed += 1
-        felt.append(forces.resistance(stacked, y, 0.0))
+        felt.append(forces.total_force(stacked, y, 0.0))
     assert felt[1] == pytest.approx(size * CONDITIONS.stiffness * 1e-4, rel=0.02)
     slopes = np.diff(np.log(felt)) / np.diff(np.log(times))
     assert (slopes < -0.08).all()
@@ -294,8 +294,8 @@ def test_the_second_mass_rings_at_its_own_frequency():
     stacked = forces.stack([force_law])
     felt = []
     for _ in range(20_000):
-        forces.remember(stacked, CONDITIONS.rest + 1e-5, 0.0, SUBSTEP)
-        felt.append(forces.resistance(stacked, CONDITIONS.rest + 1e-5, 0.0))
+        forces.update_memory(stacked, CONDITIONS.rest + 1e-5, 0.0, SUBSTEP)
+        felt.append(forces.total_force(stacked, CONDITIONS.rest + 1e-5, 0.0))
     crossings = np.count_nonzero(np.diff(np.sign(felt)))
     assert crossings / 2.0 / 20.0 == pytest.approx(frequency, rel=0.1)
 

@@ -10,6 +10,7 @@ from dea import signals
 from dea.errors import InputError
 from dea.plant.hidden import EFFECTS
 from dea.plant.hidden.draw import ROUND, STRONGEST, WEAKEST, draw, schedule
+from dea.plant.hidden.effect import Port
 from dea.plant.hidden.trial import Trial
 
 pytestmark = pytest.mark.slow
@@ -21,7 +22,7 @@ SEED = 41
 def test_a_campaign_is_balanced():
     names = schedule(SEED, 10 * ROUND)
     single = Counter(drawn[0] for drawn in names if len(drawn) == 1)
-    catalogue = [name for name, effect in EFFECTS.items() if effect.port != "outside"]
+    catalogue = [name for name, effect in EFFECTS.items() if effect.port is not Port.OUTSIDE]
     assert all(single[name] == 10 for name in catalogue)
     assert sum(single.values()) == 240
     assert sum(not drawn for drawn in names) == 30

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 
 
@@ -20,12 +21,14 @@ class Amplifier(NamedTuple):
 
 
 @njit(cache=True)
-def amplify(amplifier, output, load, command, supply):
-    """Fill ``supply`` (V) from ``command`` (V before the amplifier), one element a sub-step.
+def amplify(
+    amplifier: Amplifier, output: Array, load: float, command: Array, supply: Array
+) -> None:
+    """Fill ``supply`` (V) from ``command`` (V before the amplifier), one element per sub-step.
 
     ``output`` is the output voltage carried from call to call, shape (1,); ``load`` is the
     capacitance in F that the current limit charges besides the cable. The output follows its
-    target with a first-order lag, no faster than the slew rate and the current allow.
+    target with a first-order lag, within the slew rate and the current limit.
     """
     capacity = load + amplifier.cable_capacitance
     fastest = min(amplifier.slew_rate, amplifier.current_limit / capacity) * SUBSTEP

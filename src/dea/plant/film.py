@@ -12,17 +12,17 @@ radius a and a frame of radius b = a + L::
 W is Yeoh's strain energy (Yeoh, Rubber Chem. Technol. 66, 1993), the branches are Maxwell elements
 with strain-like internal variables (Reese and Govindjee, Int. J. Solids Struct. 35, 1998), the
 electrostatic stress is Suo's (Acta Mech. Solida Sin. 23, 2010). ξ₂ follows (M4) with the
-directions swapped. F is what other forces resist with (:mod:`dea.plant.forces`), zero for a film
-as it should be. Everything is in SI units.
+directions swapped. F is the sum of the hidden forces (:mod:`dea.plant.forces`), zero without a
+hidden effect. Everything is in SI units.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from dea.plant.forces import remember, resistance
+from dea.plant.array import Array
+from dea.plant.forces import Forces, total_force, update_memory
 
 EPSILON_0 = 8.8541878128e-12  # F/m
 GRAVITY = 9.80665  # m/s²
@@ -30,7 +30,7 @@ SUBSTEP = 1e-3  # s
 
 WHOLE, PULLED_IN, BROKEN_DOWN = 0, 1, 2
 
-# Where the state array holds what.
+# Places in FilmState.scalars.
 Y, V, FILM_VOLTAGE, TIME, FAULT = range(5)
 
 
@@ -46,8 +46,8 @@ class Film(NamedTuple):
     yeoh_1: float
     yeoh_2: float
     yeoh_3: float
-    branch_modulus: NDArray[np.float64]
-    branch_time: NDArray[np.float64]
+    branch_modulus: Array
+    branch_time: Array
     permittivity: float
     electrode_resistance: float
     leak_resistance: float
@@ -58,8 +58,20 @@ class Film(NamedTuple):
     breakdown_field: float
 
 
+class FilmState(NamedTuple):
+    """What a film carries from sub-step to sub-step; both arrays change in place.
+
+    ``scalars``, shape (5,), holds displacement (m), velocity (m/s), film voltage (V), time (s) and
+    fault at the places Y, V, FILM_VOLTAGE, TIME and FAULT; ``branches`` holds 1/ξ² of every Maxwell
+    branch, shape (branches, 2).
+    """
+
+    scalars: Array
+    branches: Array
+
+
 @njit(cache=True, error_model="numpy")
-def tension(film, branches, y, voltage, stiffening):
+def tension(film: Film, branches: Array, y: float, voltage: float, stiffening: float) -> float:
     """Return the vertical force of the film on the mass, in N, upwards positive: (M1)-(M3).
 
     ``branches`` holds 1/ξ² of every Maxwell branch, shape (branches, 2); ``stiffening`` scales
@@ -84,7 +96,7 @@ def tension(film, branches, y, voltage, stiffening):
 
 
 @njit(cache=True, error_model="numpy")
-def creep(film, branches, y, dt):
+def creep(film: Film, branches: Array, y: float, dt: float) -> None:
     """Carry every Maxwell branch over ``dt`` seconds at a held displacement: (M4), midpoint rule.
 
     Written for q = 1/ξ², which is what the stress needs: q̇₁ = −2 q₁ (s₁ − s₂/2)/(3τ).
@@ -107,14 +119,15 @@ def creep(film, branches, y, dt):
 
 
 @njit(cache=True, error_model="numpy")
-def thickness(film, y):
+def thickness(film: Film, y: float) -> float:
     """Return the thickness h of the stretched film in m: (M1)."""
     width = film.frame_radius - film.contact_radius
-    return film.thickness / (film.prestretch**2 * np.sqrt(1.0 + (y / width) ** 2))
+    value: float = film.thickness / (film.prestretch**2 * np.sqrt(1.0 + (y / width) ** 2))
+    return value
 
 
 @njit(cache=True, error_model="numpy")
-def capacitance(film, y):
+def capacitance(film: Film, y: float) -> float:
     """Return the capacitance of the film in F: (M5)."""
     area = np.pi * (film.frame_radius**2 - film.contact_radius**2)
     volume = area * film.thickness / film.prestretch**2
@@ -122,36 +135,37 @@ def capacitance(film, y):
 
 
 @njit(cache=True, error_model="numpy")
-def charge(film, state, supply, dt):
-    """Carry the film voltage over ``dt`` seconds at held supply and motion: (M5), exactly."""
-    y, hours = state[Y], state[TIME] / 3600.0
+def charge(film: Film, scalars: Array, supply: float, dt: float) -> None:
+    """Carry the film voltage over ``dt`` seconds at constant supply and motion: (M5), exactly."""
+    y, hours = scalars[Y], scalars[TIME] / 3600.0
     width = film.frame_radius - film.contact_radius
-    growth = 2.0 * y * state[V] / (width * width + y * y)  # Ċ/C
+    growth = 2.0 * y * scalars[V] / (width * width + y * y)  # Ċ/C
     in_rate = 1.0 / (film.electrode_resistance * (1.0 + film.electrode_ageing * hours))
     out_rate = (1.0 + film.leakage_ageing * hours) / film.leak_resistance
     rate = (in_rate + out_rate) / capacitance(film, y) + growth
     settled = in_rate * supply / (capacitance(film, y) * rate)
-    state[FILM_VOLTAGE] = settled + (state[FILM_VOLTAGE] - settled) * np.exp(-rate * dt)
+    scalars[FILM_VOLTAGE] = settled + (scalars[FILM_VOLTAGE] - settled) * np.exp(-rate * dt)
 
 
 @njit(cache=True, error_model="numpy")
-def move(film, branches, forces, state, dt):
-    """Carry the mass over ``dt`` seconds at held film voltage and branches: (M2), RK4.
+def move(film: Film, state: FilmState, forces: Forces, dt: float) -> None:
+    """Carry the mass over ``dt`` seconds at constant film voltage and branches: (M2), RK4.
 
     The step is divided where the dashpot alone would make it unstable.
     """
-    stiffening = 1.0 + film.stiffness_ageing * state[TIME] / 3600.0
-    voltage = state[FILM_VOLTAGE]
+    scalars, branches = state
+    stiffening = 1.0 + film.stiffness_ageing * scalars[TIME] / 3600.0
+    voltage = scalars[FILM_VOLTAGE]
     disturbed = forces.kind.shape[0] > 0
     steps = max(int(np.ceil(0.5 * dt * film.damping / film.mass)), 1)
     dt /= steps
     for _ in range(steps):
-        y, v = state[Y], state[V]
+        y, v = scalars[Y], scalars[V]
         sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
         for stage in range(4):
             pull = tension(film, branches, stage_y, voltage, stiffening)
             if disturbed:
-                pull += resistance(forces, stage_y, stage_v)
+                pull += total_force(forces, stage_y, stage_v)
             slope_y = stage_v
             slope_v = GRAVITY - (film.damping * stage_v + pull) / film.mass
             weight = 2.0 if stage in (1, 2) else 1.0
@@ -159,40 +173,44 @@ def move(film, branches, forces, state, dt):
             sum_v += weight * slope_v
             ahead = dt if stage == 2 else 0.5 * dt
             stage_y, stage_v = y + ahead * slope_y, v + ahead * slope_v
-        state[Y] = y + dt / 6.0 * sum_y
-        state[V] = v + dt / 6.0 * sum_v
+        scalars[Y] = y + dt / 6.0 * sum_y
+        scalars[V] = v + dt / 6.0 * sum_v
 
 
 @njit(cache=True, error_model="numpy")
-def advance(film, branches, forces, state, supply, displacement, film_voltage):
+def advance(
+    film: Film, state: FilmState, forces: Forces,
+    supply: Array, displacement: Array, film_voltage: Array,
+) -> None:  # fmt: skip
     """Advance by one sub-step per element of ``supply`` (V), filling the other two (m and V).
 
-    ``displacement[k]`` and ``film_voltage[k]`` are what they are before ``supply[k]`` takes
-    effect. Electrical and mechanical steps are interleaved symmetrically, so that the error is of
-    second order in the sub-step. A film that is pulled in or breaks down is shorted from then on:
-    its voltage stays zero and the fault stays latched.
+    The three have one shape. ``displacement[k]`` and ``film_voltage[k]`` are the values before
+    ``supply[k]`` takes effect. Electrical and mechanical steps are interleaved symmetrically, so
+    that the error is of second order in the sub-step. A film that pulls in or breaks down is
+    shorted from then on: its voltage stays zero and the fault stays latched.
     """
+    scalars = state.scalars
     for k in range(supply.shape[0]):
-        displacement[k] = state[Y]
-        film_voltage[k] = state[FILM_VOLTAGE]
-        creep(film, branches, state[Y], SUBSTEP)
-        if state[FAULT] == WHOLE:
-            charge(film, state, supply[k], 0.5 * SUBSTEP)
-        move(film, branches, forces, state, SUBSTEP)
+        displacement[k] = scalars[Y]
+        film_voltage[k] = scalars[FILM_VOLTAGE]
+        creep(film, state.branches, scalars[Y], SUBSTEP)
+        if scalars[FAULT] == WHOLE:
+            charge(film, scalars, supply[k], 0.5 * SUBSTEP)
+        move(film, state, forces, SUBSTEP)
         if forces.kind.shape[0] > 0:
-            remember(forces, state[Y], state[V], SUBSTEP)
-        if state[FAULT] == WHOLE:
-            charge(film, state, supply[k], 0.5 * SUBSTEP)
-            field = state[FILM_VOLTAGE] / thickness(film, state[Y])
-            if abs(state[Y]) > film.pull_in_displacement:
-                state[FAULT], state[FILM_VOLTAGE] = PULLED_IN, 0.0
+            update_memory(forces, scalars[Y], scalars[V], SUBSTEP)
+        if scalars[FAULT] == WHOLE:
+            charge(film, scalars, supply[k], 0.5 * SUBSTEP)
+            field = scalars[FILM_VOLTAGE] / thickness(film, scalars[Y])
+            if abs(scalars[Y]) > film.pull_in_displacement:
+                scalars[FAULT], scalars[FILM_VOLTAGE] = PULLED_IN, 0.0
             elif field > film.breakdown_field:
-                state[FAULT], state[FILM_VOLTAGE] = BROKEN_DOWN, 0.0
-        state[TIME] += SUBSTEP
+                scalars[FAULT], scalars[FILM_VOLTAGE] = BROKEN_DOWN, 0.0
+        scalars[TIME] += SUBSTEP
 
 
 @njit(cache=True, error_model="numpy")
-def equilibrium(film, branches):
+def equilibrium(film: Film, branches: Array) -> float:
     """Return the displacement in m at which the film without voltage carries the mass."""
     low, high = 0.0, film.pull_in_displacement
     weight = film.mass * GRAVITY
@@ -208,7 +226,7 @@ def equilibrium(film, branches):
 
 
 @njit(cache=True, error_model="numpy")
-def rest(film, branches, duration):
+def rest(film: Film, branches: Array, duration: float) -> float:
     """Let a freshly stretched film under its mass relax for ``duration`` seconds, without voltage.
 
     The mass follows quasi-statically. Steps grow from a millisecond to a quarter of the shortest

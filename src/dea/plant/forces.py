@@ -1,8 +1,8 @@
-"""Forces besides the film's own that resist the motion of the mass, called from inside its ODE.
+"""Forces on the mass besides the film's own, evaluated inside its equation of motion.
 
 A force law is a kind, a row of constants and a row of memory. Its force depends on displacement
-and velocity at held memory, so that it can be evaluated within a Runge-Kutta step; its memory is
-carried once per sub-step. Forces are in N and positive against a growing displacement.
+and velocity at constant memory, so that it can be evaluated within a Runge-Kutta step; its memory
+is updated once per sub-step. Forces are in N, positive where they oppose a growing displacement.
 """
 
 from typing import NamedTuple
@@ -11,7 +11,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-WIDTH = 64  # of a row of constants or memory
+from dea.plant.array import Array
+
+WIDTH = 64  # length of a row of constants or memory
 
 (
     POWER_LAW_CREEP,
@@ -27,23 +29,23 @@ WIDTH = 64  # of a row of constants or memory
 
 
 class Forces(NamedTuple):
-    """Laws side by side: kinds of shape (laws,), constants and memory of shape (laws, WIDTH)."""
+    """Several laws: kinds of shape (laws,), constants and memory of shape (laws, WIDTH)."""
 
     kind: NDArray[np.int64]
-    constants: NDArray[np.float64]
-    memory: NDArray[np.float64]
+    constants: Array
+    memory: Array
 
 
 class ForceLaw(NamedTuple):
-    """One law: its kind, its constants and the memory it starts with, each at most WIDTH long."""
+    """One law: its kind, its constants and its initial memory, each at most WIDTH long."""
 
     kind: int
-    constants: NDArray[np.float64]
-    memory: NDArray[np.float64]
+    constants: Array
+    memory: Array
 
 
 def stack(laws: list[ForceLaw]) -> Forces:
-    """Return the laws as the arrays the ODE takes."""
+    """Return the laws as the arrays that the equation of motion takes."""
     constants, memory = np.zeros((len(laws), WIDTH)), np.zeros((len(laws), WIDTH))
     for row, law in enumerate(laws):
         constants[row, : law.constants.size] = law.constants
@@ -52,7 +54,7 @@ def stack(laws: list[ForceLaw]) -> Forces:
 
 
 @njit(cache=True, error_model="numpy")
-def resistance(forces, y, v):
+def total_force(forces: Forces, y: float, v: float) -> float:
     """Return the sum of all forces, in N, at displacement ``y`` (m) and velocity ``v`` (m/s)."""
     total = 0.0
     for row in range(forces.kind.shape[0]):
@@ -83,8 +85,8 @@ def resistance(forces, y, v):
 
 
 @njit(cache=True, error_model="numpy")
-def remember(forces, y, v, dt):
-    """Carry every law's memory over ``dt`` seconds that end at ``y`` and ``v``."""
+def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
+    """Carry every law's memory over ``dt`` seconds; ``y`` and ``v`` are the values at their end."""
     for row in range(forces.kind.shape[0]):
         kind, c, m = forces.kind[row], forces.constants[row], forces.memory[row]
         if kind == POWER_LAW_CREEP:
@@ -107,7 +109,7 @@ def remember(forces, y, v, dt):
 
 
 @njit(cache=True, error_model="numpy")
-def _creep_force(c, m, y):
+def _creep_force(c: Array, m: Array, y: float) -> float:
     """Power-law relaxation as a dense spectrum of modes; c holds (stiffness, share) pairs."""
     force = 0.0
     for i in range(int(c[0])):
@@ -116,26 +118,27 @@ def _creep_force(c, m, y):
 
 
 @njit(cache=True, error_model="numpy")
-def _stribeck(c, v):
+def _stribeck(c: Array, v: float) -> float:
     """Steady friction force of the LuGre model at velocity ``v``."""
-    return c[2] + (c[3] - c[2]) * np.exp(-((v / c[4]) ** 2))
+    force: float = c[2] + (c[3] - c[2]) * np.exp(-((v / c[4]) ** 2))
+    return force
 
 
 @njit(cache=True, error_model="numpy")
-def _branch(c, start, end):
+def _branch(c: Array, start: float, end: float) -> float:
     """Force gained along a monotonic path between two displacements, by Masing's rule.
 
-    Stiff at first, then yielding; stiffer away from the middle of the travel.
+    The slope falls along the path, and is larger away from the middle of the travel.
     """
     length = abs(end - start)
     middle = (0.5 * (start + end) - c[2]) / c[3]
-    gained = c[0] * length / (1.0 + length / c[1]) * (1.0 + middle * middle)
+    gained: float = c[0] * length / (1.0 + length / c[1]) * (1.0 + middle * middle)
     return gained if end > start else -gained
 
 
 @njit(cache=True, error_model="numpy")
-def _hysteresis_force(c, m, y):
-    """m[0] counts the remembered reversals, which follow it; the first is where motion began."""
+def _hysteresis_force(c: Array, m: Array, y: float) -> float:
+    """m[0] is the number of reversals in memory; they follow it, the start of the motion first."""
     count = int(m[0])
     end = y if count == 1 else m[2]
     force = 0.5 * _branch(c, 2.0 * m[1] - end, end)  # the virgin curve, by Masing's rule
@@ -145,14 +148,14 @@ def _hysteresis_force(c, m, y):
 
 
 @njit(cache=True, error_model="numpy")
-def _note_reversals(m, y):
-    """Keep the reversals that still matter; the last slot of m holds the latest displacement."""
+def _note_reversals(m: Array, y: float) -> None:
+    """Update the reversals that still act on the force; m[-1] is the latest displacement."""
     count, latest = int(m[0]), m[-1]
     turned = (y - latest) * (latest - m[count]) < 0.0
     if turned and count < m.shape[0] - 3:
         count += 1
         m[count] = latest
-    # A larger swing wipes the smaller ones out.
+    # A larger swing erases the smaller ones.
     while count >= 3 and (y - m[count - 1]) * (m[count - 1] - m[count]) > 0.0:
         count -= 2
     if count == 2 and abs(y - m[1]) > abs(m[2] - m[1]):

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from dea.errors import InputError
 from dea.plant.amplifier import amplify
-from dea.plant.film import FAULT, SUBSTEP, Y, capacitance, rest
+from dea.plant.array import Array
+from dea.plant.film import FAULT, SUBSTEP, FilmState, Y, capacitance, rest
 from dea.plant.film import advance as advance_film
 from dea.plant.forces import ForceLaw, stack
 from dea.plant.history import History
@@ -45,8 +46,8 @@ class Rig:
         film = parameters.film
         self._parameters = parameters
         self._noise = generator(seed, "bench", "noise")
-        self._branches = np.ones((film.branch_modulus.size, 2))
-        start = rest(film, self._branches, parameters.rest)
+        branches = np.ones((film.branch_modulus.size, 2))
+        start = rest(film, branches, parameters.rest)
         if not np.isfinite(start):
             raise InputError(
                 "the film does not carry the mass",
@@ -57,8 +58,8 @@ class Rig:
         on_signals = [law for law in effects if isinstance(law, SignalLaw)]
         self._input_laws = [law for law in on_signals if not law.output]
         self._output_laws = [law for law in on_signals if law.output]
-        self._state = np.zeros(5)
-        self._state[Y] = start
+        self._state = FilmState(np.zeros(5), branches)
+        self._state.scalars[Y] = start
         self._output = np.zeros(1)
         self._load = capacitance(film, start)
         cutoff = parameters.sensor.cutoff
@@ -85,7 +86,7 @@ class Rig:
     @property
     def fault(self) -> int:
         """0 while the film is whole, 1 after pull-in, 2 after electrical breakdown; latched."""
-        return int(self._state[FAULT])
+        return int(self._state.scalars[FAULT])
 
     def zero(self) -> None:
         """Take the output to 0 V at once; the film follows as time passes."""
@@ -120,13 +121,11 @@ class Rig:
             self.applied_count = int(applied[-1])
         return applied, measured
 
-    def respond(self, output_counts: NDArray[np.uint16]) -> NDArray[np.float64]:
+    def respond(self, output_counts: NDArray[np.uint16]) -> Array:
         """Return the readings in m without noise, shape (samples,), leaving no history."""
         return self._drive(np.asarray(output_counts, dtype=np.uint16))[2]
 
-    def _drive(
-        self, applied: NDArray[np.uint16]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def _drive(self, applied: NDArray[np.uint16]) -> tuple[Array, Array, Array]:
         """Return displacement and film voltage at every sub-step, and a reading per sample."""
         parameters = self._parameters
         command = np.repeat(parameters.output_converter.to_values(applied), SUBSTEPS)
@@ -138,9 +137,8 @@ class Rig:
         film_voltage = np.empty_like(supply)
         advance_film(
             parameters.film,
-            self._branches,
-            self._forces,
             self._state,
+            self._forces,
             supply,
             displacement,
             film_voltage,

@@ -2,9 +2,7 @@
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 
 
@@ -35,12 +33,12 @@ class AntiAliasFilter:
         self._sections = butter(2, cutoff, fs=1.0 / SUBSTEP, output="sos")
         self._memory = level * sosfilt_zi(self._sections)
 
-    def advance(self, signal: NDArray[np.float64]) -> NDArray[np.float64]:
+    def advance(self, signal: Array) -> Array:
         """Return the next piece of the signal filtered, of the same shape."""
         from scipy.signal import sosfilt
 
         if not signal.size:
             return signal
-        filtered: NDArray[np.float64]
+        filtered: Array
         filtered, self._memory = sosfilt(self._sections, signal, zi=self._memory)
         return filtered

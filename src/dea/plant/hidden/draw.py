@@ -8,8 +8,7 @@ from numpy.random import Generator
 
 from dea import signals
 from dea.plant.hidden.catalogue import EFFECTS
-from dea.plant.hidden.effect import Conditions, EffectKind
-from dea.plant.hidden.outside import PORT as OUTSIDE
+from dea.plant.hidden.effect import Conditions, EffectKind, Port
 from dea.plant.hidden.refit import Yardstick
 from dea.plant.hidden.trial import HiddenEffect, Trial
 from dea.plant.parameters import read_plain
@@ -17,8 +16,8 @@ from dea.plant.rig import SAMPLE_PERIOD, Law
 from dea.seeds import generator
 
 WEAKEST, STRONGEST = 3.0, 30.0  # RMS residual of the refitted plain actuator over RMS noise
-_INSIDE = [name for name, effect in EFFECTS.items() if effect.port != OUTSIDE]
-_OUTSIDE = [name for name, effect in EFFECTS.items() if effect.port == OUTSIDE]
+_INSIDE = [name for name, effect in EFFECTS.items() if effect.port is not Port.OUTSIDE]
+_OUTSIDE = [name for name, effect in EFFECTS.items() if effect.port is Port.OUTSIDE]
 # In every thirty trials each effect of the catalogue comes once, beside these.
 _OUTSIDE_SHARE, _PAIR_SHARE, _NULL_SHARE = 4, 3, 3
 ROUND = len(_INSIDE) + _OUTSIDE_SHARE + _PAIR_SHARE + _NULL_SHARE

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import NamedTuple
 
 from numpy.random import Generator
@@ -9,8 +10,18 @@ from numpy.random import Generator
 from dea.plant.rig import Law
 
 
+class Port(StrEnum):
+    """Where a hidden effect acts."""
+
+    INPUT = "input path"
+    FORCE = "force balance"
+    TIME = "parameter in time"
+    OUTPUT = "output path"
+    OUTSIDE = "outside"  # anywhere; an effect that a catalogue of common effects does not hold
+
+
 class Conditions(NamedTuple):
-    """What an experiment does to the plain actuator, for laws to be sized by.
+    """The plain actuator under the trial's excitation, from which laws take their sizes.
 
     ``low`` and ``high`` bound the command (V), ``rest``, ``bottom``, ``median`` and ``top`` are
     displacements (m) of the plain actuator without voltage and its least, median and largest
@@ -34,23 +45,22 @@ class Conditions(NamedTuple):
 
 @dataclass(frozen=True)
 class EffectKind:
-    """Something that can be wrong with the actuator or its instruments.
+    """A kind of effect on the actuator or its instruments.
 
     Attributes
     ----------
     name, port
-        As an engineer would call it, and where it acts; port ``outside`` marks what a catalogue
-        of common effects does not hold.
+        The engineer's name of the effect, and where it acts.
     smallest, largest
-        Sizes between which the effect is drawn, searched on a logarithmic scale.
+        Range of sizes, searched on a logarithmic scale.
     unit
         Of the size.
     build
-        From size, conditions and a generator that draws the law's shape, the law.
+        Returns the law, from size, conditions and a generator that draws the law's shape.
     """
 
     name: str
-    port: str
+    port: Port
     smallest: float
     largest: float
     unit: str

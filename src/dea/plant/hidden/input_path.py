@@ -4,16 +4,15 @@ import numpy as np
 from numba import njit
 from numpy.random import Generator
 
+from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Conditions, EffectKind
-from dea.plant.signal_law import Array, SignalLaw
-
-PORT = "input path"
+from dea.plant.hidden.effect import Conditions, EffectKind, Port
+from dea.plant.signal_law import SignalLaw
 
 
 @njit(cache=True)
 def _soft_threshold(c: Array, m: Array, u: Array) -> None:
-    """Nothing below the threshold, what exceeds it above, with a rounded knee (softplus)."""
+    """Zero below the threshold, the excess above it, with a rounded knee (softplus)."""
     threshold, knee, slope = c
     for k in range(u.shape[0]):
         over = (u[k] - threshold) / knee
@@ -24,7 +23,7 @@ def _soft_threshold(c: Array, m: Array, u: Array) -> None:
 def dead_zone(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
     """Hide a threshold that lies ``size`` of the range above the lowest command.
 
-    The gain above it is such that the highest command still passes whole.
+    The gain above it leaves the highest command unchanged.
     """
     threshold = conditions.low + size * (conditions.high - conditions.low)
     slope = conditions.high / (conditions.high - threshold)
@@ -47,19 +46,19 @@ def input_saturation(size: float, conditions: Conditions, rng: Generator) -> Sig
 
 @njit(cache=True)
 def _soft_rate(c: Array, m: Array, u: Array) -> None:
-    """Follow with a rate that saturates smoothly, rising and falling at different limits."""
+    """Follow at a rate that saturates smoothly; rising and falling have limits of their own."""
     rise, fall, quick = c
     if m[0] == 0.0:
         m[0], m[1] = 1.0, u[0]
     for k in range(u.shape[0]):
-        gap = u[k] - m[1]
-        limit = rise if gap > 0.0 else fall
-        m[1] += SUBSTEP * limit * np.tanh(gap / (limit * quick))
+        error = u[k] - m[1]
+        limit = rise if error > 0.0 else fall
+        m[1] += SUBSTEP * limit * np.tanh(error / (limit * quick))
         u[k] = m[1]
 
 
 def slew_limit(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide rate limits of about 1/``size`` ranges a second."""
+    """Hide rate limits of about 1/``size`` command ranges per second."""
     rate = (conditions.high - conditions.low) / size
     asymmetry = rng.uniform(0.8, 1.25)
     return SignalLaw(_soft_rate, [rate * asymmetry, rate / asymmetry, 0.004], [0.0, 0.0])
@@ -67,7 +66,7 @@ def slew_limit(size: float, conditions: Conditions, rng: Generator) -> SignalLaw
 
 @njit(cache=True)
 def _delay_line(c: Array, m: Array, u: Array) -> None:
-    """A ring of past values: m holds place, whether it is filled, and the ring itself."""
+    """A ring of past values: m holds place, whether the ring is filled, and the ring itself."""
     length = m.shape[0] - 2
     if m[1] == 0.0:
         m[1] = 1.0
@@ -88,8 +87,8 @@ def transport_delay(size: float, conditions: Conditions, rng: Generator) -> Sign
 def _ladder(c: Array, m: Array, u: Array) -> None:
     """A distributed resistance and capacitance: diffusion of the voltage along a ladder.
 
-    c holds the share of a neighbour's difference that passes in one internal step, and the number
-    of internal steps a sub-step; the film feels the mean over the ladder.
+    c holds the share of the difference between neighbours that passes in one internal step, and the
+    number of internal steps per sub-step; the film's voltage is the mean over the ladder.
     """
     share, steps = c[0], int(c[1])
     rungs = m.shape[0] - 1
@@ -108,7 +107,7 @@ def _ladder(c: Array, m: Array, u: Array) -> None:
 
 
 def electrode_lag(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide electrodes along which the voltage diffuses within about ``size`` seconds."""
+    """Hide electrodes along which the voltage diffuses in about ``size`` seconds."""
     rungs = 6
     rate = rungs**2 * SUBSTEP / (3.0 * size)
     steps = int(np.ceil(rate / 0.25))
@@ -117,7 +116,7 @@ def electrode_lag(size: float, conditions: Conditions, rng: Generator) -> Signal
 
 @njit(cache=True)
 def _space_charge(c: Array, m: Array, u: Array) -> None:
-    """Injected charge screens the field: it grows as Poole and Frenkel conduct and leaks away."""
+    """Injected charge screens the field: it follows Poole-Frenkel conduction and leaks away."""
     screening, time, steepness, ceiling = c
     if m[0] == 0.0:
         m[0], m[1] = 1.0, 0.0
@@ -129,16 +128,16 @@ def _space_charge(c: Array, m: Array, u: Array) -> None:
 
 
 def charge_leakage(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide conduction that takes a share ``size`` of a sustained voltage away."""
+    """Hide conduction that takes away a share ``size`` of a constant voltage."""
     constants = [size, rng.uniform(1.0, 6.0), rng.uniform(0.3, 1.0), conditions.high]
     return SignalLaw(_space_charge, constants, [0.0, 0.0])
 
 
 EFFECTS = (
-    EffectKind("dead_zone", PORT, 0.04, 0.5, "1", dead_zone),
-    EffectKind("input_saturation", PORT, 0.02, 0.45, "1", input_saturation),
-    EffectKind("slew_limit", PORT, 0.05, 6.0, "s", slew_limit),
-    EffectKind("transport_delay", PORT, 0.004, 0.6, "s", transport_delay),
-    EffectKind("electrode_lag", PORT, 0.01, 1.0, "s", electrode_lag),
-    EffectKind("charge_leakage", PORT, 0.005, 0.6, "1", charge_leakage),
+    EffectKind("dead_zone", Port.INPUT, 0.04, 0.5, "1", dead_zone),
+    EffectKind("input_saturation", Port.INPUT, 0.02, 0.45, "1", input_saturation),
+    EffectKind("slew_limit", Port.INPUT, 0.05, 6.0, "s", slew_limit),
+    EffectKind("transport_delay", Port.INPUT, 0.004, 0.6, "s", transport_delay),
+    EffectKind("electrode_lag", Port.INPUT, 0.01, 1.0, "s", electrode_lag),
+    EffectKind("charge_leakage", Port.INPUT, 0.005, 0.6, "1", charge_leakage),
 )

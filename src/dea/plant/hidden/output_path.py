@@ -4,16 +4,15 @@ import numpy as np
 from numba import njit
 from numpy.random import Generator
 
+from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.hidden.effect import Conditions, EffectKind
-from dea.plant.signal_law import Array, SignalLaw
-
-PORT = "output path"
+from dea.plant.hidden.effect import Conditions, EffectKind, Port
+from dea.plant.signal_law import SignalLaw
 
 
 @njit(cache=True)
 def _third_order(c: Array, m: Array, y: Array) -> None:
-    """A second-order low-pass, stepped with its velocity first, and a first-order one behind."""
+    """A second-order low-pass (semi-implicit Euler) followed by a first-order one."""
     angular, damping, behind = c
     if m[0] == 0.0:
         m[0], m[1], m[2], m[3] = 1.0, y[0], 0.0, y[0]
@@ -33,16 +32,16 @@ def sensor_lag(size: float, conditions: Conditions, rng: Generator) -> SignalLaw
 
 @njit(cache=True)
 def _soft_limit(c: Array, m: Array, y: Array) -> None:
-    """Softplus from below the limit: y beyond it is swallowed, with a rounded knee."""
+    """Limit y from above, with a rounded knee (softplus)."""
     limit, knee = c
     for k in range(y.shape[0]):
         over = (y[k] - limit) / knee
-        swallowed = over + np.log1p(np.exp(-over)) if over > 0.0 else np.log1p(np.exp(over))
-        y[k] -= knee * swallowed
+        excess = over + np.log1p(np.exp(-over)) if over > 0.0 else np.log1p(np.exp(over))
+        y[k] -= knee * excess
 
 
 def output_saturation(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide a reading that ends ``size`` of the travel below the top."""
+    """Hide a reading that saturates ``size`` of the travel below the top."""
     limit = conditions.top - size * conditions.travel
     knee = rng.uniform(0.005, 0.02) * conditions.travel
     return SignalLaw(_soft_limit, [limit, knee], output=True)
@@ -50,7 +49,7 @@ def output_saturation(size: float, conditions: Conditions, rng: Generator) -> Si
 
 @njit(cache=True)
 def _fold(c: Array, m: Array, y: Array) -> None:
-    """Read the distance from a place instead of the place, with a rounded corner."""
+    """Reflect the reading at a place, with a rounded corner."""
     place, corner = c
     for k in range(y.shape[0]):
         distance = y[k] - place
@@ -59,16 +58,16 @@ def _fold(c: Array, m: Array, y: Array) -> None:
 
 @njit(cache=True)
 def _ripple(c: Array, m: Array, y: Array) -> None:
-    """An error that repeats with the displacement, as of a detector's pixels."""
+    """A reading error that is periodic in the displacement, as of a detector's pixels."""
     height, period, phase = c
     for k in range(y.shape[0]):
         y[k] += height * np.sin(2.0 * np.pi * y[k] / period + phase)
 
 
 def sensor_nonlinearity(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide a folded or rippled reading: ``size`` of the travel is folded, or the ripple's height.
+    """Hide a folded or rippled reading: ``size`` is the share folded, or sets the ripple's height.
 
-    The fold turns readings below a place into readings above it.
+    The fold reflects readings below a place to above it.
     """
     if rng.random() < 0.5:
         place = conditions.bottom + min(size, 0.7) * conditions.travel
@@ -80,7 +79,7 @@ def sensor_nonlinearity(size: float, conditions: Conditions, rng: Generator) -> 
 
 @njit(cache=True)
 def _wobble(c: Array, m: Array, y: Array) -> None:
-    """Three harmonics whose common phase wanders slowly to and fro."""
+    """Three harmonics whose common phase is slowly modulated."""
     height, frequency, second, third, phase, wander, slow = c
     for k in range(y.shape[0]):
         t = m[0] * SUBSTEP
@@ -91,7 +90,7 @@ def _wobble(c: Array, m: Array, y: Array) -> None:
 
 
 def periodic_disturbance(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide a machine nearby that shakes the mount by ``size`` travels, harmonics and all."""
+    """Hide a vibration of the mount of ``size`` travels, with three harmonics."""
     constants = [
         size * conditions.travel,
         10.0 ** rng.uniform(-0.7, 0.9),
@@ -105,8 +104,8 @@ def periodic_disturbance(size: float, conditions: Conditions, rng: Generator) ->
 
 
 EFFECTS = (
-    EffectKind("sensor_lag", PORT, 0.01, 1.0, "s", sensor_lag),
-    EffectKind("output_saturation", PORT, 0.02, 0.7, "1", output_saturation),
-    EffectKind("sensor_nonlinearity", PORT, 0.005, 1.0, "1", sensor_nonlinearity),
-    EffectKind("periodic_disturbance", PORT, 0.002, 1.0, "1", periodic_disturbance),
+    EffectKind("sensor_lag", Port.OUTPUT, 0.01, 1.0, "s", sensor_lag),
+    EffectKind("output_saturation", Port.OUTPUT, 0.02, 0.7, "1", output_saturation),
+    EffectKind("sensor_nonlinearity", Port.OUTPUT, 0.005, 1.0, "1", sensor_nonlinearity),
+    EffectKind("periodic_disturbance", Port.OUTPUT, 0.002, 1.0, "1", periodic_disturbance),
 )

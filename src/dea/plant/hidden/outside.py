@@ -1,21 +1,20 @@
-"""Effects that a catalogue of common ones does not hold."""
+"""Effects that a catalogue of common effects does not hold."""
 
 import numpy as np
 from numba import njit
 from numpy.random import Generator
 
 from dea.plant import forces
+from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.forces import ForceLaw
-from dea.plant.hidden.effect import Conditions, EffectKind
-from dea.plant.signal_law import Array, SignalLaw
-
-PORT = "outside"
+from dea.plant.hidden.effect import Conditions, EffectKind, Port
+from dea.plant.signal_law import SignalLaw
 
 
 @njit(cache=True)
 def _self_heating(c: Array, m: Array, u: Array) -> None:
-    """Warmth grows with the square of the command and softens or weakens the response."""
+    """A temperature driven by the square of the command raises or lowers the gain."""
     change, time, power, highest = c
     for k in range(u.shape[0]):
         drive = (u[k] / highest) ** 2
@@ -24,7 +23,7 @@ def _self_heating(c: Array, m: Array, u: Array) -> None:
 
 
 def thermal_feedback(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide a gain that follows the warmth left by the squared command, non-linearly."""
+    """Hide a gain that depends non-linearly on the temperature from the squared command."""
     change = size if rng.random() < 0.5 else -min(size, 0.9)
     return SignalLaw(
         _self_heating, [change, rng.uniform(8.0, 30.0), rng.uniform(1.5, 3.0), conditions.high]
@@ -33,7 +32,7 @@ def thermal_feedback(size: float, conditions: Conditions, rng: Generator) -> Sig
 
 @njit(cache=True)
 def _stick(c: Array, m: Array, y: Array) -> None:
-    """Hold the reading until the place is a threshold away, then jump to it."""
+    """Hold the reading until it is wrong by more than a threshold, then jump."""
     if m[0] == 0.0:
         m[0], m[1] = 1.0, y[0]
     for k in range(y.shape[0]):
@@ -43,7 +42,7 @@ def _stick(c: Array, m: Array, y: Array) -> None:
 
 
 def sticking_sensor(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide a reading that sticks until it is ``size`` travels wrong, then jumps."""
+    """Hide a reading that sticks until it is wrong by ``size`` travels, then jumps."""
     return SignalLaw(_stick, [size * conditions.travel], [0.0, 0.0], output=True)
 
 
@@ -58,14 +57,14 @@ def _telegraph(c: Array, m: Array, u: Array) -> None:
 
 
 def telegraph_contact(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide a contact that fails at random times for random whiles, taking ``size`` of the gain."""
-    whiles = rng.exponential(rng.uniform(1.0, 6.0), 2 * int(conditions.duration))
-    return SignalLaw(_telegraph, np.concatenate([[1.0 - min(size, 1.0)], np.cumsum(whiles)]))
+    """Hide a contact that fails at random times and takes away ``size`` of the gain."""
+    lengths = rng.exponential(rng.uniform(1.0, 6.0), 2 * int(conditions.duration))
+    return SignalLaw(_telegraph, np.concatenate([[1.0 - min(size, 1.0)], np.cumsum(lengths)]))
 
 
 @njit(cache=True)
 def _loaded_delay(c: Array, m: Array, u: Array) -> None:
-    """A delay that grows with what is sent: m holds the count and a ring of past values."""
+    """A delay that grows with the command: m holds the count and a ring of past values."""
     longest, low, high = c
     length = m.shape[0] - 1
     if m[0] == 0.0:
@@ -96,14 +95,14 @@ def _dropouts(c: Array, m: Array, y: Array) -> None:
 
 
 def held_samples(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide gaps of about ``size`` seconds, every few seconds, in which the reading is frozen."""
-    gaps = rng.exponential([rng.uniform(2.0, 8.0), size], (int(conditions.duration), 2))
-    return SignalLaw(_dropouts, np.cumsum(gaps.ravel()), [0.0, 0.0], output=True)
+    """Hide a reading that freezes every few seconds for about ``size`` seconds."""
+    lengths = rng.exponential([rng.uniform(2.0, 8.0), size], (int(conditions.duration), 2))
+    return SignalLaw(_dropouts, np.cumsum(lengths.ravel()), [0.0, 0.0], output=True)
 
 
 @njit(cache=True)
 def _bursts(c: Array, m: Array, y: Array) -> None:
-    """c holds the height, a clock, and noise to play in turn while the clock says so."""
+    """c holds the height, the period and active share of the bursts, and the noise they repeat."""
     height, every, share = c[0], c[1], c[2]
     for k in range(y.shape[0]):
         phase = (m[0] * SUBSTEP / every) % 1.0
@@ -113,7 +112,7 @@ def _bursts(c: Array, m: Array, y: Array) -> None:
 
 
 def noise_bursts(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide bursts of noise, ``size`` travels tall, that come and go."""
+    """Hide periodic bursts of noise with a standard deviation of ``size`` travels."""
     noise = rng.standard_normal(20_000)
     clock = [size * conditions.travel, rng.uniform(5.0, 20.0), rng.uniform(0.1, 0.4)]
     return SignalLaw(_bursts, np.concatenate([clock, noise]), output=True)
@@ -136,7 +135,7 @@ def modulated_gain(size: float, conditions: Conditions, rng: Generator) -> Signa
 
 @njit(cache=True)
 def _last_peak(c: Array, m: Array, u: Array) -> None:
-    """The gain depends on how high the last peak was; m: started, last value, rising, peak."""
+    """A gain that depends on the last peak; m holds started, last value, rising and peak."""
     change, low, high = c
     if m[0] == 0.0:
         m[0], m[1], m[3] = 1.0, u[0], u[0]
@@ -154,13 +153,13 @@ def _last_peak(c: Array, m: Array, u: Array) -> None:
 
 
 def peak_memory(size: float, conditions: Conditions, rng: Generator) -> SignalLaw:
-    """Hide a gain that the last peak of the command sets, by up to a share ``size``."""
+    """Hide a gain that the last peak of the command changes by up to a share ``size``."""
     change = size if rng.random() < 0.5 else -min(size, 0.9)
     return SignalLaw(_last_peak, [change, conditions.low, conditions.high], np.zeros(4))
 
 
 def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
-    """Hide a buckled strip that pushes to and fro in the travel, ``size`` film forces strong."""
+    """Hide a buckled strip whose bistable force reaches about ``size`` film forces."""
     force = size * conditions.stiffness * conditions.travel
     place = conditions.bottom + rng.uniform(0.3, 0.6) * conditions.travel
     constants = np.array([force, place, rng.uniform(0.15, 0.35) * conditions.travel])
@@ -169,14 +168,14 @@ def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> ForceL
 
 @njit(cache=True)
 def _cross_talk(c: Array, m: Array, u: Array) -> None:
-    """c holds the height, then (frequency, phase) of every sine of the unseen input."""
+    """c holds the height, then (frequency, phase) of every sine of the unmeasured input."""
     sines = (c.shape[0] - 1) // 2
     for k in range(u.shape[0]):
         t = m[0] * SUBSTEP
-        unseen = 0.0
+        unmeasured = 0.0
         for i in range(sines):
-            unseen += np.sin(2.0 * np.pi * c[1 + 2 * i] * t + c[2 + 2 * i])
-        u[k] *= np.sqrt(max(1.0 + c[0] * unseen / np.sqrt(0.5 * sines), 0.05))
+            unmeasured += np.sin(2.0 * np.pi * c[1 + 2 * i] * t + c[2 + 2 * i])
+        u[k] *= np.sqrt(max(1.0 + c[0] * unmeasured / np.sqrt(0.5 * sines), 0.05))
         m[0] += 1.0
 
 
@@ -187,14 +186,14 @@ def hidden_input(size: float, conditions: Conditions, rng: Generator) -> SignalL
 
 
 EFFECTS = (
-    EffectKind("thermal_feedback", PORT, 0.005, 1.5, "1", thermal_feedback),
-    EffectKind("sticking_sensor", PORT, 0.005, 0.7, "1", sticking_sensor),
-    EffectKind("telegraph_contact", PORT, 0.002, 0.9, "1", telegraph_contact),
-    EffectKind("input_dependent_delay", PORT, 0.01, 1.5, "s", input_dependent_delay),
-    EffectKind("held_samples", PORT, 0.05, 4.0, "s", held_samples),
-    EffectKind("noise_bursts", PORT, 0.003, 0.6, "1", noise_bursts),
-    EffectKind("modulated_gain", PORT, 0.002, 0.9, "1", modulated_gain),
-    EffectKind("peak_memory", PORT, 0.005, 1.5, "1", peak_memory),
-    EffectKind("bistable_snap", PORT, 0.005, 0.4, "1", bistable_snap),
-    EffectKind("hidden_input", PORT, 0.002, 0.4, "1", hidden_input),
+    EffectKind("thermal_feedback", Port.OUTSIDE, 0.005, 1.5, "1", thermal_feedback),
+    EffectKind("sticking_sensor", Port.OUTSIDE, 0.005, 0.7, "1", sticking_sensor),
+    EffectKind("telegraph_contact", Port.OUTSIDE, 0.002, 0.9, "1", telegraph_contact),
+    EffectKind("input_dependent_delay", Port.OUTSIDE, 0.01, 1.5, "s", input_dependent_delay),
+    EffectKind("held_samples", Port.OUTSIDE, 0.05, 4.0, "s", held_samples),
+    EffectKind("noise_bursts", Port.OUTSIDE, 0.003, 0.6, "1", noise_bursts),
+    EffectKind("modulated_gain", Port.OUTSIDE, 0.002, 0.9, "1", modulated_gain),
+    EffectKind("peak_memory", Port.OUTSIDE, 0.005, 1.5, "1", peak_memory),
+    EffectKind("bistable_snap", Port.OUTSIDE, 0.005, 0.4, "1", bistable_snap),
+    EffectKind("hidden_input", Port.OUTSIDE, 0.002, 0.4, "1", hidden_input),
 )

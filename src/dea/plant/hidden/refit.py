@@ -1,28 +1,29 @@
-"""How strong an effect is: what a refitted plain actuator cannot explain of it."""
+"""The strength of a hidden effect: what a refitted plain actuator does not explain of it."""
 
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.least_squares import Damping, Model, Point, minimise
+from dea.plant.array import Array
 from dea.plant.film import tension
 from dea.plant.hidden.effect import Conditions
 from dea.plant.parameters import Parameters
 from dea.plant.rig import SAMPLE_PERIOD, Law, Rig
 
-Array = NDArray[np.float64]
-
 _FREE = ("permittivity", "yeoh_1", "damping")
 _STEP = 1e-3  # relative, of the finite differences
 _LONGEST = 0.7  # largest change of a parameter's logarithm in one Gauss-Newton step
-_DAMPING = 1e-4  # at first, relative to the squared sensitivities
+_UNCHANGED = np.zeros(len(_FREE))
 _ROUNDS = 8
-_ENOUGH = 0.02  # relative gain below which the refit has converged
+_DAMPING = Damping(first=1e-4, least=0.0, tries=_ROUNDS)  # of the squared sensitivities
+_ENOUGH = 0.02  # relative decrease of the residual below which the refit has converged
 _SETTLING = 100  # samples at the first value before the record begins
 
 
 class Yardstick:
-    """Measures effects on one actuator under one excitation.
+    """Measures the strength of effects on one actuator under one excitation.
 
     Parameters
     ----------
@@ -35,8 +36,8 @@ class Yardstick:
     def __init__(self, parameters: Parameters, output_counts: NDArray[np.uint16]) -> None:
         self._parameters = parameters
         self._counts = np.concatenate([np.repeat(output_counts[:1], _SETTLING), output_counts])
-        self._origin = np.zeros(len(_FREE))
-        self._plain, self._basis = self._linearised(self._origin)
+        self._plain = self.respond(_UNCHANGED)
+        self._basis = self.linearised(_UNCHANGED, self._plain)
 
     def conditions(self) -> Conditions:
         """Return what the excitation does to the plain actuator."""
@@ -63,19 +64,24 @@ class Yardstick:
         Infinite where the effect breaks the film or leaves the range of the sensor.
         """
         reading = self._disturbed(laws)
-        return np.inf if reading is None else self._refit(reading) / self._parameters.sensor.noise
+        if reading is None:
+            return np.inf
+        refit = minimise(
+            _Refit(self, reading), _UNCHANGED, _DAMPING, iterations=_ROUNDS, tolerance=_ENOUGH
+        )
+        return refit.cost / self._parameters.sensor.noise
 
     def linear_strength(self, laws: list[Law], without: list[Law] | None = None) -> float:
-        """Return :meth:`strength` for a refit by one linear step: quick, and rarely less.
+        """Return :meth:`strength` for a refit by one linear step: fast, and rarely smaller.
 
-        ``without`` are laws in the place of the plain actuator: what ``laws`` add to them counts.
+        ``without`` are laws that replace the plain actuator as the reference.
         """
         reading = self._disturbed(laws)
         reference = self._plain if without is None else self._disturbed(without)
         if reading is None or reference is None:
             return np.inf
-        _, left = _project(self._basis, reading - reference)
-        return _rms(left) / self._parameters.sensor.noise
+        _, residual = _project(self._basis, reading - reference)
+        return _rms(residual) / self._parameters.sensor.noise
 
     def _disturbed(self, laws: list[Law]) -> Array | None:
         sensor = self._parameters.sensor
@@ -84,50 +90,14 @@ class Yardstick:
         inside = (reading > sensor.range_low) & (reading < sensor.range_high)
         return reading if inside.all() and not rig.fault else None
 
-    def _refit(self, reading: Array) -> float:
-        """Return the RMS of what the best refit leaves of ``reading``.
-
-        Levenberg and Marquardt's method with scale and offset projected out (Kaufman, BIT 15,
-        1975): gain, stiffness and scale nearly replace one another, which defeats plain
-        Gauss-Newton steps.
-        """
-        shift, basis = self._origin, self._basis
-        linear = basis[:, len(_FREE) :]
-        _, left = _project(linear, reading)
-        damping, least = _DAMPING, _rms(left)
-        for _ in range(_ROUNDS):
-            (scale, _), _ = _project(linear, reading)
-            slopes = scale * basis[:, : len(_FREE)]
-            slopes = slopes - linear @ np.linalg.lstsq(linear, slopes, rcond=None)[0]
-            size = np.linalg.norm(slopes, axis=0)
-            normal = (slopes / size).T @ (slopes / size)
-            before = least
-            for _ in range(_ROUNDS):
-                damped = normal + damping * np.eye(len(_FREE))
-                step = np.linalg.solve(damped, (slopes / size).T @ left) / size
-                step /= max(1.0, np.abs(step).max() / _LONGEST)
-                tried = self._respond(shift + step)
-                _, tried_left = _project(_with_scale_and_offset(tried), reading)
-                if _rms(tried_left) < least:
-                    damping *= 0.1
-                    shift, left, least = shift + step, tried_left, _rms(tried_left)
-                    break
-                damping *= 10.0
-            if before - least < _ENOUGH * before:
-                break
-            _, basis = self._linearised(shift)
-            linear = basis[:, len(_FREE) :]
-        return least
-
-    def _linearised(self, shift: Array) -> tuple[Array, Array]:
-        """Return the response and what small changes of everything that is free add to it."""
-        response = self._respond(shift)
-        slopes = [
-            (self._respond(shift + _STEP * unit) - response) / _STEP for unit in np.eye(len(_FREE))
+    def linearised(self, shift: Array, response: Array) -> Array:
+        """Return what small changes of everything that is free add to ``response``, by column."""
+        sensitivities = [
+            (self.respond(shift + _STEP * unit) - response) / _STEP for unit in np.eye(len(_FREE))
         ]
-        return response, np.column_stack([*slopes, _with_scale_and_offset(response)])
+        return np.column_stack([*sensitivities, response, np.ones_like(response)])
 
-    def _respond(self, shift: Array) -> Array:
+    def respond(self, shift: Array) -> Array:
         """Return the plain reading with the free parameters changed by factors exp(shift)."""
         film = self._parameters.film
         factors = dict(zip(_FREE, np.exp(shift), strict=True))
@@ -136,12 +106,42 @@ class Yardstick:
         return Rig(parameters, seed=0).respond(self._counts)[_SETTLING:]
 
 
-def _with_scale_and_offset(response: Array) -> Array:
-    return np.column_stack([response, np.ones_like(response)])
+class _Refit:
+    """The refit of the plain actuator to a disturbed reading, with scale and offset projected out.
+
+    Variable projection (Kaufman, BIT 15, 1975). Gain, stiffness and scale nearly replace one
+    another, so that Gauss-Newton steps without damping diverge.
+    """
+
+    def __init__(self, yardstick: Yardstick, reading: Array) -> None:
+        self._yardstick, self._reading = yardstick, reading
+
+    def evaluate(self, x: Array) -> Point[Array]:
+        """Return the RMS residual at the changes ``x`` of the logarithms, and the response."""
+        response = self._yardstick.respond(x)
+        linear = np.column_stack([response, np.ones_like(response)])
+        return Point(x, _rms(_project(linear, self._reading)[1]), response)
+
+    def linearise(self, point: Point[Array], iteration: int, exact: bool) -> Model:
+        """Return the model with scale and offset projected out, its steps limited in length."""
+        basis = self._yardstick.linearised(point.x, point.value)
+        linear = basis[:, len(_FREE) :]
+        (scale, _), residual = _project(linear, self._reading)
+        slopes = scale * basis[:, : len(_FREE)]
+        slopes = slopes - linear @ np.linalg.lstsq(linear, slopes, rcond=None)[0]
+        size = np.linalg.norm(slopes, axis=0)
+        normal = (slopes / size).T @ (slopes / size)
+
+        def step(damping: float) -> Array:
+            damped = normal + damping * np.eye(len(_FREE))
+            change: Array = np.linalg.solve(damped, (slopes / size).T @ residual) / size
+            return change / max(1.0, np.abs(change).max() / _LONGEST)
+
+        return Model(point.cost, step)
 
 
 def _project(basis: Array, values: Array) -> tuple[Array, Array]:
-    """Return the least-squares coefficients of ``values`` on ``basis``, and what they leave."""
+    """Return the least-squares coefficients of ``values`` on ``basis``, and the residual."""
     scale = np.linalg.norm(basis, axis=0)
     coefficients, *_ = np.linalg.lstsq(basis / scale, values, rcond=1e-7)
     return coefficients / scale, values - (basis / scale) @ coefficients

@@ -1,4 +1,4 @@
-"""Effects that push on the mass besides the film and its dashpot."""
+"""Effects that add a force on the mass."""
 
 import numpy as np
 from numpy.random import Generator
@@ -6,9 +6,7 @@ from numpy.random import Generator
 from dea.plant import forces
 from dea.plant.film import SUBSTEP
 from dea.plant.forces import ForceLaw
-from dea.plant.hidden.effect import Conditions, EffectKind
-
-PORT = "force balance"
+from dea.plant.hidden.effect import Conditions, EffectKind, Port
 
 
 def viscoelastic_creep(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
@@ -29,7 +27,7 @@ def viscoelastic_creep(size: float, conditions: Conditions, rng: Generator) -> F
 
 
 def rate_independent_hysteresis(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
-    """Hide loops with memory of every reversal that still matters, stiffer at the ends.
+    """Hide hysteresis loops that are stiffer at the ends of the travel.
 
     The initial stiffness is ``size`` film stiffnesses (Masing's rule with Preisach's memory).
     """
@@ -50,8 +48,8 @@ def rate_independent_hysteresis(size: float, conditions: Conditions, rng: Genera
 def coulomb_friction(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide friction of ``size`` times the largest film force, after LuGre.
 
-    Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995: bristles that bend by two
-    micrometres, and a static friction above the sliding one.
+    Canudas de Wit et al., IEEE Trans. Autom. Control 40, 1995: bristles that bend by 2 µm, and
+    static friction above sliding friction.
     """
     sliding = size * conditions.stiffness * conditions.travel
     bristle = sliding / 2e-6
@@ -62,7 +60,7 @@ def coulomb_friction(size: float, conditions: Conditions, rng: Generator) -> For
 
 
 def strain_stiffening(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
-    """Hide Fung's exponential, which reaches ``size`` of the largest film force at the top."""
+    """Hide Fung's exponential force, at the top ``size`` times the largest film force."""
     length = rng.uniform(0.2, 0.5) * conditions.travel
     reach = (conditions.top - conditions.bottom) / length
     force = size * conditions.stiffness * conditions.travel / (np.exp(reach) - 1.0 - reach)
@@ -74,7 +72,7 @@ def strain_stiffening(size: float, conditions: Conditions, rng: Generator) -> Fo
 def cyclic_softening(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
     """Hide the loss of a share ``size`` of the stiffness with the path travelled.
 
-    A stretched exponential in the accumulated path, as damage in filled rubber.
+    A stretched exponential in the accumulated path, as of damage in filled rubber.
     """
     path = rng.uniform(10.0, 60.0) * conditions.travel
     constants = np.array([conditions.stiffness, size, path, rng.uniform(0.6, 0.9)])
@@ -92,7 +90,7 @@ def second_mode(size: float, conditions: Conditions, rng: Generator) -> ForceLaw
 
 
 def end_stop(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
-    """Hide a stop that lies ``size`` of the travel below the top, by Hertz with loss.
+    """Hide a stop ``size`` of the travel below the top: Hertz contact with damping.
 
     Hunt and Crossley, J. Appl. Mech. 42, 1975.
     """
@@ -104,11 +102,13 @@ def end_stop(size: float, conditions: Conditions, rng: Generator) -> ForceLaw:
 
 
 EFFECTS = (
-    EffectKind("viscoelastic_creep", PORT, 0.005, 1.0, "1", viscoelastic_creep),
-    EffectKind("rate_independent_hysteresis", PORT, 0.005, 3.0, "1", rate_independent_hysteresis),
-    EffectKind("coulomb_friction", PORT, 0.002, 0.15, "1", coulomb_friction),
-    EffectKind("strain_stiffening", PORT, 0.01, 4.0, "1", strain_stiffening),
-    EffectKind("cyclic_softening", PORT, 0.002, 0.6, "1", cyclic_softening),
-    EffectKind("second_mode", PORT, 0.002, 2.0, "1", second_mode),
-    EffectKind("end_stop", PORT, 0.02, 0.7, "1", end_stop),
+    EffectKind("viscoelastic_creep", Port.FORCE, 0.005, 1.0, "1", viscoelastic_creep),
+    EffectKind(
+        "rate_independent_hysteresis", Port.FORCE, 0.005, 3.0, "1", rate_independent_hysteresis
+    ),
+    EffectKind("coulomb_friction", Port.FORCE, 0.002, 0.15, "1", coulomb_friction),
+    EffectKind("strain_stiffening", Port.FORCE, 0.01, 4.0, "1", strain_stiffening),
+    EffectKind("cyclic_softening", Port.FORCE, 0.002, 0.6, "1", cyclic_softening),
+    EffectKind("second_mode", Port.FORCE, 0.002, 2.0, "1", second_mode),
+    EffectKind("end_stop", Port.FORCE, 0.02, 0.7, "1", end_stop),
 )
