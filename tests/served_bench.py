@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from dea.bench.device import BenchDevice
-from dea.bench.player import Player
+from dea.bench.player import OutputLimits, Player
 from dea.bench.server import BenchServer, serve
 from dea.modbus import limit_counts, read_device
 
@@ -50,7 +50,7 @@ class ServedBench:
         self._first.append(len(self.plant.applied))
         low, high = limit_counts(self.description, "output")
         self.player = Player(
-            self.plant, low=low, high=high, zero=0, ramp_step=2000,
+            self.plant, OutputLimits(low, high, zero=0, ramp_step=2000),
             **{"watchdog_time": 5.0} | self._player,
         )  # fmt: skip
         constants = {

@@ -1,4 +1,4 @@
-"""The device's clockwork: whatever is asked of it in whatever order."""
+"""The device in time: any requests in any order."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from dea.bench.player import Player, State
+from dea.bench.player import OutputLimits, Player, PlayerState
 from dea.bench.ring import Origin
 from served_bench import RememberingPlant
 
@@ -16,7 +16,7 @@ COUNTS = st.lists(st.integers(0, 65535), min_size=1, max_size=55)
 
 def player(**options):
     return Player(
-        RememberingPlant(), low=LOW, high=HIGH, zero=0, ramp_step=100,
+        RememberingPlant(), OutputLimits(LOW, HIGH, zero=0, ramp_step=100),
         **{"fifo_length": 120, "ring_length": 300, "watchdog_time": 1.0} | options,
     )  # fmt: skip
 
@@ -43,9 +43,9 @@ class AnyUse(RuleBasedStateMachine):
 
     @rule()
     def start(self):
-        allowed = self.player.state == State.IDLE and not self.player.latched
+        allowed = self.player.state == PlayerState.IDLE and not self.player.latched
         allowed &= self.player.applied == 0
-        already = self.player.state == State.RUNNING
+        already = self.player.state == PlayerState.RUNNING
         assert self.player.start() == (allowed or already)
 
     @rule()
@@ -81,7 +81,7 @@ class AnyUse(RuleBasedStateMachine):
     def be_silent(self, seconds):
         self.now += seconds
         silent = self.now - self.player.last_heard > self.player.watchdog_time
-        driven = self.player.driven or self.player.state != State.IDLE
+        driven = self.player.driven or self.player.state != PlayerState.IDLE
         self.player.watch(self.now)
         if silent and driven:
             assert self.player.applied == 0
@@ -107,7 +107,7 @@ class AnyUse(RuleBasedStateMachine):
 
     @invariant()
     def a_trip_is_latched(self):
-        assert (self.player.state == State.TRIPPED) <= self.player.latched
+        assert (self.player.state == PlayerState.TRIPPED) <= self.player.latched
 
 
 TestAnyUse = AnyUse.TestCase
@@ -149,10 +149,10 @@ def test_stop_ramps_down_in_steps():
     device.load(1, [350])
     device.drain()
     device.stop()
-    assert device.state == State.RAMPING
+    assert device.state == PlayerState.RAMPING
     device.drain()
     assert device.plant.applied == [350, 250, 150, 50, 0, 0]
-    assert device.state == State.IDLE
+    assert device.state == PlayerState.IDLE
 
 
 @pytest.mark.parametrize("length", [300, 400, 1000])

@@ -259,7 +259,7 @@ def test_the_bench_clamps_whatever_the_host_asks(bench):
     owner.set("command", 1)
     owner.exchange(1, [65535, 100])
     owner.set("output", 65535)
-    assert max(bench.plant.applied) == bench.player.high < 65535
+    assert max(bench.plant.applied) == bench.player.limits.high < 65535
     assert owner.get("clamped") == 2
 
 

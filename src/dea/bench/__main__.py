@@ -20,13 +20,13 @@ from pathlib import Path
 import numpy as np
 
 from dea.bench.device import BenchDevice
-from dea.bench.player import Player
+from dea.bench.player import OutputLimits, Player
 from dea.bench.server import BenchServer, serve
 from dea.errors import InputError
 from dea.modbus import Device, limit_counts, read_device
 from dea.plant import SAMPLE_PERIOD, Converter, Parameters, Rig, Trial, read_parameters, read_plain
 
-RAMP_RATE = 5.0  # V/s, of the ramp the device makes by itself when it is stopped
+RAMP_RATE = 5.0  # V/s, of the device's own ramp when it is stopped
 
 
 def build(
@@ -47,14 +47,8 @@ def build(
         )  # fmt: skip
     output, displacement = parameters.output_converter, parameters.displacement_converter
     low, high = limit_counts(description, "output")
-    player = Player(
-        rig,
-        low=low,
-        high=high,
-        zero=rig.zero_count,
-        ramp_step=max(1, int(RAMP_RATE * SAMPLE_PERIOD / (output.high - output.low) * 65535)),
-        watchdog_time=watchdog,
-    )
+    ramp_step = max(1, int(RAMP_RATE * SAMPLE_PERIOD / (output.high - output.low) * 65535))
+    player = Player(rig, OutputLimits(low, high, rig.zero_count, ramp_step), watchdog_time=watchdog)
     limits = _volts(output, low), _volts(output, high)
     constants: dict[str, float | int | str] = {
         "identity": "dea-bench",
@@ -117,8 +111,8 @@ def main(arguments: list[str] | None = None) -> None:
         raise SystemExit(2) from None
     if not _is_loopback(server.host):
         print(
-            f"warning: {server.host} can be reached from the network, and Modbus knows no "
-            "passwords: anyone there can drive this bench",
+            f"warning: {server.host} can be reached from the network, and Modbus has no "
+            "authentication: anyone there can drive this bench",
             file=sys.stderr,
         )
     try:
@@ -141,7 +135,7 @@ def _server(options: argparse.Namespace) -> BenchServer:
     else:
         name, parameters = options.actuator, read_parameters(options.config, options.actuator)
         rig = Rig(parameters, options.seed)
-    # Compiles what is not compiled yet, which would keep the first master waiting.
+    # Compiles what is not compiled yet, for which the first master would have to wait.
     copy.deepcopy(rig).respond(np.array([rig.zero_count], np.uint16))
     device = build(
         rig, parameters, description,

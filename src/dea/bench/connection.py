@@ -1,7 +1,7 @@
-"""One master's connection: its frames kept in order, and the master in check.
+"""One master's connection: its frames answered in order, its use of the server limited.
 
-pymodbus 3.16 keeps one request per connection: a second one in the same segment overtakes or
-wedges the first. Here each frame is answered before the next is looked at.
+pymodbus 3.16 handles one request per connection: a second one in the same segment overtakes or
+blocks the first. Here each frame is answered before the next one is decoded.
 """
 
 import socket
@@ -16,14 +16,14 @@ from pymodbus.server.requesthandler import ServerRequestHandler
 from dea.bench.device import Session
 
 FUNCTIONS = (3, 4, 6, 16, 23)
-MAX_FRAME = 260  # bytes, of a Modbus frame on TCP
-MAX_BURST = 16  # frames of one master answered before the others have their turn
+MAX_FRAME = 260  # bytes of a Modbus frame on TCP
+MAX_BURST = 16  # frames of one master answered before the other masters' frames
 MAX_CONNECTIONS = 64
-MAX_UNREAD = 64 * 1024  # bytes of replies a client may leave unread
+MAX_UNREAD = 64 * 1024  # bytes of replies that a client may leave unread
 
 
 class Bench(Protocol):
-    """Who answers the masters."""
+    """What answers the masters' requests."""
 
     connections: set["Connection"]
 
@@ -32,19 +32,19 @@ class Bench(Protocol):
         ...
 
     def pump(self) -> None:
-        """Go on after a reply has been sent."""
+        """Continue after a reply has been sent."""
         ...
 
 
 class Connection(ServerRequestHandler):
-    """One master: its frames in, its replies out."""
+    """One master's connection: decodes its frames and sends the replies."""
 
     def __init__(self, owner: "TcpServer | TlsServer") -> None:
-        super().__init__(owner, None, None, None)
+        super().__init__(owner, None, None, None)  # type: ignore[no-untyped-call]
         self.bench, self.session, self.pending = owner.bench, Session(), b""
 
     def callback_connected(self) -> None:
-        """Refuse one connection too many; bound what a client may leave unread."""
+        """Refuse a connection beyond the limit; bound the replies a client may leave unread."""
         super().callback_connected()
         if len(self.bench.connections) >= MAX_CONNECTIONS:
             self.transport.abort()  # type: ignore[attr-defined]
@@ -55,24 +55,24 @@ class Connection(ServerRequestHandler):
         plain.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_UNREAD)
 
     def callback_disconnected(self, exc: Exception | None) -> None:
-        """Forget the master; what it drives is the watchdog's to end."""
+        """Forget the master; the watchdog ends what it drives."""
         super().callback_disconnected(exc)
         self.bench.connections.discard(self)
 
     def pause_writing(self) -> None:
-        """Drop a client that asks and does not listen."""
+        """Drop a client that does not read its replies."""
         self.transport.abort()  # type: ignore[attr-defined]
 
     def resume_writing(self) -> None:
-        """Nothing waits: a paused client has been dropped."""
+        """Do nothing: a paused client has been dropped."""
 
     def data_received(self, data: bytes) -> None:
-        """Answer every whole frame in the order of arrival; drop who sends what is none."""
+        """Answer every whole frame in the order of arrival; drop a client that sends no frames."""
         self.pending += data
         self._work()
 
     def _work(self) -> None:
-        """Answer a few frames; with more waiting, let the other masters have their turn first."""
+        """Answer at most MAX_BURST frames, then let the other masters' frames be answered."""
         for _ in range(MAX_BURST):
             if self.transport is None or self.transport.is_closing():
                 return
@@ -96,7 +96,7 @@ class Connection(ServerRequestHandler):
     def _frame(self) -> tuple[int, tuple[int, int, bytes] | None]:
         used, unit, transaction, pdu = self.framer.decode(self.pending)
         if isinstance(self.framer, FramerRTU) and used:
-            # pymodbus's RTU framer claims the whole buffer; a master has one request under way.
+            # pymodbus's RTU framer claims the whole buffer; a master sends one request at a time.
             used = len(self.pending)
         return used, (unit, transaction, pdu) if pdu else None
 
@@ -110,7 +110,7 @@ class Connection(ServerRequestHandler):
             reply = self.bench.answer(self.session, request)
         reply.dev_id, reply.transaction_id = unit, transaction
         self.pdu_send(reply)
-        # After the reply, so that the plant moves on while the host digests what it got.
+        # After the reply, so that the plant is simulated while the host processes it.
         self.bench.pump()
 
 
@@ -120,7 +120,7 @@ class TcpServer(ModbusTcpServer):
     bench: Bench
 
     def callback_new_connection(self) -> Connection:
-        """Hand a master its connection."""
+        """Return a new master's connection."""
         return Connection(self)
 
 
@@ -130,7 +130,7 @@ class TlsServer(ModbusTlsServer):
     bench: Bench
 
     def callback_new_connection(self) -> Connection:
-        """Hand a master its connection."""
+        """Return a new master's connection."""
         return Connection(self)
 
 

@@ -1,15 +1,15 @@
-"""The register map of the bench: what a master may read and write, and what that does."""
+"""The register map of the bench: what a master may read and write, and the effect of a write."""
 
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from dea.bench.player import Player, State
+from dea.bench.player import Player, PlayerState
 from dea.modbus import Device, Register, Value, Window, decode, encode
 
-START, STOP, RESET, CLEAR = 1, 2, 3, 4
-SILENCE = 1
-TRIGGER_PATIENCE = 5  # periods that the next polled sample may take
+START, STOP, RESET, CLEAR = 1, 2, 3, 4  # command
+SILENCE = 1  # trip_reason
+TRIGGER_PATIENCE = 5  # sample periods until the device's own clock follows a polled sample
 
 
 class RefusedError(Exception):
@@ -27,7 +27,7 @@ class RefusedError(Exception):
 
 @dataclass
 class Session:
-    """One master's connection: the owner's token it has shown and the samples it asks for."""
+    """One master's connection: its token as owner and the index it reads samples from."""
 
     token: int = 0
     read_index: int = 0
@@ -39,13 +39,13 @@ class BenchDevice:
     Parameters
     ----------
     player
-        The device's clockwork.
+        What the registers control.
     description
         The register map; the names are those of ``config/devices/virtual_bench.yaml``.
     constants
         Values of the registers that never change, by name: identity, ranges, lengths.
     virtual_clock
-        Whether time passes as fast as the owner feeds samples, or at wall time.
+        Whether time passes as fast as the owner sends samples, or at wall time.
     """
 
     def __init__(
@@ -94,8 +94,8 @@ class BenchDevice:
         if address == self._block.address and len(words) == self._block.size:
             self._write_block(session, words)
             return
-        part = register in self._block.registers
-        if part or register.address != address or register.size != len(words):
+        in_block = register in self._block.registers
+        if in_block or register.address != address or register.size != len(words):
             raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
         value = decode(register, words)
         if not isinstance(value, int):
@@ -110,7 +110,7 @@ class BenchDevice:
             self._command(value)
 
     def heard(self, session: Session, now: float) -> None:
-        """Feed the watchdog where it is the owner who speaks."""
+        """Reset the watchdog if the master is the owner."""
         if self.owner and session.token == self.owner:
             self.player.heard(now)
 
@@ -119,7 +119,7 @@ class BenchDevice:
         self._due = now + self.period
 
     def tick(self, now: float) -> float:
-        """Let the samples due by ``now`` pass at wall time; return when the next one is due."""
+        """Let the samples due by ``now`` pass at wall time; return the next one's due time."""
         if not self.virtual_clock and now >= self._due:
             passed = int((now - self._due) / self.period) + 1
             self.player.advance(passed)
@@ -127,12 +127,12 @@ class BenchDevice:
         return self._due
 
     def pump(self) -> None:
-        """Let the virtual clock run as far as the owner has fed it."""
+        """Let the virtual clock run as far as the owner has sent samples."""
         if self.virtual_clock:
             self.player.drain()
 
     def watch(self, now: float) -> None:
-        """Let the watchdog look; an owner silent at zero output loses the outputs."""
+        """Run the watchdog; an owner who is silent at zero output loses the outputs."""
         silent = now - self.player.last_heard > self.player.watchdog_time
         self.player.watch(now)
         if silent and self.owner and not self.player.driven:
@@ -164,7 +164,7 @@ class BenchDevice:
         elif command == RESET:
             done = player.reset()
         elif command == CLEAR:
-            done = player.state in (State.IDLE, State.TRIPPED)
+            done = player.state in (PlayerState.IDLE, PlayerState.TRIPPED)
             if done:
                 player.clear()
         else:
@@ -175,14 +175,14 @@ class BenchDevice:
     def _hold(self, count: int) -> None:
         if not self.player.hold(count):
             raise RefusedError(RefusedError.NOT_ALLOWED)
-        # The master paces a polled device: its write is the trigger, and a late one a late sample.
-        # After that the device's own clock goes on with the output held.
+        # A polled write triggers one sample. Where the next write is late, the device's own clock
+        # continues with the output held.
         self.player.advance(1)
         self._due = time.monotonic() + TRIGGER_PATIENCE * self.period
 
     def _write_block(self, session: Session, words: Sequence[int]) -> None:
         if not self._block.intact(words):
-            # Not an exception: the echoed sequence tells the host that the block did not arrive.
+            # No exception: the echoed sequence number tells the host that the block did not arrive.
             self.player.refused += 1
             return
         block = self._block.decode(words)
@@ -248,8 +248,12 @@ class BenchDevice:
                 return int(player.latched)
             case "watchdog_trips":
                 return min(player.trips, 0xFFFF)
-            case "underruns" | "overruns" | "clamped":
-                return getattr(player, name)
+            case "underruns":
+                return player.underruns
+            case "overruns":
+                return player.overruns
+            case "clamped":
+                return player.clamped
             case "refused_blocks":
                 return player.refused
             case "applied_output":

@@ -1,16 +1,18 @@
-"""What the device does with time: plays its FIFO, measures, keeps watch, and ramps to zero."""
+"""The device in time: it plays its FIFO, measures, runs its watchdog and ramps to zero."""
 
 from collections import deque
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dea.bench.ring import Origin, Ring
+from dea.bench.ring import Counts, Origin, Ring
 
 
-class State(IntEnum):
-    """What the device is doing."""
+class PlayerState(IntEnum):
+    """What the device is doing; the values of the register ``state``."""
 
     IDLE = 0
     RAMPING = 1
@@ -21,8 +23,25 @@ class State(IntEnum):
 class Plant(Protocol):
     """What the device drives and measures; :class:`dea.plant.Rig` is one."""
 
-    def advance(self, output_counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Apply these counts, a sample each; return the applied and the displacement counts."""
+    def advance(self, output_counts: Counts) -> tuple[Counts, Counts]:
+        """Apply one count per sample; return the applied and the displacement counts.
+
+        All have the shape (samples,).
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class OutputLimits:
+    """Counts of the output: ``zero`` of 0 V, and ``low`` and ``high``, which nothing exceeds.
+
+    ``ramp_step`` is the largest change in one sample while the device itself ramps.
+    """
+
+    low: int
+    high: int
+    zero: int
+    ramp_step: int
 
 
 class Player:
@@ -31,15 +50,11 @@ class Player:
     Parameters
     ----------
     plant
-        What is driven, a sample per output count.
-    low, high
-        Output counts that are never exceeded, whatever is asked.
-    zero
-        Output counts of 0 V.
-    ramp_step
-        Largest change of the output in one sample while the device itself ramps, counts.
+        What is driven, one sample per output count.
+    limits
+        Of the output.
     fifo_length, ring_length
-        Samples the device holds ahead of and behind the clock.
+        Samples that the device holds before they are played and after they are measured.
     watchdog_time
         Silence of the owner, s, after which a driven output is taken to zero.
     """
@@ -47,30 +62,31 @@ class Player:
     def __init__(
         self,
         plant: Plant,
+        limits: OutputLimits,
         *,
-        low: int,
-        high: int,
-        zero: int,
-        ramp_step: int,
         fifo_length: int = 512,
         ring_length: int = 8192,
         watchdog_time: float = 1.0,
     ) -> None:
-        self.plant, self.low, self.high, self.zero = plant, low, high, zero
-        self.ramp_step, self.watchdog_time = ramp_step, watchdog_time
+        self.plant, self.limits, self.watchdog_time = plant, limits, watchdog_time
         self.fifo_length, self.ring = fifo_length, Ring(ring_length)
-        self.state = State.IDLE
+        self.state = PlayerState.IDLE
         self.latched = False
         self.trips = self.underruns = self.overruns = self.clamped = self.refused = 0
         self.position = 0  # samples of the FIFO played since it was cleared
-        self.sequence = 0  # last block accepted
+        self.sequence = 0  # of the last block accepted
         self.collected = 0  # device index up to which the owner has read
-        self.requested = zero  # held while nothing else is asked
-        self.applied = zero
+        self.requested = limits.zero  # the output until another one is asked for
+        self.applied = limits.zero
         self.displacement = 0
         self.last_heard = 0.0
         self._polled = False
         self._fifo: deque[int] = deque()
+
+    @property
+    def zero(self) -> int:
+        """Output count of 0 V."""
+        return self.limits.zero
 
     @property
     def fifo_level(self) -> int:
@@ -79,20 +95,23 @@ class Player:
 
     @property
     def driven(self) -> bool:
-        """Whether the output is away from zero, or about to be."""
+        """Whether the output is not zero, or will not be."""
         return self.applied != self.zero or self.requested != self.zero or bool(self._fifo)
 
     def load(self, sequence: int, counts: list[int]) -> bool:
-        """Append a block to the FIFO once; return whether it stands there.
+        """Append a block to the FIFO once; return whether it has been appended.
 
-        A repeated sequence number is recognised and not appended again; a block out of sequence
-        or too long for the FIFO is left to the host to send again.
+        A repeated sequence number is not appended again. A block out of sequence or too long for
+        the free space is refused, and the host sends it again.
         """
         if sequence == self.sequence:
             return True
-        fits = len(self._fifo) + len(counts) <= self.fifo_length
-        in_turn = sequence == self.sequence + 1 and self.state in (State.IDLE, State.RUNNING)
-        if not (fits and in_turn):
+        has_room = len(self._fifo) + len(counts) <= self.fifo_length
+        in_turn = sequence == self.sequence + 1 and self.state in (
+            PlayerState.IDLE,
+            PlayerState.RUNNING,
+        )
+        if not (has_room and in_turn):
             self.refused += 1
             return False
         self._fifo.extend(counts)
@@ -107,44 +126,44 @@ class Player:
 
     def start(self) -> bool:
         """Begin to play; refused while the output is not zero or the watchdog has latched."""
-        if self.state == State.RUNNING:
+        if self.state == PlayerState.RUNNING:
             return True
-        if self.state != State.IDLE or self.latched or self.applied != self.zero:
+        if self.state != PlayerState.IDLE or self.latched or self.applied != self.zero:
             return False
-        self.state, self.requested, self._polled = State.RUNNING, self.zero, False
+        self.state, self.requested, self._polled = PlayerState.RUNNING, self.zero, False
         return True
 
     def stop(self) -> None:
-        """Drop what waits and ramp to zero."""
+        """Empty the FIFO and ramp to zero."""
         self._fifo.clear()
-        if self.state == State.RUNNING:
-            self.state = State.RAMPING
+        if self.state == PlayerState.RUNNING:
+            self.state = PlayerState.RAMPING
 
     def reset(self) -> bool:
         """Clear the latch; refused while the output is not zero."""
         if self.applied != self.zero:
             return False
-        self.latched, self.state = False, State.IDLE
+        self.latched, self.state = False, PlayerState.IDLE
         return True
 
     def hold(self, count: int) -> bool:
-        """Ask for one output value until the next; return whether the device is running."""
-        if self.state != State.RUNNING:
+        """Set the output until the next value; return whether the device is running."""
+        if self.state != PlayerState.RUNNING:
             return False
         self.requested, self._polled = count, True
         return True
 
     def heard(self, now: float) -> None:
-        """Note a word of the owner at ``now``, s."""
+        """Note a request of the owner at ``now``, s."""
         self.last_heard = now
 
     def watch(self, now: float) -> None:
-        """Take the output to zero, latch and count where the owner has been silent too long."""
-        if self.state == State.TRIPPED or now - self.last_heard <= self.watchdog_time:
+        """Take the output to zero, latch and count if the owner has been silent too long."""
+        if self.state == PlayerState.TRIPPED or now - self.last_heard <= self.watchdog_time:
             return
-        if self.driven or self.state != State.IDLE:
+        if self.driven or self.state != PlayerState.IDLE:
             self._fifo.clear()
-            self.requested, self.state, self.latched = self.zero, State.TRIPPED, True
+            self.requested, self.state, self.latched = self.zero, PlayerState.TRIPPED, True
             self.trips += 1
             self.advance(1)
 
@@ -156,40 +175,42 @@ class Player:
             count -= len(wanted)
 
     def drain(self) -> None:
-        """Let as many samples pass as the FIFO or the ramp holds: the virtual clock."""
-        while self.state == State.RAMPING or (self.state == State.RUNNING and self._fifo):
-            self.advance(1 if self.state == State.RAMPING else len(self._fifo))
+        """Let samples pass until the FIFO is empty or the ramp has ended: the virtual clock."""
+        while self.state == PlayerState.RAMPING or (
+            self.state == PlayerState.RUNNING and self._fifo
+        ):
+            self.advance(1 if self.state == PlayerState.RAMPING else len(self._fifo))
 
     def _next(self, count: int) -> tuple[list[int], Origin, int]:
-        """What to apply now: at most ``count`` values of one origin."""
-        if self.state == State.RAMPING:
-            gap = self.zero - self.applied
-            if not gap:
-                self.state, self.requested = State.IDLE, self.zero
+        """Return at most ``count`` values to apply now, their origin and their position."""
+        if self.state == PlayerState.RAMPING:
+            remaining = self.zero - self.applied
+            if not remaining:
+                self.state, self.requested = PlayerState.IDLE, self.zero
                 return [self.zero], Origin.REST, self.position
-            step = min(abs(gap), self.ramp_step)
-            self.requested = self.applied + (step if gap > 0 else -step)
+            step = min(abs(remaining), self.limits.ramp_step)
+            self.requested = self.applied + (step if remaining > 0 else -step)
             return [self.requested], Origin.RAMP, self.position
-        if self.state == State.RUNNING and self._fifo:
+        if self.state == PlayerState.RUNNING and self._fifo:
             played = [self._fifo.popleft() for _ in range(min(count, len(self._fifo)))]
             self.requested, position = played[-1], self.position
             self.position += len(played)
             return played, Origin.PLAYED, position
-        if self.state == State.TRIPPED:
+        if self.state == PlayerState.TRIPPED:
             return [self.zero] * count, Origin.TRIPPED, self.position
-        if self._polled and self.state == State.RUNNING:
+        if self._polled and self.state == PlayerState.RUNNING:
             return [self.requested] * count, Origin.POLLED, self.position
         if self.requested == self.zero:
             return [self.zero] * count, Origin.REST, self.position
         self.underruns += count
         return [self.requested] * count, Origin.HELD, self.position
 
-    def _apply(self, wanted: np.ndarray, origin: Origin, position: int) -> None:
-        inside = np.clip(wanted, self.low, self.high)
+    def _apply(self, wanted: NDArray[np.int64], origin: Origin, position: int) -> None:
+        inside = np.clip(wanted, self.limits.low, self.limits.high)
         self.clamped += int(np.count_nonzero(inside != wanted))
         applied, displacement = self.plant.advance(inside.astype(np.uint16))
         self.ring.append(applied, displacement, origin, position)
         self.applied, self.displacement = int(applied[-1]), int(displacement[-1])
-        if self.state == State.RUNNING:
+        if self.state == PlayerState.RUNNING:
             oldest = self.ring.end - self.ring.length
             self.overruns += max(0, oldest - max(self.collected, oldest - inside.size))

@@ -1,4 +1,4 @@
-"""The device's memory of what it applied and measured, as far back as it reaches."""
+"""The ring buffer of the samples that the device last applied and measured."""
 
 from bisect import bisect_right
 from dataclasses import dataclass
@@ -7,13 +7,16 @@ from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+
+Counts = NDArray[np.uint16]
 
 
 class Origin(IntEnum):
     """Why a sample was applied."""
 
     PLAYED = 1
-    HELD = 2
+    HELD = 2  # the FIFO was empty
     REST = 3
     RAMP = 4
     TRIPPED = 5
@@ -22,17 +25,17 @@ class Origin(IntEnum):
 
 @dataclass(frozen=True)
 class Run:
-    """Consecutive samples of one origin; ``position`` is the first one's place in what was fed."""
+    """Consecutive samples of one origin; the first has ``position`` in the sequence fed."""
 
     index: int
     position: int
     origin: Origin
-    applied: np.ndarray
-    displacement: np.ndarray
+    applied: Counts
+    displacement: Counts
 
 
 class Stretch(NamedTuple):
-    """Samples from index ``begin`` on have one origin and begin at ``position`` of what was fed."""
+    """Samples of one origin from index ``begin`` on; the first has ``position`` in the sequence."""
 
     begin: int
     position: int
@@ -40,7 +43,7 @@ class Stretch(NamedTuple):
 
     @property
     def moves(self) -> bool:
-        """Whether each of its samples is one place further in what was fed."""
+        """Whether the position grows by one with each sample."""
         return self.origin == Origin.PLAYED
 
 
@@ -52,17 +55,15 @@ class Ring:
         self._applied, self._measured = np.zeros((2, length), np.uint16)
         self._stretches = [Stretch(0, 0, Origin.REST)]
 
-    def append(
-        self, applied: np.ndarray, measured: np.ndarray, origin: Origin, position: int
-    ) -> None:
-        """Add samples of one origin; ``position`` is the first one's place in what was fed."""
+    def append(self, applied: Counts, measured: Counts, origin: Origin, position: int) -> None:
+        """Add samples of one origin; the first has ``position`` in the sequence fed."""
         slots = np.arange(self.end, self.end + applied.size) % self.length
         self._applied[slots], self._measured[slots] = applied, measured
         self._note(origin, position)
         self.end += applied.size
 
     def run(self, index: int, limit: int) -> Run:
-        """Up to ``limit`` samples of one origin, from ``index`` or the oldest one still held."""
+        """Up to ``limit`` samples of one origin, from ``index`` or the oldest one in the ring."""
         first = min(max(index, self.end - self.length, 0), self.end)
         after = bisect_right(self._stretches, first, key=attrgetter("begin"))
         stretch, end = self._stretches[after - 1], min(first + limit, self.end)
@@ -73,7 +74,7 @@ class Ring:
         return Run(first, position, stretch.origin, self._applied[slots], self._measured[slots])
 
     def _note(self, origin: Origin, position: int) -> None:
-        """Begin a stretch where what comes next does not continue the last one."""
+        """Begin a stretch if the next sample does not continue the last one."""
         last = self._stretches[-1]
         expected = last.position + (self.end - last.begin) * last.moves
         if (origin, position) != (last.origin, expected):

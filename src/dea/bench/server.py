@@ -1,4 +1,4 @@
-"""The bench on the network: a device served by pymodbus until cancelled."""
+"""A bench device on the network, served by pymodbus until cancelled."""
 
 import asyncio
 import contextlib
@@ -30,7 +30,7 @@ class BenchServer:
     device
         What is served; its description gives unit id and framing.
     host, port
-        Where to listen; port 0 takes a free one, which :attr:`port` tells after :meth:`start`.
+        Where to listen; port 0 takes a free one, which :attr:`port` holds after :meth:`start`.
     tls
         Server-side context, needed where the framing is ``tls``.
     """
@@ -53,7 +53,7 @@ class BenchServer:
         self._server: TcpServer | TlsServer | None = None
 
     async def start(self) -> None:
-        """Listen; raises OSError where the address cannot be had."""
+        """Listen; raises OSError if the address is not available."""
         description = self.device.description
         table = SimDevice(
             id=description.unit_id,
@@ -73,9 +73,9 @@ class BenchServer:
         self.port = self._server.transport.sockets[0].getsockname()[1]  # type: ignore[attr-defined]
 
     async def run(self) -> None:
-        """Keep the clock and the watchdog going until cancelled; then close.
+        """Run the clock and the watchdog until cancelled; then close.
 
-        What the plant raises while it is fed ends the server with that exception.
+        An exception of the plant ends the server with that exception.
         """
         device = self.device
         pause = min(device.period, device.player.watchdog_time / 4)
@@ -93,10 +93,10 @@ class BenchServer:
     async def close(self) -> None:
         """Stop listening and drop every connection."""
         if self._server is not None:
-            await self._server.shutdown()
+            await self._server.shutdown()  # type: ignore[no-untyped-call]
 
     def pump(self) -> None:
-        """Let the device's virtual clock run; a failing plant ends the server."""
+        """Let the device's virtual clock run; an exception of the plant ends the server."""
         try:
             self.device.pump()
         except Exception as error:
@@ -119,7 +119,7 @@ class BenchServer:
         return reply
 
     def _read_write(self, request: ReadWriteRequest) -> ModbusPDU:
-        """Function code 23, which carries the blocks, past pymodbus's check of each register."""
+        """Answer function code 23, which carries the blocks, without pymodbus's slow checks."""
         if not request.valid:
             return ExceptionResponse(request.function_code, ExcCodes.ILLEGAL_VALUE)
         try:
@@ -138,7 +138,7 @@ class BenchServer:
         registers: list[int],
         values: list[int] | list[bool] | None,
     ) -> ExcCodes | None:
-        """What pymodbus calls before it stores (values given) and before it reads."""
+        """Called by pymodbus before it stores (values given) and before it reads."""
         try:
             if values is not None:
                 self.device.write(self._session, address, [int(v) for v in values])
@@ -151,11 +151,12 @@ class BenchServer:
 
 
 def _finish(answer: Coroutine[Any, Any, ModbusPDU]) -> ModbusPDU:
-    """Run a coroutine that never waits."""
+    """Return the result of a coroutine that never waits."""
     try:
         answer.send(None)
     except StopIteration as done:
-        return done.value
+        reply: ModbusPDU = done.value
+        return reply
     answer.close()
     raise RuntimeError("a device's answer must not wait")
 

@@ -31,13 +31,20 @@ class Yardstick:
         The plain actuator.
     output_counts
         The excitation, shape (samples,).
+
+    Attributes
+    ----------
+    plain
+        Reading of the plain actuator in m, shape (samples,).
+    basis
+        What small changes of the free parameters, scale and offset add to it, by column.
     """
 
     def __init__(self, parameters: Parameters, output_counts: NDArray[np.uint16]) -> None:
         self._parameters = parameters
         self._counts = np.concatenate([np.repeat(output_counts[:1], _SETTLING), output_counts])
-        self._plain = self.respond(_UNCHANGED)
-        self._basis = self.linearised(_UNCHANGED, self._plain)
+        self.plain = self.respond(_UNCHANGED)
+        self.basis = self.linearised(_UNCHANGED, self.plain)
 
     def conditions(self) -> Conditions:
         """Return what the excitation does to the plain actuator."""
@@ -50,9 +57,9 @@ class Yardstick:
             low=float(command.min()),
             high=float(command.max()),
             rest=rest,
-            bottom=float(self._plain.min()),
-            median=float(np.median(self._plain)),
-            top=float(self._plain.max()),
+            bottom=float(self.plain.min()),
+            median=float(np.median(self.plain)),
+            top=float(self.plain.max()),
             stiffness=(pulls[1] - pulls[0]) / 2e-6,
             duration=self._counts.size * SAMPLE_PERIOD,
         )
@@ -77,10 +84,10 @@ class Yardstick:
         ``without`` are laws that replace the plain actuator as the reference.
         """
         reading = self._disturbed(laws)
-        reference = self._plain if without is None else self._disturbed(without)
+        reference = self.plain if without is None else self._disturbed(without)
         if reading is None or reference is None:
             return np.inf
-        _, residual = _project(self._basis, reading - reference)
+        _, residual = _project(self.basis, reading - reference)
         return _rms(residual) / self._parameters.sensor.noise
 
     def _disturbed(self, laws: list[Law]) -> Array | None:
@@ -118,13 +125,14 @@ class _Refit:
 
     def evaluate(self, x: Array) -> Point[Array]:
         """Return the RMS residual at the changes ``x`` of the logarithms, and the response."""
-        response = self._yardstick.respond(x)
+        response = self._yardstick.respond(x) if x.any() else self._yardstick.plain
         linear = np.column_stack([response, np.ones_like(response)])
         return Point(x, _rms(_project(linear, self._reading)[1]), response)
 
     def linearise(self, point: Point[Array], iteration: int, exact: bool) -> Model:
         """Return the model with scale and offset projected out, its steps limited in length."""
-        basis = self._yardstick.linearised(point.x, point.value)
+        yardstick = self._yardstick
+        basis = yardstick.linearised(point.x, point.value) if iteration else yardstick.basis
         linear = basis[:, len(_FREE) :]
         (scale, _), residual = _project(linear, self._reading)
         slopes = scale * basis[:, : len(_FREE)]
@@ -135,7 +143,8 @@ class _Refit:
         def step(damping: float) -> Array:
             damped = normal + damping * np.eye(len(_FREE))
             change: Array = np.linalg.solve(damped, (slopes / size).T @ residual) / size
-            return change / max(1.0, np.abs(change).max() / _LONGEST)
+            change /= max(1.0, np.abs(change).max() / _LONGEST)
+            return change
 
         return Model(point.cost, step)
 
@@ -144,7 +153,8 @@ def _project(basis: Array, values: Array) -> tuple[Array, Array]:
     """Return the least-squares coefficients of ``values`` on ``basis``, and the residual."""
     scale = np.linalg.norm(basis, axis=0)
     coefficients, *_ = np.linalg.lstsq(basis / scale, values, rcond=1e-7)
-    return coefficients / scale, values - (basis / scale) @ coefficients
+    residual: Array = values - (basis / scale) @ coefficients
+    return coefficients / scale, residual
 
 
 def _rms(values: Array) -> float:
