@@ -3,10 +3,12 @@
 import argparse
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from dea import signals, store
 from dea.acquisition.acquire import acquire
@@ -21,7 +23,9 @@ from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device
 from dea.errors import DeviceError, InputError
-from dea.modbus import Device, read_device
+from dea.modbus import BLOCK, REPLY, Device, read_device
+
+Command = Callable[[argparse.Namespace], None]
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -62,7 +66,7 @@ def drive(options: argparse.Namespace) -> None:
 
 
 def check(options: argparse.Namespace) -> None:
-    """Compare the device with its description and print what it says; applies no voltage."""
+    """Compare the device with its description and print its registers; applies no voltage."""
     device = _device(options)
     link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
     link.open()
@@ -70,7 +74,7 @@ def check(options: argparse.Namespace) -> None:
         panel = Panel(link)
         verify_device(panel)
         for name, register in device.registers.items():
-            if register.access != "write" and not name.startswith(("block_", "reply_")):
+            if register.access != "write" and name not in (*BLOCK, *REPLY):
                 value = panel.get(name) if register.type == "string" else panel.number(name)
                 unit = "" if register.unit == "1" else f" {register.unit}"
                 print(f"{name:24} {value:g}{unit}" if unit else f"{name:24} {value}")
@@ -102,7 +106,7 @@ def rescue(options: argparse.Namespace) -> None:
     _write_record(record, options, f"Rescued record of {device.name}")
 
 
-def _write_record(record, options: argparse.Namespace, title: str) -> None:
+def _write_record(record: xr.Dataset, options: argparse.Namespace, title: str) -> None:
     store.write(
         record.assign_attrs(contract="record", device_description=options.device.read_text()),
         options.output,
@@ -121,7 +125,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m dea.acquisition", description=__doc__)
     commands = parser.add_subparsers(required=True)
 
-    def command(name: str, run) -> argparse.ArgumentParser:
+    def command(name: str, run: Command) -> argparse.ArgumentParser:
         added = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
         added.set_defaults(run=run)
         added.add_argument(

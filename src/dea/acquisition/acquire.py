@@ -1,4 +1,4 @@
-"""One acquisition: excitation in, record out, and the film at zero volts whatever happens."""
+"""One acquisition: from an excitation to a record, with the output at zero volts at the end."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
@@ -25,7 +25,7 @@ Watcher = Callable[[Samples, LinkLog], None]
 
 
 class Acquisition(NamedTuple):
-    """What an acquisition brought home: the record and how the link fared."""
+    """The result of an acquisition: the record, and the log of the link as a dataset."""
 
     record: xr.Dataset
     link: xr.Dataset
@@ -42,17 +42,17 @@ def acquire(
 ) -> Acquisition:
     """Drive ``device`` with ``excitation`` and record what it applied and measured.
 
-    Samples reach ``partial`` on the disk as they come; it is left there where the acquisition
-    does not end well, and removed by the caller once the record is written.
+    Samples are written to ``partial`` as they arrive. The file stays if the acquisition fails; the
+    caller removes it once the record is written.
 
     Parameters
     ----------
     device
         What to drive, see :func:`dea.modbus.read_device`.
     excitation
-        V before the amplifier, one a sample period, shape (samples,).
+        V before the amplifier, one per sample period, shape (samples,).
     partial
-        File for the samples while it runs; one that an earlier run left is set aside.
+        File for the samples while it runs; one left by an earlier run is renamed.
     watch
         Called with every block of samples and the link's log.
     reset
@@ -61,22 +61,22 @@ def acquire(
     Raises
     ------
     InputError
-        Before any voltage: excitation outside the limits, a device that does not match its
-        description, does not answer, is driven or owned by another, or has tripped.
+        Before any voltage: the excitation leaves the limits, or the device does not match its
+        description, does not answer, is driven or owned by another master, or has tripped.
     BrokenRecordError
-        Where samples were lost or undriven and the settings do not restart.
+        Where samples were lost or not driven, and the settings do not restart.
     LinkError, ZeroNotVerifiedError
-        Where the device went away.
+        Where the connection is lost, or the output cannot be read back as zero.
     ReadBackError
-        Where the register of the applied output tells something else than is played.
+        Where the register of the applied output does not hold what is played.
     """
     settings = settings or AcquisitionSettings()
     plan = plan_sequence(device, excitation, settings.ramp_rate)
-    patience = LinkSettings(settings.timeout, settings.retries, settings.reconnect_time)
+    timing = LinkSettings(settings.timeout, settings.retries, settings.reconnect_time)
     log = LinkLog()
     attempts = settings.restarts + 1 if settings.on_break == "restart" else 1
     for attempt in range(attempts):
-        link = Link(device, patience, log)
+        link = Link(device, timing, log)
         try:
             samples = _attempt(link, plan, partial, settings, watch, reset or attempt > 0)
             break
@@ -95,7 +95,7 @@ def _attempt(
     watch: Watcher | None,
     reset: bool,
 ) -> Samples:
-    """Everything measured while the plan was driven, from a verified zero to a verified zero."""
+    """Return everything measured while the plan was driven, zero verified before and after."""
     blocks = []
     interruption = Interruption()
     output = SafeOutput(link, ramp_rate=settings.ramp_rate, reset=reset)

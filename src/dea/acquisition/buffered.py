@@ -1,12 +1,13 @@
 """Driving a device that plays blocks from a FIFO and keeps what it measured in a ring.
 
-Each exchange carries the next block and asks for the samples from an index on. Both are
-idempotent: the device plays a sequence number once, and an index always names the same sample.
+Each exchange sends the next block and requests the samples from an index on. Both are idempotent:
+the device plays a sequence number once, and an index always means the same sample.
 """
 
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from dea.acquisition.link import DeviceRefusedError, LinkError
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import ReadBack
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
-from dea.modbus import Window
+from dea.modbus import block_window, reply_window
 
 PLAYED, HELD, REST = 1, 2, 3  # reply_origin
 STATE_TRIPPED = 3  # reply_state
@@ -38,12 +39,12 @@ class Reply:
 
 
 class BlockExchange:
-    """The block registers of a device: one call sends a block and fetches samples."""
+    """The block registers of a device: one call sends a block and reads samples."""
 
     def __init__(self, panel: Panel) -> None:
         self.link, self.errors = panel.link, panel.link.log.errors
-        self.ask = Window.of_block(panel.device, "block_")
-        self.answer = Window.of_block(panel.device, "reply_")
+        self.ask = block_window(panel.device)
+        self.answer = reply_window(panel.device)
         self.capacity = panel.device["block_samples"].count
 
     def __call__(self, sequence: int, counts: np.ndarray, read_index: int) -> Reply:
@@ -70,7 +71,7 @@ class BlockExchange:
         raise LinkError("no reply with a valid checksum")
 
 
-def _reply(value: dict) -> Reply:
+def _reply(value: dict[str, Any]) -> Reply:
     pairs = np.asarray(value["reply_samples"], np.int64)[: 2 * value["reply_count"]]
     return Reply(
         value["reply_sequence"], value["reply_index"], value["reply_position"],
@@ -80,19 +81,17 @@ def _reply(value: dict) -> Reply:
 
 
 def play(panel: Panel, counts: np.ndarray, *, tolerance: float) -> Iterator[Samples]:
-    """Start the device, play ``counts`` and yield what it measured, in order and whole.
+    """Start the device, play ``counts`` and yield what it measured, in order and complete.
 
-    ``tolerance`` is that of :class:`~dea.acquisition.read_back.ReadBack`.
-
-    Samples the device added by holding its output are yielded with the position of the sample
-    held, flagged.
+    ``tolerance`` is that of :class:`~dea.acquisition.read_back.ReadBack`. Samples that the device
+    added by holding its output are yielded with the position of the sample held, and flagged.
 
     Raises
     ------
     BrokenRecordError
-        Where samples are lost or undriven; it brings them, flagged.
+        Where samples are lost or not driven; it carries them, flagged.
     ReadBackError
-        Where the register of the applied output does not tell what is played.
+        Where the register of the applied output does not hold what is played.
     """
     playback, read_back = _Playback(panel, counts), ReadBack(panel, counts, tolerance)
     while playback.done < counts.size:
@@ -106,7 +105,7 @@ def play(panel: Panel, counts: np.ndarray, *, tolerance: float) -> Iterator[Samp
 
 
 class _Playback:
-    """How far a sequence of counts has been fed to the device and its samples collected."""
+    """The progress of a sequence of counts: sent to the device, and read back as samples."""
 
     def __init__(self, panel: Panel, counts: np.ndarray) -> None:
         self.panel, self.counts, self.exchange = panel, counts, BlockExchange(panel)
@@ -121,7 +120,7 @@ class _Playback:
         self.refusal: DeviceRefusedError | None = None
 
     def feed(self) -> Reply | None:
-        """Offer the next block, if one is left; None where the device refuses it."""
+        """Send the next block, if one is left; return None if the device refuses it."""
         block = self.counts[self.sent :][: self.exchange.capacity * (self.refusal is None)]
         offer = self.sequence + 1 if block.size else 0
         try:
@@ -129,7 +128,7 @@ class _Playback:
         except DeviceRefusedError as error:
             if not offer:
                 raise
-            self.refusal = error  # what was played until now can still be read
+            self.refusal = error  # the samples played so far can still be read
             return None
         except LinkError as error:
             raise self._broken(f"never driven or read ({error})") from error
@@ -142,8 +141,8 @@ class _Playback:
         return reply
 
     def collect(self, reply: Reply) -> Samples | None:
-        """Samples of a reply that were driven; None where there are none."""
-        if reply.index < self.wanted:  # a new connection, which has not yet said what it wants
+        """Return the samples of a reply that were driven, or None."""
+        if reply.index < self.wanted:  # of a new connection, which has not sent its index yet
             return None
         if reply.index > self.wanted:
             raise self._broken("overwritten before they were read", reply.index - self.wanted)
@@ -167,7 +166,7 @@ class _Playback:
         return samples
 
     def rest(self, reply: Reply) -> None:
-        """Start once the FIFO is well filled; wait where it is and nothing is left to read."""
+        """Start once the FIFO is filled; wait if it is and nothing is left to read."""
         full = reply.fifo >= self.high_water or self.sent == self.counts.size
         if not self.started and full:
             self.panel.set("command", START)
@@ -180,14 +179,14 @@ class _Playback:
         return self._broken(f"the device lost its place{again}")
 
     def _broken(self, reason: str, count: int | None = None) -> BrokenRecordError:
-        """The next ``count`` samples, or all that are left, will never be had."""
+        """Return the error for the next ``count`` samples, or all that are left, as lost."""
         missing = self.counts[self.done :][:count]
         lost = Samples.lost(self.done, self.wanted, missing)
         return BrokenRecordError(reason, self.done, missing.size, lost)
 
 
 def _samples(reply: Reply, counts: np.ndarray) -> Samples | None:
-    """The samples of a reply; None where it holds none that were driven."""
+    """Return the samples of a reply, or None if it holds none that were driven."""
     n = reply.applied.size
     if not n or reply.origin == REST:
         return None

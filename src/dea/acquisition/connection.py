@@ -1,4 +1,4 @@
-"""Opening a connection in the framing a description names."""
+"""Opening a connection with the framing of a device description."""
 
 import socket
 import ssl
@@ -18,7 +18,7 @@ def connect(device: Device, timeout: float) -> Client:
     Raises
     ------
     OSError
-        Where nobody answers.
+        Where the device does not answer.
     InputError
         Where a TLS certificate does not match, or a certificate file cannot be read.
     """
@@ -50,7 +50,7 @@ def place(device: Device) -> str:
 
 
 class _TlsClient(ModbusTlsClient):
-    """pymodbus's TLS client, which by itself neither names the server nor says what failed."""
+    """pymodbus's TLS client, with the server's name checked and failures reported."""
 
     def __init__(self, device: Device, timeout: float) -> None:
         self.device = device

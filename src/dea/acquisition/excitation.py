@@ -1,4 +1,4 @@
-"""From an excitation in volts to the counts that are played, checked before any of them is."""
+"""The counts that are played for an excitation in volts, checked before the first is written."""
 
 from typing import NamedTuple
 
@@ -40,13 +40,13 @@ def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:
     Raises
     ------
     InputError
-        Naming the sample farthest outside the limits, before anything is written.
+        Naming the sample farthest outside the limits.
     """
     edges = limit_counts(device, "output")
     register = device["output"]
     if not np.all(np.isfinite(volts)):
         raise InputError("the excitation holds NaN or infinity", remedy="Give finite voltages.")
-    # What no count stands for lies outside the limits too, and is told in the same words.
+    # A voltage that no count represents is outside the limits too, with the same message.
     low, high = representable(register)
     held = np.clip(volts, low, high)
     counts = to_counts(register, held)

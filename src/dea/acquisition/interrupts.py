@@ -1,4 +1,4 @@
-"""Signals that ask an acquisition to end, heard only where it can end well."""
+"""Signals that end an acquisition, handled only at points where it can end safely."""
 
 import signal
 from types import FrameType, TracebackType
@@ -12,11 +12,11 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Interruption:
-    """Notes SIGINT, SIGTERM and SIGHUP while inside, and raises only where it is asked.
+    """Notes SIGINT, SIGTERM and SIGHUP while entered, and raises on request only.
 
-    An exception out of a signal handler could come at any instruction, also on the way to zero
-    volts. So :meth:`check` raises it, between exchanges and while waiting, and the way to zero
-    never calls that. A signal that comes too late for a check is raised on leaving.
+    An exception from a signal handler could interrupt any instruction, also of the ramp to zero
+    volts. Therefore :meth:`check` raises it, between exchanges and while waiting, and the ramp to
+    zero does not call :meth:`check`. A signal after the last check is raised on leaving.
     """
 
     def __init__(self) -> None:
@@ -24,7 +24,7 @@ class Interruption:
         self._before: dict[signal.Signals, object] = {}
 
     def check(self) -> None:
-        """Raise :class:`Interrupted` where a signal has come."""
+        """Raise :class:`Interrupted` if a signal has been noted."""
         if self._noted is not None:
             raise Interrupted(self._noted)
 
@@ -32,7 +32,7 @@ class Interruption:
         try:
             self._before = {number: signal.signal(number, self._note) for number in SIGNALS}
         except ValueError:
-            # Not in the main thread, which alone receives signals.
+            # Signal handlers can be set in the main thread only.
             self._before = {}
         return self
 

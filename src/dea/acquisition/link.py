@@ -1,7 +1,7 @@
-"""One Modbus connection that is repaired: every request is repeated until it has its reply.
+"""A Modbus connection that reconnects, and repeats a request until it has a valid reply.
 
-A repeated request must mean the same as the first, since the device may have carried out one
-whose reply was lost. The blocks of the buffered protocol carry sequence numbers for that.
+A repeated request must be idempotent, since the device may have carried out one whose reply was
+lost. The blocks of the buffered protocol carry sequence numbers for that reason.
 """
 
 import itertools
@@ -27,12 +27,12 @@ from dea.acquisition.connection import Client, connect, place
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device, ReadWriteRequest
 
-# Every failure is counted and reported here; pymodbus would print each one to the terminal.
+# Failures are counted and reported here; pymodbus would print each one to the terminal.
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
 
 ACKNOWLEDGE, BUSY = 5, 6
 BUSY_PAUSE = 0.02  # s
-FIRST_PAUSE, LONGEST_PAUSE = 0.01, 0.5  # s, before a lost connection is made again
+FIRST_PAUSE, LONGEST_PAUSE = 0.01, 0.5  # s, before reconnecting
 _LOST = (ConnectionException, ConnectionError)
 _TRANSIENT = (ModbusException, OSError, struct.error, ValueError, IndexError)
 
@@ -51,7 +51,7 @@ class DeviceRefusedError(DeviceError):
 
 @dataclass(frozen=True)
 class LinkSettings:
-    """Patience of a link: seconds for a reply, retries of a request, seconds to reconnect."""
+    """Seconds to wait for a reply, repetitions of a request, seconds to try to reconnect."""
 
     timeout: float = 2.0
     retries: int = 5
@@ -60,9 +60,9 @@ class LinkSettings:
 
 @dataclass
 class LinkLog:
-    """What was sent and how it went, an element per exchange; times in s since ``started``.
+    """The exchanges with the device, an element each; times in s since ``started``.
 
-    ``jitter`` has an element per polled sample, s behind its deadline.
+    ``jitter`` has an element per polled sample: s behind its deadline.
     """
 
     started: float = field(default_factory=time.monotonic)
@@ -76,10 +76,10 @@ class LinkLog:
 
 
 class Link:
-    """A repaired connection to ``device``.
+    """A connection to ``device`` that reconnects and repeats requests.
 
-    ``on_connect`` is called after every reconnection; the session claims its ownership there.
-    ``check`` is called before each attempt and may raise, to end the patience.
+    ``on_connect`` is called after every reconnection; the owner claims the outputs again there.
+    ``check`` is called before each attempt and may raise to end the repetition.
     """
 
     def __init__(
@@ -111,7 +111,7 @@ class Link:
     def close(self) -> None:
         """Drop the connection."""
         if self.client is not None:
-            self.client.close()
+            self.client.close()  # type: ignore[no-untyped-call]
             self.client = None
 
     def read(self, address: int, count: int, table: str = "holding") -> list[int]:
@@ -135,15 +135,15 @@ class Link:
         return self._exchange(ReadWriteRequest(read_address, count, write_address, words), retry)
 
     def _exchange(self, request: ModbusPDU, retry: bool = True) -> list[int]:
-        """Registers of the reply to a request, repeated as the settings allow.
+        """Return the registers of the reply to a request, repeated as the settings allow.
 
         A request without a valid reply is repeated ``retries`` times. One whose connection was
         lost is repeated for ``reconnect_time`` at least, since a gateway accepts connections and
-        drops them again while its device starts.
+        closes them again while its device starts. Without ``retry``, it is sent once.
         """
         request.dev_id = self.device.unit_id
         sent = time.monotonic()
-        patient_until, pause = sent + self.settings.reconnect_time, FIRST_PAUSE
+        deadline, pause = sent + self.settings.reconnect_time, FIRST_PAUSE
         for attempt in itertools.count():
             if self.check is not None:
                 self.check()
@@ -162,7 +162,7 @@ class Link:
                 self.log.samples.append(0)
                 return registers
             spent = attempt >= self.settings.retries
-            if not retry or (spent and not (lost and time.monotonic() < patient_until)):
+            if not retry or (spent and not (lost and time.monotonic() < deadline)):
                 break
             if lost:
                 time.sleep(pause)
@@ -186,7 +186,7 @@ class Link:
         return list(reply.registers)
 
     def _stray_bytes(self) -> bool:
-        """Whether a reply is there before its request: RTU has no number to tell them apart."""
+        """Whether a reply is there before its request: RTU frames carry no transaction number."""
         if self.device.framing != "rtu_over_tcp":
             return False
         assert isinstance(self.client, ModbusTcpClient)
@@ -200,14 +200,15 @@ class Link:
             raise LinkError(str(error)) from error
         self.log.reconnects += 1
         if self.on_connect is not None:
-            resume, self.on_connect = self.on_connect, None  # whose own requests may fail too
+            # Its own requests may fail too, and must not call it again.
+            resume, self.on_connect = self.on_connect, None
             try:
                 resume()
             finally:
                 self.on_connect = resume
 
     def _failed(self, error: Exception) -> None:
-        """Count, and drop the connection: what still arrives on it belongs to no request."""
+        """Count a failure and close the connection: a late reply on it belongs to no request."""
         if isinstance(error, DeviceRefusedError):
             self.log.errors[f"exception {error.code}"] += 1
             if error.code in (ACKNOWLEDGE, BUSY):
@@ -218,7 +219,7 @@ class Link:
 
 
 def _kind(error: Exception) -> str:
-    """Class of a failure, as it is counted."""
+    """Return the name under which a failure is counted."""
     if isinstance(error, _LOST):
         return "connection lost"
     if isinstance(error, ModbusException) and "No response" in str(error):

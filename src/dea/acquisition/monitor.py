@@ -1,4 +1,4 @@
-"""What a person sees while an acquisition runs: progress, health of the link, a live plot."""
+"""The display while an acquisition runs: progress, state of the link, a live plot."""
 
 import time
 from collections import deque
@@ -29,7 +29,7 @@ class Monitor:
     device
         For units and scales.
     total
-        Number of samples to come, ramps included.
+        Number of samples, ramps included.
     live
         Whether voltage and displacement are drawn too.
     console
@@ -68,7 +68,7 @@ class Monitor:
         self._screen.stop()
 
     def __call__(self, samples: Samples, log: LinkLog) -> None:
-        """Take note of a block of samples; redraw where it is time."""
+        """Add a block of samples; redraw at most every REFRESH seconds."""
         self._done += samples.position.size
         if self.live:
             self._keep(samples)

@@ -4,13 +4,13 @@ from dea.acquisition.link import Link, LinkError
 from dea.errors import InputError
 from dea.modbus import Value, decode, encode
 
-CONFIRMATIONS = 20  # readings, for two in a row that agree
+CONFIRMATIONS = 20  # readings at most until two in a row agree
 
 
 class Panel:
     """Read and write the registers of a device by the names of its description.
 
-    ``last_output`` is the output last asked for, for a device that cannot be asked.
+    ``last_output`` is the last output written, for a device that cannot be read back.
     """
 
     def __init__(self, link: Link) -> None:
@@ -38,12 +38,14 @@ class Panel:
         return value
 
     def confirmed(self, name: str) -> int:
-        """Raw value of an integer register, read alike twice running: Modbus has no checksum.
+        """Raw value of an integer register, equal in two successive readings.
+
+        Modbus TCP has no checksum of its own.
 
         Raises
         ------
         LinkError
-            Where it never reads alike.
+            Where no two successive readings are equal.
         """
         last = self.whole(name)
         for _ in range(CONFIRMATIONS):

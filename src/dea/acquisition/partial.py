@@ -1,7 +1,7 @@
 """The file a running acquisition appends to, readable after a crash at any byte.
 
-Frames follow a fixed heading, each as length, CRC-32 and payload. A frame that is cut short or
-damaged ends what can be recovered; everything before it is whole.
+Entries follow a fixed heading, each as length, CRC-32 and payload. What can be recovered ends at
+the first entry that is cut short or damaged.
 """
 
 import itertools
@@ -20,7 +20,7 @@ from dea.acquisition.samples import Samples
 from dea.errors import InputError
 
 HEADING = b"dea acquisition 1\n"
-_FRAME = struct.Struct("<II")
+_ENTRY = struct.Struct("<II")
 _ROW = np.dtype([(name, "<i8") for name in Samples._fields])
 _NOTE, _SAMPLES = b"N", b"S"
 
@@ -28,8 +28,8 @@ _NOTE, _SAMPLES = b"N", b"S"
 class PartialFile:
     """Append-only log of an acquisition.
 
-    Frames reach the disk (fdatasync) in the order given, in a thread of their own: frames that
-    arrive during one sync share the next, so that a fast device need not wait for the disk.
+    Entries reach the disk (fdatasync) in the order given, in a thread of their own. Entries that
+    arrive during one sync share the next, so that a fast device does not wait for the disk.
     """
 
     def __init__(self, path: Path, note: Mapping[str, Any]) -> None:
@@ -45,7 +45,7 @@ class PartialFile:
         self.note(note)
 
     def note(self, content: Mapping[str, Any]) -> None:
-        """Append a remark, JSON."""
+        """Append a note as JSON."""
         self._append(_NOTE + json.dumps(content, sort_keys=True).encode())
 
     def samples(self, samples: Samples) -> None:
@@ -62,7 +62,7 @@ class PartialFile:
         self.close()
 
     def close(self) -> None:
-        """Wait until everything is on the disk; raises OSError where that failed."""
+        """Wait until everything is on the disk; raises OSError if that failed."""
         with self._changed:
             self._closing = True
             self._changed.notify()
@@ -73,7 +73,7 @@ class PartialFile:
     def _append(self, payload: bytes) -> None:
         self._check()
         with self._changed:
-            self._waiting += _FRAME.pack(len(payload), zlib.crc32(payload)) + payload
+            self._waiting += _ENTRY.pack(len(payload), zlib.crc32(payload)) + payload
             self._changed.notify()
 
     def _check(self) -> None:
@@ -98,7 +98,7 @@ class PartialFile:
 
 
 def set_aside(path: Path) -> None:
-    """Give the partial file of an earlier run, if there is one, a numbered name beside it."""
+    """Rename the partial file of an earlier run, if there is one, to a numbered name."""
     if path.exists():
         numbers = itertools.count(1)
         free = (path.with_name(f"{path.stem}.{n}{path.suffix}") for n in numbers)
@@ -106,7 +106,7 @@ def set_aside(path: Path) -> None:
 
 
 class Recovered(NamedTuple):
-    """What a partial file holds: the remarks, the samples, and whether its last frame is whole."""
+    """The notes and samples of a partial file, and whether its last entry is complete."""
 
     notes: list[dict[str, Any]]
     samples: Samples
@@ -114,7 +114,7 @@ class Recovered(NamedTuple):
 
 
 def recover(path: Path) -> Recovered:
-    """Read a partial file up to its first damaged frame.
+    """Read a partial file up to its first damaged entry.
 
     Raises
     ------
@@ -133,24 +133,24 @@ def recover(path: Path) -> Recovered:
         )
     notes, blocks, place = [], [], len(HEADING)
     while place < len(data):
-        payload = _frame(data, place)
+        payload = _entry(data, place)
         if payload is None:
             break
         if payload[:1] == _NOTE:
             notes.append(json.loads(payload[1:]))
         else:
             blocks.append(np.frombuffer(payload[1:], _ROW))
-        place += _FRAME.size + len(payload)
+        place += _ENTRY.size + len(payload)
     rows = np.concatenate(blocks) if blocks else np.empty(0, _ROW)
     samples = Samples(*(rows[name].astype(np.int64) for name in Samples._fields))
     return Recovered(notes, samples, place == len(data))
 
 
-def _frame(data: bytes, place: int) -> bytes | None:
-    """Payload of the frame at ``place``; None where it is cut short or damaged."""
-    if place + _FRAME.size > len(data):
+def _entry(data: bytes, place: int) -> bytes | None:
+    """Return the payload of the entry at ``place``, or None if it is cut short or damaged."""
+    if place + _ENTRY.size > len(data):
         return None
-    length, crc = _FRAME.unpack_from(data, place)
-    start = place + _FRAME.size
+    length, crc = _ENTRY.unpack_from(data, place)
+    start = place + _ENTRY.size
     payload = data[start : start + length]
     return payload if len(payload) == length and zlib.crc32(payload) == crc else None

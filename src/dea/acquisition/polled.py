@@ -1,4 +1,4 @@
-"""Driving a device sample by sample at absolute deadlines, where it has no buffer."""
+"""Driving a device without a buffer, sample by sample at absolute deadlines."""
 
 import time
 from collections.abc import Iterator
@@ -11,8 +11,8 @@ from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.modbus import Register, Window, encode
 
 START = 1  # command
-BLOCK_TIME = 0.2  # s of samples handed on, and synced to the disk, at a time
-NEIGHBOURS = 32  # registers between two values that are still worth one request
+BLOCK_TIME = 0.2  # s of samples yielded, and synced to the disk, together
+NEIGHBOURS = 32  # registers that one request spans at most
 
 
 class Poll:
@@ -30,8 +30,8 @@ class Poll:
     def __call__(self, count: int, number: int) -> tuple[int, int, int]:
         """Drive one ``count``; return device index, applied and displacement counts.
 
-        Without a device index, the ``number`` of the sample is its index; without an echo, the
-        applied output is what was asked for.
+        Without a device index, the ``number`` of the sample is its index; without a read-back, the
+        applied output is the requested one.
         """
         self.panel.last_output = count
         words, first = encode(self.output, count), self.windows[0]
@@ -56,8 +56,8 @@ def drive(
     """Drive ``counts`` one by one and yield what was measured, in blocks.
 
     Sample k is written at its deadline k/sampling_rate after the first; one written more than
-    ``late_after`` s behind is flagged. Without pace, for a device whose clock waits for the host,
-    each follows the last at once. Jitter is kept in the link's log.
+    ``late_after`` s behind it is flagged. Without ``paced``, for a device whose clock waits for the
+    host, each sample follows the last at once. Jitter is kept in the link's log.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def _wait(deadline: float) -> float:
 def _broken(
     reason: str, number: int, device_index: int, counts: np.ndarray, missing: int
 ) -> BrokenRecordError:
-    """``missing`` samples from sample ``number`` on were measured without being read, or never."""
+    """Return the error for ``missing`` samples from sample ``number`` on as lost."""
     requested = np.repeat(counts[number], missing)
     lost = Samples.lost(number, device_index, requested)._replace(position=np.full(missing, number))
     return BrokenRecordError(reason, number, missing, lost)
@@ -120,7 +120,7 @@ def _readable(register: Register) -> bool:
 
 
 def _windows(registers: list[Register]) -> list[Window]:
-    """Group registers of a table that lie close together, displacement's group first."""
+    """Group neighbouring registers of a table, the group of ``displacement`` first."""
     groups: list[list[Register]] = []
     for register in sorted(registers, key=lambda r: (r.table, r.address)):
         last = groups[-1] if groups else None

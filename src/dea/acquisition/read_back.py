@@ -1,7 +1,7 @@
-"""Whether the register that tells the applied output tells what is played.
+"""A check that the register of the applied output holds what is played.
 
-A buffered device sends what it applied along with its samples. The register alone says whether an
-output is at zero before and after, so that a wrong address would make every such answer worthless.
+A buffered device sends what it applied along with its samples. Before and after that, this register
+alone shows whether the output is zero, so that a wrong address would go unnoticed.
 """
 
 import numpy as np
@@ -15,16 +15,16 @@ RUNNING = 2  # state
 
 
 class ReadBackError(DeviceError):
-    """The register of the applied output does not tell what the device plays."""
+    """The register of the applied output does not hold what the device plays."""
 
 
 class ReadBack:
-    """Compares one reading with what was played around it, once the output is clear of zero.
+    """Compares one reading with what was played around it, while the output is far from zero.
 
     Parameters
     ----------
     panel
-        Of a device that plays; one without ``applied_output`` and ``state`` is not asked.
+        Of a device that plays; one without ``applied_output`` and ``state`` is not checked.
     counts
         The output counts it plays.
     tolerance
@@ -33,26 +33,26 @@ class ReadBack:
 
     def __init__(self, panel: Panel, counts: np.ndarray, tolerance: float) -> None:
         self.panel = panel
-        # What is applied after so many samples; before the first, zero.
+        # volts[k] is applied after k samples.
         self.volts = np.append(0.0, to_physical(panel.device["output"], counts))
         low, high = panel.device["output"].limits or (0.0, 0.0)
         self.tolerance = tolerance * (high - low)
         self.pending = "applied_output" in panel and "state" in panel
-        self._seen: tuple[int, float] | None = None
+        self._reading: tuple[int, float] | None = None
 
     def __call__(self, position: int) -> None:
-        """Look at the register after ``position`` samples were played, and judge the last look.
+        """Read the register after ``position`` samples were played, and check the last reading.
 
         Raises
         ------
         ReadBackError
-            Where a running device read what it did not play between one look and the next.
+            Where the last reading is none of the values played between it and this one.
         """
-        if self.pending and self._seen is not None:
-            self._judge(*self._seen, position)
-        self._seen = self._look(position) if self.pending else None
+        if self.pending and self._reading is not None:
+            self._check(*self._reading, position)
+        self._reading = self._read(position) if self.pending else None
 
-    def _look(self, position: int) -> tuple[int, float] | None:
+    def _read(self, position: int) -> tuple[int, float] | None:
         if not self._clear_of_zero(self.volts[position]):
             return None
         try:
@@ -60,12 +60,12 @@ class ReadBack:
                 self.panel.device["applied_output"], self.panel.confirmed("applied_output")
             )
             running = self.panel.confirmed("state") == RUNNING
-        # The link is being repaired, or the value moves: there will be another look.
+        # Reconnecting, or the value changes: another reading follows.
         except (LinkError, DeviceRefusedError):
             return None
         return (position, float(applied)) if running else None
 
-    def _judge(self, start: int, applied: float, end: int) -> None:
+    def _check(self, start: int, applied: float, end: int) -> None:
         played = self.volts[start : end + 1]
         if not self._clear_of_zero(played):
             return
@@ -79,5 +79,5 @@ class ReadBack:
         self.pending = False
 
     def _clear_of_zero(self, volts: np.ndarray) -> bool:
-        """Whether a register of zeros could not pass for these."""
+        """Whether a register of zeros differs from these by more than the tolerance."""
         return bool(np.min(np.abs(volts)) > 2 * self.tolerance)

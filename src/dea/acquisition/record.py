@@ -1,17 +1,19 @@
-"""From samples and the link's log to ``record.nc`` and ``link.nc``."""
+"""The datasets ``record.nc`` and ``link.nc``, from samples and the link's log."""
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from dea.acquisition.link import LinkLog
 from dea.acquisition.samples import Quality, Samples
 from dea.modbus import Device, to_physical
 
-_EDGES = np.geomspace(1e-5, 10.0, 61)  # s, ten bins a decade
+_EDGES = np.geomspace(1e-5, 10.0, 61)  # s, ten bins per decade
+Variable = tuple[str, np.ndarray, dict[str, str]]
 
 
 def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> xr.Dataset:
-    """The excitation's part of what was measured, in physical units.
+    """Return what was measured during the excitation, in physical units.
 
     Parameters
     ----------
@@ -25,33 +27,33 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
     Dataset over ``time`` (s, 0 at the excitation's first sample). Lost samples hold NaN.
     """
     inside = (samples.position >= lead) & (samples.position < lead + length)
-    part = Samples(*(column[inside] for column in samples))
-    time = (part.device_index - part.device_index[:1]) / device.sampling_rate
-    have = (part.quality & Quality.LOST) == 0
+    driven = Samples(*(column[inside] for column in samples))
+    time = (driven.device_index - driven.device_index[:1]) / device.sampling_rate
+    have = (driven.quality & Quality.LOST) == 0
     output, displacement = device["output"], device["displacement"]
     echo = device.registers.get("applied_output", output)
     meanings = " ".join(flag.name.lower() for flag in Quality if flag.name)
 
-    def variable(values: np.ndarray, units: str, long_name: str) -> tuple:
+    def variable(values: np.ndarray, units: str, long_name: str) -> Variable:
         return "time", values, {"units": units, "long_name": long_name}
 
     dataset = xr.Dataset(
         {
             "voltage": variable(
-                np.where(have, to_physical(echo, part.applied), np.nan), echo.unit,
+                np.where(have, to_physical(echo, driven.applied), np.nan), echo.unit,
                 "applied output before the amplifier, as the device echoed it",
             ),
             "displacement": variable(
-                np.where(have, to_physical(displacement, part.displacement), np.nan),
+                np.where(have, to_physical(displacement, driven.displacement), np.nan),
                 displacement.unit, "displacement",
             ),
             "voltage_requested": variable(
-                to_physical(output, part.requested), output.unit, "output asked for"
+                to_physical(output, driven.requested), output.unit, "output asked for"
             ),
-            "voltage_counts": variable(part.applied, "count", "raw applied output"),
-            "displacement_counts": variable(part.displacement, "count", "raw displacement"),
-            "device_index": variable(part.device_index, "1", "sample index of the device"),
-            "quality": variable(part.quality.astype(np.uint8), "1", "quality flags, 0 is good"),
+            "voltage_counts": variable(driven.applied, "count", "raw applied output"),
+            "displacement_counts": variable(driven.displacement, "count", "raw displacement"),
+            "device_index": variable(driven.device_index, "1", "sample index of the device"),
+            "quality": variable(driven.quality.astype(np.uint8), "1", "quality flags, 0 is good"),
         },
         coords={"time": variable(np.asarray(time, float), "s", "time")},
     )  # fmt: skip
@@ -64,11 +66,11 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
 
 
 def link_dataset(log: LinkLog) -> xr.Dataset:
-    """How the acquisition went: times of every exchange, retries, errors, histogram, jitter."""
+    """Return the times of every exchange, retries, errors, round-trip histogram and jitter."""
     send, receive = np.asarray(log.send_time), np.asarray(log.receive_time)
     counts, _ = np.histogram(receive - send, _EDGES)
 
-    def over(dim: str, values, units: str, long_name: str) -> tuple:
+    def over(dim: str, values: ArrayLike, units: str, long_name: str) -> Variable:
         return dim, np.asarray(values), {"units": units, "long_name": long_name}
 
     kinds = sorted(log.errors)

@@ -22,8 +22,8 @@ class ZeroNotVerifiedError(DeviceError):
 class SafeOutput:
     """The right to drive a device's output, from a verified zero to a verified zero.
 
-    Used as a context manager: on entry it connects, checks the device, and claims the outputs; on
-    every way out it ramps to zero and reads the zero back.
+    A context manager: on entry it connects, checks the device and claims the outputs; on every exit
+    it ramps to zero and reads the zero back.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class SafeOutput:
     ramp_rate
         V/s.
     reset
-        Whether a watchdog that has latched is reset; otherwise the start is refused.
+        Whether a latched watchdog is reset; otherwise the start is refused.
     """
 
     def __init__(self, link: Link, *, ramp_rate: float, reset: bool = False) -> None:
@@ -60,7 +60,7 @@ class SafeOutput:
         self.link.check = None
         try:
             if kind is not None:
-                # A reply may still be under way that belongs to no later request.
+                # A reply to an earlier request may still arrive.
                 self.link.close()
             self.to_zero()
         finally:
@@ -68,7 +68,7 @@ class SafeOutput:
             self.link.close()
 
     def to_zero(self) -> None:
-        """Ramp the output to zero and read it back; give up the outputs.
+        """Ramp the output to zero, read it back and release the outputs.
 
         Raises
         ------
@@ -77,7 +77,8 @@ class SafeOutput:
         """
         try:
             if "claim" in self.panel:
-                self._reclaim(retry=True)  # the watchdog takes the outputs from a silent owner
+                # The watchdog may have released the outputs of a silent owner.
+                self._reclaim(retry=True)
             if "command" in self.device:
                 self._stop()
             else:
@@ -133,14 +134,14 @@ class SafeOutput:
             ) from None
 
     def _reclaim(self, *, retry: bool = False) -> None:
-        """Claim again, on another connection; the request that needs that repeats this too."""
+        """Claim again, on another connection; a failed request repeats this with itself."""
         try:
             self._claim(retry=retry)
         except (InputError, DeviceRefusedError) as error:
             raise LinkError(str(error)) from error
 
     def _release(self) -> None:
-        """Give up the outputs, at zero; where that fails the device's watchdog does it."""
+        """Release the outputs, at zero; if that fails the device's watchdog does it."""
         try:
             self.panel.set("claim", 0)
         except (LinkError, DeviceRefusedError):
@@ -169,7 +170,7 @@ class SafeOutput:
         return None
 
     def _driven(self) -> float:
-        """Read-back of the output, V; 0 within one count of it, or where there is none."""
+        """Read-back of the output, V; 0 if within one count of it, or without a read-back."""
         applied = self._applied() or 0.0
         return applied if abs(applied) > abs(self.device["output"].scale) else 0.0
 

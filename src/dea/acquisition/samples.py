@@ -1,4 +1,4 @@
-"""Samples as they come from the device, and what may be wrong with them."""
+"""Samples as read from the device, and their quality flags."""
 
 from enum import IntFlag
 from typing import NamedTuple
@@ -19,7 +19,7 @@ class Quality(IntFlag):
 
 
 class Samples(NamedTuple):
-    """Consecutive samples; ``position`` is their place in the sequence that was to be played."""
+    """Consecutive samples; ``position`` is their place in the sequence to be played."""
 
     position: np.ndarray
     device_index: np.ndarray
@@ -30,7 +30,7 @@ class Samples(NamedTuple):
 
     @classmethod
     def lost(cls, position: int, index: int, requested: np.ndarray) -> "Samples":
-        """Place holders for samples that nobody has."""
+        """Placeholders for samples that were not read."""
         n, nothing = requested.size, np.zeros(requested.size, np.int64)
         steps = np.arange(n)
         flags = np.full(n, Quality.LOST)
@@ -38,9 +38,9 @@ class Samples(NamedTuple):
 
 
 class BrokenRecordError(DeviceError):
-    """Samples are missing or were not driven as asked; says which and why.
+    """Samples are missing or were not driven as requested; the message says which and why.
 
-    ``samples`` are the ones concerned, flagged, as far as their places are known.
+    ``samples`` are these samples, flagged, as far as their positions are known.
     """
 
     def __init__(self, reason: str, first: int, count: int, samples: Samples) -> None:

@@ -1,4 +1,4 @@
-"""Whether the device that answers is the one described, found out before any voltage."""
+"""The check, before any voltage, that the device that answers is the one described."""
 
 from dea.acquisition.panel import Panel
 from dea.errors import InputError
@@ -32,7 +32,7 @@ def verify_device(panel: Panel) -> None:
 
 
 def _verify_limits(panel: Panel) -> None:
-    """The device must not clamp inside the limits described; one count is rounding."""
+    """Refuse a device that clamps inside the described limits, beyond one count of rounding."""
     output = panel.device["output"]
     if output.limits is None:
         return

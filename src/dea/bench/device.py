@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dea.bench.player import Player, PlayerState
-from dea.modbus import Device, Register, Value, Window, decode, encode
+from dea.modbus import Device, Register, Value, block_window, decode, encode, reply_window
 
 START, STOP, RESET, CLEAR = 1, 2, 3, 4  # command
 SILENCE = 1  # trip_reason
@@ -66,8 +66,8 @@ class BenchDevice:
             for address in range(register.address, register.end):
                 self._by_address[address] = register
         self._end = max(self._by_address) + 1
-        self._block = Window.of_block(description, "block_")
-        self._reply = Window.of_block(description, "reply_")
+        self._block = block_window(description)
+        self._reply = reply_window(description)
 
     def read(self, session: Session, address: int, count: int) -> list[int]:
         """Registers ``address`` to ``address + count - 1``; gaps in the map read as zero."""
@@ -220,10 +220,10 @@ class BenchDevice:
         name = register.name
         if name in self._constants:
             return self._constants[name]
-        if name.startswith("reply_"):
+        if register in self._reply.registers:
             place = register.address - self._reply.address
             return self._answer(session)[place : place + register.size]
-        if name.startswith("block_"):
+        if register in self._block.registers:
             return [0] * register.size
         if name == "owner":
             return [0 if not self.owner else 2 if session.token == self.owner else 1]

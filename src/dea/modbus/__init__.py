@@ -1,5 +1,6 @@
-"""What bench and acquisition share of Modbus: device descriptions and register codecs."""
+"""Device descriptions and register codecs, shared by bench and acquisition."""
 
+from dea.modbus.block import BLOCK, REPLY, block_window, reply_window
 from dea.modbus.codec import (
     Value,
     checksum,
@@ -16,6 +17,8 @@ from dea.modbus.pdu import ReadWriteRequest, ReadWriteResponse, RegistersRespons
 from dea.modbus.window import Window
 
 __all__ = [
+    "BLOCK",
+    "REPLY",
     "Device",
     "ReadWriteRequest",
     "ReadWriteResponse",
@@ -25,12 +28,14 @@ __all__ = [
     "Tls",
     "Value",
     "Window",
+    "block_window",
     "checksum",
     "decode",
     "encode",
     "limit_counts",
     "parse_device",
     "read_device",
+    "reply_window",
     "representable",
     "to_counts",
     "to_physical",

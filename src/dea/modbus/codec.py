@@ -48,7 +48,7 @@ def encode(register: Register, value: Value) -> list[int]:
 def decode(register: Register, words: Sequence[int]) -> Value:
     """Raw value (list for an array) that the registers hold; inverse of :func:`encode`."""
     if register.type == "uint16" and register.byte_order == "big" and len(words) == 1:
-        return words[0]  # by far the most frequent, on the path of every polled sample
+        return words[0]  # the fast path of every polled sample
     if len(words) != register.size:
         raise ValueError(f"{register.name} needs {register.size} registers, not {len(words)}")
     data = struct.pack(f">{len(words)}H", *_ordered(register, words))
@@ -63,7 +63,7 @@ def _words(data: bytes) -> tuple[int, ...]:
 
 
 def _ordered(register: Register, words: Sequence[int]) -> list[int]:
-    """Exchange between the wire's order and big-endian; the operation is its own inverse."""
+    """Convert between the wire's order and big-endian, in either direction."""
     ordered = list(words)
     if register.byte_order == "little":
         ordered = [(word >> 8) | (word & 0xFF) << 8 for word in ordered]
@@ -124,7 +124,7 @@ def limit_counts(device: Device, name: str) -> tuple[int, int]:
             field=f"registers.{name}.limits",
             remedy=f"Give [low, high] in {register.unit}.",
         )
-    # One part in 10^9 of a count forgives the rounding of a limit that is exactly representable.
+    # 1e-9 counts of tolerance keep a limit that is exactly representable despite rounding.
     edges = sorted((limit - register.offset) / register.scale for limit in register.limits)
     info = np.iinfo(register.type)
     low = max(int(np.ceil(edges[0] - 1e-9)), int(info.min))

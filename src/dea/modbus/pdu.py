@@ -1,8 +1,8 @@
-"""pymodbus's register messages, packed in one go instead of register by register.
+"""pymodbus's register messages, packed by one call instead of register by register.
 
-A block of samples fills the largest frames Modbus has; pymodbus 3.16 packs each register by itself
-and formats every message for its debug log. These classes replace it where it exchanges blocks,
-through the hooks it has for that; what travels is the same.
+A block of samples fills the largest Modbus frames; pymodbus 3.16 packs each register by itself and
+formats every message for its debug log. These classes are registered with it for the exchange of
+blocks; the bytes on the wire are the same.
 """
 
 import struct

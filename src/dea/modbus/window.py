@@ -1,10 +1,10 @@
-"""Neighbouring registers that travel in one request."""
+"""Neighbouring registers that are read or written in one request."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from dea.modbus.codec import Value, checksum, decode, encode
-from dea.modbus.device import Device, Register
+from dea.modbus.device import Register
 
 
 class Window:
@@ -13,7 +13,7 @@ class Window:
     Parameters
     ----------
     registers
-        At least one; addresses between them that nobody describes travel as zero.
+        At least one; undescribed addresses between them are sent as zero.
     seal
         The register among them that holds the checksum of all the others, if there is one.
     """
@@ -24,24 +24,12 @@ class Window:
         self.size, self.table, self.seal = end - self.address, self.registers[0].table, seal
         self._named = {r.name: (r, self._place(r)) for r in self.registers}
 
-    @classmethod
-    def of_block(cls, device: Device, prefix: str) -> "Window":
-        """The sealed window of the registers called ``prefix``..., with ``prefix``crc as seal.
-
-        Raises
-        ------
-        InputError
-            Where the device does not describe them.
-        """
-        seal = device[f"{prefix}crc"]
-        return cls((r for r in device.registers.values() if r.name.startswith(prefix)), seal)
-
     def decode(self, words: Sequence[int]) -> dict[str, Any]:
         """Raw values of the registers, by name."""
         return {name: decode(r, words[place]) for name, (r, place) in self._named.items()}
 
     def encode(self, values: Mapping[str, Value]) -> list[int]:
-        """Words that hold ``values``, sealed; registers not named hold zero."""
+        """Words that hold ``values`` and the checksum; registers not named hold zero."""
         words = [0] * self.size
         for name, value in values.items():
             register, place = self._named[name]
@@ -51,7 +39,7 @@ class Window:
         return words
 
     def intact(self, words: Sequence[int]) -> bool:
-        """Whether the words are as they were sealed."""
+        """Whether the checksum is that of the words."""
         return self.seal is None or (
             decode(self.seal, words[self._place(self.seal)]) == self._checksum(words)
         )

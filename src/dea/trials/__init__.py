@@ -1,4 +1,4 @@
-"""Scoring blind trials: opened labels against verdicts."""
+"""Scores of blind trials: verdicts against the labels that were sealed."""
 
 from dea.trials.outcome import KINDS, OUTCOMES, Label, Said, kind_of, outcome
 from dea.trials.proportion import Proportion, wilson

@@ -1,4 +1,4 @@
-"""How sure a diagnosis is of its best explanation, and what risk comes with acting on it."""
+"""The confidence of a diagnosis in its best explanation, and the risk at each coverage."""
 
 from collections.abc import Sequence
 from math import inf, log, sqrt
@@ -7,15 +7,15 @@ import numpy as np
 
 from dea.trials.outcome import Label, Said
 
-_RESOLUTION = 0.1  # noise floors; misfits below are alike
+_RESOLUTION = 0.1  # noise floors; smaller misfits are equal
 
 
 def confidence(said: Said) -> float:
     """Return the log ratio of misfits of the first rival and the best explanation.
 
-    The misfit is what the error holds beyond the noise floor. Sets of another size are no rivals,
-    since one more effect always fits a little better. Minus infinity where there is no explanation,
-    infinity where there is no rival.
+    The misfit is the error beyond the noise floor, in the root-sum-square sense. Effect sets of
+    another size are no rivals, since one more effect always lowers the error a little. Minus
+    infinity without an explanation, infinity without a rival.
     """
     if not said.ranking:
         return -inf
@@ -27,17 +27,17 @@ def confidence(said: Said) -> float:
 
 
 def acceptable(label: Label, names: frozenset[str]) -> bool:
-    """Return whether giving these names would be no error: all of them are hidden."""
+    """Return whether all these names are hidden, so that giving them is no error."""
     return bool(names) and not label.outside and names <= label.effects
 
 
 def risk_coverage(
     labels: Sequence[Label], verdicts: Sequence[Said]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return confidence, coverage and risk as one is content with less and less confidence.
+    """Return confidence, coverage and risk for a falling threshold of the confidence.
 
-    Every trial is answered with its best explanation, the surest first. Coverage is the share of
-    all trials answered so far, risk the share of wrong answers among them (El-Yaniv and Wiener,
+    Every trial is answered with its best explanation, in order of confidence. Coverage is the share
+    of all trials answered so far, risk the share of wrong answers among them (El-Yaniv and Wiener,
     J. Mach. Learn. Res. 11 (2010) 1605). Shape of each: (trials with an explanation,).
     """
     answered = [

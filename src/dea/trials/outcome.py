@@ -1,4 +1,4 @@
-"""What one verdict is worth, once the seal is open."""
+"""The outcome of one verdict against the opened label."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ OUTCOMES = (
     "right name",  # named exactly what is hidden
     "one of two",  # of two hidden effects one is named, and nothing else
     "right class",  # another name of the same family
-    "abstained",  # several names, or none that it dares to give
+    "abstained",  # several names, or unknown
     "missed",  # said that nothing is missing
     "wrong name",
     "right none",  # nothing is hidden, and nothing is missing

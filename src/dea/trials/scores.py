@@ -1,4 +1,4 @@
-"""The scores of a campaign as one dataset: every trial, and what they amount to."""
+"""The scores of a campaign as one dataset: every trial, and the rates over all trials."""
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
@@ -12,8 +12,9 @@ from dea.trials.outcome import OUTCOMES, Label, Said, kind_of, outcome
 from dea.trials.proportion import Proportion, wilson
 
 STRENGTH_EDGES = (3.0, 5.3, 9.5, 17.0, 30.0)  # equal ratios
-CLOSED = 1.3  # noise floors: a held-out gap as good as gone
+CLOSED = 1.3  # noise floors; a held-out residual below counts as explained
 NO_SINGLE_NAME = ("two effects", "another pair", "none", "ambiguous", "unknown")
+Variable = tuple[str | tuple[str, ...], np.ndarray, dict[str, str]]
 
 
 class Opened(NamedTuple):
@@ -222,11 +223,9 @@ def _named(trials: Sequence[Opened]) -> Proportion:
     return wilson(sum(t.said.status == "named" for t in trials), len(trials))
 
 
-def _counted(
-    dims: tuple[str, ...], counts: object
-) -> tuple[tuple[str, ...], np.ndarray, dict[str, str]]:
+def _counted(dims: tuple[str, ...], counts: object) -> Variable:
     return dims, np.asarray(counts, np.int64), {"units": "1", "long_name": "number of trials"}
 
 
-def _share_of(dim: str, values: object, long_name: str) -> tuple[str, np.ndarray, dict[str, str]]:
+def _share_of(dim: str, values: object, long_name: str) -> Variable:
     return dim, np.asarray(values, float), {"units": "1", "long_name": long_name}
