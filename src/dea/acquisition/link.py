@@ -111,7 +111,7 @@ class Link:
     def close(self) -> None:
         """Drop the connection."""
         if self.client is not None:
-            self.client.close()  # type: ignore[no-untyped-call]
+            self.client.close()
             self.client = None
 
     def read(self, address: int, count: int, table: str = "holding") -> list[int]:

@@ -40,7 +40,7 @@ class Connection(ServerRequestHandler):
     """One master's connection: decodes its frames and sends the replies."""
 
     def __init__(self, owner: "TcpServer | TlsServer") -> None:
-        super().__init__(owner, None, None, None)  # type: ignore[no-untyped-call]
+        super().__init__(owner, None, None, None)
         self.bench, self.session, self.pending = owner.bench, Session(), b""
 
     def callback_connected(self) -> None:

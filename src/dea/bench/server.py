@@ -93,7 +93,7 @@ class BenchServer:
     async def close(self) -> None:
         """Stop listening and drop every connection."""
         if self._server is not None:
-            await self._server.shutdown()  # type: ignore[no-untyped-call]
+            await self._server.shutdown()
 
     def pump(self) -> None:
         """Let the device's virtual clock run; an exception of the plant ends the server."""
