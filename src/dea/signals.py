@@ -1,4 +1,4 @@
-"""Excitation design: voltage sequences for identification and for telling rival effects apart.
+"""Excitation design: voltage sequences for identification and to separate rival effects.
 
 Every design is a pure function of its settings and seed and stays within [low, high] volts.
 """
@@ -15,7 +15,7 @@ from dea.seeds import generator
 
 __all__ = [
     "KINDS",
-    "Frame",
+    "Span",
     "binary",
     "bursts",
     "design",
@@ -29,8 +29,8 @@ Signal = NDArray[np.float64]
 CLIP = 3.0  # standard deviations between the middle of the range and its ends
 
 
-class Frame(NamedTuple):
-    """What every kind is designed into: chance, length, rate in Hz, range in V."""
+class Span(NamedTuple):
+    """Length, sampling rate (Hz) and range (V) of a sequence, and its random generator."""
 
     rng: np.random.Generator
     samples: int
@@ -44,7 +44,7 @@ class Frame(NamedTuple):
         return self.samples / self.sampling_rate
 
     def length(self, seconds: float) -> int:
-        """Return the samples nearest to so many seconds."""
+        """Return the number of samples nearest to ``seconds``."""
         return round(seconds * self.sampling_rate)
 
     def spread(self, unit: Signal) -> Signal:
@@ -52,98 +52,98 @@ class Frame(NamedTuple):
         return 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * unit
 
 
-def gaussian(frame: Frame, *, band: float = 1.0) -> Signal:
+def gaussian(span: Span, *, band: float = 1.0) -> Signal:
     """Gaussian noise with a flat spectrum from 0 to ``band`` Hz and none above.
 
     The mean is the middle of the range and the range ends lie three standard deviations from it;
     the 0.27 % of the samples that fall outside are clipped, which leaves less than 1e-3 of the
     power above ``band``.
     """
-    frequencies = np.fft.rfftfreq(frame.samples, 1.0 / frame.sampling_rate)
+    frequencies = np.fft.rfftfreq(span.samples, 1.0 / span.sampling_rate)
     inside = (frequencies > 0.0) & (frequencies <= band)
-    _require(inside.any(), "band", f"holds no line of a {frame.duration:g} s sequence")
+    _require(inside.any(), "band", f"holds no line of a {span.duration:g} s sequence")
     spectrum = np.zeros(frequencies.size, dtype=complex)
-    spectrum[inside] = frame.rng.standard_normal((inside.sum(), 2)) @ (1.0, 1.0j)
-    noise = np.fft.irfft(spectrum, frame.samples)
-    return np.clip(frame.spread(noise / (CLIP * noise.std())), frame.low, frame.high)
+    spectrum[inside] = span.rng.standard_normal((inside.sum(), 2)) @ (1.0, 1.0j)
+    noise = np.fft.irfft(spectrum, span.samples)
+    return np.clip(span.spread(noise / (CLIP * noise.std())), span.low, span.high)
 
 
-def bursts(frame: Frame, *, band: float = 1.0, active: float = 20.0, rest: float = 10.0) -> Signal:
+def bursts(span: Span, *, band: float = 1.0, active: float = 20.0, rest: float = 10.0) -> Signal:
     """Gaussian noise in bursts of ``active`` seconds with rests at ``low`` between them.
 
-    Half-cosine edges of one second join the two. What goes on in the rests is memory.
+    Half-cosine edges of one second join the two. The response in the rests shows memory.
     """
     _require(active > 0.0, "active", "is not positive")
-    on, off = max(frame.length(active), 1), frame.length(rest)
-    gate = np.resize(np.repeat([1.0, 0.0], [on, off]), frame.samples)
-    noise = gaussian(frame, band=band)
-    return frame.low + (noise - frame.low) * _smooth(gate, frame.sampling_rate)
+    on, off = max(span.length(active), 1), span.length(rest)
+    gate = np.resize(np.repeat([1.0, 0.0], [on, off]), span.samples)
+    noise = gaussian(span, band=band)
+    return span.low + (noise - span.low) * _smooth(gate, span.sampling_rate)
 
 
-def multisine(frame: Frame, *, band: float = 1.0, period: float = 30.0) -> Signal:
+def multisine(span: Span, *, band: float = 1.0, period: float = 30.0) -> Signal:
     """Equal sines at every multiple of 1/``period`` Hz up to ``band``, with random phases.
 
-    The period repeats to fill the duration, so that what differs between periods is noise or
-    drift; the largest excursion from the mean touches the range.
+    The period repeats to fill the duration, so that the response differs between periods by noise
+    or drift alone; the largest excursion from the mean reaches the end of the range.
     """
-    length = frame.length(period)
-    _require(0 < length <= frame.samples, "period", f"is not between 0 and {frame.duration:g} s")
-    lines = np.arange(1, int(band * length / frame.sampling_rate + 1e-9) + 1)
+    length = span.length(period)
+    _require(0 < length <= span.samples, "period", f"is not between 0 and {span.duration:g} s")
+    lines = np.arange(1, int(band * length / span.sampling_rate + 1e-9) + 1)
     _require(lines.size, "band", f"is below the first line, {1.0 / period:g} Hz")
     spectrum = np.zeros(length // 2 + 1, dtype=complex)
-    spectrum[lines] = np.exp(2j * np.pi * frame.rng.random(lines.size))
+    spectrum[lines] = np.exp(2j * np.pi * span.rng.random(lines.size))
     one = np.fft.irfft(spectrum, length)
-    return frame.spread(np.resize(one / np.abs(one).max(), frame.samples))
+    return span.spread(np.resize(one / np.abs(one).max(), span.samples))
 
 
 def staircase(
-    frame: Frame, *, levels: int = 6, hold: float = 10.0, rest: float = 10.0, rise: float = 0.5
+    span: Span, *, levels: int = 6, hold: float = 10.0, rest: float = 10.0, rise: float = 0.5
 ) -> Signal:
     """Equally spaced levels in random order, each held, with a rest at ``low`` between them.
 
-    Steps are half-cosines of ``rise`` seconds. The rests separate creep, which recovers in them,
-    from drift, which does not; every level comes once before any comes again.
+    Steps are half-cosines of ``rise`` seconds. Creep recovers in the rests, drift does not. Every
+    level occurs once before any occurs again.
     """
     _require(levels >= 1, "levels", "is below 1")
-    held, rested = (max(frame.length(seconds), 0) for seconds in (hold, rest))
+    held, rested = (max(span.length(seconds), 0) for seconds in (hold, rest))
     _require(held > 0, "hold", "is shorter than a sample")
-    rounds = -(-frame.samples // (levels * (held + rested)))
-    ladder = np.linspace(frame.low, frame.high, levels + 1)[1:]
-    heights = np.concatenate([frame.rng.permutation(ladder) for _ in range(rounds)])
-    steps = np.concatenate([[frame.low] * rested + [height] * held for height in heights])
-    return _smooth(steps, rise * frame.sampling_rate)[: frame.samples]
+    rounds = -(-span.samples // (levels * (held + rested)))
+    ladder = np.linspace(span.low, span.high, levels + 1)[1:]
+    heights = np.concatenate([span.rng.permutation(ladder) for _ in range(rounds)])
+    steps = np.concatenate([[span.low] * rested + [height] * held for height in heights])
+    return _smooth(steps, rise * span.sampling_rate)[: span.samples]
 
 
-def binary(frame: Frame, *, band: float = 1.0) -> Signal:
-    """A filtered random binary sequence: chances to switch every half period of ``band``.
+def binary(span: Span, *, band: float = 1.0) -> Signal:
+    """A smoothed random binary sequence that may switch every half period of ``band``.
 
-    A Hann window of one period of ``band`` smooths the edges without overshoot, so that the power
-    falls to nothing by twice that frequency.
+    A Hann window of one period of ``band`` smooths the edges without overshoot, so that less than
+    1e-3 of the power lies above twice that frequency.
     """
-    clock = round(frame.sampling_rate / (2.0 * band))
+    clock = round(span.sampling_rate / (2.0 * band))
     _require(clock > 0, "band", "is above half the sampling rate")
-    bits = np.repeat(frame.rng.integers(0, 2, -(-frame.samples // clock)), clock)
-    steps = np.where(bits, frame.high, frame.low)
-    return _smooth(steps, frame.sampling_rate / band)[: frame.samples]
+    bits = np.repeat(span.rng.integers(0, 2, -(-span.samples // clock)), clock)
+    steps = np.where(bits, span.high, span.low)
+    return _smooth(steps, span.sampling_rate / band)[: span.samples]
 
 
-def triangle(frame: Frame, *, slowest: float = 20.0, fastest: float = 4.0) -> Signal:
+def triangle(span: Span, *, slowest: float = 20.0, fastest: float = 4.0) -> Signal:
     """Triangles between ``low`` and random peaks, each rise and fall at one of three rates.
 
-    Full-range periods are ``slowest``, ``fastest`` and their geometric mean, in s. The same path
-    at several rates separates hysteresis, which keeps its loop, from lags, which widen theirs;
-    the falling and rising peaks leave inner loops.
+    Full-range periods are ``slowest``, ``fastest`` and their geometric mean, in s. The loop of a
+    hysteresis is the same at every rate, that of a lag widens with it; peaks of different height
+    give inner loops.
     """
     _require(0.0 < fastest <= slowest, "fastest", "is not between 0 and the slowest period")
     periods = np.array([slowest, np.sqrt(slowest * fastest), fastest])
-    span, pieces, total = frame.high - frame.low, [], 0
-    while total < frame.samples:
-        for share in frame.rng.permutation([1.0, 0.8, 0.6, 0.4]):
-            half = max(round(0.5 * share * frame.rng.choice(periods) * frame.sampling_rate), 1)
+    width, pieces, total = span.high - span.low, [], 0
+    while total < span.samples:
+        for share in span.rng.permutation([1.0, 0.8, 0.6, 0.4]):
+            half = max(round(0.5 * share * span.rng.choice(periods) * span.sampling_rate), 1)
             rising = np.arange(half) / half
-            pieces.append(frame.low + share * span * np.concatenate([rising, 1.0 - rising]))
+            pieces.append(span.low + share * width * np.concatenate([rising, 1.0 - rising]))
             total += 2 * half
-    return np.concatenate(pieces)[: frame.samples]
+    return np.concatenate(pieces)[: span.samples]
 
 
 KINDS: dict[str, Callable[..., Signal]] = {
@@ -213,14 +213,14 @@ def design(
     _require(samples >= 2, "duration", "holds fewer than two samples")
     band = settings.get("band", 0.0)
     _require(band < 0.5 * sampling_rate, "band", f"{band} Hz is not below half the sampling rate")
-    frame = Frame(generator(seed, "signals", kind), samples, sampling_rate, low, high)
-    signal = KINDS[kind](frame, **settings)
-    # Rounding may carry a sample past the end it was meant to reach.
+    span = Span(generator(seed, "signals", kind), samples, sampling_rate, low, high)
+    signal = KINDS[kind](span, **settings)
+    # Rounding may carry a sample beyond the end of the range.
     return np.clip(signal, low, high)
 
 
 def _smooth(steps: Signal, width: float) -> Signal:
-    """Average over a Hann window of ``width`` samples, the first value standing for the past."""
+    """Average over a Hann window of ``width`` samples; the first value continues to the past."""
     window = np.hanning(max(round(width), 1) + 2)[1:-1]
     padded = np.concatenate([np.full(window.size - 1, steps[0]), steps])
     return np.convolve(padded, window / window.sum(), mode="valid")

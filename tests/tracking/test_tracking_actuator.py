@@ -34,7 +34,7 @@ def small_signal_response(at: np.ndarray) -> np.ndarray:
 
 def test_the_tracked_response_is_that_of_the_actuator():
     u, y = displacement(
-        signals.gaussian(signals.Frame(generator(1, "truth"), SAMPLES, RATE, 1.1, 3.75))
+        signals.gaussian(signals.Span(generator(1, "truth"), SAMPLES, RATE, 1.1, 3.75))
     )
     model = select_terms(u[:5000], y[:5000], y_lags=3, u_lags=3, degree=3)
     track = track_parameters(model, u, y, method="output_error", sampling_rate=RATE)

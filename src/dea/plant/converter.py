@@ -9,7 +9,7 @@ STEPS = 65536
 
 
 class Converter(NamedTuple):
-    """A straight-binary converter: count 0 is ``low`` and count 65536, one too many, ``high``."""
+    """A straight-binary converter: count 0 is ``low``; ``high`` would be count 65536."""
 
     low: float
     high: float

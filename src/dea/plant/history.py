@@ -14,7 +14,7 @@ _FIELDS = np.dtype(
 
 
 class History:
-    """A growing record of every sample since the start; sample k has device index k."""
+    """A growing array of every sample since the start; sample k has device index k."""
 
     def __init__(self) -> None:
         self._samples = np.empty(1024, dtype=_FIELDS)

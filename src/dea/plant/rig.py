@@ -26,20 +26,19 @@ SUBSTEPS = round(SAMPLE_PERIOD / SUBSTEP)
 
 
 class Rig:
-    """Converter, amplifier, film, laser and converter in a row.
+    """Output converter, amplifier, film, laser and displacement converter in series.
 
-    The rig has no clock of its own: time passes by one sample period (20 ms) for every output
-    count it is given, and what it measures depends on those counts alone, however they are cut
-    into calls.
+    The rig has no clock of its own: each output count advances time by one sample period (20 ms),
+    and the measurement depends on the counts alone, not on how they are cut into calls.
 
     Parameters
     ----------
     parameters
-        What the actuator and its instruments are made of.
+        Of the actuator and its instruments.
     seed
         Of the measurement noise.
     effects
-        Laws that disturb the actuator or its instruments, in the order of the signal's way.
+        Laws that disturb the actuator or its instruments, in the order of the signal path.
     """
 
     def __init__(self, parameters: Parameters, seed: int, effects: Sequence[Law] = ()) -> None:
@@ -85,20 +84,20 @@ class Rig:
 
     @property
     def fault(self) -> int:
-        """0 while the film is whole, 1 after pull-in, 2 after electrical breakdown; latched."""
+        """0 without a fault, 1 after pull-in, 2 after electrical breakdown; latched."""
         return int(self._state.scalars[FAULT])
 
     def zero(self) -> None:
-        """Take the output to 0 V at once; the film follows as time passes."""
+        """Set the output to 0 V at once; the film follows with time."""
         self.applied_count = self.zero_count
 
     def advance(
         self, output_counts: NDArray[np.uint16]
     ) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
-        """Apply one output count a sample period, and measure once in each.
+        """Apply one output count per sample period and measure once in each.
 
         Displacement k is sampled at the instant at which output k takes effect: it depends on the
-        outputs before k, and the two belong to the same time.
+        outputs before k.
 
         Parameters
         ----------
@@ -122,7 +121,7 @@ class Rig:
         return applied, measured
 
     def respond(self, output_counts: NDArray[np.uint16]) -> Array:
-        """Return the readings in m without noise, shape (samples,), leaving no history."""
+        """Return the readings in m without noise, shape (samples,); nothing is added to history."""
         return self._drive(np.asarray(output_counts, dtype=np.uint16))[2]
 
     def _drive(self, applied: NDArray[np.uint16]) -> tuple[Array, Array, Array]:

@@ -1,4 +1,4 @@
-"""A law on a signal: what an effect on the input or output path does to it."""
+"""The law of an effect on the input or output path."""
 
 from collections.abc import Callable, Sequence
 

@@ -1,4 +1,4 @@
-"""Drawing blind trials: which effect, how strong, on which actuator, under which excitation."""
+"""Drawing blind trials: effects, their strength, the actuator and the excitation."""
 
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,10 @@ from dea.seeds import generator
 WEAKEST, STRONGEST = 3.0, 30.0  # RMS residual of the refitted plain actuator over RMS noise
 _INSIDE = [name for name, effect in EFFECTS.items() if effect.port is not Port.OUTSIDE]
 _OUTSIDE = [name for name, effect in EFFECTS.items() if effect.port is Port.OUTSIDE]
-# In every thirty trials each effect of the catalogue comes once, beside these.
+# Thirty trials hold each effect of the catalogue once, and besides:
 _OUTSIDE_SHARE, _PAIR_SHARE, _NULL_SHARE = 4, 3, 3
 ROUND = len(_INSIDE) + _OUTSIDE_SHARE + _PAIR_SHARE + _NULL_SHARE
-# Two of a kind do one thing between them: the stronger leaves nothing of the other to be found.
+# Two effects of one group act alike, so that the stronger hides the other: no pair holds both.
 _ALIKE = (
     {"input_saturation", "end_stop", "output_saturation", "strain_stiffening"},
     {"slew_limit", "transport_delay", "electrode_lag", "sensor_lag"},
@@ -56,9 +56,9 @@ def _draw_pair(rng: Generator) -> tuple[str, ...]:
 def draw(config: Path, seed: int, index: int) -> Trial:
     """Draw trial ``index`` of the campaign with ``seed`` for the configuration at ``config``.
 
-    Effects are sized one by one for a strength drawn between 3 and 30, on a logarithmic scale.
-    Where an effect cannot be that strong on the drawn actuator under the drawn excitation, or one
-    of two hides the other, all are drawn again.
+    Each effect by itself is sized for a strength drawn between 3 and 30 on a logarithmic scale.
+    Where an effect does not reach its strength on the drawn actuator under the drawn excitation, or
+    one of two hides the other, all are drawn again.
     """
     rng = generator(seed, "trials", str(index))
     names = schedule(seed, index + 1)[index]
@@ -102,7 +102,7 @@ def _attempt(config: Path, name: str, names: tuple[str, ...], rng: Generator) ->
 
 
 def _masked(effects: list[HiddenEffect], yardstick: Yardstick) -> bool:
-    """Return whether one of two effects is too weak to be found in the presence of the other."""
+    """Return whether one of two effects is too weak in the presence of the other."""
     conditions = yardstick.conditions()
     return any(
         yardstick.linear_strength(_laws(effects, conditions), _laws([other], conditions)) < WEAKEST
@@ -116,7 +116,7 @@ def _laws(effects: list[HiddenEffect], conditions: Conditions) -> list[Law]:
 
 
 def _sized(effect: EffectKind, yardstick: Yardstick, rng: Generator) -> HiddenEffect | None:
-    """Return the effect at a size of the drawn strength; None where no size is within limits."""
+    """Return the effect at a size of the drawn strength, or None if no size is within limits."""
     target = float(np.exp(rng.uniform(np.log(WEAKEST), np.log(STRONGEST))))
     seed = int(rng.integers(2**31))
     conditions = yardstick.conditions()
@@ -132,7 +132,7 @@ def _sized(effect: EffectKind, yardstick: Yardstick, rng: Generator) -> HiddenEf
             return HiddenEffect(effect.name, size, seed, strength)
         if not 0.0 < strength < np.inf:
             return None
-        # The linear step leaves what a full refit absorbs.
+        # The full refit explains more than the linear step: aim higher.
         aim *= target / strength
     return None
 

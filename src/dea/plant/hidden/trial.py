@@ -1,4 +1,4 @@
-"""One blind trial: what the bench runs, what the acquisition may know, and the sealed label."""
+"""One blind trial: its actuator with hidden effects, its excitation, and the sealed label."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -16,10 +16,10 @@ from dea.plant.rig import Law, Rig
 
 @dataclass(frozen=True)
 class HiddenEffect:
-    """An effect at a size (in the effect's own unit), with the seed of its shape.
+    """An effect at a size (in the effect's own unit), with the seed of its law's shape.
 
-    ``strength`` is the RMS residual of the refitted plain actuator over the RMS noise that this
-    effect causes by itself.
+    ``strength`` is the RMS residual of the refitted plain actuator over the RMS noise with this
+    effect alone.
     """
 
     name: str
@@ -28,7 +28,7 @@ class HiddenEffect:
     strength: float
 
     def law(self, conditions: Conditions) -> Law:
-        """Return a fresh law, with the memory it starts with."""
+        """Return a new law with its initial memory."""
         return EFFECTS[self.name].build(self.size, conditions, np.random.default_rng(self.seed))
 
 
@@ -39,15 +39,15 @@ class Trial:
     Attributes
     ----------
     name
-        Of the trial; says nothing about what is hidden.
+        Of the trial; tells nothing of the effects.
     film
-        The actuator's own parameters, in the place of the plain one's (SI units).
+        Parameters of the film that replace the plain actuator's (SI units).
     excitation
-        Arguments of :func:`dea.signals.design`; all that an acquisition may know.
+        Arguments of :func:`dea.signals.design`; the acquisition knows these alone.
     conditions
-        What the excitation does to the actuator without the effects.
+        The actuator under the excitation without the effects.
     effects
-        What is hidden: none, one or two.
+        None, one or two.
     strength
         Of all effects together, as of one.
     seed
@@ -71,7 +71,7 @@ class Trial:
         )
 
     def label(self) -> dict[str, Any]:
-        """Return what a diagnosis is scored against."""
+        """Return the label that a verdict is scored against."""
         return {
             "name": self.name,
             "effects": [
