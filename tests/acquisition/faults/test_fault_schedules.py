@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from fault_proxy import FAULTS, Fault
-from fault_trial import SETTINGS, check, run_trial
+from faulty_run import SETTINGS, check, run_with_faults
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
@@ -56,13 +56,13 @@ def test_any_schedule(tmp_path_factory, request):
     def keeps_the_laws(situation):
         bench = served(situation)
         try:
-            trial = run_trial(
+            run = run_with_faults(
                 bench, situation["faults"], tmp_path_factory.mktemp("t"), situation["acquisition"]
             )
-            check(trial)
+            check(run)
         finally:
             bench.stop()
-        outcomes[type(trial.failure).__name__ if trial.failure else "complete"] += 1
+        outcomes[type(run.failure).__name__ if run.failure else "complete"] += 1
 
     keeps_the_laws()
     print(f"{count} schedules: {dict(outcomes.most_common())}")

@@ -39,7 +39,7 @@ FAILURES = (
 
 
 @dataclass(frozen=True)
-class Trial:
+class FaultyRun:
     """What came of an acquisition: a record or a failure, and the samples on the disk."""
 
     bench: ServedBench
@@ -51,12 +51,12 @@ class Trial:
     repeats: bool  # whether a broken record is begun again
 
 
-def run_trial(
+def run_with_faults(
     bench: ServedBench,
     faults: Sequence[Fault],
     folder: Path,
     settings: AcquisitionSettings = SETTINGS,
-) -> Trial:
+) -> FaultyRun:
     """Acquire ``VOLTS`` from ``bench`` through a proxy with ``faults``."""
     partial = folder / f"{len(list(folder.iterdir()))}.partial"
     record = failure = None
@@ -75,29 +75,29 @@ def run_trial(
     nothing = Samples.lost(0, 0, np.empty(0, np.int64))
     samples = recover(partial).samples if partial.exists() else nothing
     repeats = settings.on_break == "restart"
-    return Trial(bench, sequence, record, failure, samples, proxy.done, repeats)
+    return FaultyRun(bench, sequence, record, failure, samples, proxy.done, repeats)
 
 
-def check(trial: Trial) -> None:
+def check(run: FaultyRun) -> None:
     """Stop the bench and fail where the outcome breaks a law."""
-    _ends_at_zero(trial)
-    trial.bench.stop()
-    _voltage_within_limits(trial)
-    _every_sample_is_what_the_bench_measured(trial)
-    _in_order(trial.samples)
-    if trial.record is not None:
-        _record_is_complete(trial)
+    _ends_at_zero(run)
+    run.bench.stop()
+    _voltage_within_limits(run)
+    _every_sample_is_what_the_bench_measured(run)
+    _in_order(run.samples)
+    if run.record is not None:
+        _record_is_complete(run)
     else:
-        _says_what_is_missing(trial)
+        _says_what_is_missing(run)
 
 
-def _voltage_within_limits(trial: Trial) -> None:
-    low, high = limit_counts(trial.bench.description, "output")
-    assert np.all((trial.bench.applied >= low) & (trial.bench.applied <= high))
+def _voltage_within_limits(run: FaultyRun) -> None:
+    low, high = limit_counts(run.bench.description, "output")
+    assert np.all((run.bench.applied >= low) & (run.bench.applied <= high))
 
 
-def _every_sample_is_what_the_bench_measured(trial: Trial) -> None:
-    s = trial.samples
+def _every_sample_is_what_the_bench_measured(run: FaultyRun) -> None:
+    s = run.samples
     have = (s.quality & Quality.LOST) == 0
     index = s.device_index[have]
     assert any(
@@ -107,7 +107,7 @@ def _every_sample_is_what_the_bench_measured(trial: Trial) -> None:
             and np.array_equal(s.applied[have], applied[index])
             and np.array_equal(s.displacement[have], displacement[index])
         )
-        for applied, displacement in trial.bench.boots()
+        for applied, displacement in run.bench.boots()
     ), "the samples are not what the bench applied and measured"
 
 
@@ -119,31 +119,31 @@ def _in_order(s: Samples) -> None:
     assert np.array_equal(driven, np.arange(driven.size)), "a position is missing or repeated"
 
 
-def _record_is_complete(trial: Trial) -> None:
-    s = trial.samples
+def _record_is_complete(run: FaultyRun) -> None:
+    s = run.samples
     played = (s.quality & ~Quality.LATE) == Quality.GOOD
-    assert np.array_equal(s.requested[played], trial.sequence)
+    assert np.array_equal(s.requested[played], run.sequence)
     held = ~played
     assert np.all(s.quality[held] == Quality.HELD)
     assert np.array_equal(s.applied[1:][held[1:]], s.applied[:-1][held[1:]])
-    record = trial.record
+    record = run.record
     assert record is not None
     kept = (record.quality.values & Quality.HELD) == 0
-    counts = to_counts(trial.bench.description["output"], VOLTS)
+    counts = to_counts(run.bench.description["output"], VOLTS)
     assert np.array_equal(record.voltage_counts.values[kept], counts)
     assert np.isfinite(record.displacement).all()
 
 
-def _says_what_is_missing(trial: Trial) -> None:
+def _says_what_is_missing(run: FaultyRun) -> None:
     """Nothing before the first sample named is missing, and nothing from there on passes as good.
 
     Where a failure to read back zero has overtaken the reason, that is in its context.
     """
-    s, failure = trial.samples, trial.failure
+    s, failure = run.samples, run.failure
     assert failure is not None
     assert str(failure)
-    if isinstance(failure, InputError) and not trial.repeats:
-        assert not trial.bench.applied.any(), "refused, and yet there was voltage"
+    if isinstance(failure, InputError) and not run.repeats:
+        assert not run.bench.applied.any(), "refused, and yet there was voltage"
     broken = broken_record(failure)
     if broken is not None:
         assert broken.count > 0
@@ -159,8 +159,8 @@ def broken_record(failure: BaseException | None) -> BrokenRecordError | None:
     return failure
 
 
-def _ends_at_zero(trial: Trial) -> None:
-    bench, failure = trial.bench, trial.failure
+def _ends_at_zero(run: FaultyRun) -> None:
+    bench, failure = run.bench, run.failure
     if isinstance(failure, ZeroNotVerifiedError | LinkError):
         # The client has said that it could not see to it: the device does.
         deadline = time.monotonic() + bench.player.watchdog_time + 2.0
