@@ -66,4 +66,4 @@ def test_a_register_and_a_line_have_the_defaults_of_their_description():
 def test_the_diagnosis_has_the_numbers_of_the_config(name, model):
     shipped = yaml.safe_load((ROOT / "config/config.yaml").read_text())["discrepancy"][name]
     configured = defaults(getattr(discrepancy, model)) | shipped
-    assert asdict(getattr(Settings(), name)).items() <= configured.items()
+    assert asdict(getattr(Settings(), name)).items() == configured.items()

@@ -116,6 +116,13 @@ def test_a_whole_number_of_the_command_line_comes_as_text(text, number):
             check_study(wrong)
 
 
+def test_nested_numbers_of_the_command_line_come_as_text():
+    budget = {"finished": "2", "beam": "1", "effects": "1", "shake_above": "1.2"}
+    found = settings(check_study(changed(STUDY, ["discrepancy", "budget"], budget)))
+    expected = {"finished": 2, "beam": 1, "effects": 1, "shake_above": 1.2}
+    assert found["discrepancy"]["budget"] == expected
+
+
 def test_a_number_that_yaml_reads_as_text_is_a_number():
     assert yaml.safe_load("1e-5") == "1e-5"
     found = check_study(changed(STUDY, ["identification", "add_threshold"], "1e-5"))

@@ -107,4 +107,4 @@ class Excitation(Section):
     """The voltages played, before the amplifier; ``kind`` says which further keys there are."""
 
     record: Kind = key("of the study's record")
-    second: Kind = key("of a second record, on which what the first taught is certified")
+    second: Kind = key("of a second record, on which conclusions from the first are certified")

@@ -65,6 +65,7 @@ class Validation(Section):
         "first and last second of each window", unit="s"
     )
     before: Positive = key(
-        "time before each window from which the honest models are estimated", unit="s"
+        "time before each window from which models that do not see the window are estimated",
+        unit="s",
     )
     max_lag: Count = key("largest lag of the residual correlations", unit="samples")

@@ -1,4 +1,4 @@
-"""Known answers, identified from what they simulate: ``recovery`` of config/config.yaml."""
+"""Published models identified from their own simulated records: ``recovery``."""
 
 from typing import Annotated, Literal, Self
 
