@@ -1,10 +1,14 @@
 """The mutants that the tests are tried with: where the code may be changed, and what is counted."""
 
+from pathlib import Path
+
 import pytest
 from benchmarks.mutants.report import kill_rate, markdown
 from benchmarks.mutants.sites import Mutant, mutants
 from benchmarks.mutants.suite import TimedFile, select
+from benchmarks.mutants.workplace import Workplace
 
+ROOT = Path(__file__).parents[1]
 SOURCE = '''"""Adds 1 and 2."""
 from numba import njit
 
@@ -14,7 +18,8 @@ def clip(x: int | None = None, *, top: "dict[3, 4]") -> float | None:
     width: float | None = 7.0
     assert width > 5
     if x is None:
-        raise ValueError(f"{1 + 2} is wrong")
+        raise ValueError(1 + 2)
+    text = f"{1 + 2:.3f}"
     for a, b in zip(x, top, strict=True):
         width = min(width, a - b)
     return width
@@ -74,3 +79,30 @@ def test_survivors_are_listed_with_their_change():
     report = markdown([row, row | {"outcome": "killed"}], seed=1, budget=60.0)
     assert "| narx | 1 | 0 | 1 | 0 | 50.0 |" in report
     assert report.count("+if not a:") == 1
+
+
+def test_what_was_compiled_is_kept_where_the_mutant_cannot_reach_it(tmp_path):
+    place = Workplace(ROOT, tmp_path / "copy")
+    compiled = tmp_path / "copy" / "compiled"
+    names = [
+        "narx_1a2b/kernels.run-9.py311",
+        "narx_1a2b/simulation.f-1.py311",
+        "modbus_3c/x.g-1.py311",
+    ]
+    for name in names:
+        (compiled / name).parent.mkdir(exist_ok=True)
+        (compiled / f"{name}.nbi").touch()
+        (compiled / f"{name}.1.nbc").touch()
+    source = (ROOT / "src/dea/narx/kernels.py").read_text()
+    seen = []
+
+    def pytest_runs(arguments, folder, timeout):
+        mutated = (tmp_path / "copy/src/dea/narx/kernels.py").read_text()
+        seen.extend(sorted(path.name for path in folder.rglob("*.nb?")))
+        return 0 if mutated == source + "\n" else 1
+
+    place._pytest = pytest_runs
+    assert place.test("src/dea/narx/kernels.py", source + "\n", ["tests"], timeout=1.0) == 0
+    assert seen == ["x.g-1.py311.1.nbc", "x.g-1.py311.nbi"]
+    assert (tmp_path / "copy/src/dea/narx/kernels.py").read_text() == source
+    assert len(list(compiled.rglob("*.nb?"))) == 6

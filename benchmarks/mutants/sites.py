@@ -32,8 +32,11 @@ OPERATORS = (
     *(f"ReplaceComparisonOperator_{name}" for name in COMPARISON),
     *OTHERS,
 )
-# Messages (`raise`), checks for the type checker (`assert`), and what decorates a function.
-WITHOUT_LOGIC = {"raise_stmt", "assert_stmt", "decorator", "decorators", "import_from"}
+# Messages (`raise`, f-strings), checks for the type checker (`assert`), and what decorates a
+# function.
+WITHOUT_LOGIC = {
+    "raise_stmt", "fstring", "assert_stmt", "decorator", "decorators", "import_from",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -117,8 +120,6 @@ def _holds_logic(node: NodeOrLeaf) -> bool:
         if parent.type == "funcdef" and child in _after_arrow(parent):
             return False
         if parent.type == "argument" and parent.children[0].get_code().strip() == "strict":
-            return False
-        if parent.type == "fstring_format_spec":
             return False
     return True
 
