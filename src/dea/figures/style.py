@@ -119,10 +119,10 @@ def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
     figure.set_dpi(resolution)
     engine = figure.get_layout_engine()
     if engine is not None:
-        # Arranged once, so that every format has the same panels; `savefig` would draw the figure
-        # once more for it.
+        # Arranged once, so that every format has the same panels. `savefig` draws a figure that has
+        # any engine, even "none", once more than one without.
         engine.execute(figure)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)
     for path in paths:
         kind = path.suffix.lstrip(".")
         with atomic(path) as partial:
