@@ -14,7 +14,7 @@ FOUR_TRIALS = [
     "trials={count: 4, batch: 2, set: tuning}",
     "discrepancy={budget: {finished: 2, beam: 1, effects: 1}}",
 ]
-PARTS = ["Snakefile", "config", "src", "workflow", "pyproject.toml"]
+PARTS = ["Snakefile", "config", "workflow", "pyproject.toml"]
 
 
 class Project:
@@ -24,7 +24,11 @@ class Project:
         self.folder = folder
 
     def copy(self) -> "Project":
-        """Copy the project to its folder."""
+        """Copy the project to its folder, with a link to its source.
+
+        Compiled functions are kept for one place of the source, and jobs refuse a source that is
+        not the one their rules list.
+        """
         self.folder.mkdir(exist_ok=True)
         for part in PARTS:
             source, copied = ROOT / part, self.folder / part
@@ -33,15 +37,20 @@ class Project:
             else:
                 shutil.copy2(source, copied)
         shutil.copy2(ROOT / "tests/workflow/small.yaml", self.folder)
+        (self.folder / "src").symlink_to(ROOT / "src")
         return self
+
+    def copy_source(self) -> None:
+        """Replace the link to the source by a copy with the same times, for a test to edit."""
+        (self.folder / "src").unlink()
+        shutil.copytree(
+            ROOT / "src", self.folder / "src", ignore=shutil.ignore_patterns("__pycache__")
+        )
 
     def snakemake(
         self, *arguments: str, cores: int = 2, small: bool = True
     ) -> subprocess.CompletedProcess[str]:
-        """Run Snakemake in the copy, which it watches; jobs import the source copied from.
-
-        That has its compiled functions at hand, which are kept for one place.
-        """
+        """Run Snakemake in the copy."""
         command = ["snakemake", "--cores", str(cores), "--profile", "workflow/profiles/default"]
         config = ["--configfile", "config/config.yaml", "small.yaml"] if small else []
         environment = os.environ | {
@@ -97,6 +106,7 @@ def finished(tmp_path_factory):
             run = project.snakemake("study")
             (shared / "study.log").write_text(run.stdout + run.stderr)
             if run.returncode == 0:
+                project.copy_source()
                 (shared / "study.done").touch()
     assert (shared / "study.done").exists(), (shared / "study.log").read_text()
     return project
