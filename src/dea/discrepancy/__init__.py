@@ -1,4 +1,4 @@
-"""Find, name and prove the effect a simulation is missing."""
+"""Find, name and certify the effect that a simulation is missing."""
 
 from dea.discrepancy.diagnose import diagnose
 from dea.discrepancy.diagnosis import Diagnosis

@@ -50,25 +50,27 @@ class Problem(Samples):
     @cached_property
     def seen(self) -> np.ndarray:
         """Samples that a fit sees, shape (n,)."""
-        return self.fit | self.select
+        result: np.ndarray = self.fit | self.select
+        return result
 
     def seen_rmse(self, residual: np.ndarray) -> float:
-        """Return the RMSE over all samples that may choose; infinite if ``residual`` is anywhere.
+        """Return the RMSE over all samples seen; infinite if ``residual`` is at any of them.
 
-        Candidates are ranked on all of them: some blocks a wrong simulation can be fitted to.
+        Candidates are ranked on all of them, since a wrong simulation can fit some blocks well.
         """
         return rmse(residual, self.seen)
 
     def moved(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
-        """Return the output before any sensor, shape (n,)."""
-        return extended.run(values, self.u, self.interval)[0]
+        """Return the output before the sensor, shape (n,)."""
+        result: np.ndarray = extended.run(values, self.u, self.interval)[0]
+        return result
 
     def residual(
         self, extended: ExtendedSimulation, values: np.ndarray, output: np.ndarray | None = None
     ) -> np.ndarray:
         """Return measured minus simulated output, shape (n,); infinite where unstable.
 
-        ``output`` is that before any sensor, where it is known already.
+        ``output`` is that before the sensor, if it is known already.
         """
         if output is None:
             output = self.moved(extended, values)
@@ -76,7 +78,7 @@ class Problem(Samples):
         return np.where(np.isfinite(y), self.y - y, np.inf)
 
     def seeing(self, samples: np.ndarray) -> "Problem":
-        """Return the same record of which a fit sees only some of the samples (n, bool)."""
+        """Return the same record with only some ``samples`` (n, bool) for fits to see."""
         return replace(self, fit=self.fit & samples, select=self.select & samples)
 
     def with_noise(self, noise: float) -> "Problem":
@@ -85,7 +87,7 @@ class Problem(Samples):
 
 
 def rmse(residual: np.ndarray, samples: np.ndarray) -> float:
-    """Return the root mean square of ``residual`` over ``samples``; infinite if it is anywhere."""
+    """Return the root mean square of ``residual`` over ``samples``; infinite if any is."""
     chosen = residual[samples]
     if not np.isfinite(chosen).all():
         return np.inf

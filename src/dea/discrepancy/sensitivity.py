@@ -50,6 +50,7 @@ def unabsorbed(J: np.ndarray, noise: float) -> Callable[[np.ndarray], np.ndarray
 
     def remainder(change: np.ndarray) -> np.ndarray:
         padded = np.concatenate([change, np.zeros((size, *change.shape[1:]))])
-        return padded - basis @ (basis.T @ padded)
+        result: np.ndarray = padded - basis @ (basis.T @ padded)
+        return result
 
     return remainder

@@ -7,7 +7,9 @@ from dea.simulation.signatures import MATRIX, VECTOR
 
 
 @njit(types.void(MATRIX, VECTOR, VECTOR, float64, VECTOR), cache=True)
-def advance_two(J, slope, ramp, h, step):
+def advance_two(
+    J: np.ndarray, slope: np.ndarray, ramp: np.ndarray, h: float, step: np.ndarray
+) -> None:
     """Write h φ₁(h J) f + h φ₂(h J) Δf for two states, interpolated at the eigenvalues of h J."""
     a, b, c, d = h * J[0, 0], h * J[0, 1], h * J[1, 0], h * J[1, 1]
     middle = 0.5 * (a + d)
@@ -39,7 +41,7 @@ def advance_two(J, slope, ramp, h, step):
 
 
 @njit(MATRIX(MATRIX, MATRIX), cache=True)
-def _product(A, B):
+def _product(A: np.ndarray, B: np.ndarray) -> np.ndarray:
     n = A.shape[0]
     C = np.zeros((n, n))
     for i in range(n):
@@ -50,7 +52,7 @@ def _product(A, B):
 
 
 @njit(types.void(MATRIX, VECTOR, VECTOR, float64, VECTOR), cache=True)
-def advance(J, slope, ramp, h, step):
+def advance(J: np.ndarray, slope: np.ndarray, ramp: np.ndarray, h: float, step: np.ndarray) -> None:
     """Write h φ₁(h J) f + h φ₂(h J) Δf by Taylor series of a halved step, doubled back.
 
     Higham 2008, section 10.7.4.

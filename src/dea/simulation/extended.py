@@ -1,4 +1,4 @@
-"""A simulation with effects attached: the thing that is fitted, saved and simulated."""
+"""A simulation with effects attached, which is fitted, saved and simulated."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -34,7 +34,7 @@ class ExtendedSimulation:
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Parameters of simulation, start, both ends and effects, in the order of ``values``."""
+        """Parameters of simulation, initial state, input, sensor and effects, as in ``values``."""
         own = self.simulation
         starts = (
             Parameter(f"initial.{s.name}", s.unit, s.initial, s.spread, at_start=True)
@@ -66,8 +66,8 @@ class ExtendedSimulation:
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper bounds of the free coordinates.
 
-        The simulation's own parameters stay within a few spreads of their prior: a refit that
-        bends a known mass or film further than that hides what is missing in them.
+        The simulation's own parameters stay within a few spreads of their prior: larger changes
+        of known parameters would make up for a missing effect.
         """
         pairs = np.array([self.parameters[i].coordinate_bounds() for i in self.free])
         own = self.free < self._laws_from
@@ -142,11 +142,11 @@ class ExtendedSimulation:
         return replace(self, attached=self.attached[:index] + self.attached[index + 1 :])
 
     def simulate(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
-        """Return the free-run output, shape (n,); NaN from where the simulation runs away."""
+        """Return the free-run output, shape (n,); NaN from where the simulation diverges."""
         return self.read(self.run(values, u, interval)[0], values, interval)
 
     def run(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
-        """Return the output before any sensor, and the normalised position, shape (2, n)."""
+        """Return the output before the sensor, and the normalised position, shape (2, n)."""
         own = self.simulation
         lead = round(own.lead_in / interval)
         t = np.arange(u.size) * interval
@@ -169,24 +169,25 @@ class ExtendedSimulation:
         ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
         if own.force_ports:
             ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
-        slots: list[Any] = []
+        functions: list[Any] = [
+            first_class(own.compiled_derivative),
+            first_class(own.compiled_output),
+        ]
         memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
         for slot in range(SLOTS):
             if slot < len(forces):
                 a, q = forces[slot]
                 effect = a.effect
-                slots += [first_class(effect.force), first_class(effect.update)]
+                functions += [first_class(effect.force), first_class(effect.update)]
                 ports[slot], frames[slot] = self._ports[a.force_port], self._frames[a.force_port]
                 parameters[slot, : q.size] = q
                 if effect.memory is not None:
                     memory[slot] = effect.memory(q)
             else:
-                slots += [first_class(no_force), first_class(no_update)]
+                functions += [first_class(no_force), first_class(no_update)]
         substeps = self.substeps * max([1, *(a.effect.refine for a, _ in forces)])
-        return integrate(  # type: ignore[call-arg]
-            first_class(own.compiled_derivative),
-            first_class(own.compiled_output),
-            *slots,
+        result: np.ndarray = integrate(  # type: ignore[call-arg]
+            *functions,
             len(forces),
             v,
             at_steps(v, substeps, own.input_interpolation),
@@ -202,11 +203,12 @@ class ExtendedSimulation:
             memory,
             parameters,
         )[:, lead:]
+        return result
 
     def read(self, output: np.ndarray, values: np.ndarray, interval: float) -> np.ndarray:
-        """Return what the sensor makes of an output, shape (n,)."""
+        """Return the sensor's reading of an output, shape (n,)."""
         gain, offset = values[self._laws_from - 2 : self._laws_from]
-        y = gain * output + offset
+        y: np.ndarray = gain * output + offset
         t = np.arange(y.size) * interval
         for effect, q in self._laws(values):
             if effect.shape_output is not None:
@@ -223,7 +225,7 @@ class ExtendedSimulation:
         return np.isin(self.free, list(sensing))
 
     def _laws(self, values: np.ndarray) -> list[tuple[Effect, np.ndarray]]:
-        """Return each effect with its parameters, in the order in which a signal meets them."""
+        """Return each effect with its parameters, in the order in which they are applied."""
         laws: list[tuple[Effect, np.ndarray]] = []
         for a, own in zip(self.attached, self.effect_slices, strict=True):
             laws.insert(0 if a.upstream else len(laws), (a.effect, values[own]))

@@ -1,5 +1,8 @@
 """The integrator of every simulation with every force law."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numba import float64, int64, njit, types
 
@@ -17,13 +20,14 @@ from dea.simulation.signatures import (
 
 
 @njit(inline="always")
-def _positions(x, ports, frames, z):
+def _positions(x: np.ndarray, ports: np.ndarray, frames: np.ndarray, z: np.ndarray) -> None:
     """Write the normalised position of each port that has one."""
     for e in range(SLOTS + 1):
         if ports[e, 1] >= 0:
             z[e] = (x[ports[e, 1]] - frames[e, 0]) / frames[e, 1]
 
 
+Law = Callable[..., Any]
 _F, _U = types.FunctionType(FORCE), types.FunctionType(UPDATE)
 
 
@@ -37,29 +41,29 @@ _F, _U = types.FunctionType(FORCE), types.FunctionType(UPDATE)
     nogil=True,
 )  # fmt: skip
 def integrate(
-    derivative,
-    output,
-    force_1,
-    update_1,
-    force_2,
-    update_2,
-    force_3,
-    update_3,
-    forces,
-    u,
-    course,
-    straight,
-    p,
-    drive,
-    drive_scale,
-    x0,
-    interval,
-    substeps,
-    ports,
-    frames,
-    memory,
-    q,
-):
+    derivative: Law,
+    output: Law,
+    force_1: Law,
+    update_1: Law,
+    force_2: Law,
+    update_2: Law,
+    force_3: Law,
+    update_3: Law,
+    forces: int,
+    u: np.ndarray,
+    course: np.ndarray,
+    straight: int,
+    p: np.ndarray,
+    drive: int,
+    drive_scale: np.ndarray,
+    x0: np.ndarray,
+    interval: float,
+    substeps: int,
+    ports: np.ndarray,
+    frames: np.ndarray,
+    memory: np.ndarray,
+    q: np.ndarray,
+) -> np.ndarray:
     """Integrate by the exponential Rosenbrock-Euler method with steps of ``interval/substeps``.
 
     The method is exact for a linear simulation under an input that is held, or straight between
@@ -78,17 +82,18 @@ def integrate(
     drive, drive_scale : int, (n,)
         Index of the parameter that is multiplied by ``drive_scale`` at each sample.
     ports : (SLOTS + 1, 4)
-        States that are balance, position, velocity and reaction of each force (-1: there is
+        States that are equation, position, velocity and reaction of each force (-1: there is
         none); the last row is the port whose position is returned.
     frames : (SLOTS + 1, 3)
-        Rest position and scale of each port's motion, and the balance's change per unit of force.
+        Rest position and scale of each port's motion, and the change of its equation per unit of
+        force.
     memory, q : (SLOTS, MEMORY), (SLOTS, parameters)
         Memory (changed in place) and parameters of each force.
 
     Returns
     -------
     (2, n)
-        Output, and the normalised position, at each sample; NaN from where the states run away.
+        Output, and the normalised position, at each sample; NaN from where the states diverge.
     """
     n, states = u.size, x0.size
     result = np.full((2, n), np.nan)
@@ -98,7 +103,7 @@ def integrate(
     typical = np.abs(x0) + 1e-6
     p = p.copy()
     p_drive = p[drive]
-    # Rows are cut out once: cutting them in the loop costs more than the forces do.
+    # Rows are sliced once: slicing them in the loop takes longer than the forces do.
     m1, m2, m3 = memory[0], memory[1], memory[2]
     q1, q2, q3 = q[0], q[1], q[2]
     h = interval / substeps

@@ -23,7 +23,10 @@ def at_steps(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarra
     if how == "zero":
         return np.append(np.repeat(u, substeps), u[-1])
     points = _with_the_spectrum_of(u) if how == "smooth" else u
-    return np.interp(np.arange(u.size * substeps + 1) / substeps, np.arange(u.size), points)
+    result: np.ndarray = np.interp(
+        np.arange(u.size * substeps + 1) / substeps, np.arange(u.size), points
+    )
+    return result
 
 
 def _with_the_spectrum_of(u: np.ndarray) -> np.ndarray:

@@ -21,7 +21,8 @@ def load_simulation(name: str | Path) -> Simulation:
         simulation has a missing port or an equation that does not give numbers.
     """
     if str(name) in BUILT_IN:
-        return import_module(f"dea.simulation.devices.{name}").simulation
+        result: Simulation = import_module(f"dea.simulation.devices.{name}").simulation
+        return result
     path = Path(name)
     if path.suffix != ".py" or not path.exists():
         raise InputError(

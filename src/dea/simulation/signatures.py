@@ -51,7 +51,7 @@ class FirstClass(types.WrapperAddressProtocol):
         self._function = function
         (self._signature,) = function.nopython_signatures
         result = function.get_compile_result(self._signature)
-        self._address = result.library.get_pointer_to_function(
+        self._address: int = result.library.get_pointer_to_function(
             result.fndesc.llvm_cfunc_wrapper_name
         )
         self.numba_type = types.FunctionType(self._signature)

@@ -1,4 +1,4 @@
-"""The experiment that would tell two rivals apart, as an excitation the acquisition can run."""
+"""The excitation that best separates two rivals, among those the acquisition offers."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import sensitivities, unabsorbed
 from dea.signals import design
 
-# Settings of each kind that the acquisition offers; rests, rates and bands are what separates.
+# Candidate designs of each kind of excitation, which differ in rests, rates and bands.
 _DESIGNS: tuple[tuple[str, dict[str, float]], ...] = (
     ("gaussian", {"band": 1.0}),
     ("gaussian", {"band": 0.2}),
@@ -19,7 +19,7 @@ _DESIGNS: tuple[tuple[str, dict[str, float]], ...] = (
     ("binary", {"band": 1.0}),
     ("triangle", {"slowest": 20.0, "fastest": 4.0}),
 )
-# Of every design, however short the record: room for its periods and rests.
+# Length of every design: enough for its periods and rests.
 _SAMPLES = 6000
 
 
@@ -47,7 +47,7 @@ def separating_experiment(problem: Problem, first: Fit, second: Fit, seed: int) 
     best: Experiment | None = None
     present = _apart(problem, problem.u[:_SAMPLES], first, second)
     for kind, settings in _DESIGNS:
-        # Times and bands are told for 50 Hz; a faster or slower system scales them.
+        # Times and bands are given for 50 Hz and scale with the sampling rate.
         pace = rate / 50.0
         scaled = {
             key: value * pace if key == "band" else value if key == "levels" else value / pace

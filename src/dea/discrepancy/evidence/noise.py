@@ -1,23 +1,23 @@
-"""The noise floor: what no simulation could explain."""
+"""The noise floor: the level of white noise in a residual."""
 
 import numpy as np
 
-# Samples a block needs, and the ratio of two quarter bands that is no chance.
+# Least number of samples of a block, and the ratio of two quarter bands that chance hardly causes.
 _SHORTEST = 24
 _COLOURED = 1.5
-# Pieces (samples, and how many at least) whose levels are compared, and the part of the record's
-# level that a quarter of them stays below only if the noise comes and goes.
+# Length (samples) and least number of the pieces whose levels are compared, and the part of the
+# record's level that the quietest quarter of them is below only if the noise varies with time.
 _PIECE, _PIECES, _QUIET = 64, 12, 0.5
 
 
 def white_level(residual: np.ndarray, blocks: list[slice]) -> float:
     """Return the standard deviation of white noise that explains the upper half of the band.
 
-    Excitation and slow misfit live at low frequency. The median over the upper half of each
+    Excitation and model errors are at low frequency. The median over the upper half of each
     block's periodogram, divided by the median of the chi-squared distribution with two degrees
-    of freedom over its mean (ln 2), estimates the level whatever lines stand out of it; the
-    lower of two quarter bands is taken where they differ, so that no resonance in one counts,
-    and the level of the quietest quarter of the time where what seems noise comes and goes.
+    of freedom over its mean (ln 2), is insensitive to spectral lines. Where the two
+    quarter bands differ, the lower one is taken, so that a resonance in one does not count; where
+    the apparent noise varies with time, the level of the quietest quarter of the time is.
     """
     spectra = [
         _upper_half(residual[block])
@@ -57,4 +57,4 @@ def _halved(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _level(power: np.ndarray) -> float:
-    return float(np.median(power)) / np.log(2.0)
+    return float(float(np.median(power)) / np.log(2.0))

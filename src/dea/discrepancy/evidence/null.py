@@ -39,8 +39,8 @@ def null_gain(
 ) -> float:
     """Return the 95 % quantile of the best gain where nothing is missing.
 
-    Records are drawn as the nominal simulation plus noise of the colour of ``noise``; each
-    candidate is refitted to each of them by one Gauss-Newton step, at the shape it took.
+    Records are drawn as the nominal simulation plus noise with the spectrum of ``noise`` (n,); each
+    candidate is refitted to each of them by one Gauss-Newton step from its fitted parameters.
     """
     from scipy.signal import lfilter
 
@@ -55,7 +55,8 @@ def null_gain(
         ridge = problem.noise**2 * np.eye(J.shape[1])
         steps = np.linalg.solve(A.T @ A + ridge, A.T @ draws[:, problem.fit].T)
         rest = draws[:, problem.select] - (J[problem.select] @ steps).T
-        return np.einsum("ij,ij->i", rest, rest)
+        result: np.ndarray = np.einsum("ij,ij->i", rest, rest)
+        return result
 
     reference = left_over(before.jacobian)
     best = np.zeros(_DRAWS)

@@ -1,9 +1,9 @@
-"""A flexible model of what a simulation leaves over, and the sparse equation it boils down to.
+"""A flexible model of the residual, and a sparse equation of it.
 
-A dictionary of input, output, their memory and time is regressed on the residual (ridge regression,
-Hoerl and Kennedy 1970). It knows no physics; what it can predict on blocks it has not seen, a
-missing effect could. Forward selection of its terms gives an equation to look at, in the manner
-of Brunton, Proctor and Kutz (2016), PNAS 113:3932.
+The residual is regressed on a dictionary of input, output, their memory and time (ridge regression,
+Hoerl and Kennedy 1970). The dictionary contains no physics: a missing effect could explain what it
+predicts on blocks that it was not fitted to. Forward selection of its terms gives an equation, as
+in Brunton, Proctor and Kutz (2016), PNAS 113:3932.
 """
 
 from dataclasses import dataclass
@@ -121,4 +121,5 @@ def _play(y: np.ndarray, radius: float) -> np.ndarray:
 
 
 def _standard(signal: np.ndarray) -> np.ndarray:
-    return (signal - signal.mean()) / (signal.std() or 1.0)
+    result: np.ndarray = (signal - signal.mean()) / (signal.std() or 1.0)
+    return result

@@ -1,4 +1,4 @@
-"""Where to start the laws that are not convex: lines and jumps of the residual."""
+"""Starting values for laws whose cost has many minima: lines and jumps of the residual."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     surroundings = np.convolve(drive, np.ones(9) / 9, "same")
     found: list[float] = []
     for prominence in (power.copy(), power / (surroundings / surroundings.max() + 1e-3)):
-        # The first bins hold trends, which are no oscillation.
+        # The first bins hold trends.
         prominence[:4] = 0.0
         for _ in range(_LINES):
             peak = int(np.argmax(prominence))

@@ -7,6 +7,7 @@ from one tank to the other.
 
 from math import sqrt
 
+import numpy as np
 from numba import njit
 
 from dea.simulation.force_port import ForcePort
@@ -17,7 +18,7 @@ from dea.simulation.state import State
 
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
-def derivative(x, u, p, dx):
+def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
     """Water balances of the upper and the lower tank; levels in units of the sensor."""
     upper, lower = sqrt(max(x[0], 0.0)), sqrt(max(x[1], 0.0))
     dx[0] = -p[0] * upper + p[3] * u
@@ -25,9 +26,9 @@ def derivative(x, u, p, dx):
 
 
 @njit(OUTPUT, cache=True, error_model="numpy")
-def output(x, u, p):
+def output(x: np.ndarray, u: float, p: np.ndarray) -> float:
     """Level of the lower tank, in volts of its sensor."""
-    return x[1]
+    return float(x[1])
 
 
 simulation = Simulation(

@@ -7,6 +7,7 @@ Actuators A 134:494, for the film; Suo (2010), Acta Mechanica Solida Sinica 23:5
 
 from math import pi
 
+import numpy as np
 from numba import njit
 
 from dea.simulation.force_port import ForcePort
@@ -20,7 +21,7 @@ GRAVITY = 9.81
 
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
-def derivative(x, u, p, dx):
+def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
     """Force balance of the mass: m ÿ = m g - c ẏ - Ω σ₁ y / (L² + y²)."""
     y, velocity = x[0], x[1]
     mass, c, c10, c20, c30, prestretch, epsilon_r = p[0], p[1], p[2], p[3], p[4], p[5], p[6]
@@ -39,9 +40,9 @@ def derivative(x, u, p, dx):
 
 
 @njit(OUTPUT, cache=True, error_model="numpy")
-def output(x, u, p):
+def output(x: np.ndarray, u: float, p: np.ndarray) -> float:
     """Displacement in mm."""
-    return 1e3 * x[0]
+    return float(1e3 * x[0])
 
 
 simulation = Simulation(

@@ -4,6 +4,7 @@ Wigren and Schoukens (2017), technical report 2017-024, Uppsala University, desc
 motors, with their windings and inertia, and the belt make a linear system with one resonance.
 """
 
+import numpy as np
 from numba import njit
 
 from dea.simulation.force_port import ForcePort
@@ -14,7 +15,7 @@ from dea.simulation.state import State
 
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
-def derivative(x, u, p, dx):
+def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
     """Current x₀ follows the voltage, the motors' speed x₁ the current, the pulley x₂ the belt."""
     winding, motor, omega = p[0], p[1], 6.283185307179586 * p[2]
     dx[0] = (u - x[0]) / winding
@@ -24,9 +25,9 @@ def derivative(x, u, p, dx):
 
 
 @njit(OUTPUT, cache=True, error_model="numpy")
-def output(x, u, p):
+def output(x: np.ndarray, u: float, p: np.ndarray) -> float:
     """Speed of the pulley."""
-    return x[2]
+    return float(x[2])
 
 
 simulation = Simulation(

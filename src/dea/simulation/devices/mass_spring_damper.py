@@ -1,5 +1,6 @@
 """A mass on a spring and a damper, driven by a force."""
 
+import numpy as np
 from numba import njit
 
 from dea.simulation.force_port import ForcePort
@@ -10,7 +11,7 @@ from dea.simulation.state import State
 
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
-def derivative(x, u, p, dx):
+def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
     """Equation of motion ÿ + 2 ζ ω ẏ + ω² y = ω² g u, with ω = 2 π f."""
     omega = 6.283185307179586 * p[0]
     dx[0] = x[1]
@@ -18,9 +19,9 @@ def derivative(x, u, p, dx):
 
 
 @njit(OUTPUT, cache=True, error_model="numpy")
-def output(x, u, p):
+def output(x: np.ndarray, u: float, p: np.ndarray) -> float:
     """Position, as the sensor gives it."""
-    return x[0]
+    return float(x[0])
 
 
 simulation = Simulation(

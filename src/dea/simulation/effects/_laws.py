@@ -31,9 +31,10 @@ def limited(x: float, limit: float, sharpness: float) -> float:
     ratio = x / limit
     largest = max(1.0, ratio)
     # Powers of numbers below one cannot overflow.
-    return x / (
+    result: float = x / (
         largest * (largest**-sharpness + (ratio / largest) ** sharpness) ** (1.0 / sharpness)
     )
+    return result
 
 
 @njit(_VECTOR(_VECTOR, float64, float64, float64), cache=True, error_model="numpy")
@@ -74,7 +75,9 @@ def low_pass(y: np.ndarray, polynomial: Sequence[float]) -> np.ndarray:
 
     numerator, denominator, _ = cont2discrete(([1.0], polynomial), 1.0, method="foh")
     weights = numerator.ravel()
-    smooth, _ = lfilter(weights, denominator, y, zi=y[0] * lfilter_zi(weights, denominator))
+    smooth: np.ndarray = lfilter(
+        weights, denominator, y, zi=y[0] * lfilter_zi(weights, denominator)
+    )[0]
     return smooth
 
 
@@ -84,4 +87,5 @@ DRIFT_DEGREES = 8
 def drift(t: np.ndarray, duration: float, weights: np.ndarray) -> np.ndarray:
     """Return the sum of Legendre polynomials of degree 1, 2, ... in time over the record."""
     x = 2.0 * t / duration - 1.0
-    return np.polynomial.legendre.legval(x, np.concatenate([[0.0], weights]))
+    found: np.ndarray = np.polynomial.legendre.legval(x, np.concatenate([[0.0], weights]))
+    return found

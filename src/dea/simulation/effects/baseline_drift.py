@@ -10,7 +10,8 @@ from dea.simulation.scales import Scales
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Add a polynomial of time."""
-    return y + drift(t, q[DRIFT_DEGREES], q[:DRIFT_DEGREES])
+    result: np.ndarray = y + drift(t, q[DRIFT_DEGREES], q[:DRIFT_DEGREES])
+    return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:

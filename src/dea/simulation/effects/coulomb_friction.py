@@ -10,15 +10,15 @@ from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 
 
 @njit(FORCE, cache=True, error_model="numpy")
-def force(z, w, memory, q):
+def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``."""
     deflection = min(max((memory[0] + z - memory[1]) / q[1], -1.0), 1.0)
     excess = q[2] / (1.0 + (w / q[3]) ** 2)
-    return -q[0] * deflection * (1.0 + excess)
+    return float(-q[0] * deflection * (1.0 + excess))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
-def update(z, z_next, h, memory, q):
+def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
     """Slip where the deflection has reached its limit."""
     memory[0] = min(max(memory[0] + z_next - memory[1], -q[1]), q[1])
     memory[1] = z_next

@@ -10,14 +10,14 @@ from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 
 
 @njit(FORCE, cache=True, error_model="numpy")
-def force(z, w, memory, q):
+def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Part of the elastic force that damage removes; ``memory[0]`` is the travel."""
     damage = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
-    return q[0] * damage * z
+    return float(q[0] * damage * z)
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
-def update(z, z_next, h, memory, q):
+def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
     """Add up the travel."""
     memory[0] += abs(z_next - z)
 

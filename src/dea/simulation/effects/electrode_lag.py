@@ -18,7 +18,8 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """
     slow, ratio, near, start = q[0], q[1], q[2], q[3]
     far = held_lag(u, u[0] + start, slow, interval)
-    return (1.0 - near) * far + near * held_lag(u, u[0], slow * ratio, interval)
+    result: np.ndarray = (1.0 - near) * far + near * held_lag(u, u[0], slow * ratio, interval)
+    return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:

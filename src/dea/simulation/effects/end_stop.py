@@ -1,5 +1,6 @@
 """The motion is limited by a stop."""
 
+import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
@@ -10,10 +11,10 @@ from dea.simulation.signatures import FORCE
 
 
 @njit(FORCE, cache=True, error_model="numpy")
-def force(z, w, memory, q):
+def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Stiff contact beyond the upper stop, or the lower one, with a soft corner."""
     upper, lower = knee(z - q[0], q[3]), knee(q[1] - z, q[3])
-    return q[2] * ((lower / q[5]) ** q[4] - (upper / q[5]) ** q[4]) * q[5]
+    return float(q[2] * ((lower / q[5]) ** q[4] - (upper / q[5]) ** q[4]) * q[5])
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:

@@ -18,7 +18,8 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
     wave = np.zeros_like(y)
     for n in range(_HARMONICS):
         wave += q[1 + 2 * n] * np.cos((n + 1) * phase) + q[2 + 2 * n] * np.sin((n + 1) * phase)
-    return y + wave
+    result: np.ndarray = y + wave
+    return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:

@@ -13,19 +13,19 @@ _VECTOR = types.Array(float64, 1, "C")
 
 
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
-def _growth(z, q):
+def _growth(z: float, q: np.ndarray) -> float:
     """Return the factor on the stop operators at a position: larger at one end, or at both."""
     place = min(max((z - q[6]) / q[7], -2.0), 2.0)
-    return 1.0 + q[4] * place + q[5] * place * place
+    return float(1.0 + q[4] * place + q[5] * place * place)
 
 
 @njit(float64(int64, _VECTOR), cache=True, error_model="numpy")
-def _radius(i, q):
-    return q[1] * ((i + 1.0) / OPERATORS) ** 2
+def _radius(i: int, q: np.ndarray) -> float:
+    return float(q[1] * ((i + 1.0) / OPERATORS) ** 2)
 
 
 @njit(FORCE, cache=True, error_model="numpy")
-def force(z, w, memory, q):
+def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Sum of stop operators; ``memory`` holds their forces and the last position."""
     total = 0.0
     growth = _growth(z, q)
@@ -34,11 +34,11 @@ def force(z, w, memory, q):
         limit = growth * _radius(i, q)
         weight = (i + 1.0) * np.exp(-q[2] * (i + 1.0) / OPERATORS)
         total -= weight * min(max(memory[i] + gained, -limit), limit)
-    return q[0] * total / OPERATORS
+    return float(q[0] * total / OPERATORS)
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
-def update(z, z_next, h, memory, q):
+def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
     """Move each stop, which slips at its radius."""
     growth = _growth(z_next, q)
     gained = growth * (z_next - memory[OPERATORS])

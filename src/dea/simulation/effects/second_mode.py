@@ -12,15 +12,15 @@ _TWO_PI = 6.283185307179586
 
 
 @njit(FORCE, cache=True, error_model="numpy")
-def force(z, w, memory, q):
+def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Hardening spring and dashpot to the second mass: ``memory`` is its place and velocity."""
     stretch = z - memory[0]
     loss = 2.0 * q[2] / (_TWO_PI * q[1])
-    return -q[0] * (stretch * (1.0 + q[4] * stretch * stretch) + loss * (w - memory[1]))
+    return float(-q[0] * (stretch * (1.0 + q[4] * stretch * stretch) + loss * (w - memory[1])))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
-def update(z, z_next, h, memory, q):
+def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
     """Integrate the motion of the second mass by the trapezoidal rule."""
     omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]
     a, v = memory[0], memory[1]

@@ -8,17 +8,20 @@ from dea.simulation.scales import Scales
 
 
 def _after(t: np.ndarray, q: np.ndarray) -> np.ndarray:
-    return np.clip(0.5 + (t - q[0]) / q[3], 0.0, 1.0)
+    result: np.ndarray = np.clip(0.5 + (t - q[0]) / q[3], 0.0, 1.0)
+    return result
 
 
 def gain(t: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Return the factor on the drive: one, then another value."""
-    return np.maximum(1.0 + q[1] * _after(t, q), 1e-3)
+    result: np.ndarray = np.maximum(1.0 + q[1] * _after(t, q), 1e-3)
+    return result
 
 
 def offset(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Shift the output from the same instant."""
-    return y + q[2] * _after(t, q)
+    result: np.ndarray = y + q[2] * _after(t, q)
+    return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:

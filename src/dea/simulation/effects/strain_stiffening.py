@@ -1,5 +1,6 @@
 """The material stiffens (or softens) with strain more than the simulation says."""
 
+import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
@@ -9,10 +10,10 @@ from dea.simulation.signatures import FORCE
 
 
 @njit(FORCE, cache=True, error_model="numpy")
-def force(z, w, memory, q):
+def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Power law of the deflection from rest, with even and cubic parts beside it."""
     size = abs(z)
-    return -q[0] * z * size ** (q[1] - 1.0) - (q[2] + q[3] * z) * size * size
+    return float(-q[0] * z * size ** (q[1] - 1.0) - (q[2] + q[3] * z) * size * size)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:

@@ -13,7 +13,7 @@ SPACING = 5.0
 
 
 @njit(FORCE, cache=True, error_model="numpy")
-def force(z, w, memory, q):
+def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Elastic force of the Maxwell branches, whose dashpots stand at ``memory``."""
     total, stiffness = 0.0, q[0]
     for i in range(BRANCHES):
@@ -23,7 +23,7 @@ def force(z, w, memory, q):
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
-def update(z, z_next, h, memory, q):
+def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
     """Relax each dashpot towards the position in the middle of its own step, exactly."""
     tau = q[1]
     for i in range(BRANCHES):
