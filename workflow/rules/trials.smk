@@ -97,7 +97,7 @@ rule trial_score:
         commitment=every_batch("commitment.json"),
         sealed=every_batch("sealed"),
         verdicts=every_batch("verdicts"),
-        code=modules("dea.stages.trial_score"),
+        code=modules("dea.stages.trial_score", *CATALOGUE),
     output:
         scores="results/trials/{set}/scores.nc",
     log:
