@@ -1,0 +1,107 @@
+"""The damped least squares against known minima and another solver."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from dea.least_squares import Damping, Model, Point, minimise
+
+
+class Task:
+    """Sum of squares of a residual with its Jacobian; counts the evaluations."""
+
+    def __init__(self, residual, jacobian):
+        self.residual, self.jacobian, self.evaluations = residual, jacobian, 0
+
+    def evaluate(self, x):
+        self.evaluations += 1
+        r = self.residual(x)
+        return Point(x, float(r @ r) if np.isfinite(r).all() else np.inf, r)
+
+    def linearise(self, point, iteration, exact):
+        J, r = self.jacobian(point.x), point.value
+        A, g = J.T @ J, J.T @ r
+
+        def step(damping):
+            return -np.linalg.solve(A + damping * np.diag(np.diag(A)), g)
+
+        return Model(point.cost, step)
+
+
+def rosenbrock():
+    return Task(
+        lambda x: np.array([10.0 * (x[1] - x[0] ** 2), 1.0 - x[0]]),
+        lambda x: np.array([[-20.0 * x[0], 10.0], [-1.0, 0.0]]),
+    )
+
+
+@pytest.mark.parametrize("slow", [0.0, 1e-2])
+@pytest.mark.parametrize("start", [(-1.2, 1.0), (3.0, -2.0), (0.0, 0.0)])
+def test_the_minimum_of_a_curved_valley_is_found(start, slow):
+    found = minimise(
+        rosenbrock(), np.array(start), Damping(slow=slow), iterations=200, tolerance=1e-14
+    )
+    assert np.allclose(found.x, 1.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_fit_with_large_residuals_ends_where_another_solver_ends(seed):
+    rng = np.random.default_rng(seed)
+    t = np.linspace(0.0, 3.0, 60)
+    y = 2.0 * np.exp(-1.3 * t) + 0.2 * rng.standard_normal(t.size)
+
+    def residual(x):
+        return x[0] * np.exp(-x[1] * t) - y
+
+    def jacobian(x):
+        decay = np.exp(-x[1] * t)
+        return np.column_stack([decay, -x[0] * t * decay])
+
+    start = np.array([1.0, 0.5])
+    found = minimise(
+        Task(residual, jacobian), start, Damping(slow=1e-2), iterations=100, tolerance=1e-14
+    )
+    expected = least_squares(residual, start, jacobian, method="lm", xtol=1e-14, ftol=1e-14)
+    assert found.cost == pytest.approx(2.0 * expected.cost, rel=1e-9)
+    assert np.allclose(found.x, expected.x, rtol=1e-5)
+
+
+def test_a_start_without_a_finite_cost_comes_back():
+    task = Task(lambda x: np.array([np.inf]), lambda x: np.ones((1, 1)))
+    found = minimise(task, np.zeros(1), Damping(), iterations=10, tolerance=0.0)
+    assert found.cost == np.inf
+    assert task.evaluations == 1
+
+
+def test_a_stall_on_old_derivatives_asks_for_exact_ones():
+    asked = []
+
+    class Stale(Task):
+        def linearise(self, point, iteration, exact):
+            asked.append(exact)
+            model = super().linearise(point, iteration, exact)
+            if exact:
+                return model
+            return Model(model.cost, lambda damping: np.array([1e3]), exact=False)
+
+    task = Stale(lambda x: x - 2.0, lambda x: np.ones((1, 1)))
+    found = minimise(task, np.zeros(1), Damping(tries=2), iterations=5, tolerance=1e-12)
+    assert asked[:2] == [False, True]
+    # The rejected steps of the old model have raised the damping.
+    assert 1.5 < found.x[0] < 2.0
+
+
+def test_two_slow_steps_of_which_one_was_rejected_are_extrapolated():
+    """The cost falls along a line; the model knows only steps that hardly advance."""
+    steps = iter([1e3, 1e-3, 1e-3] + [1e-3] * 20)
+
+    class Creeping(Task):
+        def linearise(self, point, iteration, exact):
+            return Model(point.cost, lambda damping: np.array([next(steps)]))
+
+    def reached(slow):
+        task = Creeping(lambda x: x - 5.0, None)
+        return minimise(task, np.zeros(1), Damping(slow=slow), iterations=2, tolerance=0.0).x[0]
+
+    assert reached(1e-2) > 1.0
+    assert reached(0.0) < 0.01
