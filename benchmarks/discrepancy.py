@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from benchmarks.row import Row
-from dea import signals
 from dea.discrepancy import diagnose
+from dea.excitation import design
 from dea.plant import Rig
 from dea.plant.parameters import read_parameters
 from dea.simulation import ExtendedSimulation, load_simulation
@@ -70,7 +70,7 @@ def _diagnosis() -> Row:
 
 
 def _volts(duration: float) -> Array:
-    return signals.design(
+    return design(
         "gaussian", duration=duration, sampling_rate=RATE, low=1.1, high=3.75, seed=2, band=1.0
     )
 

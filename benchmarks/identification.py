@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.row import Row
+from dea.excitation import design
 from dea.narx import NarxModel, load_published, nmse, select_terms
-from dea.signals import design
 
 Array = NDArray[np.float64]
 

@@ -59,7 +59,7 @@ class ServedBench:
             "output_range_low": 0.0, "output_range_high": 15.0,
             "output_low_limit": 0.0, "output_high_limit": 3.76, "displacement_range_low": 0.0,
             "displacement_range_high": 10.0, "fifo_length": self.player.fifo_length,
-            "ring_length": self.player.ring.length, "watchdog_time": self.player.watchdog_time,
+            "ring_length": self.player.ring.length, "watchdog_time": self.player.watchdog.timeout,
         }  # fmt: skip
         self.device = BenchDevice(
             self.player, self.description, constants, virtual_clock=self.virtual_clock

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dea.acquisition.excitation import plan_sequence
 from dea.acquisition.safety import SafeOutput
+from dea.acquisition.voltage_plan import plan_sequence
 from dea.modbus import parse_device, to_counts, to_physical
 
 RATE, RAMP_RATE = 200.0, 40.0  # Hz, V/s

@@ -149,7 +149,7 @@ def test_a_start_is_refused_after_a_trip_until_it_is_reset(serve_bench, partial)
     for name, value in (("claim", 5), ("command", 1), ("output", 5000)):
         master.set(name, value)
     time.sleep(0.3)
-    bench.player.watchdog_time = 5.0
+    bench.player.watchdog.timeout = 5.0
     with pytest.raises(InputError, match="watchdog has latched"):
         acquire(bench.endpoint, VOLTS, partial, FAST)
     result = acquire(bench.endpoint, VOLTS, partial, FAST, reset=True)
@@ -241,7 +241,7 @@ def test_a_trip_breaks_the_record_and_says_where(serve_bench, partial):
     with pytest.raises(BrokenRecordError, match="undriven, the device took its output to zero"):
         acquire(bench.endpoint, VOLTS, partial, FAST, watch=pause)
     assert bench.player.applied == 0
-    assert bench.player.trips == 1
+    assert bench.player.watchdog.trips == 1
 
 
 def test_a_broken_record_is_begun_again_where_the_settings_say_so(serve_bench, partial):

@@ -43,7 +43,7 @@ class AnyUse(RuleBasedStateMachine):
 
     @rule()
     def start(self):
-        allowed = self.player.state == PlayerState.IDLE and not self.player.latched
+        allowed = self.player.state == PlayerState.IDLE and not self.player.watchdog.latched
         allowed &= self.player.applied == 0
         already = self.player.state == PlayerState.RUNNING
         assert self.player.start() == (allowed or already)
@@ -75,17 +75,17 @@ class AnyUse(RuleBasedStateMachine):
 
     @rule()
     def speak(self):
-        self.player.heard(self.now)
+        self.player.watchdog.heard(self.now)
 
     @rule(seconds=st.floats(0.0, 2.0))
     def be_silent(self, seconds):
         self.now += seconds
-        silent = self.now - self.player.last_heard > self.player.watchdog_time
+        silent = self.now - self.player.watchdog.last_heard > self.player.watchdog.timeout
         driven = self.player.driven or self.player.state != PlayerState.IDLE
         self.player.watch(self.now)
         if silent and driven:
             assert self.player.applied == 0
-            assert self.player.latched
+            assert self.player.watchdog.latched
             assert self.player.fifo_level == 0
 
     @invariant()
@@ -107,7 +107,7 @@ class AnyUse(RuleBasedStateMachine):
 
     @invariant()
     def a_trip_is_latched(self):
-        assert (self.player.state == PlayerState.TRIPPED) <= self.player.latched
+        assert (self.player.state == PlayerState.TRIPPED) <= self.player.watchdog.latched
 
 
 TestAnyUse = AnyUse.TestCase
@@ -172,7 +172,7 @@ def test_start_is_refused_after_a_trip_until_reset():
     device.drain()
     device.watch(now=1.5)
     assert device.applied == 0
-    assert device.trips == 1
+    assert device.watchdog.trips == 1
     assert not device.start()
     assert device.reset()
     assert device.start()

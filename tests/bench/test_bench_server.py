@@ -294,7 +294,7 @@ def test_a_master_that_only_reads_does_not_feed_the_watchdog(serve_bench):
         other.get("state")
         time.sleep(0.02)
     assert bench.player.applied == 0
-    assert bench.player.trips == 1
+    assert bench.player.watchdog.trips == 1
 
 
 def test_random_frames_neither_crash_nor_wedge_it(bench, open_socket):

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 import yaml
 
-from dea import signals
 from dea.acquisition import AcquisitionSettings
 from dea.configuration import acquisition, device, discrepancy, excitation
 from dea.discrepancy import Settings
+from dea.excitation import KINDS as DESIGNS
 from dea.modbus import Register, Serial, parse_device
 
 ROOT = Path(__file__).parents[2]
@@ -29,11 +29,11 @@ def defaults(model):
     return {name: f.default for name, f in model.model_fields.items() if not f.is_required()}
 
 
-@pytest.mark.parametrize("kind", signals.KINDS)
+@pytest.mark.parametrize("kind", DESIGNS)
 def test_a_kind_of_excitation_has_the_keys_and_defaults_of_its_function(kind):
     own = {
         name: parameter.default
-        for name, parameter in inspect.signature(signals.KINDS[kind]).parameters.items()
+        for name, parameter in inspect.signature(DESIGNS[kind]).parameters.items()
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY
     }
     assert defaults(KINDS[kind]) == own

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dea.errors import InputError
+from dea.excitation import design
 from dea.narx import load_published
-from dea.signals import design
 
 PUBLISHED = Path(__file__).parents[2] / "config" / "published_models.yaml"
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
-from dea import signals
+from dea.excitation import design
 from dea.plant import forces
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden import EFFECTS
@@ -22,7 +22,7 @@ from dea.plant.signal_law import SignalLaw
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 PLAIN = read_plain(CONFIG)
 COUNTS = PLAIN.output_converter.to_counts(
-    signals.design("gaussian", duration=60.0, sampling_rate=50.0, low=0.6, high=3.6, seed=1)
+    design("gaussian", duration=60.0, sampling_rate=50.0, low=0.6, high=3.6, seed=1)
 )
 YARDSTICK = Yardstick(PLAIN, COUNTS)
 CONDITIONS = YARDSTICK.conditions()

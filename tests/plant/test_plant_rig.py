@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
-from dea import signals
 from dea.errors import InputError
+from dea.excitation import design
 from dea.plant import Rig
 from dea.plant.amplifier import Amplifier, amplify
 from dea.plant.converter import Converter
@@ -24,9 +24,7 @@ VOLT = 65536 / 15.0  # output counts
 
 
 def excitation(seconds, seed=0):
-    volts = signals.design(
-        "gaussian", duration=seconds, sampling_rate=50.0, low=1.1, high=3.75, seed=seed
-    )
+    volts = design("gaussian", duration=seconds, sampling_rate=50.0, low=1.1, high=3.75, seed=seed)
     return np.rint(volts * VOLT).astype(np.uint16)
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dea import signals
 from dea.errors import InputError
+from dea.excitation import design
 from dea.plant.hidden import EFFECTS
 from dea.plant.hidden.draw import ROUND, STRONGEST, WEAKEST, draw, schedule
 from dea.plant.hidden.effect import Port
@@ -63,7 +63,7 @@ def test_a_trial_survives_its_file_and_runs_the_same(trials, tmp_path):
     trial.write(path)
     again = Trial.read(path)
     assert again == trial
-    counts = np.rint(signals.design(**trial.excitation) * 65536 / 15).astype(np.uint16)
+    counts = np.rint(design(**trial.excitation) * 65536 / 15).astype(np.uint16)
     first, second = trial.rig(CONFIG), again.rig(CONFIG)
     np.testing.assert_array_equal(first.advance(counts)[1], second.advance(counts)[1])
     assert first.fault == 0
@@ -74,7 +74,7 @@ def test_the_label_tells_what_the_excitation_does_not(trials):
         label = trial.label()
         assert [effect["name"] for effect in label["effects"]] == [e.name for e in trial.effects]
         assert not any(name in repr(trial.excitation) for name in EFFECTS)
-        assert signals.design(**trial.excitation).size == 50 * trial.excitation["duration"]
+        assert design(**trial.excitation).size == 50 * trial.excitation["duration"]
 
 
 def test_a_file_that_is_no_trial_is_refused(tmp_path):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dea import signals
+from dea.excitation import Span, gaussian
 from dea.gfrf import frequency_response
 from dea.narx import select_terms
 from dea.plant import Rig
@@ -33,9 +33,7 @@ def small_signal_response(at: np.ndarray) -> np.ndarray:
 
 
 def test_the_tracked_response_is_that_of_the_actuator():
-    u, y = displacement(
-        signals.gaussian(signals.Span(generator(1, "truth"), SAMPLES, RATE, 1.1, 3.75))
-    )
+    u, y = displacement(gaussian(Span(generator(1, "truth"), SAMPLES, RATE, 1.1, 3.75)))
     model = select_terms(u[:5000], y[:5000], y_lags=3, u_lags=3, degree=3)
     track = track_parameters(model, u, y, method="output_error", sampling_rate=RATE)
     at = np.arange(6000, SAMPLES, 6000)

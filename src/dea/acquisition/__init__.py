@@ -1,14 +1,14 @@
 """The Modbus client that drives an actuator and records it."""
 
 from dea.acquisition.acquire import Acquisition, acquire
-from dea.acquisition.excitation import check_excitation
 from dea.acquisition.interrupts import Interrupted
-from dea.acquisition.link import DeviceRefusedError, Link, LinkError, LinkSettings
 from dea.acquisition.partial import Recovered, recover
 from dea.acquisition.read_back import ReadBackError
+from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError, LinkSettings
 from dea.acquisition.safety import ZeroNotVerifiedError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.voltage_plan import check_excitation
 
 __all__ = [
     "Acquisition",

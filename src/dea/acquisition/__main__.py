@@ -10,19 +10,20 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from dea import signals, store
+from dea import store
 from dea.acquisition.acquire import acquire
-from dea.acquisition.excitation import plan_sequence
 from dea.acquisition.interrupts import Interrupted
-from dea.acquisition.link import Link, LinkSettings
 from dea.acquisition.monitor import Monitor
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
 from dea.acquisition.record import record_dataset
+from dea.acquisition.retrying_link import Link, LinkSettings
 from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device
+from dea.acquisition.voltage_plan import plan_sequence
 from dea.errors import DeviceError, InputError
+from dea.excitation import KINDS, design
 from dea.modbus import BLOCK, REPLY, Device, read_device
 
 Command = Callable[[argparse.Namespace], None]
@@ -47,7 +48,7 @@ def main(arguments: list[str] | None = None) -> None:
 def drive(options: argparse.Namespace) -> None:
     """Drive the device with a designed excitation and write its record."""
     device = _device(options)
-    volts = signals.design(
+    volts = design(
         options.kind, duration=options.duration, sampling_rate=device.sampling_rate,
         low=options.low, high=options.high, seed=options.seed, **options.setting,
     )  # fmt: skip
@@ -148,7 +149,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _excitation(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--output", type=Path, required=True, help="record to write (NetCDF)")
-    parser.add_argument("--kind", choices=sorted(signals.KINDS), default="gaussian")
+    parser.add_argument("--kind", choices=sorted(KINDS), default="gaussian")
     parser.add_argument("--duration", type=float, default=60.0, metavar="S")
     parser.add_argument("--low", type=float, default=1.1, metavar="V")
     parser.add_argument("--high", type=float, default=3.75, metavar="V")

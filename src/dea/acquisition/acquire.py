@@ -9,15 +9,15 @@ import numpy as np
 import xarray as xr
 
 from dea.acquisition import buffered, polled
-from dea.acquisition.excitation import Plan, plan_sequence
 from dea.acquisition.interrupts import Interruption
-from dea.acquisition.link import Link, LinkLog, LinkSettings
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import PartialFile, set_aside
 from dea.acquisition.record import link_dataset, record_dataset
+from dea.acquisition.retrying_link import Link, LinkLog, LinkSettings
 from dea.acquisition.safety import SafeOutput
 from dea.acquisition.samples import BrokenRecordError, Samples
 from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.voltage_plan import Plan, plan_sequence
 from dea.errors import InputError
 from dea.modbus import Device
 

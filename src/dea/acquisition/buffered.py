@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from dea.acquisition.link import DeviceRefusedError, LinkError
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import ReadBack
+from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.modbus import block_window, reply_window
 

@@ -1,6 +1,6 @@
 """A device's registers by name."""
 
-from dea.acquisition.link import Link, LinkError
+from dea.acquisition.retrying_link import Link, LinkError
 from dea.errors import InputError
 from dea.modbus import Value, decode, encode
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dea.acquisition.link import DeviceRefusedError, LinkError
 from dea.acquisition.panel import Panel
+from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.modbus import Register, Window, encode
 

@@ -6,8 +6,8 @@ alone shows whether the output is zero, so that a wrong address would go unnotic
 
 import numpy as np
 
-from dea.acquisition.link import DeviceRefusedError, LinkError
 from dea.acquisition.panel import Panel
+from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.errors import DeviceError
 from dea.modbus import to_physical
 

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from dea.acquisition.link import LinkLog
+from dea.acquisition.retrying_link import LinkLog
 from dea.acquisition.samples import Quality, Samples
 from dea.modbus import Device, to_physical
 

@@ -3,10 +3,10 @@
 import time
 from secrets import randbits
 
-from dea.acquisition.excitation import ramp
-from dea.acquisition.link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.panel import Panel
+from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.verify import verify_device
+from dea.acquisition.voltage_plan import ramp
 from dea.errors import DeviceError, InputError
 from dea.modbus import to_counts, to_physical
 

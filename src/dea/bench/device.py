@@ -112,7 +112,7 @@ class BenchDevice:
     def heard(self, session: Session, now: float) -> None:
         """Reset the watchdog if the master is the owner."""
         if self.owner and session.token == self.owner:
-            self.player.heard(now)
+            self.player.watchdog.heard(now)
 
     def wind(self, now: float) -> None:
         """Start the wall clock at ``now``, s."""
@@ -133,7 +133,7 @@ class BenchDevice:
 
     def watch(self, now: float) -> None:
         """Run the watchdog; an owner who is silent at zero output loses the outputs."""
-        silent = now - self.player.last_heard > self.player.watchdog_time
+        silent = self.player.watchdog.expired(now)
         self.player.watch(now)
         if silent and self.owner and not self.player.driven:
             self.owner = 0
@@ -152,7 +152,7 @@ class BenchDevice:
         if self.owner not in (0, token):
             raise RefusedError(RefusedError.NOT_ALLOWED)
         self.owner = session.token = token
-        self.player.heard(time.monotonic())
+        self.player.watchdog.heard(time.monotonic())
 
     def _command(self, command: int) -> None:
         player = self.player
@@ -235,7 +235,7 @@ class BenchDevice:
             case "state":
                 return player.state
             case "trip_reason":
-                return SILENCE if player.latched else 0
+                return SILENCE if player.watchdog.latched else 0
             case "tick":
                 return round(player.ring.end * 1000 * self.period) % 2**32
             case "sample_index":
@@ -245,9 +245,9 @@ class BenchDevice:
             case "fifo_level":
                 return player.fifo_level
             case "watchdog_latched":
-                return int(player.latched)
+                return int(player.watchdog.latched)
             case "watchdog_trips":
-                return min(player.trips, 0xFFFF)
+                return min(player.watchdog.trips, 0xFFFF)
             case "underruns":
                 return player.underruns
             case "overruns":

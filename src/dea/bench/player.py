@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.bench.ring import Counts, Origin, Ring
+from dea.bench.watchdog import Watchdog
 
 
 class PlayerState(IntEnum):
@@ -68,18 +69,16 @@ class Player:
         ring_length: int = 8192,
         watchdog_time: float = 1.0,
     ) -> None:
-        self.plant, self.limits, self.watchdog_time = plant, limits, watchdog_time
+        self.plant, self.limits, self.watchdog = plant, limits, Watchdog(watchdog_time)
         self.fifo_length, self.ring = fifo_length, Ring(ring_length)
         self.state = PlayerState.IDLE
-        self.latched = False
-        self.trips = self.underruns = self.overruns = self.clamped = self.refused = 0
+        self.underruns = self.overruns = self.clamped = self.refused = 0
         self.position = 0  # samples of the FIFO played since it was cleared
         self.sequence = 0  # of the last block accepted
         self.collected = 0  # device index up to which the owner has read
         self.requested = limits.zero  # the output until another one is asked for
         self.applied = limits.zero
         self.displacement = 0
-        self.last_heard = 0.0
         self._polled = False
         self._fifo: deque[int] = deque()
 
@@ -128,7 +127,7 @@ class Player:
         """Begin to play; refused while the output is not zero or the watchdog has latched."""
         if self.state == PlayerState.RUNNING:
             return True
-        if self.state != PlayerState.IDLE or self.latched or self.applied != self.zero:
+        if self.state != PlayerState.IDLE or self.watchdog.latched or self.applied != self.zero:
             return False
         self.state, self.requested, self._polled = PlayerState.RUNNING, self.zero, False
         return True
@@ -143,7 +142,8 @@ class Player:
         """Clear the latch; refused while the output is not zero."""
         if self.applied != self.zero:
             return False
-        self.latched, self.state = False, PlayerState.IDLE
+        self.watchdog.reset()
+        self.state = PlayerState.IDLE
         return True
 
     def hold(self, count: int) -> bool:
@@ -153,18 +153,14 @@ class Player:
         self.requested, self._polled = count, True
         return True
 
-    def heard(self, now: float) -> None:
-        """Note a request of the owner at ``now``, s."""
-        self.last_heard = now
-
     def watch(self, now: float) -> None:
         """Take the output to zero, latch and count if the owner has been silent too long."""
-        if self.state == PlayerState.TRIPPED or now - self.last_heard <= self.watchdog_time:
+        if self.state == PlayerState.TRIPPED or not self.watchdog.expired(now):
             return
         if self.driven or self.state != PlayerState.IDLE:
             self._fifo.clear()
-            self.requested, self.state, self.latched = self.zero, PlayerState.TRIPPED, True
-            self.trips += 1
+            self.requested, self.state = self.zero, PlayerState.TRIPPED
+            self.watchdog.trip()
             self.advance(1)
 
     def advance(self, count: int) -> None:

@@ -78,7 +78,7 @@ class BenchServer:
         An exception of the plant ends the server with that exception.
         """
         device = self.device
-        pause = min(device.period, device.player.watchdog_time / 4)
+        pause = min(device.period, device.player.watchdog.timeout / 4)
         device.wind(time.monotonic())
         try:
             while self._failure is None:

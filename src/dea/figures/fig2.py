@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.notation import number
+from dea.number_format import number
 from dea.store import Sources
 
 _HEADROOM = 1.45  # of the largest value, so that the legend fits above it

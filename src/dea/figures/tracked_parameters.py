@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.notation import number
+from dea.number_format import number
 from dea.store import Sources, signals
 from dea.terms import Term
 

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
-from dea.gfrf.excitation import excited, input_spectrum
+from dea.gfrf.excited_band import excited, input_spectrum
 from dea.gfrf.response import frequency_response, zero_input_response
 from dea.narx import NarxModel
 

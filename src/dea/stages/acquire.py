@@ -17,15 +17,16 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
     """
     from dataclasses import replace
 
-    from dea import acquisition, modbus, seeds, signals, store
+    from dea import acquisition, modbus, seeds, store
     from dea.errors import InputError
+    from dea.excitation import design
     from dea.stages.bench_process import bench_process
 
     description = modbus.read_device(device)
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
     job = seeds.generator(settings["seed"], settings["system"], settings["excitation_name"])
     excitation_seed, noise_seed = (int(number) for number in job.integers(2**31, size=2))
-    volts = signals.design(
+    volts = design(
         **settings["excitation"],
         sampling_rate=description.sampling_rate,
         seed=excitation_seed,

@@ -21,10 +21,10 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     import xarray as xr
 
     from dea import store
+    from dea.excitation import design
     from dea.gfrf import score_recovery
     from dea.narx import Scaling, load_published, select_terms
     from dea.seeds import generator
-    from dea.signals import design
     from dea.stages.identification import selection_arguments
 
     choice = settings["recovery"]

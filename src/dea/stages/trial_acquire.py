@@ -23,14 +23,15 @@ def trial_acquire(
     import json
     from dataclasses import replace
 
-    from dea import acquisition, modbus, signals, store
+    from dea import acquisition, modbus, store
+    from dea.excitation import design
     from dea.stages.bench_process import trial_process
 
     description = modbus.read_device(device)
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
     records.mkdir(parents=True)
     for name, trial in json.loads(commitment.read_text()).items():
-        volts = signals.design(**trial["excitation"])
+        volts = design(**trial["excitation"])
         partial = records / f"{name}.partial"
         with trial_process(
             sealed / f"{name}.json",

@@ -4,7 +4,7 @@ import re
 
 import pandas as pd
 
-from dea.notation import DASH
+from dea.number_format import DASH
 from dea.terms import Term, is_term
 
 _SCIENTIFIC = re.compile(r"(-?[\d.]+)e([+-]\d+)")

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from dea.notation import DASH, number
+from dea.number_format import DASH, number
 from dea.store import Sources
 from dea.tables.published import check_units, published_errors
 from dea.tables.table import Table

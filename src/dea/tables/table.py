@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pandas as pd
 import xarray as xr
 
-from dea.notation import number
+from dea.number_format import number
 from dea.store import atomic
 from dea.tables.latex import latex
 

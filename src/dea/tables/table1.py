@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from dea.notation import DASH, number
+from dea.number_format import DASH, number
 from dea.store import Sources
 from dea.tables.table import Table, header, score
 from dea.terms import Term

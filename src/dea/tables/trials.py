@@ -5,7 +5,7 @@ from math import isnan
 import pandas as pd
 import xarray as xr
 
-from dea.notation import DASH
+from dea.number_format import DASH
 from dea.store import Sources
 from dea.tables.table import Table
 

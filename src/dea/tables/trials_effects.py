@@ -2,7 +2,7 @@
 
 import xarray as xr
 
-from dea.notation import DASH
+from dea.number_format import DASH
 from dea.store import Sources
 from dea.tables.table import Table
 

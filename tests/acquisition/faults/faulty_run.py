@@ -22,7 +22,7 @@ from dea.acquisition import (
     acquire,
     recover,
 )
-from dea.acquisition.excitation import ramp
+from dea.acquisition.voltage_plan import ramp
 from dea.errors import InputError
 from dea.modbus import limit_counts, to_counts
 from served_bench import ServedBench
@@ -163,7 +163,7 @@ def _ends_at_zero(run: FaultyRun) -> None:
     bench, failure = run.bench, run.failure
     if isinstance(failure, ZeroNotVerifiedError | LinkError):
         # The client has said that it could not see to it: the device does.
-        deadline = time.monotonic() + bench.player.watchdog_time + 2.0
+        deadline = time.monotonic() + bench.player.watchdog.timeout + 2.0
         while bench.player.driven and time.monotonic() < deadline:
             time.sleep(0.01)
     assert not bench.player.driven, "the output is not at zero"

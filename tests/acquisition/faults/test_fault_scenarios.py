@@ -29,7 +29,7 @@ def test_one_fault_costs_no_sample(serve_bench, tmp_path, kind, way):
         check(run)
         assert [fault.kind for fault in run.happened] == [kind]
         assert run.failure is None, (number, run.failure)
-        assert bench.player.trips == 0
+        assert bench.player.watchdog.trips == 0
 
 
 @pytest.mark.parametrize("way", ["request", "reply"])
@@ -98,8 +98,8 @@ def test_a_host_cut_off_longer_than_the_watchdog_waits_finds_the_film_undriven(
     check(run)
     assert isinstance(run.failure, BrokenRecordError)
     assert "undriven" in str(run.failure)
-    assert bench.player.latched
-    assert bench.player.trips == 1
+    assert bench.player.watchdog.latched
+    assert bench.player.watchdog.trips == 1
 
 
 def test_samples_that_the_device_held_are_flagged_and_none_is_lost(serve_bench, tmp_path):
@@ -145,7 +145,7 @@ def test_a_connection_that_never_comes_back_names_what_is_missing(serve_bench, t
     check(run)
     assert isinstance(run.failure, ZeroNotVerifiedError)
     assert "never driven or read" in str(broken_record(run.failure))
-    assert bench.player.latched
+    assert bench.player.watchdog.latched
 
 
 @pytest.mark.parametrize("kind", ["duplicate", "garble", "truncate", "cut after", "split"])

@@ -7,7 +7,7 @@ import numpy as np
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import sensitivities, unabsorbed
-from dea.signals import design
+from dea.excitation import design
 
 # Candidate designs of each kind of excitation, which differ in rests, rates and bands.
 _DESIGNS: tuple[tuple[str, dict[str, float]], ...] = (

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from dea import signals
+from dea.excitation import design
 from dea.plant.hidden.catalogue import EFFECTS
 from dea.plant.hidden.effect import Conditions, EffectKind, Port
 from dea.plant.hidden.refit import Yardstick
@@ -76,7 +76,7 @@ def _attempt(config: Path, name: str, names: tuple[str, ...], rng: Generator) ->
     }
     parameters = read_plain(config, film)
     excitation = _draw_excitation(rng)
-    voltage = signals.design(**excitation)
+    voltage = design(**excitation)
     yardstick = Yardstick(parameters, parameters.output_converter.to_counts(voltage))
     conditions = yardstick.conditions()
     effects: list[HiddenEffect] = []

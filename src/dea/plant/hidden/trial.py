@@ -43,7 +43,7 @@ class Trial:
     film
         Parameters of the film that replace the plain actuator's (SI units).
     excitation
-        Arguments of :func:`dea.signals.design`; the acquisition knows these alone.
+        Arguments of :func:`dea.excitation.design`; the acquisition knows these alone.
     conditions
         The actuator under the excitation without the effects.
     effects

@@ -31,7 +31,7 @@ class SilentClient:
 @pytest.fixture
 def silent(monkeypatch):
     client = SilentClient()
-    monkeypatch.setattr("dea.acquisition.link.connect", lambda device, timeout: client)
+    monkeypatch.setattr("dea.acquisition.retrying_link.connect", lambda device, timeout: client)
     return client
 
 

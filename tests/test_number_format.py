@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dea.notation import number
+from dea.number_format import number
 
 
 @given(st.floats(-1e12, 1e12).filter(lambda x: abs(x) > 1e-12))

@@ -23,7 +23,7 @@ from pymodbus.pdu.register_message import (
     WriteSingleRegisterRequest,
 )
 
-from dea.acquisition.connection import Client, connect, place
+from dea.acquisition.transport import Client, connect, place
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device, ReadWriteRequest
 

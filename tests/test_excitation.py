@@ -3,15 +3,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dea import signals
 from dea.errors import InputError
+from dea.excitation import KINDS, design
 
 STUDY = {"duration": 600.0, "sampling_rate": 50.0, "low": 1.1, "high": 3.75, "seed": 3}
 
 
 @settings(deadline=None, max_examples=60)
 @given(
-    kind=st.sampled_from(sorted(signals.KINDS)),
+    kind=st.sampled_from(sorted(KINDS)),
     duration=st.floats(40.0, 300.0),
     low=st.floats(-5.0, 5.0),
     width=st.floats(0.1, 10.0),
@@ -25,18 +25,18 @@ def test_every_design_keeps_its_length_range_and_seed(kind, duration, low, width
         "high": low + width,
         "seed": seed,
     }
-    signal = signals.design(kind, **asked)
+    signal = design(kind, **asked)
     assert signal.shape == (round(50.0 * duration),)
     assert signal.min() >= low
     assert signal.max() <= low + width
     assert np.ptp(signal) > 0.3 * width
-    np.testing.assert_array_equal(signal, signals.design(kind, **asked))
+    np.testing.assert_array_equal(signal, design(kind, **asked))
 
 
-@pytest.mark.parametrize("kind", sorted(signals.KINDS))
+@pytest.mark.parametrize("kind", sorted(KINDS))
 def test_another_seed_gives_another_sequence(kind):
-    first = signals.design(kind, **STUDY)
-    other = signals.design(kind, **{**STUDY, "seed": 4})
+    first = design(kind, **STUDY)
+    other = design(kind, **{**STUDY, "seed": 4})
     assert np.abs(first - other).max() > 0.1
 
 
@@ -47,7 +47,7 @@ def power_above(signal, frequency):
 
 
 def test_the_gaussian_is_gaussian_and_band_limited():
-    signal = signals.design("gaussian", **{**STUDY, "duration": 1800.0})
+    signal = design("gaussian", **{**STUDY, "duration": 1800.0})
     assert power_above(signal, 1.0) < 1e-3
     spread = (signal - signal.mean()) / signal.std()
     assert abs(signal.mean() - 2.425) < 1e-3
@@ -58,14 +58,14 @@ def test_the_gaussian_is_gaussian_and_band_limited():
 
 
 def test_bursts_rest_between_noise():
-    signal = signals.design("bursts", **STUDY, active=20.0, rest=10.0)
+    signal = design("bursts", **STUDY, active=20.0, rest=10.0)
     rests = signal[: 20 * 1500].reshape(20, 1500)[:, 1050:1490]
     np.testing.assert_allclose(rests, 1.1)
     assert (signal.reshape(20, 1500)[:, :1000].std(axis=1) > 0.2).all()
 
 
 def test_the_multisine_is_flat_and_repeats():
-    signal = signals.design("multisine", **{**STUDY, "duration": 120.0}, period=20.0, band=0.8)
+    signal = design("multisine", **{**STUDY, "duration": 120.0}, period=20.0, band=0.8)
     np.testing.assert_array_equal(signal[:1000], signal[1000:2000])
     lines = np.abs(np.fft.rfft(signal[:1000]))[1:]
     np.testing.assert_allclose(lines[:16], lines[0])
@@ -74,19 +74,19 @@ def test_the_multisine_is_flat_and_repeats():
 
 
 def test_the_staircase_rests_between_its_levels():
-    signal = signals.design("staircase", **STUDY, levels=4, hold=5.0, rest=5.0, rise=0.2)
+    signal = design("staircase", **STUDY, levels=4, hold=5.0, rest=5.0, rise=0.2)
     middles = signal[125 + 250 :: 500][:4]
     np.testing.assert_allclose(sorted(middles), np.linspace(1.1, 3.75, 5)[1:])
     np.testing.assert_allclose(signal[200::500], 1.1)
 
 
 def test_the_binary_sequence_has_its_power_in_the_band():
-    assert power_above(signals.design("binary", **STUDY, band=1.0), 2.0) < 1e-3
+    assert power_above(design("binary", **STUDY, band=1.0), 2.0) < 1e-3
 
 
 @pytest.mark.parametrize(("band", "clock"), [(1.0, 25), (0.5, 50), (0.4, 62)])
 def test_the_binary_sequence_may_switch_every_half_period_of_its_band(band, clock):
-    signal = signals.design("binary", **STUDY, band=band)
+    signal = design("binary", **STUDY, band=band)
     # The window spans two clock periods: the middle is crossed exactly where the bit changes.
     above = signal > 0.5 * (1.1 + 3.75) + 1e-9
     rises = np.flatnonzero(~above[:-1] & above[1:])
@@ -94,7 +94,7 @@ def test_the_binary_sequence_may_switch_every_half_period_of_its_band(band, cloc
 
 
 def test_triangles_climb_at_three_rates():
-    signal = signals.design("triangle", **STUDY, slowest=20.0, fastest=5.0)
+    signal = design("triangle", **STUDY, slowest=20.0, fastest=5.0)
     slopes = np.abs(np.diff(signal)) * 50.0 / (3.75 - 1.1)
     rates, counts = np.unique(slopes.round(2), return_counts=True)
     common = rates[counts > 0.05 * slopes.size]
@@ -123,5 +123,5 @@ def test_triangles_climb_at_three_rates():
 def test_a_wrong_setting_is_named(change, field):
     asked = {"kind": "gaussian", **STUDY, **change}
     with pytest.raises(InputError) as error:
-        signals.design(asked.pop("kind"), **asked)
+        design(asked.pop("kind"), **asked)
     assert error.value.field == field
