@@ -5,13 +5,13 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from dea.configuration.allowed_values import Schema, allowed, resolved
 from dea.configuration.bench import BenchFile, Plant
 from dea.configuration.case import Case, CaseFile
 from dea.configuration.device import DeviceDescription
 from dea.configuration.public_records import PublicRecords
 from dea.configuration.published import PublishedErrors, PublishedModels
 from dea.configuration.study import Study
-from dea.configuration.wording import Schema, allowed, resolved
 
 FILES: dict[str, type[BaseModel]] = {
     "config/config.yaml": Study,

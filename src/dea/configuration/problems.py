@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from dea.configuration.wording import Schema, allowed, resolved
+from dea.configuration.allowed_values import Schema, allowed, resolved
 from dea.errors import InputError
 
 _Model = TypeVar("_Model", bound=BaseModel)

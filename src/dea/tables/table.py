@@ -9,7 +9,7 @@ import xarray as xr
 
 from dea.number_format import number
 from dea.store import atomic
-from dea.tables.latex import latex
+from dea.tables.latex_table import latex
 
 
 class Table(NamedTuple):
