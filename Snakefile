@@ -3,7 +3,10 @@ from snakemake.utils import min_version
 min_version("9.27")
 
 
-configfile: "config/config.yaml"
+include: "workflow/functions/package.smk"
+
+
+configfile: readable("config/config.yaml")
 
 
 # Only for `--software-deployment-method apptainer`, after `make container`; else .venv serves.

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from dea.configuration.case import SECTIONS, check_case, read_cases
-from dea.configuration.study import check_actuators, check_study, settings
+from dea.configuration.case import SECTIONS, check_case, check_cases, read_cases
+from dea.configuration.study import check_actuators, check_names, check_study, settings
 from dea.errors import InputError
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -54,11 +54,13 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["seed"], None, "seed", "missing"),
         (["seed"], -1, "seed", "at least 0"),
         (["actuators"], [], "actuators", "list"),
-        (["actuators", 1, "name"], "a b", "actuators[1].name", "text"),
+        (["actuators", 1, "name"], "a b", "actuators[1].name", "letters"),
         (["actuators", 1, "name"], "dea1", "actuators[1].name", "'dea1' is taken"),
         (["actuators", 1, "name"], "tables", "actuators[1].name", "'tables' is taken"),
         (["excitation", "record", "kind"], "gausian", "excitation.record.kind", "gaussian"),
         (["excitation", "record", "kind"], REMOVED, "excitation.record.kind", "gaussian"),
+        (["excitation", "record"], {"kidn": "binary"}, "excitation.record.kind", "Is 'kidn' meant"),
+        (["excitation", "record"], [1], "excitation.record", "a mapping with kind: binary or"),
         (["excitation", "record", "period"], 3, "excitation.record.period", "Known here"),
         (["excitation", "record", "low"], 9, "excitation.record.low", "not below high, 3.75"),
         (["excitation", "second", "period"], 301, "excitation.second.period", "longer than"),
@@ -66,7 +68,11 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["acquisition", "mode"], "blocks", "acquisition.mode", "buffered, polled"),
         (["acquisition", "timeout"], 0, "acquisition.timeout", "at least 0.001 s"),
         (["bench", "watchdog_time"], 0, "bench.watchdog_time", "above 0 s"),
+        (["identification", "u_lags"], [], "identification.u_lags", "at least 1"),
+        (["identification", "add_threshold"], 1.1, "identification.add_threshold", "from 0 to 1"),
+        (["orders", "length"], 1701, "orders.length", "ends at 1801 s, after the record"),
         (["validation", "windows"], [], "validation.windows", "list"),
+        (["validation", "before"], 101, "validation.windows[0]", "begins at 100 s"),
         (["validation", "windows", 1], [900], "validation.windows[1]", "[low, high]"),
         (["validation", "windows", 1], [930, 900], "validation.windows[1]", "cross"),
         (["validation", "windows", 2, 1], 1801, "validation.windows[2]", "outside the record"),
@@ -184,7 +190,10 @@ def test_a_record_in_other_than_seconds_is_refused():
         ("figures", "title: Mine", "'figures' is taken"),
         ("mine", "title: [", "not valid YAML"),
         ("mine", "just words", "it is 'just words'"),
-        ("mine", "", "missing"),
+        ("mine", "", "it is empty"),
+        ("mine", "title: Mine\ntitle: Yours", "line 2, column 1: the key 'title' is given twice"),
+        ("mine", "title: Mine\n\tname: 1", "line 2, column 1: .*spaces, not tabs"),
+        ("my case", "title: Mine", "'my case.yaml' is no name of a case"),
     ],
 )
 def test_a_wrong_file_of_a_case_is_named(tmp_path, name, text, words):
@@ -195,6 +204,32 @@ def test_a_wrong_file_of_a_case_is_named(tmp_path, name, text, words):
     assert "\n" not in str(caught.value)
 
 
+def test_a_case_with_another_suffix_is_not_left_out_silently(tmp_path):
+    (tmp_path / "mine.yml").write_text("title: Mine")
+    with pytest.raises(InputError, match=r"'mine\.yml' is no name of a case.*NAME\.yaml"):
+        read_cases(tmp_path, check_study(STUDY))
+
+
+def test_simulations_and_effects_are_those_of_the_catalogue(tmp_path):
+    names = ["dea_membrane"], ["dead_zone", "end_stop"]
+    check_names(check_study(STUDY), *names)
+    offered = check_study(changed(STUDY, ["discrepancy", "effects"], ["end_stop", "dead_zon"]))
+    with pytest.raises(InputError, match=r"effects\[1\]: .*'dead_zon'.*mean 'dead_zone'"):
+        check_names(offered, *names)
+    for name, words in (
+        ("dea_membran", "Did you mean 'dea_membrane'"),
+        (str(tmp_path / "mine.py"), "no file '.*mine.py'"),
+    ):
+        misnamed = check_study(changed(STUDY, ["discrepancy", "simulation"], name))
+        with pytest.raises(InputError, match=f"discrepancy.simulation: .*{words}"):
+            check_names(misnamed, *names)
+    (tmp_path / "mine.py").touch()
+    check_names(misnamed, *names)
+    case = check_case(CASES[CONFIG / "cases/silverbox.yaml"], check_study(STUDY))
+    with pytest.raises(InputError, match=r"mine.yaml: simulation: .*'mass_spring_damper'"):
+        check_cases({Path("mine.yaml"): case}, ["dea_membrane"])
+
+
 def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_path, monkeypatch):
     monkeypatch.chdir(CONFIG.parent)
     study = check_study(STUDY)
@@ -203,5 +238,10 @@ def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_pat
     with pytest.raises(InputError, match=r"actuators\[1\]\.bench: dea2 is to be 'dea2', which"):
         check_actuators(study, ["dea1"], "bench.yaml")
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match=r"actuators\[0\]\.device: .* does not exist"):
+    with pytest.raises(InputError, match=r"actuators\[0\]\.device: there is no file"):
+        check_actuators(study, served, "bench.yaml")
+    device = tmp_path / study.actuators[0].device
+    device.parent.mkdir(parents=True)
+    device.write_text((CONFIG / "devices" / device.name).read_text().replace("unit_id", "unit_di"))
+    with pytest.raises(InputError, match=r"virtual_bench.yaml: unit_di: .*'unit_id'"):
         check_actuators(study, served, "bench.yaml")

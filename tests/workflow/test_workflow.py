@@ -42,6 +42,9 @@ def test_the_number_of_actuators_is_the_length_of_a_list(project):
         ("bench: dea2", "bench: dea9", "dea2 is to be 'dea9'"),
         ("zoom: [100, 130]", "zoom: [1790, 1820]", "figures.zoom: [1790, 1820] s lies outside"),
         ("batch: 6", "batch: six", "trials.batch: it is 'six'"),
+        ("effects: []", "effects: [dead_zon]", "Did you mean 'dead_zone'?"),
+        ("seed:", "\tseed:", "config/config.yaml: not valid YAML at line 6"),
+        ("orders:", "bench: {}\norders:", "the key 'bench' is given twice"),
     ],
 )
 def test_a_wrong_key_or_value_stops_before_the_dag(project, right, wrong, named):

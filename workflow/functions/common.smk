@@ -1,22 +1,25 @@
 # Who is studied, which settings shape a job, which code it depends on.
 import json
 import re
-import sys
 import time
 
-# The package beside this workflow, not one that is installed elsewhere.
-sys.path[:0] = [str(Path(workflow.basedir, name)) for name in ("workflow", "src")]
-
 from imports import modules
-from snakemake.exceptions import WorkflowError
 
 from dea.configuration.bench import BENCH, read_bench
-from dea.configuration.case import read_cases
-from dea.configuration.study import check_actuators, check_study
+from dea.configuration.case import check_cases, read_cases
+from dea.configuration.study import check_actuators, check_names, check_study
 from dea.configuration.study import settings as written
-from dea.errors import InputError
 
 STARTED = time.time()
+
+
+def catalogue(folder):
+    """The names in a folder of the simulations, each of which has a file."""
+    paths = Path("src/dea/simulation", folder).glob("[!_]*.py")
+    return sorted(path.stem for path in paths)
+
+
+EFFECTS, DEVICES = catalogue("effects"), catalogue("devices")
 
 
 def configuration():
@@ -24,7 +27,10 @@ def configuration():
     try:
         study = check_study(config)
         check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
-        return study, read_cases("config/cases", study)
+        check_names(study, DEVICES, EFFECTS)
+        cases = read_cases("config/cases", study)
+        check_cases(cases, DEVICES)
+        return study, cases
     except InputError as error:
         raise WorkflowError(str(error)) from None
 

@@ -4,10 +4,8 @@ include: "../functions/discrepancy.smk"
 # What each record says its simulation is missing. Candidates are fitted on threads of one job: the
 # integrator releases the lock, and a job per candidate would import for longer than it fits.
 # Effects and devices are found by their files, not by import statements.
-CATALOGUE = [
-    f"dea.simulation.{path.parent.name}.{path.stem}"
-    for folder in ("effects", "devices")
-    for path in sorted(Path("src/dea/simulation", folder).glob("[!_]*.py"))
+CATALOGUE = [f"dea.simulation.effects.{name}" for name in EFFECTS] + [
+    f"dea.simulation.devices.{name}" for name in DEVICES
 ]
 
 

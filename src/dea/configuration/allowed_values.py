@@ -3,7 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
+from dea.configuration.section import NAME
+
 Schema = Mapping[str, Any]
+# Patterns of texts, in words.
+WORDS = {
+    NAME: "a name of letters, digits, _ and -",
+    "^[0-9a-f]{64}$": "64 hexadecimal digits",
+}
 
 
 def resolved(node: Schema, definitions: Schema) -> Schema:
@@ -17,6 +24,8 @@ def resolved(node: Schema, definitions: Schema) -> Schema:
 def allowed(node: Schema, definitions: Schema, plural: bool = False) -> str:
     """Say what a value must be, such as ``a number above 0 s`` or ``one of stop, restart``."""
     node = resolved(node, definitions)
+    if tag := node.get("discriminator"):
+        return f"a mapping with {tag['propertyName']}: {' or '.join(tag['mapping'])}"
     if choices := node.get("anyOf", node.get("oneOf")):
         unit = {"unit": node["unit"]} if "unit" in node else {}
         kept = [unit | choice for choice in choices if choice.get("type") != "null"]
@@ -33,7 +42,7 @@ def allowed(node: Schema, definitions: Schema, plural: bool = False) -> str:
     if kind == "object":
         return _mapping(node, definitions)
     if kind == "string" and "pattern" in node:
-        return f"text that matches {node['pattern']}"
+        return WORDS.get(node["pattern"], f"text that matches {node['pattern']}")
     return {"boolean": "true or false", "string": "text"}.get(str(kind), "a value")
 
 

@@ -1,6 +1,7 @@
 """Records made elsewhere: the files in config/cases."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, Self
 
@@ -12,8 +13,8 @@ from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Identification, Orders, Validation
 from dea.configuration.problems import validated
 from dea.configuration.record import Record
-from dea.configuration.section import Name, Section, key, partial
-from dea.configuration.study import RESERVED, Study, check_tracker, settings
+from dea.configuration.section import NAME, Name, Section, key, partial
+from dea.configuration.study import RESERVED, Study, check_simulation, check_tracker, settings
 from dea.configuration.tracking import Tracking
 from dea.errors import InputError
 
@@ -77,11 +78,18 @@ def read_cases(folder: str | Path, study: Study) -> dict[Path, Case]:
     ------
     InputError
         As :func:`check_case`; also for a file whose name is taken by an actuator or a folder of
-        results, or whose YAML is broken.
+        results, or cannot be a name, or whose YAML is broken.
     """
     taken = {*RESERVED, *(actuator.name for actuator in study.actuators)}
     cases = {}
-    for file in sorted(Path(folder).glob("*.yaml")):
+    for file in sorted(file for kind in ("*.yaml", "*.yml") for file in Path(folder).glob(kind)):
+        if file.suffix == ".yml" or not re.fullmatch(NAME, file.stem):
+            raise InputError(
+                f"{file.name!r} is no name of a case",
+                file=file,
+                field="name of the file",
+                remedy="Name it NAME.yaml, with letters, digits, _ and - alone in NAME.",
+            )
         if file.stem in taken:
             raise InputError(
                 f"{file.stem!r} is taken",
@@ -92,3 +100,16 @@ def read_cases(folder: str | Path, study: Study) -> dict[Path, Case]:
         content = read_yaml(file, what="the case", example="a file of config/cases")
         cases[file] = check_case(content, study, file)
     return cases
+
+
+def check_cases(cases: Mapping[Path, Case], simulations: Collection[str]) -> None:
+    """Check that the simulations that cases name exist.
+
+    Raises
+    ------
+    InputError
+        Naming the file and the nearest name.
+    """
+    for file, case in cases.items():
+        if case.simulation is not None:
+            check_simulation(case.simulation, simulations, file, "simulation")

@@ -1,11 +1,27 @@
 """Reading a YAML file, with errors of one line."""
 
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from dea.errors import InputError
+
+
+class _Loader(yaml.SafeLoader):
+    """Refuses a key that is given twice, of which YAML would keep the last."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen = set()
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode):
+                if (key.tag, key.value) in seen:
+                    raise yaml.MarkedYAMLError(
+                        problem=f"the key {key.value!r} is given twice", problem_mark=key.start_mark
+                    )
+                seen.add((key.tag, key.value))
+        return super().construct_mapping(node, deep)
 
 
 def read_yaml(path: str | Path, *, what: str, example: str) -> Any:
@@ -19,10 +35,10 @@ def read_yaml(path: str | Path, *, what: str, example: str) -> Any:
     Raises
     ------
     InputError
-        If it cannot be read or is not valid YAML.
+        If it cannot be read, is not valid YAML, or gives a key twice.
     """
     try:
-        return yaml.safe_load(Path(path).read_text())
+        return yaml.load(Path(path).read_text(encoding="utf-8"), _Loader)  # a safe loader
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{what} cannot be read: {error}",
@@ -30,7 +46,18 @@ def read_yaml(path: str | Path, *, what: str, example: str) -> Any:
             remedy=f"Name {example} or a file written like it.",
         ) from error
     except yaml.YAMLError as error:
-        problem = " ".join(str(error).split())
         raise InputError(
-            f"not valid YAML: {problem}", file=path, remedy="Mend the syntax."
+            f"not valid YAML{_described(error)}",
+            file=path,
+            remedy="Correct that line or the one before it; indent with spaces, not tabs.",
         ) from None
+
+
+def _described(error: yaml.YAMLError) -> str:
+    mark = getattr(error, "problem_mark", None)
+    if mark is None:
+        return f": {' '.join(str(error).split())}"
+    context = " ".join(
+        part for part in (getattr(error, "context", None), getattr(error, "problem", None)) if part
+    )
+    return f" at line {mark.line + 1}, column {mark.column + 1}: {context}"

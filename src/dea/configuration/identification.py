@@ -1,23 +1,25 @@
 """Models from a record: ``identification``, ``orders``, ``validation``."""
 
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from dea.configuration.section import (
     Count,
     Different,
     Interval,
     NotNegative,
+    Part,
     Positive,
     Section,
     Truth,
     WholeNotNegative,
     key,
+    refuse,
 )
 
 OutputLags = Count | Annotated[list[Count], Different]
-InputLags = Count | Annotated[list[WholeNotNegative], Different]
+InputLags = Count | Annotated[list[WholeNotNegative], Field(min_length=1), Different]
 
 
 class Identification(Section):
@@ -31,10 +33,10 @@ class Identification(Section):
     )
     degree: Count = key("polynomial order")
     even_in_input: Truth = key("true where the system answers the input's negative alike")
-    add_threshold: NotNegative = key(
+    add_threshold: Part = key(
         "SERR below which no term is added, as a share of the output's energy"
     )
-    prune_threshold: NotNegative = key(
+    prune_threshold: Part = key(
         "SERR below which a term is removed, as a share of the output's energy"
     )
     rounds: WholeNotNegative = key("add-swap-prune rounds after the paper's single pass")
@@ -69,3 +71,15 @@ class Validation(Section):
         unit="s",
     )
     max_lag: Count = key("largest lag of the residual correlations", unit="samples")
+
+    @model_validator(mode="after")
+    def _room_before(self) -> Self:
+        for index, (first, _) in enumerate(self.windows):
+            if first < self.before:
+                raise refuse(
+                    f"windows[{index}]",
+                    f"it begins at {first:g} s, with less than `before`, {self.before:g} s, of the"
+                    " record before it",
+                    "Begin it later, or shorten `before`.",
+                )
+        return self

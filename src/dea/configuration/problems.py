@@ -1,6 +1,6 @@
 """From pydantic's errors to one line that names file, key, remedy and the nearest key."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -13,6 +13,8 @@ from dea.configuration.allowed_values import Schema, allowed, resolved
 from dea.errors import InputError
 
 _Model = TypeVar("_Model", bound=BaseModel)
+# Similarity above which another key is suggested: one letter of three may differ, or two swapped.
+NEAR = 0.65
 
 
 def validated(
@@ -39,9 +41,13 @@ def validated(
 
 def unknown_key(name: str, known: Sequence[str]) -> tuple[str, str]:
     """Return problem and remedy of a key that is none of ``known``."""
-    near = get_close_matches(name, known, n=1, cutoff=0.65)
-    hint = f"Did you mean {near[0]!r}? " if near else ""
-    return f"unknown key {name!r}", f"{hint}Known here: {', '.join(known)}."
+    return f"unknown key {name!r}", f"{did_you_mean(name, known)}Known here: {', '.join(known)}."
+
+
+def did_you_mean(name: str, known: Collection[str]) -> str:
+    """Return the question whether the nearest of ``known`` was meant; empty where none is near."""
+    near = get_close_matches(name, known, n=1, cutoff=NEAR)
+    return f"Did you mean {near[0]!r}? " if near else ""
 
 
 def _input_error(
@@ -85,11 +91,13 @@ def _said(detail: ErrorDetails, schema: Schema) -> tuple[str, str, str]:
             tag = context["discriminator"].strip("'")
             kinds = ", ".join(node["discriminator"]["mapping"])
             problem = f"unknown {tag} {context['tag']!r}" if "tag" in context else "missing"
-            return _joined(path, tag), problem, f"Use one of {kinds}."
+            near = get_close_matches(tag, [str(k) for k in given or ()], n=1, cutoff=NEAR)
+            hint = f" Is {near[0]!r} meant to be {tag!r}?" if problem == "missing" and near else ""
+            return _joined(path, tag), problem, f"Use one of {kinds}.{hint}"
     if rest == "[key]":
         return path, f"{given!r} is no name", "Use letters, digits, _ and - alone."
     if given is None:
-        return path, "missing", f"Give {allowed(node, definitions)}."
+        return path, "missing" if path else "it is empty", f"Give {allowed(node, definitions)}."
     return path, f"it is {_shown(given)}", f"Give {allowed(node, definitions)}."
 
 

@@ -105,6 +105,7 @@ Whole = Annotated[int, _TEXT]
 WholeNotNegative = Annotated[int, Field(ge=0), _TEXT]
 Count = Annotated[int, Field(ge=1), _TEXT]
 Truth = Annotated[bool, BeforeValidator(_truth_from_text)]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]+$")]
+NAME = "^[A-Za-z0-9_-]+$"
+Name = Annotated[str, Field(pattern=NAME)]
 Interval = Annotated[list[Number], Field(min_length=2, max_length=2), AfterValidator(_ascending)]
 Different = AfterValidator(_different)

@@ -1,18 +1,20 @@
 """config/config.yaml as a whole, and what its sections must agree on."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
 from dea.configuration.acquisition import Acquisition, Actuator, Bench
+from dea.configuration.device import DeviceDescription
 from dea.configuration.discrepancy import Discrepancy
 from dea.configuration.excitation import Excitation
 from dea.configuration.figures import Figures
+from dea.configuration.files import read_yaml
 from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Identification, Orders, Validation
-from dea.configuration.problems import validated
+from dea.configuration.problems import did_you_mean, validated
 from dea.configuration.recovery import Recovery
 from dea.configuration.section import Section, Whole, key, refuse
 from dea.configuration.tracking import Tracking
@@ -68,13 +70,19 @@ class Study(Section):
                     "Give the first and last second of a stretch inside the record.",
                 )
         segment = self.identification.start + self.identification.length
-        if segment > duration:
-            raise refuse(
-                "identification.length",
-                f"the segment ends at {segment:g} s, after the record of {duration:g} s"
-                " (excitation.record.duration)",
-                "Choose a segment inside the record.",
-            )
+        # Independent data begin after the segment unless it is said where.
+        independent = segment if self.orders.start is None else self.orders.start
+        for section, end in (
+            ("identification", segment),
+            ("orders", independent + self.orders.length),
+        ):
+            if end > duration:
+                raise refuse(
+                    f"{section}.length",
+                    f"the segment ends at {end:g} s, after the record of {duration:g} s"
+                    " (excitation.record.duration)",
+                    "Choose a segment inside the record.",
+                )
         return self
 
     @model_validator(mode="after")
@@ -107,27 +115,80 @@ def check_study(content: Mapping[str, Any], file: str | Path = FILE) -> Study:
 def check_actuators(
     study: Study, served: Sequence[str], bench: str | Path, file: str | Path = FILE
 ) -> None:
-    """Check that every device description exists and ``bench`` has every virtual actuator.
+    """Check every device description, and that ``bench`` has every virtual actuator.
 
     Raises
     ------
     InputError
-        Naming the actuator, and the names in ``served`` that its ``bench`` may be.
+        Naming the actuator and the names in ``served`` that its ``bench`` may be, or what is wrong
+        with a device description.
     """
-    for index, actuator in enumerate(study.actuators):
-        if not Path(actuator.device).exists():
+    devices = {
+        f"actuators[{index}].device": actuator.device
+        for index, actuator in enumerate(study.actuators)
+    } | {"trials.device": study.trials.device}
+    for place, device in devices.items():
+        if not Path(device).is_file():
             raise InputError(
-                f"{actuator.device} of {actuator.name} does not exist",
+                f"there is no file {device!r}",
                 file=file,
-                field=f"actuators[{index}].device",
+                field=place,
                 remedy="Correct the path, or copy a description of config/devices there.",
             )
+    for device in dict.fromkeys(devices.values()):
+        content = read_yaml(
+            device, what="the device description", example="one of config/devices/*.yaml"
+        )
+        validated(DeviceDescription, content, device)
+    for index, actuator in enumerate(study.actuators):
         if actuator.bench is not None and actuator.bench not in served:
             raise InputError(
                 f"{actuator.name} is to be {actuator.bench!r}, which {bench} does not have",
                 file=file,
                 field=f"actuators[{index}].bench",
                 remedy=f"Name one of {', '.join(served)}, or add an entry there.",
+            )
+
+
+def check_simulation(name: str, known: Collection[str], file: str | Path, field: str) -> None:
+    """Check the name of a simulation: one of ``known``, or a Python file.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the key and the remedy.
+    """
+    if name in known or (name.endswith(".py") and Path(name).is_file()):
+        return
+    raise InputError(
+        f"there is no file {name!r}"
+        if name.endswith(".py")
+        else f"there is no simulation {name!r}",
+        file=file,
+        field=field,
+        remedy=f"{did_you_mean(name, known)}Name one of {', '.join(known)}, or a Python file that"
+        " defines `simulation`.",
+    )
+
+
+def check_names(
+    study: Study, simulations: Collection[str], effects: Collection[str], file: str | Path = FILE
+) -> None:
+    """Check the names of the simulation and of the effects offered.
+
+    Raises
+    ------
+    InputError
+        Naming the key and the nearest name.
+    """
+    check_simulation(study.discrepancy.simulation, simulations, file, "discrepancy.simulation")
+    for index, name in enumerate(study.discrepancy.effects):
+        if name not in effects:
+            raise InputError(
+                f"there is no effect {name!r}",
+                file=file,
+                field=f"discrepancy.effects[{index}]",
+                remedy=f"{did_you_mean(name, effects)}Known: {', '.join(effects)}.",
             )
 
 
