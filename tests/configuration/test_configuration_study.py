@@ -32,6 +32,15 @@ def test_the_settings_of_jobs_are_those_that_were_written():
     assert settings(check_study(STUDY)) == STUDY
 
 
+def test_a_null_is_a_key_that_is_not_given():
+    trackers = STUDY["tracking"]["trackers"]
+    without = check_study(changed(STUDY, ["tracking", "trackers", "rls"], None))
+    assert list(settings(without)["tracking"]["trackers"]) == [n for n in trackers if n != "rls"]
+    silverbox = CASES[CONFIG / "cases/silverbox.yaml"]
+    case = check_case(silverbox | {"simulation": None, "split": None}, check_study(STUDY))
+    assert not {"simulation", "split"} & set(settings(case))
+
+
 @pytest.mark.parametrize("file", CASES, ids=lambda path: path.stem)
 def test_a_case_overrides_sections_key_by_key(file):
     own = CASES[file]

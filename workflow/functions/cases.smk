@@ -1,6 +1,6 @@
 # Cases with test records, and cases whose simulation is diagnosed.
 TESTED_CASES = [name for name, case in CASE.items() if case.get("test_records")]
-DIAGNOSED_CASES = [name for name, case in CASE.items() if case.get("simulation")]
+DIAGNOSED_CASES = [name for name, case in CASE.items() if "simulation" in case]
 
 
 def test_parts(wildcards):

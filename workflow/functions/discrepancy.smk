@@ -7,7 +7,7 @@ def test_records(wildcards):
 
 
 def simulation_of(system):
-    return CASE.get(system, {}).get("simulation") or config["discrepancy"]["simulation"]
+    return CASE.get(system, {}).get("simulation", config["discrepancy"]["simulation"])
 
 
 def simulation_file(wildcards):
@@ -22,7 +22,7 @@ def discrepancy_settings(wildcards):
             "seed": config["seed"],
             "system": wildcards.system,
             "simulation": simulation_of(wildcards.system),
-            "split": CASE.get(wildcards.system, {}).get("split") or {},
+            "split": CASE.get(wildcards.system, {}).get("split", {}),
             "discrepancy": config["discrepancy"],
         },
         sort_keys=True,

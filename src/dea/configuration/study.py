@@ -193,5 +193,8 @@ def check_names(
 
 
 def settings(section: Section) -> dict[str, Any]:
-    """Return a section as it was written, its numbers no longer text; defaults are left out."""
-    return section.model_dump(exclude_unset=True)
+    """Return a section as it was written, its numbers no longer text.
+
+    Defaults are left out, and so are nulls, which say that an optional key is not given.
+    """
+    return section.model_dump(exclude_unset=True, exclude_none=True)

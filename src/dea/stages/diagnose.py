@@ -1,4 +1,4 @@
-"""Name what the simulation of a record is missing, and leave the proof beside it."""
+"""Name what the simulation of a record is missing, and write the evidence for it."""
 
 from collections.abc import Mapping
 from pathlib import Path

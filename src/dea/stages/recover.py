@@ -1,4 +1,4 @@
-"""Known answers: identify published models from their simulated records and score what returns."""
+"""Identify published models from records that they simulate, and score the models found."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -12,7 +12,8 @@ def trial_draw(settings: Mapping[str, Any], bench: Path, sealed: Path, commitmen
 
     ``settings`` holds the campaign's ``seed`` and the numbers of the ``first`` and ``last`` trial.
     The commitment names what an acquisition may know, the excitation, and the SHA-256 of the
-    sealed file. The sealed file holds sizes to the last digit, so that its hash betrays nothing.
+    sealed file. The sealed file holds sizes to the last digit, so that nobody can find it
+    by trying likely contents against the hash.
     """
     import json
 
