@@ -7,8 +7,10 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from dea.configuration.device import KNOWN
 from dea.errors import InputError
 from dea.modbus import parse_device, read_device
+from dea.modbus.block import BLOCK, REPLY
 
 DEVICES = sorted((Path(__file__).parents[2] / "config/devices").glob("*.yaml"))
 
@@ -65,7 +67,11 @@ def setter(*path_and_value):
         (setter("registers", "output", "type", "uint12"), "registers.output.type", "uint16"),
         (setter("registers", "output", "limits", [4, 0]), "registers.output.limits", "cross"),
         (setter("registers", "output", "limits", [4]), "registers.output.limits", "low, high"),
+        (setter("registers", "output", "limits", [0, 11]), "registers.output.limits",
+         r"\[0, 11\] leaves the range \[0, 10\]"),
         (setter("registers", "output", "scale", 2), "registers.output.range", "Keep one"),
+        (setter("registers", "output_hihg_limit", {"address": 99}), "registers.output_hihg_limit",
+         "mean 'output_high_limit'"),
         (setter("registers", "output", "adress", 3), "registers.output.adress", "Known here"),
         (setter("registers", "output", "address", 65536), "registers.output.address", "65535"),
         (setter("registers", "output", "expect", "text"), "registers.output.expect", "type"),
@@ -135,6 +141,22 @@ def test_one_damaged_leaf_is_accepted_or_named(data):
     except InputError as error:
         failure = error
     assert failure is None or failure.field
+
+
+def test_misspelt_names_are_told_from_registers_of_ones_own():
+    assert {*BLOCK, *REPLY} <= set(KNOWN)
+    every = yaml.safe_load(DEVICES[-1].read_text())
+    assert set(KNOWN) <= set(every["registers"])
+    own = broken(setter("registers", "status", {"address": 99}))
+    assert "status" in parse_device(own)
+    for name in KNOWN:
+        letters = list(name)
+        letters[1:3] = letters[2:0:-1]
+        content = copy.deepcopy(every)
+        if (misspelt := "".join(letters)) != name:
+            content["registers"][misspelt] = content["registers"].pop(name)
+            with pytest.raises(InputError, match=f"Did you mean '{name}'"):
+                parse_device(content)
 
 
 def test_unreadable_files_are_named(tmp_path):

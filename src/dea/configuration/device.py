@@ -1,6 +1,7 @@
 """Device descriptions: the files in config/devices."""
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from itertools import pairwise
 from typing import Annotated, Literal, Self, get_args
 
@@ -39,6 +40,20 @@ WORDS: Mapping[RegisterType, int] = {
     "string": 1,
 }
 LAST_ADDRESS = 0xFFFF
+# Registers that the acquisition looks for by name. A device needs the first two; what else it has
+# gets the checks and the modes that it allows (docs/acquisition.md). Others are free to be added.
+NEEDED = ("output", "displacement")
+KNOWN = (
+    *NEEDED,
+    *("applied_output", "device_index", "device_rate", "state", "command", "claim", "boot"),
+    *("watchdog_latched", "watchdog_time", "fifo_length", "output_low_limit", "output_high_limit"),
+    *(f"{name}_range_{end}" for name in NEEDED for end in ("low", "high")),
+    *(f"block_{name}" for name in ("crc", "sequence", "read_index", "count", "samples")),
+    *(f"reply_{name}" for name in ("crc", "sequence", "index", "position", "next", "count")),
+    *(f"reply_{name}" for name in ("origin", "state", "fifo", "samples")),
+)
+# Similarity from which a name is taken for one of these, misspelt: two letters of five swapped.
+MISSPELT = 0.8
 
 
 class Endpoint(Section):
@@ -104,6 +119,14 @@ class Register(Section):
                 "only for an integer type and without scale and offset",
                 "Keep one of them.",
             )
+        if self.range is not None and self.limits is not None:
+            (low, high), limits = self.range, self.limits
+            if limits[0] < low or limits[1] > high:
+                raise refuse(
+                    "limits",
+                    f"[{limits[0]:g}, {limits[1]:g}] leaves the range [{low:g}, {high:g}]",
+                    "Give limits inside the range.",
+                )
         if self.scale == 0:
             raise refuse("scale", "zero", "Give the value of one count.")
         if self.end > LAST_ADDRESS + 1:
@@ -140,6 +163,19 @@ def _apart(registers: dict[str, Register]) -> dict[str, Register]:
     return registers
 
 
+def _spelt(registers: dict[str, Register]) -> dict[str, Register]:
+    """Refuse a misspelt name: the check that needs the register would be left out silently."""
+    missing = [name for name in KNOWN if name not in registers]
+    for name in registers:
+        if name not in KNOWN and (near := get_close_matches(name, missing, 1, MISSPELT)):
+            raise refuse(
+                name,
+                f"unknown register {name!r}",
+                f"Did you mean {near[0]!r}? If not, give it a name less like that one.",
+            )
+    return registers
+
+
 class DeviceDescription(Section):
     """A Modbus device: endpoint, framing and register map (docs/acquisition.md)."""
 
@@ -153,9 +189,12 @@ class DeviceDescription(Section):
     read_write_multiple: Truth = key("true where it answers function code 23", default=False)
     word_order: Order = key("word that comes first in a value of several", default="big")
     byte_order: Order = key("byte that comes first in a word", default="big")
-    registers: Annotated[dict[str, Register], Field(min_length=1), AfterValidator(_apart)] = key(
-        "at least the output and the measurement, by name"
-    )
+    registers: Annotated[
+        dict[str, Register],
+        Field(min_length=1),
+        AfterValidator(_apart),
+        AfterValidator(_spelt),
+    ] = key("`output`, `displacement` and what else the device has, by name")
 
     @model_validator(mode="after")
     def _link(self) -> Self:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from dea.configuration.acquisition import Acquisition, Actuator, Bench
-from dea.configuration.device import DeviceDescription
+from dea.configuration.device import NEEDED, DeviceDescription
 from dea.configuration.discrepancy import Discrepancy
 from dea.configuration.excitation import Excitation
 from dea.configuration.figures import Figures
@@ -139,7 +139,15 @@ def check_actuators(
         content = read_yaml(
             device, what="the device description", example="one of config/devices/*.yaml"
         )
-        validated(DeviceDescription, content, device)
+        described = validated(DeviceDescription, content, device)
+        for name in NEEDED:
+            if name not in described.registers:
+                raise InputError(
+                    f"there is no register {name!r}",
+                    file=device,
+                    field="registers",
+                    remedy="Describe it, or correct the name of the register that is meant.",
+                )
     for index, actuator in enumerate(study.actuators):
         if actuator.bench is not None and actuator.bench not in served:
             raise InputError(
