@@ -50,7 +50,7 @@ class Budget(Section):
 class Rules(Section):
     """When an effect is named."""
 
-    margin: Positive = key("part of the held-out error that an effect must remove")
+    margin: Number = key("part of the held-out error that an effect must remove", gt=0, lt=1)
     clean: Positive = key(
         "residual up to which the record counts as explained", unit="noise floors"
     )
@@ -58,7 +58,7 @@ class Rules(Section):
     further: Share = key("factor on it for each effect beyond the first")
     grow: Positive = key("residual above which a further effect is looked for", unit="noise floors")
     second: Share = key("part of the remaining misfit that a further effect must remove")
-    rival_margin: Positive = key("factor by which a beaten rival's misfit is larger")
+    rival_margin: Number = key("factor by which a beaten rival's misfit is larger", ge=1)
     predictable: Share = key("part of the error that a flexible model must leave")
     noise_like: Positive = key(
         "residual up to which one that nothing reduces counts as noise",
