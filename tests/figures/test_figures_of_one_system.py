@@ -67,6 +67,13 @@ def test_fig2_plots_nmse_and_fpe_against_the_order_on_their_own_axes(panel, kind
     assert (*labels(left), right.get_ylabel()) == (f"{kind} order", "nmse", "fpe (mm²)")
 
 
+def test_orders_that_all_diverge_are_drawn_empty():
+    orders = made.orders(1)
+    diverged = orders["dynamic_nmse"].copy(data=np.full(orders["dynamic_nmse"].shape, np.inf))
+    choice = fig2(orders.assign(dynamic_nmse=diverged), made.validation(1), "dea1").subfigs[0]
+    assert np.isfinite(choice.axes[0].get_ylim()).all()
+
+
 def test_fig2_plots_honest_simulations_against_the_measurement():
     validation = made.validation(1)
     scatter = fig2(made.orders(1), validation, "dea1").subfigs[0].axes[2]

@@ -60,7 +60,9 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
         lines += side.plot(order, values, color=colour, label=criterion, **look)
         side.set_ylabel(style.quantity(criterion, values.attrs["units"]), color=colour)
         side.tick_params(axis="y", colors=colour)
-        side.set_ylim(0, _HEADROOM * float(values.where(np.isfinite(values)).max()))
+        largest = values.values.max(initial=0.0, where=np.isfinite(values.values))
+        if largest > 0:  # else every model has diverged, or none has an error
+            side.set_ylim(0, _HEADROOM * float(largest))
     ax.set_xticks(order.values)
     ax.set_xlabel(f"{kind} order")
     ax.legend(handles=lines, loc="upper right")
