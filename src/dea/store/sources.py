@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import xarray as xr
-import yaml
 
+from dea.configuration.files import read_yaml
 from dea.errors import InputError
 from dea.store.files import read
 from dea.store.record_file import read_record
@@ -92,8 +92,9 @@ class Sources:
 
 
 def _document(file: Path) -> Mapping[str, Any]:
-    text = file.read_text(encoding="utf-8")
     content: Mapping[str, Any] = (
-        json.loads(text) if file.suffix == ".json" else yaml.safe_load(text)
+        json.loads(file.read_text(encoding="utf-8"))
+        if file.suffix == ".json"
+        else read_yaml(file, what="the file", example="config/published_errors.yaml")
     )
     return content
