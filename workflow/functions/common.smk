@@ -46,7 +46,7 @@ CASE = {path.stem: written(case) for path, case in _cases.items()}
 
 
 wildcard_constraints:
-    system="[A-Za-z0-9_-]+",
+    system="|".join([*ACTUATORS, *CASES]),
     actuator="|".join(ACTUATORS),
     case="|".join(CASES) or "no-case",
 

@@ -1,7 +1,10 @@
 """What the simulation of a system is missing: ``discrepancy`` of config/config.yaml."""
 
+from typing import Annotated
+
 from dea.configuration.section import (
     Count,
+    Different,
     NotNegative,
     Number,
     Positive,
@@ -88,7 +91,9 @@ class Discrepancy(Section):
     """What the simulation of a system is missing (docs/discrepancy.md)."""
 
     simulation: str = key("simulation of the actuators, by name or as a Python file")
-    effects: list[str] = key("names of the effects offered; all of the catalogue where empty")
+    effects: Annotated[list[str], Different] = key(
+        "names of the effects offered; all of the catalogue where empty"
+    )
     warm_up: NotNegative = key("time at the start of a record that no error counts", unit="s")
     budget: Budget = key("how far the search goes")
     rules: Rules = key("when an effect is named")

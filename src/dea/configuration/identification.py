@@ -18,6 +18,8 @@ from dea.configuration.section import (
     refuse,
 )
 
+# Lengths of two windows that differ by less, in s, do so by the rounding of their ends alone.
+ROUNDING = 1e-6
 OutputLags = Count | Annotated[list[Count], Different]
 InputLags = Count | Annotated[list[WholeNotNegative], Field(min_length=1), Different]
 
@@ -81,5 +83,17 @@ class Validation(Section):
                     f"it begins at {first:g} s, with less than `before`, {self.before:g} s, of the"
                     " record before it",
                     "Begin it later, or shorten `before`.",
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _one_length(self) -> Self:
+        lengths = [last - first for first, last in self.windows]
+        for index, length in enumerate(lengths):
+            if abs(length - lengths[0]) > ROUNDING:
+                raise refuse(
+                    f"windows[{index}]",
+                    f"it is {length:g} s long, the first {lengths[0]:g} s",
+                    "Give windows of one length.",
                 )
         return self

@@ -59,7 +59,9 @@ def _input_error(
     found: dict[str, tuple[str, str]] = {}
     for detail in sorted(details, key=lambda detail: detail["type"] != "extra_forbidden"):
         path, problem, remedy = _said(detail, schema)
-        found.setdefault(_joined(place, path), (problem, remedy))
+        # What a validator refuses has the right type, and is then told most exactly.
+        if detail["type"] == "relation" or _joined(place, path) not in found:
+            found[_joined(place, path)] = (problem, remedy)
     field, (problem, remedy) = next(iter(found.items()))
     meant = [key for key in list(found)[1:] if f"{key.rsplit('.', 1)[-1]!r}?" in remedy]
     others = [key for key in list(found)[1:] if key not in meant]

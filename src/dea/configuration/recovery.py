@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from dea.configuration.section import NotNegative, Positive, Section, key, refuse
+from dea.configuration.section import Different, NotNegative, Positive, Section, key, refuse
 
 
 class Recovery(Section):
@@ -16,7 +16,7 @@ class Recovery(Section):
     band: Positive = key("band of the Gaussian excitation", unit="Hz")
     noise: NotNegative = key("standard deviation of the output noise over that of the output")
     threshold: Positive = key("SERR a term must be worth, about the energy of the noise")
-    excitation: Annotated[list[Literal["coloured", "white"]], Field(min_length=1)] = key(
+    excitation: Annotated[list[Literal["coloured", "white"]], Field(min_length=1), Different] = key(
         "coloured: band-limited as the study's; white: up to half the sampling rate"
     )
 

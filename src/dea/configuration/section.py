@@ -87,7 +87,7 @@ def _ascending(interval: list[float]) -> list[float]:
     return interval
 
 
-def _different(values: list[int]) -> list[int]:
+def _different(values: list[Any]) -> list[Any]:
     if len(set(values)) < len(values):
         raise refuse("", f"{values} names one value twice", "Give each value once.")
     return values
