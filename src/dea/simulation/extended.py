@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from dea.errors import InputError
+from dea.simulation.arguments import Course, Equations, ForceLaw, Forces, Values
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
 from dea.simulation.force_port import ForcePort
@@ -150,58 +150,33 @@ class ExtendedSimulation:
         own = self.simulation
         lead = round(own.lead_in / interval)
         t = np.arange(u.size) * interval
-        laws = self._laws(values)
         p_count, x_count = len(own.parameters), len(own.states)
         input_offset = values[p_count + x_count]
         v = np.ascontiguousarray(u, dtype=float) + input_offset
         drive_scale = np.ones(u.size)
-        for effect, q in laws:
+        for effect, q in self._laws(values):
             if effect.shape_input is not None:
                 v = effect.shape_input(v, q, interval)
             if effect.scale_drive is not None:
                 drive_scale = drive_scale * effect.scale_drive(t, q)
         v, drive_scale = (np.concatenate([np.full(lead, x[0]), x]) for x in (v, drive_scale))
-        forces = [
-            (a, values[part])
-            for a, part in zip(self.attached, self.effect_slices, strict=True)
-            if a.effect.force is not None
-        ]
-        ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
-        if own.force_ports:
-            ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
-        functions: list[Any] = [
-            first_class(own.compiled_derivative),
-            first_class(own.compiled_output),
-        ]
-        memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
-        for slot in range(SLOTS):
-            if slot < len(forces):
-                a, q = forces[slot]
-                effect = a.effect
-                functions += [first_class(effect.force), first_class(effect.update)]
-                ports[slot], frames[slot] = self._ports[a.force_port], self._frames[a.force_port]
-                parameters[slot, : q.size] = q
-                if effect.memory is not None:
-                    memory[slot] = effect.memory(q)
-            else:
-                functions += [first_class(no_force), first_class(no_update)]
-        substeps = self.substeps * max([1, *(a.effect.refine for a, _ in forces)])
-        result: np.ndarray = integrate(  # type: ignore[call-arg]
-            *functions,
-            len(forces),
-            v,
-            at_steps(v, substeps, own.input_interpolation),
-            int(own.input_interpolation != "zero"),
-            values[:p_count].copy(),
-            own.parameter_names.index(own.drive),
-            drive_scale,
-            values[p_count : p_count + x_count].copy(),
-            interval,
-            substeps,
-            ports,
-            frames,
-            memory,
-            parameters,
+        substeps = self.substeps * max([1, *(a.effect.refine for a, _ in self._pushing)])
+        result: np.ndarray = integrate(
+            self._equations(),
+            Values(
+                parameters=values[:p_count].copy(),
+                initial=values[p_count : p_count + x_count].copy(),
+                drive=own.parameter_names.index(own.drive),
+            ),
+            Course(
+                u=v,
+                steps=at_steps(v, substeps, own.input_interpolation),
+                straight=int(own.input_interpolation != "zero"),
+                drive_scale=drive_scale,
+                interval=interval,
+                substeps=substeps,
+            ),
+            self._forces(values),
         )[:, lead:]
         return result
 
@@ -230,6 +205,41 @@ class ExtendedSimulation:
         for a, own in zip(self.attached, self.effect_slices, strict=True):
             laws.insert(0 if a.upstream else len(laws), (a.effect, values[own]))
         return laws
+
+    @cached_property
+    def _pushing(self) -> tuple[tuple[Attached, slice], ...]:
+        """Return the effects attached that are forces, and where in ``values`` they are."""
+        pairs = zip(self.attached, self.effect_slices, strict=True)
+        return tuple((a, own) for a, own in pairs if a.effect.force is not None)
+
+    def _equations(self) -> Equations:
+        """Return the compiled functions of the simulation and of the forces attached."""
+        own = self.simulation
+        laws = [
+            ForceLaw(first_class(a.effect.force), first_class(a.effect.update))
+            for a, _ in self._pushing
+        ]
+        empty = ForceLaw(first_class(no_force), first_class(no_update))
+        return Equations(
+            first_class(own.compiled_derivative),
+            first_class(own.compiled_output),
+            *laws,
+            *[empty] * (SLOTS - len(laws)),
+        )
+
+    def _forces(self, values: np.ndarray) -> Forces:
+        """Return where the forces attached act, and their numbers."""
+        ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
+        memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
+        if self.simulation.force_ports:
+            ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
+        for slot, (a, own) in enumerate(self._pushing):
+            q = values[own]
+            ports[slot], frames[slot] = self._ports[a.force_port], self._frames[a.force_port]
+            parameters[slot, : q.size] = q
+            if a.effect.memory is not None:
+                memory[slot] = a.effect.memory(q)
+        return Forces(len(self._pushing), ports, frames, memory, parameters)
 
     @cached_property
     def _ports(self) -> np.ndarray:
