@@ -1,8 +1,9 @@
 """The compiled loops of a selection: estimate many subsets of the candidate terms, simulate each.
 
-A model is described by integer arrays, as in :mod:`dea.narx.kernels`. A row of ``columns`` is a
-candidate model: the indices of its terms, padded with NONE.
+A row of ``columns`` is a candidate model: the indices of its terms, padded with NONE.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -11,6 +12,33 @@ from dea.narx.checks import Array
 from dea.narx.kernels import BLOCK, NONE, Indices, output_of
 
 _DEPENDENT = 1e-12  # share of a regressor's norm below which the rest is rounding
+
+
+class Candidates(NamedTuple):
+    """The candidate terms as integer arrays; terms of a group have the same output factors."""
+
+    group: Indices  # (terms,) which group each term belongs to
+    y_lags: Indices  # (groups, most factors), padded with NONE
+    product: Indices  # (terms,) which row of ``Record.products`` holds its input factors
+    start: int  # the first sample of a segment that can be computed
+
+
+class Record(NamedTuple):
+    """The segments that candidate models are estimated from and simulated on, end to end."""
+
+    triangle: Array  # (terms + 1, rows) the regressors and the output, compressed by QR
+    products: Array  # (products, samples) each product of inputs
+    y: Array  # (samples,)
+    ends: Indices  # (segments,) where each segment ends
+
+
+class _Model(NamedTuple):
+    """One candidate model, with the fields of :class:`Candidates` for its own terms."""
+
+    parameters: Array
+    group: Indices
+    y_lags: Indices
+    product: Indices
 
 
 @njit(cache=True)
@@ -54,92 +82,68 @@ def solve_subset(triangle: Array, columns: Indices, count: int) -> Array:
 
 @njit(cache=True)
 def estimate_and_simulate(
-    columns: Indices,
-    triangle: Array,
-    group: Indices,
-    y_lags: Indices,
-    product: Indices,
-    products: Array,
-    y: Array,
-    ends: Indices,
-    start: int,
-    bound: float,
-    error: Array,
-    theta: Array,
-) -> None:
-    """Estimate and simulate each row of ``columns``; fill its sum of squared errors and theta."""
+    columns: Indices, candidates: Candidates, record: Record, bound: float
+) -> tuple[Array, Array]:
+    """Estimate and simulate each row of ``columns``: its sum of squared errors and theta."""
+    error, theta = np.empty(columns.shape[0]), np.zeros(columns.shape)
     longest = 0
     begin = 0
-    for end in ends:
+    for end in record.ends:
         longest = max(longest, end - begin)
         begin = end
     run = np.empty(longest)
-    place = np.empty(y_lags.shape[0], dtype=np.int64)
-    used = np.empty(y_lags.shape[0], dtype=np.int64)
-    for candidate in range(columns.shape[0]):
+    groups = candidates.y_lags.shape[0]
+    place = np.empty(groups, dtype=np.int64)
+    used = np.empty(groups, dtype=np.int64)
+    for row in range(columns.shape[0]):
         count = 0
-        while count < columns.shape[1] and columns[candidate, count] != NONE:
+        while count < columns.shape[1] and columns[row, count] != NONE:
             count += 1
-        solution = solve_subset(triangle, columns[candidate], count)
-        theta[candidate, :count] = solution
+        terms = columns[row, :count]
+        parameters = solve_subset(record.triangle, columns[row], count)
+        theta[row, :count] = parameters
+        group, product = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
         place[:] = NONE
         groups = 0
         for j in range(count):
-            g = group[columns[candidate, j]]
+            g = candidates.group[terms[j]]
             if place[g] == NONE:
                 place[g] = groups
                 used[groups] = g
                 groups += 1
-        monomials = y_lags[used[:groups]]
+            group[j] = place[g]
+            product[j] = candidates.product[terms[j]]
+        model = _Model(parameters, group, candidates.y_lags[used[:groups]], product)
         total = 0.0
         begin = 0
-        for end in ends:
-            run[:start] = y[begin : begin + start]
-            total += _squared_error(
-                columns[candidate, :count],
-                solution,
-                group,
-                place,
-                monomials,
-                product,
-                products[:, begin:end],
-                y[begin:end],
-                run,
-                start,
-                bound,
-            )
+        for end in record.ends:
+            y = record.y[begin:end]
+            run[: candidates.start] = y[: candidates.start]
+            products = record.products[:, begin:end]
+            total += _squared_error(model, products, y, run, candidates.start, bound)
             begin = end
-        error[candidate] = total
+        error[row] = total
+    return error, theta
 
 
 @njit(cache=True)
 def _squared_error(
-    columns: Indices,
-    theta: Array,
-    group: Indices,
-    place: Indices,
-    monomials: Indices,
-    product: Indices,
-    products: Array,
-    y: Array,
-    run: Array,
-    start: int,
-    bound: float,
+    model: _Model, products: Array, y: Array, run: Array, start: int, bound: float
 ) -> float:
     """Sum of squared errors of one free run, infinite where it leaves the bound."""
-    coefficients = np.empty((monomials.shape[0], BLOCK))
+    coefficients = np.empty((model.y_lags.shape[0], BLOCK))
     total = 0.0
     for first in range(start, y.size, BLOCK):
         last = min(first + BLOCK, y.size)
         coefficients[:] = 0.0
-        for j in range(columns.size):
-            row = coefficients[place[group[columns[j]]]]
-            values = products[product[columns[j]], first:last]
-            parameter = theta[j]
+        for j in range(model.parameters.size):
+            row = coefficients[model.group[j]]
+            values = products[model.product[j], first:last]
+            parameter = model.parameters[j]
             for i in range(last - first):
                 row[i] += parameter * values[i]
         for t in range(first, last):
-            output = output_of(coefficients, t - first, monomials, run, t)
+            output = output_of(coefficients, t - first, model.y_lags, run, t)
             if not abs(output) <= bound:
                 return np.inf
             run[t] = output

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.narx.candidate_kernels import estimate_and_simulate
+from dea.narx.candidate_kernels import Candidates, Record, estimate_and_simulate
 from dea.narx.checks import Array
 from dea.narx.kernels import NONE
 from dea.narx.regressors import regressor_matrix
@@ -46,29 +46,28 @@ class CandidateModels:
     def __init__(self, candidates: Sequence[Term], segments: Sequence[Segment]) -> None:
         self.candidates = tuple(candidates)
         self.start = max_lag(candidates)
-        self._u = np.concatenate([u for u, _ in segments])
-        self._y = np.concatenate([y for _, y in segments])
-        ends = np.cumsum([u.size for u, _ in segments])
-        self._ends = ends.astype(np.int64)
+        u = np.concatenate([u for u, _ in segments])
+        y = np.concatenate([y for _, y in segments])
+        ends = np.cumsum([u.size for u, _ in segments]).astype(np.int64)
         self.samples = int(ends[-1] - self.start * len(segments))
         rows = [
             np.column_stack([regressor_matrix(candidates, u, y, self.start), y[self.start :]])
             for u, y in segments
         ]
         triangle: Array = np.linalg.qr(np.vstack(rows), mode="r")  # type: ignore[assignment]
-        self._triangle = np.ascontiguousarray(triangle.T)
         self.power = float(np.mean(np.concatenate([row[:, -1] for row in rows]) ** 2))
         shape = structure(self.candidates)
-        self._group, self._y_lags = shape.group, shape.y_lags
         monomials = sorted({term.u_lags for term in candidates})
-        products = [Term((), lags) for lags in monomials]
-        self._product = np.array(
-            [monomials.index(term.u_lags) for term in candidates], dtype=np.int64
+        product = [monomials.index(term.u_lags) for term in candidates]
+        self._terms = Candidates(
+            shape.group, shape.y_lags, np.array(product, dtype=np.int64), self.start
         )
-        self._products = np.ones((len(monomials), self._u.size))
-        first = max((term.max_lag for term in products), default=0)
-        self._products[:, first:] = regressor_matrix(products, self._u, self._y, first).T
-        self._bound = _DIVERGED * float(np.abs(self._y).max())
+        terms = [Term((), lags) for lags in monomials]
+        products = np.ones((len(terms), u.size))
+        first = max((term.max_lag for term in terms), default=0)
+        products[:, first:] = regressor_matrix(terms, u, y, first).T
+        self._record = Record(np.ascontiguousarray(triangle.T), products, y, ends)
+        self._bound = _DIVERGED * float(np.abs(y).max())
         self._known: dict[Subset, Outcome] = {}
 
     def __call__(self, subsets: Iterable[Subset]) -> list[Outcome]:
@@ -80,21 +79,7 @@ class CandidateModels:
             columns = np.full((len(fresh), width), NONE, dtype=np.int64)
             for row, subset in zip(columns, fresh, strict=True):
                 row[: len(subset)] = subset
-            msse, theta = np.empty(len(fresh)), np.zeros((len(fresh), width))
-            estimate_and_simulate(
-                columns,
-                self._triangle,
-                self._group,
-                self._y_lags,
-                self._product,
-                self._products,
-                self._y,
-                self._ends,
-                self.start,
-                self._bound,
-                msse,
-                theta,
-            )
-            for subset, error, parameters in zip(fresh, msse / self.samples, theta, strict=True):
+            errors, theta = estimate_and_simulate(columns, self._terms, self._record, self._bound)
+            for subset, error, parameters in zip(fresh, errors / self.samples, theta, strict=True):
                 self._known[subset] = Outcome(float(error), parameters[: len(subset)])
         return [self._known[subset] for subset in asked]

@@ -1,11 +1,9 @@
 """The compiled loops behind simulation and refinement.
 
-A model is described by integer arrays: the group that each term belongs to (terms of a group have
-the same output factors), the lags of each group's outputs and of each term's inputs, padded with
-NONE. A run stops where an output exceeds the bound.
+A run stops where an output exceeds the bound.
 """
 
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numba import njit
@@ -17,6 +15,15 @@ Indices: TypeAlias = NDArray[np.int64]
 
 NONE = -1  # pads the lags of terms with fewer factors than the longest
 BLOCK = 512  # samples whose products of inputs stay in the cache
+
+
+class Structure(NamedTuple):
+    """The terms of a model as integer arrays; terms of a group have the same output factors."""
+
+    group: Indices  # (terms,) which group each term belongs to
+    y_lags: Indices  # (groups, most factors), padded with NONE
+    u_lags: Indices  # (terms, most factors), padded with NONE
+    start: int  # the first sample that can be computed
 
 
 @njit(cache=True, inline="always")
@@ -36,18 +43,16 @@ def output_of(coefficients: Array, i: int, y_lags: Indices, y: Array, t: int) ->
 
 @njit(cache=True)
 def _coefficients(
-    group: Indices,
-    u_lags: Indices,
-    parameters: Array,
-    u: Array,
-    first: int,
-    last: int,
-    product: Array,
-    coefficients: Array,
+    structure: Structure, parameters: Array, u: Array, first: int, last: int, work: Array
 ) -> None:
-    """Fill C_g[t] of the samples from ``first`` to before ``last``; ``product`` is scratch."""
+    """Write C_g[t] of the samples from ``first`` to before ``last`` into the rows of ``work``.
+
+    Its last row, one more than there are groups, holds one term's product of inputs meanwhile.
+    """
+    group, u_lags = structure.group, structure.u_lags
     count = last - first
-    coefficients[:, :count] = 0.0
+    work[:, :count] = 0.0
+    product = work[-1]
     for j in range(group.size):
         product[:count] = parameters[j]
         for factor in range(u_lags.shape[1]):
@@ -57,30 +62,21 @@ def _coefficients(
             shifted = u[first - lag : last - lag]
             for i in range(count):
                 product[i] *= shifted[i]
-        row = coefficients[group[j]]
+        row = work[group[j]]
         for i in range(count):
             row[i] += product[i]
 
 
 @njit(cache=True)
-def run(
-    group: Indices,
-    y_lags: Indices,
-    u_lags: Indices,
-    parameters: Array,
-    start: int,
-    u: Array,
-    y: Array,
-    bound: float,
-) -> None:
-    """Continue ``y`` from sample ``start``, infinite from the sample on where it diverges."""
-    coefficients = np.empty((y_lags.shape[0], BLOCK))
-    product = np.empty(BLOCK)
-    for first in range(start, y.size, BLOCK):
+def run(structure: Structure, parameters: Array, u: Array, y: Array, bound: float) -> None:
+    """Continue ``y`` from the structure's start, infinite from the sample on where it diverges."""
+    y_lags = structure.y_lags
+    work = np.empty((y_lags.shape[0] + 1, BLOCK))
+    for first in range(structure.start, y.size, BLOCK):
         last = min(first + BLOCK, y.size)
-        _coefficients(group, u_lags, parameters, u, first, last, product, coefficients)
+        _coefficients(structure, parameters, u, first, last, work)
         for t in range(first, last):
-            total = output_of(coefficients, t - first, y_lags, y, t)
+            total = output_of(work, t - first, y_lags, y, t)
             if not abs(total) <= bound:
                 y[t:] = np.inf
                 return
@@ -88,11 +84,10 @@ def run(
 
 
 @njit(cache=True)
-def run_varying(
-    y_lags: Indices, u_lags: Indices, theta: Array, start: int, u: Array, y: Array, bound: float
-) -> None:
-    """As :func:`run` with ``theta[t]`` at sample t; ``y_lags`` are those of each term."""
-    for t in range(start, y.size):
+def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: float) -> None:
+    """As :func:`run` with ``theta[t]`` at sample t."""
+    y_lags, u_lags = structure.y_lags[structure.group], structure.u_lags
+    for t in range(structure.start, y.size):
         total = 0.0
         for j in range(y_lags.shape[0]):
             monomial = theta[t, j]
@@ -113,17 +108,10 @@ def run_varying(
 
 @njit(cache=True)
 def run_with_slope(
-    group: Indices,
-    y_lags: Indices,
-    u_lags: Indices,
-    theta: Array,
-    start: int,
-    u: Array,
-    y: Array,
-    slope: Array,
-    bound: float,
+    structure: Structure, theta: Array, u: Array, y: Array, slope: Array, bound: float
 ) -> None:
-    """Continue the run ``y`` and its derivatives ``slope`` by the parameters from ``start`` on."""
+    """As :func:`run`, and continue the derivatives ``slope`` of ``y`` by the parameters."""
+    group, y_lags, u_lags, start = structure
     groups, factors = y_lags.shape
     terms = theta.size
     inputs = np.empty((BLOCK, terms))  # each term's product of inputs

@@ -151,8 +151,7 @@ def sensitivities(
     y = np.empty(u.size)
     y[: shape.start] = y_initial[: shape.start]
     slope = np.zeros((u.size, len(terms)))
-    arrays = shape.group, shape.y_lags, shape.u_lags
-    kernels.run_with_slope(*arrays, theta, shape.start, u, y, slope, bound)
+    kernels.run_with_slope(shape, theta, u, y, slope, bound)
     return y, slope
 
 

@@ -6,28 +6,18 @@ t at once. What remains of the recursion (7) is y_t = sum_g C_g[t] * prod_k y_{t
 """
 
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dea.errors import InputError
 from dea.narx import kernels
 from dea.narx.checks import Array
+from dea.narx.kernels import NONE, Indices, Structure
 from dea.terms import Term, max_lag
 
 # Beyond this a run counts as diverged. Far above any signal, far below where products of outputs
 # overflow.
 BOUND = 1e10
-
-
-class Structure(NamedTuple):
-    """Terms as integer arrays for the kernels: groups of terms that share their outputs."""
-
-    group: NDArray[np.int64]  # (terms,) which group each term belongs to
-    y_lags: NDArray[np.int64]  # (groups, most factors), padded
-    u_lags: NDArray[np.int64]  # (terms, most factors), padded
-    start: int  # the first sample that can be computed
 
 
 @lru_cache(maxsize=4096)
@@ -67,7 +57,7 @@ def simulate(
     y = np.empty(u.size)
     initial = initial_outputs(y_initial, shape.start, u.size)
     y[: initial.size] = initial
-    kernels.run(shape.group, shape.y_lags, shape.u_lags, parameters, shape.start, u, y, bound)
+    kernels.run(shape, parameters, u, y, bound)
     return y
 
 
@@ -91,8 +81,7 @@ def simulate_varying(
     y = np.empty(u.size)
     initial = initial_outputs(y_initial, shape.start, u.size)
     y[: initial.size] = initial
-    y_lags = shape.y_lags[shape.group]
-    kernels.run_varying(y_lags, shape.u_lags, np.ascontiguousarray(theta), shape.start, u, y, bound)
+    kernels.run_varying(shape, np.ascontiguousarray(theta), u, y, bound)
     return y
 
 
@@ -107,6 +96,6 @@ def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
     return y_initial[: min(start, samples)]
 
 
-def _padded(lags: list[tuple[int, ...]]) -> NDArray[np.int64]:
+def _padded(lags: list[tuple[int, ...]]) -> Indices:
     width = max(map(len, lags), default=0)
-    return np.array([[*row, *[kernels.NONE] * (width - len(row))] for row in lags], dtype=np.int64)
+    return np.array([[*row, *[NONE] * (width - len(row))] for row in lags], dtype=np.int64)
