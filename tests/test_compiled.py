@@ -26,7 +26,7 @@ def package(tmp_path):
     """The package's entrance, with one compiled function that calls another's file."""
     folder = tmp_path / "dea"
     folder.mkdir()
-    for name in ("__init__.py", "compiled.py"):
+    for name in ("__init__.py", "compiled.py", "declared_code.py"):
         shutil.copy(SOURCE / name, folder)
     (folder / "callee.py").write_text(CALLEE)
     (folder / "caller.py").write_text(CALLER)
