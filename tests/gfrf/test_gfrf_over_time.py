@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from dea.errors import InputError
-from dea.gfrf import response_over_time
+from dea.gfrf import Grid, response_over_time
 from dea.narx import NarxModel, Scaling
 
 RATE, SAMPLES = 50.0, 201
@@ -14,16 +14,16 @@ SCALING = Scaling(u_offset=2.0, u_scale=1.5, y_offset=0.7, y_scale=0.4)
 MODEL = NarxModel.from_terms(
     {"1": 0.1, "u(t-1)": 1.0, "u(t-1)u(t-2)": 0.5, "u(t-1)^2u(t-2)": 0.2}, scaling=SCALING
 )
-OPTIONS = {
-    "instants": 8,
-    "lowest": 1e-3,
-    "highest": 0.2,
-    "count": 5,
-    "plane_highest": 0.1,
-    "plane_count": 4,
-    "plane_times": (0.1, 0.5, 0.9),
-    "third_frequency": 0.07,
-}
+GRID = Grid(
+    instants=8,
+    lowest=1e-3,
+    highest=0.2,
+    count=5,
+    plane_highest=0.1,
+    plane_count=4,
+    plane_times=(0.1, 0.5, 0.9),
+    third_frequency=0.07,
+)
 
 
 def times():
@@ -44,7 +44,7 @@ def found():
         coords={"time": times(), "term": [str(term) for term in MODEL.terms]},
     )
     u = np.random.default_rng(0).standard_normal(SAMPLES)
-    return response_over_time(MODEL, track, u, RATE, **OPTIONS)
+    return response_over_time(MODEL, track, u, RATE, grid=GRID)
 
 
 def complex_of(response):

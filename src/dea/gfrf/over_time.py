@@ -1,6 +1,7 @@
 """Frequency responses of a model whose parameters change, as one labelled dataset."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -12,20 +13,43 @@ from dea.gfrf.response import frequency_response, zero_input_response
 from dea.narx import NarxModel
 
 
+@dataclass(frozen=True)
+class Grid:
+    """Where responses are taken: frequencies as shares of the sampling rate, and times.
+
+    Parameters
+    ----------
+    instants
+        At how many times, evenly spread, H1 is taken; at every sample of a shorter record.
+    lowest, highest, count
+        H1 is taken at ``count`` frequencies from ``lowest`` to ``highest``, in equal ratios.
+    plane_highest, plane_count, plane_times
+        H2 and H3 are taken at ``plane_count`` frequencies each way, up to ``plane_highest`` in
+        equal steps, at times given as shares of the record.
+    third_frequency
+        Of H3(f1, f2, f3).
+    """
+
+    instants: int = 360
+    lowest: float = 4e-4
+    highest: float = 0.1
+    count: int = 100
+    plane_highest: float = 0.04
+    plane_count: int = 60
+    plane_times: Sequence[float] = (0.1, 0.5, 0.9)
+    third_frequency: float = 0.01
+
+
+_GRID = Grid()
+
+
 def response_over_time(
     model: NarxModel,
     parameters: xr.DataArray,
     u: ArrayLike,
     sampling_rate: float,
     *,
-    instants: int = 360,
-    lowest: float = 4e-4,
-    highest: float = 0.1,
-    count: int = 100,
-    plane_highest: float = 0.04,
-    plane_count: int = 60,
-    plane_times: Sequence[float] = (0.1, 0.5, 0.9),
-    third_frequency: float = 0.01,
+    grid: Grid = _GRID,
     excited_above: float = 1e-3,
 ) -> xr.Dataset:
     """Return H1 through the record, H2 and H3 on a plane of frequencies at a few times.
@@ -36,16 +60,8 @@ def response_over_time(
         Over (time, term), as a tracker gives them.
     u, sampling_rate
         The excitation the parameters were tracked with, in physical units, and its rate in Hz.
-    instants
-        At how many times, evenly spread, H1 is taken; at every sample of a shorter record.
-    lowest, highest, count
-        H1 is taken at ``count`` frequencies from ``lowest`` to ``highest``, in equal ratios; as
-        shares of the sampling rate, as are all frequencies here.
-    plane_highest, plane_count, plane_times
-        H2 is taken at ``plane_count`` frequencies each way, up to ``plane_highest`` in equal steps,
-        at times given as shares of the record.
-    third_frequency
-        Of H3(f1, f2, f3).
+    grid
+        Times and frequencies of the responses.
     excited_above
         Share of the largest power density of the excitation above which a frequency counts as
         excited.
@@ -66,13 +82,14 @@ def response_over_time(
             remedy=f"The model's terms are {terms}",
         )
     samples = parameters.sizes["time"]
-    at = np.arange(min(instants, samples))
+    at = np.arange(min(grid.instants, samples))
     at = at * samples // at.size + samples // (2 * at.size)
-    at_plane = np.rint(np.asarray(plane_times) * (samples - 1)).astype(int)
-    f = sampling_rate * np.geomspace(lowest, highest, count)
-    plane = sampling_rate * plane_highest * np.arange(1, plane_count + 1) / plane_count
+    at_plane = np.rint(np.asarray(grid.plane_times) * (samples - 1)).astype(int)
+    f = sampling_rate * np.geomspace(grid.lowest, grid.highest, grid.count)
+    steps = np.arange(1, grid.plane_count + 1)
+    plane = sampling_rate * grid.plane_highest * steps / grid.plane_count
     f1, f2 = plane[:, None], plane[None, :]
-    f3 = sampling_rate * third_frequency
+    f3 = sampling_rate * grid.third_frequency
     theta = parameters.transpose("time", "term").values.astype(float)
 
     def response(order: int, rows: NDArray[np.int64], *frequencies: ArrayLike) -> np.ndarray:

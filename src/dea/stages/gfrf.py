@@ -1,6 +1,7 @@
 """Frequency responses of a tracked model over the whole record."""
 
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
     """Compute H1 over time, and H2 and H3 at chosen times, around the middle input."""
     from dea import store
     from dea.errors import InputError
-    from dea.gfrf import response_over_time
+    from dea.gfrf import Grid, response_over_time
     from dea.narx import NarxModel
     from dea.tracking import with_constant
 
@@ -30,7 +31,8 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
         tracked.sel(tracker=chosen["tracker"]),
         signals.u,
         signals.sampling_rate,
-        **{name: value for name, value in chosen.items() if name != "tracker"},
+        grid=Grid(**{each.name: chosen[each.name] for each in fields(Grid)}),
+        excited_above=chosen["excited_above"],
     )
     y, u = signals.y_units, signals.u_units
     units = {"y0": y, "input_spectrum": f"{u}^2/Hz", "H1": f"{y}/{u}", "H2": f"{y}/{u}^2"}
