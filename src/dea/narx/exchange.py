@@ -21,7 +21,7 @@ from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.refinement import Refined, column_norms, linearise, minimise
 from dea.narx.simulation import simulate
-from dea.narx.trace import Trace, gain
+from dea.narx.trace import Trace, Tried, gain
 from dea.terms import Term
 
 _FITTED = 4  # additions, and removals, of best predicted gain that are fitted in a round
@@ -72,9 +72,10 @@ class Exchange:
                 trace.add(
                     "exchange",
                     step,
-                    [move.label for move in moves],
-                    [tried.msse for tried in fits],
-                    [gain(fit.msse, tried.msse, self._power) for tried in fits],
+                    [
+                        Tried(move.label, tried.msse, gain(fit.msse, tried.msse, self._power))
+                        for move, tried in zip(moves, fits, strict=True)
+                    ],
                     best if accepted else None,
                     moves[best].status if moves else "",
                 )

@@ -18,7 +18,7 @@ from dea.narx.exchange import Exchange
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise, robust_covariance
 from dea.narx.scaling import Scaling
-from dea.narx.trace import Trace, gain
+from dea.narx.trace import Trace, Tried, gain
 from dea.terms import max_lag
 
 
@@ -127,7 +127,7 @@ def forward_and_prune(
     names = [str(term) for term in models.candidates]
     error = models([basis])[0].msse
     # SERR of the basis (9) is its error itself, not a reduction.
-    trace.add("basis", 0, ["linear basis"], [error], [error / models.power], 0, "added")
+    trace.add("basis", 0, [Tried("linear basis", error, error / models.power)], 0, "added")
 
     def grow(subset: Subset) -> dict[str, Subset]:
         free = [j for j in range(len(names)) if j not in subset] if len(subset) < most else []
@@ -162,7 +162,8 @@ def _descend(
         gains = [gain(error, after, models.power) for after in errors]
         best = int(np.argmin(errors))
         accepted = gains[best] >= least_gain(subset)
-        trace.add(phase, step, list(options), errors, gains, best if accepted else None, status)
+        tried = [Tried(*each) for each in zip(options, errors, gains, strict=True)]
+        trace.add(phase, step, tried, best if accepted else None, status)
         if not accepted:
             break
         subset, error = list(options.values())[best], errors[best]

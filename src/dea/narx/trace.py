@@ -1,6 +1,7 @@
 """The record of a selection: every candidate model, its gain and whether it was accepted."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -24,6 +25,14 @@ def gain(before: float, after: float, power: float) -> float:
     return (before - after) / power
 
 
+class Tried(NamedTuple):
+    """A candidate model of one step."""
+
+    label: str  # the term added, dropped or exchanged
+    msse: float
+    serr: float
+
+
 class Trace:
     """Collects candidate models in the order in which they were tried."""
 
@@ -34,18 +43,14 @@ class Trace:
         self,
         phase: str,
         step: int,
-        labels: Sequence[str],
-        errors: Sequence[float],
-        gains: Sequence[float],
+        candidates: Sequence[Tried],
         accepted: int | None = None,
         status: str = "",
     ) -> None:
         """Add the candidates of one step; the one of index ``accepted`` has this ``status``."""
-        for i, (label, error, serr) in enumerate(zip(labels, errors, gains, strict=True)):
-            outcome = "rejected" if np.isfinite(error) else "unstable"
-            self._rows.append(
-                (phase, step, label, error, serr, status if i == accepted else outcome)
-            )
+        for i, tried in enumerate(candidates):
+            outcome = "rejected" if np.isfinite(tried.msse) else "unstable"
+            self._rows.append((phase, step, *tried, status if i == accepted else outcome))
 
     def to_dataset(self) -> xr.Dataset:
         """Return the candidates with dimension ``trial``, as ``model.nc`` names and holds them."""
