@@ -104,6 +104,32 @@ def test_an_unusable_record_is_refused(spoil, message, tmp_path):
         store.check_record(spoilt, tmp_path / "record.nc")
 
 
+@pytest.mark.parametrize("samples", [2, 100])
+def test_a_time_that_runs_backwards_is_refused_at_its_first_step(samples, tmp_path):
+    backwards = record(samples).isel(time=slice(None, None, -1))
+    with pytest.raises(InputError, match=r"time: there is a step of -0\.02 s after sample 0"):
+        store.check_record(backwards, tmp_path / "record.nc")
+
+
+def test_a_gap_is_told_from_a_step_of_another_length(tmp_path):
+    for late, kind in ((0.0101, "a gap"), (0.0099, "a step"), (-0.005, "a step")):
+        time = record().time.values + np.where(np.arange(100) > 40, late, 0.0)
+        uneven = record().assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
+        with pytest.raises(InputError, match=f"time: there is {kind} of .* after sample 40"):
+            store.check_record(uneven, tmp_path / "record.nc")
+
+
+@pytest.mark.parametrize("share", [0.9e-3, 1.1e-3])
+def test_a_step_may_deviate_by_a_thousandth(share, tmp_path):
+    time = record().time.values + np.where(np.arange(100) > 40, 0.02 * share, 0.0)
+    uneven = record().assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
+    if share < 1e-3:
+        store.check_record(uneven, tmp_path / "record.nc")
+    else:
+        with pytest.raises(InputError, match="after sample 40"):
+            store.check_record(uneven, tmp_path / "record.nc")
+
+
 def test_signals_are_found_whatever_they_are_called():
     mine = store.signals(record())
     theirs = store.signals(record().rename(voltage="input", displacement="output"))

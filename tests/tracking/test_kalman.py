@@ -92,6 +92,15 @@ def test_thinning_keeps_the_ratio_per_sample():
     np.testing.assert_allclose([every[0], fifth[0]], q[0], rtol=0.4)
 
 
+@pytest.mark.parametrize("thinning", [1, 3])
+@pytest.mark.parametrize(("truth", "bound"), [(1.0, 1e-2), (1e-8, 1e-4)])
+def test_a_ratio_beyond_the_bounds_ends_at_the_nearer_one(truth, bound, thinning):
+    Phi, _, y = random_walk(11, 3000, np.array([truth]))
+    known = {"theta_0": np.zeros(1), "prior_variance": 1.0}
+    found = fit_noise_ratio(Phi, y, thinning=thinning, lowest=1e-4, highest=1e-2, **known)
+    assert found[0] == pytest.approx(bound, rel=1e-9)
+
+
 def test_the_smoother_survives_thirty_minutes_of_collinear_regressors():
     rng = np.random.default_rng(10)
     u = np.convolve(rng.standard_normal(90_050), np.ones(40) / 40, "valid")[:90_003]

@@ -1,0 +1,270 @@
+"""What counts as zero, as within the limits and as the device described, at the thresholds."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dea.acquisition import LinkError, ReadBackError, ZeroNotVerifiedError
+from dea.acquisition.panel import CONFIRMATIONS, Panel
+from dea.acquisition.polled import NEIGHBOURS, Poll
+from dea.acquisition.read_back import ReadBack
+from dea.acquisition.safety import STOP, SafeOutput
+from dea.acquisition.verify import verify_device
+from dea.acquisition.voltage_plan import check_excitation
+from dea.errors import InputError
+from dea.modbus import encode, parse_device
+
+STEP = 0.001  # V, one count
+OUTPUT = {"address": 0, "type": "int16", "access": "write", "scale": STEP, "unit": "V"}
+ECHO = {"address": 1, "type": "int16", "scale": STEP, "unit": "V"}
+
+
+def module(limits=(-10, 4), **registers):
+    return parse_device(
+        {
+            "name": "module",
+            "endpoint": {"host": "127.0.0.1", "port": 502},
+            "unit_id": 1,
+            "sampling_rate": 100,
+            "registers": {"output": OUTPUT | {"limits": list(limits)}} | registers,
+        },
+        source=Path("module.yaml"),
+    )
+
+
+class Memory:
+    """A link to a device whose registers hold raw values by name, or what a function returns."""
+
+    def __init__(self, device, **values):
+        self.device, self.values, self.written = device, values, []
+        self.check = self.on_connect = None
+
+    def read(self, address, count, table):
+        [name] = [n for n, r in self.device.registers.items() if r.address == address]
+        value = self.values[name]
+        return encode(self.device[name], value() if callable(value) else value)
+
+    def write(self, address, words, *, retry=True):
+        self.written.append((address, words))
+
+    def open(self):
+        pass
+
+    def close(self):
+        pass
+
+
+class Clock:
+    """Time that passes only while somebody sleeps."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def monotonic(self):
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += seconds
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    made = Clock()
+    monkeypatch.setattr("dea.acquisition.safety.time", made)
+    return made
+
+
+@pytest.mark.parametrize("counts", [-1, 0, 1])
+def test_one_count_is_zero_to_the_read_back(clock, counts):
+    link = Memory(module(applied_output=ECHO), applied_output=counts)
+    with SafeOutput(link, ramp_rate=1.0):
+        pass
+    assert link.written[-1] == (0, [0])
+
+
+@pytest.mark.parametrize("counts", [-5000, -2, 2, 5000])
+def test_more_than_one_count_is_driven(clock, counts):
+    link = Memory(module(applied_output=ECHO), applied_output=counts)
+    safe = SafeOutput(link, ramp_rate=1.0)
+    with pytest.raises(InputError, match=f"the output is not zero: {STEP * counts:g} V"):
+        safe.__enter__()
+    assert link.written == []
+    with pytest.raises(ZeroNotVerifiedError, match=f"the output reads {STEP * counts:g} V after"):
+        safe.to_zero()
+
+
+def test_the_way_to_zero_takes_its_time(clock):
+    link = Memory(module(), output=0)
+    safe = SafeOutput(link, ramp_rate=2.0)
+    safe.panel.last_output = 4000
+    safe.to_zero()
+    # 4 V at 2 V/s; the last step needs no pause after it.
+    assert clock.now == pytest.approx(2.0, abs=0.011)
+
+
+@pytest.mark.parametrize(("seconds", "ends"), [(0.0, True), (9.0, True), (np.inf, False)])
+def test_a_ramp_of_the_device_is_waited_for_twice_as_long_as_it_may_take(clock, seconds, ends):
+    """Its limits are 10 V from zero at most, and its rate is 2 V/s."""
+    device = module(applied_output=ECHO, state={"address": 2}, command={"address": 3})
+    link = Memory(device, applied_output=0, state=lambda: 1 if clock.now < seconds else 0)
+    safe = SafeOutput(link, ramp_rate=2.0)
+    if ends:
+        safe.to_zero()
+        assert clock.now == pytest.approx(seconds, abs=0.1)
+    else:
+        with pytest.raises(ZeroNotVerifiedError, match="does not end its ramp"):
+            safe.to_zero()
+        assert 10.0 < clock.now < 15.0
+    assert link.written == [(3, [STOP])]
+
+
+def test_a_tripped_device_is_at_zero_already(clock):
+    device = module(applied_output=ECHO, state={"address": 2}, command={"address": 3})
+    link = Memory(device, applied_output=0, state=3)
+    SafeOutput(link, ramp_rate=2.0).to_zero()
+    assert link.written == []
+
+
+@pytest.mark.parametrize(
+    ("registers", "told"),
+    [
+        ({}, "The device has no watchdog: switch the amplifier off."),
+        ({"watchdog_time": {"address": 5, "type": "float32"}}, "watchdog takes it to zero."),
+    ],
+)
+def test_a_lost_device_is_left_to_its_watchdog_only_where_it_has_one(clock, registers, told):
+    def lost():
+        raise LinkError("gone")
+
+    link = Memory(module(applied_output=ECHO, **registers), applied_output=lost)
+    with pytest.raises(ZeroNotVerifiedError, match=told):
+        SafeOutput(link, ramp_rate=1.0).to_zero()
+
+
+@pytest.mark.parametrize(
+    ("volts", "counts"), [(-10.0, -10_000), (4.0, 4000), (4.0004, 4000), (-10.0004, -10_000)]
+)
+def test_the_limits_themselves_are_allowed(volts, counts):
+    assert check_excitation(module(), np.array([0.0, volts])).tolist() == [0, counts]
+
+
+@pytest.mark.parametrize("volts", [-10.001, 4.001, -10.0006, 4.0006])
+def test_a_count_beyond_the_limits_is_not(volts):
+    with pytest.raises(InputError, match=f"sample 1 .* {volts:g} V, outside -10 to 4 V"):
+        check_excitation(module(), np.array([0.0, volts]))
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_voltage_that_no_count_stands_for_is_refused_from_half_a_count_on(sign):
+    everything = module(limits=(-40, 40))
+    edge = 32767 if sign > 0 else -32768
+    near, far = STEP * (edge + sign * 0.4), STEP * (edge + sign * 0.6)
+    assert check_excitation(everything, np.array([near])).tolist() == [edge]
+    with pytest.raises(InputError, match=r"outside -32\.768 to 32\.767 V"):
+        check_excitation(everything, np.array([far]))
+
+
+@pytest.mark.parametrize(("volts", "worst"), [([-11.5, 0, 5], 0), ([-10.5, 0, 5.1, 4.1], 2)])
+def test_the_sample_farthest_outside_is_told(volts, worst):
+    with pytest.raises(InputError, match=f"sample {worst} "):
+        check_excitation(module(), np.array(volts, float))
+
+
+def reported(**values):
+    """Return the panel of a module that reports ``values`` in float registers of their names."""
+    names = {
+        name: {"address": 10 + 2 * i, "type": "float32", "unit": "V"}
+        for i, name in enumerate(values)
+    }
+    return Panel(Memory(module(**names), **values))
+
+
+@pytest.mark.parametrize("low", [-10.5, -10.0, -9.9995])
+@pytest.mark.parametrize("high", [4.5, 4.0, 3.9995])
+def test_a_device_may_clamp_at_its_limits_or_outside(low, high):
+    verify_device(reported(output_low_limit=low, output_high_limit=high))
+
+
+@pytest.mark.parametrize(("low", "high"), [(-9.998, 4.0), (-10.0, 3.998), (0.0, 4.0)])
+def test_a_device_that_clamps_inside_its_limits_is_refused(low, high):
+    with pytest.raises(InputError, match=r"the device clamps at .* inside the limit"):
+        verify_device(reported(output_low_limit=low, output_high_limit=high))
+
+
+@pytest.mark.parametrize("end", ["low", "high"])
+@pytest.mark.parametrize(("share", "same"), [(0.7e-5, True), (-0.7e-5, True), (1.4e-5, False)])
+def test_a_range_may_differ_by_a_hundred_thousandth_of_its_span(end, share, same):
+    device = module(
+        sensor={"address": 4, "range": [-3, 5], "unit": "V"},
+        **{f"sensor_range_{end}": {"address": 10, "type": "float32"}},
+    )
+    found = (5.0 if end == "high" else -3.0) + 8.0 * share
+    panel = Panel(Memory(device, **{f"sensor_range_{end}": found}))
+    if same:
+        verify_device(panel)
+    else:
+        with pytest.raises(InputError, match=f"registers.sensor_range_{end}"):
+            verify_device(panel)
+
+
+READ_BACK = {"applied_output": ECHO, "state": {"address": 2}}
+
+
+def checked(volts, reading, *, state=2, at=(2, 4)):
+    """Read ``reading`` (V) after two of the samples ``volts`` were played; check it after four."""
+    link = Memory(
+        module(limits=(0, 10), **READ_BACK), applied_output=round(reading / STEP), state=state
+    )
+    read_back = ReadBack(Panel(link), np.rint(np.array(volts) / STEP), 0.05)
+    for position in at:
+        read_back(position)
+    return read_back
+
+
+# volts[k] is applied after k + 1 samples: between two and four samples, 5 to 7 V are.
+PLAYED = [9.0, 5.0, 6.0, 7.0, 2.0]
+
+
+@pytest.mark.parametrize("reading", [4.6, 5.0, 7.0, 7.4])
+def test_a_reading_may_be_any_value_played_around_it(reading):
+    assert not checked(PLAYED, reading).pending
+
+
+@pytest.mark.parametrize("reading", [0.0, 4.4, 7.6])
+def test_a_reading_that_was_not_played_around_it_is_an_error(reading):
+    with pytest.raises(ReadBackError, match="while 5 to 7 V are played"):
+        checked(PLAYED, reading)
+
+
+@pytest.mark.parametrize(("volts", "state"), [(0.9, 2), (5.0, 1), (5.0, 3)])
+def test_a_reading_near_zero_or_of_a_device_that_does_not_play_says_nothing(volts, state):
+    assert checked([volts] * 5, 0.0, state=state).pending
+
+
+def test_a_reading_is_compared_only_with_the_output_clear_of_zero():
+    assert checked([3.0, 1.1, 1.1, 0.9, 3.0], 0.0).pending
+    with pytest.raises(ReadBackError):
+        checked([3.0, 1.1, 1.1, 1.1, 0.0], 0.0)
+
+
+def test_a_value_is_confirmed_by_the_next_reading_alone():
+    def panel(readings):
+        return Panel(Memory(module(state={"address": 2}), state=iter(readings).__next__))
+
+    assert panel([1, 2, 1, 3, 3]).confirmed("state") == 3
+    # A first reading and as many more as are allowed, of which the last two agree.
+    assert panel([*range(CONFIRMATIONS), CONFIRMATIONS - 1]).confirmed("state") == CONFIRMATIONS - 1
+    with pytest.raises(LinkError, match="reads differently each time"):
+        panel(range(CONFIRMATIONS + 1)).confirmed("state")
+
+
+@pytest.mark.parametrize(("apart", "requests"), [(NEIGHBOURS - 1, 1), (NEIGHBOURS, 2)])
+def test_a_sample_takes_one_request_where_its_registers_are_near(apart, requests):
+    device = module(
+        applied_output={"address": 10}, displacement={"address": 10 + apart},
+        device_index={"address": 9, "table": "input"},
+    )  # fmt: skip
+    windows = Poll(Panel(Memory(device))).windows
+    assert len(windows) == requests + 1
+    assert "displacement" in [register.name for register in windows[0].registers]
