@@ -181,6 +181,29 @@ def test_a_thin_spot_breaks_down_before_it_is_pulled_in():
     assert voltage[-1] == 0.0
 
 
+def test_the_short_comes_with_the_step_beyond_the_threshold_and_no_other():
+    film = nominal(prestretch=3.2)
+    displacement, voltage, _ = run(film, np.full(5000, 6000.0))
+    far = np.abs(displacement) > film.pull_in_displacement
+    first = int(np.argmax(far))
+    assert far[first]
+    # Before the first sub-step beyond it, the film carries its voltage; from then on, none.
+    assert voltage[first - 1] > 1000.0
+    assert (voltage[first:] == 0.0).all()
+
+
+def test_no_film_carries_more_than_its_breakdown_field():
+    film = nominal(breakdown_field=30e6, **PERFECT_ELECTRODES)
+    ramp = np.linspace(0.0, 3000.0, 3000)
+    displacement, voltage, _ = run(film, ramp)
+    field = voltage / np.array([dynamics.thickness(film, y) for y in displacement])
+    last = int(np.flatnonzero(field > 0.0)[-1])
+    assert field.max() <= 30e6
+    assert field[last] == pytest.approx(30e6, rel=2e-3)
+    assert last < field.size - 100
+    assert (voltage[last + 1 :] == 0.0).all()
+
+
 def test_a_film_too_weak_for_its_mass_is_reported():
     film = nominal(mass=1.0)
     assert np.isnan(dynamics.rest(film, np.ones((3, 2)), 600.0))

@@ -1,6 +1,7 @@
 """The whole rig: determinism, instruments, history, and bad configurations."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -135,6 +136,35 @@ def test_the_amplifier_keeps_its_limits():
         amplifier._replace(current_limit=1.0), np.zeros(1), 1.5e-9, np.full(3, 20.0), supply[:3]
     )
     assert supply[0] == pytest.approx(1000.0)  # the slew rate
+
+
+def test_the_amplifier_follows_with_a_lag_of_its_bandwidth():
+    slow = Amplifier(800.0, 12e3, 1e9, 1.0, 0.5e-9, 10.0)
+    supply, output = np.empty(80), np.zeros(1)
+    amplify(slow, output, 1.5e-9, np.full(80, 2.0), supply)
+    t = np.arange(1, 81) * 1e-3
+    np.testing.assert_allclose(supply, 1600.0 * (1.0 - np.exp(-2 * np.pi * 10.0 * t)))
+    amplify(slow, output, 1.5e-9, np.zeros(80), supply)
+    np.testing.assert_allclose(supply, output[0] * np.exp(2 * np.pi * 10.0 * (t[-1] - t)))
+
+
+def test_the_amplifier_falls_no_faster_than_it_rises():
+    amplifier = Amplifier(800.0, 12e3, 2e5, 1.0, 0.0, 1e5)
+    supply, output = np.empty(30), np.full(1, 3000.0)
+    amplify(amplifier, output, 1e-9, np.zeros(30), supply)
+    np.testing.assert_allclose(supply, np.maximum(2800.0 - 200.0 * np.arange(30), 0.0), atol=1e-9)
+
+
+def test_the_sensor_reads_the_ends_of_its_range_beyond_it():
+    plain = read_plain(CONFIG)
+    counts = np.full(300, 3.5 * VOLT, np.uint16)
+    free = Rig(plain, seed=1).respond(counts)
+    low, high = np.quantile(free, [0.01, 0.4])
+    sensor = plain.sensor._replace(range_low=low, range_high=high)
+    read = Rig(replace(plain, sensor=sensor), seed=1).respond(counts)
+    np.testing.assert_array_equal(read, np.clip(free, low, high))
+    assert (read == low).any()
+    assert (read == high).any()
 
 
 def test_the_anti_alias_filter_is_a_butterworth():

@@ -1,0 +1,125 @@
+"""What is refused, and what is just allowed; the ratio by which terms are chosen."""
+
+import numpy as np
+import pytest
+
+from dea.errors import InputError
+from dea.narx import Scaling, estimate, regressor_matrix
+from dea.narx.checks import as_record
+from dea.narx.estimation import least_squares, scaling_of
+from dea.narx.held_out import held_out_error
+from dea.narx.metrics import fpe
+from dea.narx.model import NarxModel
+from dea.narx.simulation import simulate, simulate_varying
+from dea.narx.trace import gain
+from dea.narx.validation import validate
+from dea.terms import Term
+
+MODEL = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-2)": 0.3})
+
+
+def record(samples, seed=0):
+    u = np.random.default_rng(seed).standard_normal(samples)
+    return u, MODEL.simulate(u) + 0.1 * u
+
+
+def test_as_many_equations_as_parameters_are_enough():
+    u, y = record(9)
+    assert as_record(u, y, 3, 6)[0].size == 9
+    assert estimate(MODEL.terms, u[:4], y[:4], scaling=Scaling()).parameters.size == 2
+    with pytest.raises(InputError, match="9 samples leave 6 equations after a lag of 3, for 7"):
+        as_record(u, y, 3, 7)
+    with pytest.raises(InputError, match="leave 0 equations"):
+        as_record(u, y, 9)
+    with pytest.raises(InputError, match="leave 0 equations"):
+        as_record(u, y, 12)
+    assert as_record(u, y, 8)[1].size == 9
+
+
+def test_the_covariance_counts_the_parameters_that_the_data_determine():
+    """A doubled regressor shares its parameter; the degrees of freedom are those of the rank."""
+    u, y = record(60)
+    once = (Term.parse("y(t-1)"), Term.parse("u(t-2)"))
+    theta, covariance = least_squares(once, [(u, y)])
+    doubled, wide = least_squares((*once, once[1]), [(u, y)])
+    np.testing.assert_allclose(doubled, [theta[0], theta[1] / 2, theta[1] / 2], rtol=1e-9)
+    matrix = regressor_matrix(once, u, y)
+    rest = y[2:] - matrix @ theta
+    variance = rest @ rest / (58 - 2)
+    np.testing.assert_allclose(covariance, variance * np.linalg.inv(matrix.T @ matrix), rtol=1e-9)
+    sum_of_both = np.array([[1, 0, 0], [0, 1, 1]])
+    np.testing.assert_allclose(sum_of_both @ wide @ sum_of_both.T, covariance, rtol=1e-9)
+
+
+def test_an_even_model_is_scaled_about_zero():
+    records = [(np.array([1.0, 3.0, 5.0]), np.array([0.0, 4.0, 8.0]))]
+    assert scaling_of(records, centre_input=False) == Scaling(0.0, 2.0, 4.0, 4.0)
+
+
+def test_a_scaling_leads_there_and_back():
+    scaling = Scaling(u_offset=2.0, u_scale=4.0, y_offset=-1.0, y_scale=0.5)
+    assert scaling.normalise_input(np.array([2.0, 6.0])).tolist() == [0.0, 1.0]
+    assert scaling.normalise_output(np.array([-1.0, -0.5])).tolist() == [0.0, 1.0]
+    assert scaling.restore_output(np.array([0.0, 1.0])).tolist() == [-1.0, -0.5]
+    for wrong in ({"u_scale": -1.0}, {"y_scale": 0.0}, {"y_offset": np.inf}):
+        with pytest.raises(InputError):
+            Scaling(**wrong)
+    assert Scaling(y_offset=-3.0).y_offset == -3.0
+
+
+def test_the_ratio_is_a_share_of_the_power_and_infinite_where_a_run_diverges():
+    assert gain(5.0, 3.0, 4.0) == 0.5
+    assert gain(3.0, 5.0, 4.0) == -0.5
+    assert gain(np.inf, 3.0, 4.0) == np.inf
+    assert gain(5.0, np.inf, 4.0) == gain(np.inf, np.inf, 4.0) == -np.inf
+
+
+def test_the_final_prediction_error_of_one_sample_more_than_terms_is_finite():
+    y, run = np.array([1.0, 2.0, 3.0, 4.0]), np.array([1.0, 2.0, 3.0, 6.0])
+    assert fpe(y, run, 3) == pytest.approx(1.0 * 1.75 / 0.25)
+    assert fpe(y, run, 4) == fpe(y, run, 5) == np.inf
+
+
+def test_a_run_may_reach_its_bound_and_not_exceed_it():
+    """y doubles from one: the bound is met at the third step."""
+    terms, theta = (Term.parse("y(t-1)"),), np.array([2.0])
+    for sign in (1.0, -1.0):
+        start = np.array([sign])
+        for bound, last in ((8.0, 3), (7.9, 2)):
+            runs = [
+                simulate(terms, theta, np.zeros(6), start, bound),
+                simulate_varying(terms, np.full((6, 1), 2.0), np.zeros(6), start, bound),
+            ]
+            for run in runs:
+                assert np.flatnonzero(np.isfinite(run)).tolist() == list(range(last + 1))
+                assert np.isposinf(run[last + 1 :]).all()
+
+
+def test_parts_may_be_as_short_as_the_lags_and_two():
+    u, y = record(16)
+    assert np.isfinite(held_out_error(MODEL, u, y, parts=4))
+    with pytest.raises(InputError, match="5 parts of 16 samples"):
+        held_out_error(MODEL, u, y, parts=5)
+
+
+@pytest.mark.parametrize(
+    ("windows", "before", "fits"),
+    [
+        ([(20.0, 26.0), (4.0, 10.0)], 4.0, True),  # from the first sample to the last
+        ([(20.0, 26.1), (4.0, 10.1)], 4.0, False),
+        ([(20.0, 26.0), (3.9, 9.9)], 4.0, False),
+        ([(20.0, 24.1)], 4.0, True),  # one sample longer than twice the lags
+        ([(20.0, 24.0)], 4.0, False),
+        ([(20.0, 26.0)], 0.0, False),
+    ],
+)
+def test_windows_use_the_whole_record_and_no_more(windows, before, fits):
+    u, y = record(260)
+    given = {"windows": windows, "before": before, "max_lag": 20}
+    if fits:
+        found = validate({"model": MODEL}, u, y, 10.0, **given)
+        np.testing.assert_array_equal(found.measured[0], y[200 : round(10 * windows[0][1])])
+        np.testing.assert_array_equal(found.input[-1][0], u[round(10 * windows[-1][0])])
+    else:
+        with pytest.raises(InputError, match="windows"):
+            validate({"model": MODEL}, u, y, 10.0, **given)
