@@ -55,8 +55,7 @@ def carriage(seed: int) -> tuple[Problem, "object"]:
     return Problem(u, y, INTERVAL, parts.fit, parts.select, parts.certify, noise=0.01), extended
 
 
-# Carriages whose cost has one valley: where it has several, rounding decides which one is found.
-@pytest.mark.parametrize("seed", [1, 2, 4, 5, 6])
+@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5, 6])
 def test_the_fit_ends_where_a_simplex_search_ends(seed):
     problem, extended = carriage(seed)
     found = fit(problem, extended, np.zeros(extended.free.size), iterations=40, tolerance=1e-9)
@@ -70,7 +69,9 @@ def test_the_fit_ends_where_a_simplex_search_ends(seed):
     start = found.coordinates + 0.1
     searched = minimize(cost, start, method="Nelder-Mead", options=options)
     assert found.cost <= searched.fun + 1e-3
-    assert found.cost == pytest.approx(searched.fun, rel=1e-3)
+    # The cost of carriage 3 has two valleys, and the simplex descends into the higher one.
+    if seed != 3:
+        assert found.cost == pytest.approx(searched.fun, rel=1e-3)
 
 
 def test_a_fit_without_an_effect_is_the_rest_of_it():

@@ -239,12 +239,29 @@ def test_coulomb_friction_opposes_the_motion_with_one_force():
     assert np.allclose(found[fast], -0.1 * np.sign(velocity[fast]))
 
 
+def test_friction_is_larger_the_slower_the_motion():
+    """Stribeck's curve at creeping, at characteristic and at fast velocity."""
+    own = {"force": 0.1, "slip_deflection": 0.005, "stiction_excess": 0.6, "stribeck_rate": 0.2}
+    q = values("coulomb_friction", **own)
+    slipped = np.zeros(MEMORY)
+    slipped[:2] = 0.005, 0.7
+    law = catalogue()["coulomb_friction"].force
+    found = [law(0.7, w, slipped, q) for w in (1e-9, 0.2, -0.2, 1e9)]
+    assert np.allclose(found, [-0.16, -0.13, -0.13, -0.1])
+    # Before it slips the contact is a spring, which pulls back.
+    slipped[0] = 0.0
+    assert law(0.6975, 1e9, slipped, q) == pytest.approx(0.05)
+
+
 def test_stiffening_is_a_power_law():
     q = values("strain_stiffening", stiffening=0.2, exponent=3.0, even_part=0.05)
     z = np.linspace(-1, 1, 21)
     law = catalogue()["strain_stiffening"].force
     found = [law(v, 0.0, np.zeros(MEMORY), q) for v in z]
     assert np.allclose(found, -0.2 * z**3 - 0.05 * z**2)
+    cubic = values("strain_stiffening", stiffening=0.2, exponent=1.5, cubic_part=0.3)
+    found = [law(v, 0.0, np.zeros(MEMORY), cubic) for v in (-1.0, 0.25, 1.0)]
+    assert np.allclose(found, [0.5, -0.2 * 0.125 - 0.3 / 64, -0.5])
 
 
 def test_softening_grows_with_the_way_and_not_with_time():
@@ -254,6 +271,11 @@ def test_softening_grows_with_the_way_and_not_with_time():
     assert np.allclose(forces("cyclic_softening", q), expected)
     resting = forces("cyclic_softening", q, np.full(100, 0.7))
     assert np.allclose(resting, 0.0)
+    law, travelled = catalogue()["cyclic_softening"].force, np.zeros(MEMORY)
+    q = values("cyclic_softening", softening=0.3, travel=2.0, exponent=0.5)
+    for way, exponent in ((0.5, 0.5), (2.0, 1.0), (8.0, 2.0)):
+        travelled[0] = way
+        assert law(0.7, 0.0, travelled, q) == pytest.approx(0.21 * (1 - np.exp(-exponent)))
 
 
 def test_second_mode_resonates_at_its_frequency():
@@ -299,6 +321,44 @@ def test_end_stop_pushes_back_only_beyond_its_stops():
         assert law(z, 0.0, np.zeros(MEMORY), q) == pytest.approx(expected)
 
 
+def test_a_stop_resists_by_a_power_of_the_depth_with_a_rounded_corner():
+    own = {"upper_stop": 0.9, "lower_stop": 0.5, "stiffness": 10.0, "exponent": 2.0}
+    law = catalogue()["end_stop"].force
+    q = values("end_stop", corner_width=1e-9, **own)
+    # The reference depth, at which the exponent has no influence, is a tenth of the range.
+    depth = 0.1 * 0.6
+    for z, force in ((0.9 + depth, -0.6), (0.5 - depth, 0.6), (0.9 + 2 * depth, -2.4)):
+        assert law(z, 0.0, np.zeros(MEMORY), q) == pytest.approx(force)
+    # A parabola that meets zero and the line at a corner's width from the stop.
+    q = values("end_stop", corner_width=0.02, **own | {"exponent": 1.0})
+    beyond = (-0.02, -0.01, 0.0, 0.01, 0.02)
+    felt = (0.0, 0.00125, 0.005, 0.01125, 0.02)
+    for depth, size in zip(beyond, felt, strict=True):
+        assert law(0.9 + depth, 0.0, np.zeros(MEMORY), q) == pytest.approx(-10.0 * size)
+        assert law(0.5 - depth, 0.0, np.zeros(MEMORY), q) == pytest.approx(10.0 * size)
+
+
+def test_what_an_output_limit_takes_is_kept_in_part_at_either_end():
+    own = {"upper_end": 1.0, "lower_end": 0.5, "middle": 0.8, "sharpness": 200.0}
+    law = catalogue()["output_saturation"].shape_output
+    y = np.array([0.1, 0.7, 0.9, 1.4])
+    found = law(y, y, values("output_saturation", remaining_slope=0.25, **own), DT)
+    assert np.allclose(found, [0.4, 0.7, 0.9, 1.1], atol=2e-3)
+    soft = law(y, y, values("output_saturation", **own | {"sharpness": 1.0}), DT)
+    # At sharpness 1 a distance d from the middle becomes d / (1 + d / limit).
+    expected = [0.8 - 0.7 * 0.3 / 1.0, 0.8 - 0.1 * 0.3 / 0.4, 0.8 + 0.1 * 0.2 / 0.3, 0.8 + 0.15]
+    assert np.allclose(soft, expected)
+
+
+def test_a_gain_never_changes_its_sign():
+    slope = values("gain_drift", degree_1=-2.0)
+    found = catalogue()["gain_drift"].scale_drive(T, slope)
+    x = 2 * T / 40.0 - 1
+    assert np.allclose(found, np.maximum(1 - 2 * x, 1e-3))
+    fault = values("step_fault", instant=11.0, gain_step=-3.0, rise_time=1.0)
+    assert catalogue()["step_fault"].scale_drive(T, fault).min() == pytest.approx(1e-3)
+
+
 def test_drifts_are_polynomials_of_time():
     x = 2 * T / 40.0 - 1
     expected = 0.1 * x + 0.02 * (1.5 * x**2 - 0.5) - 0.03 * (2.5 * x**3 - 1.5 * x)
@@ -315,6 +375,11 @@ def test_step_fault_changes_gain_and_offset_at_one_instant():
     after = T > 11.01
     assert np.allclose(effect.scale_drive(T, q), np.where(after, 0.8, 1.0))
     assert np.allclose(effect.shape_output(Y, T, q, DT), Y + 0.05 * after)
+    slow = values("step_fault", instant=11.0, gain_step=0.4, offset_step=0.05, rise_time=2.0)
+    t = np.array([9.9, 10.0, 10.5, 11.0, 11.5, 12.0, 12.1])
+    share = np.array([0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0])
+    assert np.allclose(effect.scale_drive(t, slow), 1.0 + 0.4 * share)
+    assert np.allclose(effect.shape_output(np.zeros(7), t, slow, DT), 0.05 * share)
 
 
 def test_sensor_nonlinearity_bends_and_folds():

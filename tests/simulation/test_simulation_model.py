@@ -119,6 +119,32 @@ def test_one_step_is_exact_for_an_input_that_is_straight_between_samples(
     assert np.allclose(extended.simulate(values, u, DT), expected, atol=1e-5)
 
 
+@pytest.mark.parametrize("states", [2, 3])
+def test_integrators_in_a_row_give_powers_of_time(states):
+    """All eigenvalues are zero and equal, where the formulas of the step divide by neither."""
+
+    def derivative(x, u, p, dx):
+        dx[0] = x[1]
+        dx[1] = p[0] * u
+        if x.size > 2:
+            dx[2] = x[0]
+
+    def output(x, u, p):
+        return x[x.size - 1] if x.size > 2 else x[0]
+
+    names = ("position", "velocity", "integral")[:states]
+    simulation = Simulation(
+        name="integrators", input_unit="V", output_unit="m",
+        states=tuple(State(name, "m", 0.0) for name in names),
+        parameters=(Parameter("gain", "1", 2.0, 0.2),), derivative=derivative, output=output,
+        drive="gain", force_ports=(), input_interpolation="linear",
+    )  # fmt: skip
+    extended = ExtendedSimulation(simulation)
+    found = extended.simulate(extended.values(np.zeros(1)), T, DT)
+    expected = 2.0 * (T**3 / 6.0 if states == 2 else T**4 / 24.0)
+    assert np.allclose(found, expected, rtol=1e-6, atol=1e-8)
+
+
 def test_a_force_enters_at_its_port():
     simulation = replace(load_simulation("mass_spring_damper"), input_interpolation="zero")
     u = np.sin(2 * np.pi * 3 * T)

@@ -1,0 +1,363 @@
+"""The numbers that a verdict rests on, where they are known in closed form."""
+
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from scipy.stats import norm
+
+from dea.discrepancy.evidence.bootstrap import beaten, energies, gains
+from dea.discrepancy.evidence.confusion import confusion
+from dea.discrepancy.evidence.identifiability import visibility
+from dea.discrepancy.evidence.localisation import localise
+from dea.discrepancy.evidence.noise import white_level
+from dea.discrepancy.evidence.null import coloured, null_gain
+from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.evidence.split import runs, split
+from dea.discrepancy.problem import Problem
+from dea.discrepancy.rules import Rules, misfit
+from dea.errors import InputError
+
+INTERVAL = 0.02
+
+
+def problem_of(u, y, noise=1.0, fit=None, select=None):
+    everything = np.ones(u.size, bool)
+    fit = everything if fit is None else fit
+    select = everything if select is None else select
+    return Problem(u, y, INTERVAL, fit, select, ~everything, noise)
+
+
+# Thresholds of the verdict
+
+
+def test_the_misfit_is_the_leg_of_a_right_triangle():
+    assert misfit(5.0, 3.0) == 4.0
+    assert misfit(3.0, 3.0) == misfit(2.0, 3.0) == 0.0
+
+
+def test_the_gain_needed_removes_the_margin_of_the_error():
+    assert np.exp(-Rules(margin=0.1).needed_gain) == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize(
+    ("error", "nominal", "room"),
+    [
+        (1.14, 1.2, False),  # explained, whatever the share that is left
+        (1.15, 1.15, False),
+        (1.16, 1.17, True),  # nearly all of the misfit is left
+        (1.24, 9.0, False),  # a small share of it is
+        (1.26, 9.0, True),  # but the residual is large
+        (1.2, np.hypot(1.0, np.sqrt(0.44) / 0.26), True),  # more than a quarter of it is left
+        (1.2, np.hypot(1.0, np.sqrt(0.44) / 0.24), False),
+    ],
+)
+def test_room_for_a_further_effect(error, nominal, room):
+    rules = Rules(clean=1.15, grow=1.25, misfit=0.25)
+    assert rules.leaves_room(2.0 * error, 2.0 * nominal, 2.0) is room
+
+
+@pytest.mark.parametrize(("share", "good"), [(0.5, True), (1.0499, True), (1.0501, False)])
+def test_as_good_is_a_misfit_up_to_the_margin_of_a_rival(share, good):
+    rules = Rules(rival_margin=1.05, negligible=0.05)
+    assert rules.as_good(np.hypot(3.0, 4.0 * share), 5.0, 3.0) is good
+    # Misfits below a twentieth of the floor are not told apart.
+    assert rules.as_good(np.hypot(3.0, 0.15 * share), 3.0, 3.0) is good
+
+
+# Resampled blocks
+
+
+BLOCKS = [slice(k, k + 50) for k in range(10, 10_010, 50)]
+
+
+def test_energies_are_those_of_the_blocks():
+    residual = np.arange(6.0)
+    assert energies(residual, [slice(1, 3), slice(4, 6)]).tolist() == [5.0, 41.0]
+
+
+def test_a_residual_that_shrinks_alike_everywhere_has_a_sure_gain():
+    rng = np.random.default_rng(1)
+    before = rng.standard_normal(10_100) * np.linspace(0.1, 3.0, 10_100)
+    found = gains(before, [before / np.e, before, 2.0 * before], BLOCKS, 0.3, rng)
+    for bound in (found.gain, found.low, found.high):
+        np.testing.assert_allclose(bound, [1.0, 0.0, -np.log(2.0)], atol=1e-12)
+    assert found.null == 0.3
+    assert beaten(before, 3.0 * before, BLOCKS, rng) == pytest.approx((np.log(3.0), np.log(3.0)))
+
+
+def test_a_gains_interval_is_that_of_its_sampling():
+    """The log of a mean of n squares has a variance of 2/n; a gain is half a difference of two."""
+    rng = np.random.default_rng(2)
+    before, after = rng.standard_normal((2, 10_100))
+    found = gains(before, [after], BLOCKS, 0.0, rng)
+    deviation = np.sqrt(1.0 / 10_000)
+    assert found.high[0] - found.gain[0] == pytest.approx(1.96 * deviation, rel=0.15)
+    assert found.gain[0] - found.low[0] == pytest.approx(1.96 * deviation, rel=0.15)
+    worse, low = beaten(before, after, BLOCKS, rng)
+    assert worse == pytest.approx(-found.gain[0])
+    assert worse - low == pytest.approx(1.645 * deviation, rel=0.2)
+
+
+def test_several_gains_are_bounded_together():
+    """Of k independent gains each needs a level of 1 - 0.95^(1/k)."""
+    rng = np.random.default_rng(3)
+    before = 1e-6 + np.zeros(10_100)
+    before[10:10_010] = 1.0  # whose energy is the same in every draw
+    after = [rng.standard_normal(10_100) for _ in range(8)]
+    found = gains(before, after, BLOCKS, 0.0, rng)
+    wide = norm.ppf(1.0 - 0.5 * (1.0 - 0.95 ** (1 / 8))) * np.sqrt(0.5 / 10_000)
+    np.testing.assert_allclose(np.mean(found.high - found.gain), wide, rtol=0.12)
+    np.testing.assert_allclose(np.mean(found.gain - found.low), wide, rtol=0.12)
+
+
+# Noise
+
+
+def test_the_colour_of_noise_is_found_from_its_blocks():
+    rng = np.random.default_rng(4)
+    noise = lfilter([1.0], [1.0, -1.2, 0.5], 0.3 * rng.standard_normal(40_000))
+    noise[:20_000] *= 50.0
+    weights, deviation = coloured(noise + 7.0, [slice(20_000, 30_000), slice(30_000, 40_000)])
+    np.testing.assert_allclose(weights, [1.2, -0.5, 0.0, 0.0], atol=0.04)
+    assert deviation == pytest.approx(0.3, rel=0.03)
+
+
+def test_blocks_too_short_for_a_colour_give_the_deviation():
+    noise = np.random.default_rng(5).standard_normal(200)
+    weights, deviation = coloured(noise, [slice(0, 16), slice(40, 56)])
+    assert weights.size == 0
+    assert deviation == noise.std()
+    assert coloured(noise, [slice(0, 17)])[0].size == 4
+
+
+@pytest.mark.parametrize("band", [(0.27, 0.36), (0.39, 0.49)])
+def test_what_rings_in_a_quarter_of_the_band_is_no_noise(band):
+    rng = np.random.default_rng(6)
+    spectrum = np.fft.rfft(rng.standard_normal(6000))
+    frequency = np.fft.rfftfreq(6000)
+    spectrum[(frequency < band[0]) | (frequency > band[1])] = 0.0
+    ringing = np.fft.irfft(spectrum, 6000)
+    noise = 0.3 * rng.standard_normal(6000)
+    found = white_level(noise + 2.0 * ringing / ringing.std(), [slice(0, 6000)])
+    assert found == pytest.approx(0.3, rel=0.15)
+
+
+def test_blocks_too_short_for_a_spectrum_do_not_count():
+    rng = np.random.default_rng(7)
+    residual = np.concatenate([rng.standard_normal(600), 100.0 * rng.standard_normal(23)])
+    blocks = [slice(0, 600), slice(600, 623)]
+    assert white_level(residual, blocks) == white_level(residual, blocks[:1])
+    assert white_level(residual, blocks[1:]) == np.std(residual)
+
+
+def simulated(residual, jacobian):
+    return SimpleNamespace(
+        residual=residual, jacobian=jacobian, coordinates=np.zeros(jacobian.shape[1])
+    )
+
+
+def test_the_gain_of_chance_is_that_of_refits_to_drawn_records():
+    rng = np.random.default_rng(8)
+    n = 400
+    half = np.arange(n) % 100 < 50
+    problem = problem_of(np.zeros(n), np.zeros(n), 0.5, half, ~half)
+    J = np.column_stack([np.sin(np.arange(n) / k) for k in (20.0, 3.0, 11.0)])
+    noise = lfilter([1.0], [1.0, -0.95], rng.standard_normal(n))
+    whole = [slice(0, n)]
+    before, after = simulated(noise, J[:, :1]), [simulated(noise, J[:, :2]), simulated(noise, J)]
+    found = null_gain(problem, before, after, noise, whole, np.random.default_rng(9))
+
+    weights, deviation = coloured(noise, whole)
+    innovations = deviation * np.random.default_rng(9).standard_normal((60, n))
+    best = []
+    for e in innovations:
+        drawn = np.zeros(n)
+        for t in range(n):
+            past = drawn[max(t - 4, 0) : t][::-1]
+            drawn[t] = e[t] + weights[: past.size] @ past
+        left = []
+        for fit in (before, *after):
+            k = fit.jacobian.shape[1]
+            rows = np.vstack([fit.jacobian[half], 0.5 * np.eye(k)])
+            step = np.linalg.lstsq(rows, np.append(drawn[half], np.zeros(k)), rcond=None)[0]
+            left.append(np.linalg.norm((drawn - fit.jacobian @ step)[~half]))
+        best.append(max(0.0, np.log(left[0] / min(left))))
+    assert found == pytest.approx(np.quantile(best, 0.95))
+    assert found > 0.0
+
+
+# Splits
+
+
+def test_runs_are_where_a_mask_holds():
+    mask = np.array([1, 1, 0, 1, 0, 0, 1], bool)
+    assert runs(mask) == [slice(0, 2), slice(3, 4), slice(6, 7)]
+    assert runs(~mask) == [slice(2, 3), slice(4, 6)]
+
+
+def test_a_long_record_has_nineteen_blocks_three_time_constants_apart():
+    u = np.sin(np.arange(9000) * 0.05)
+    parts = split(u, INTERVAL, 0.09, warm_up=2.0)
+    assert parts.gap == 14  # three time constants are 13.5 samples
+    kept = {name: runs(getattr(parts, name)) for name in ("fit", "select", "certify")}
+    assert [len(kept[name]) for name in ("fit", "select", "certify")] == [9, 9, 1]
+    blocks = sorted((run.start, run.stop) for found in kept.values() for run in found)
+    assert blocks[0][0] == 100
+    assert blocks[-1][1] == 9000
+    between = [b[0] - a[1] for a, b in pairwise(blocks)]
+    assert set(between) <= {13, 14, 15}
+    [certified] = kept["certify"]
+    length = (9000 - 100 - 18 * 14) / 21
+    assert certified.stop - certified.start == pytest.approx(3 * length, abs=1)
+    assert blocks.index((certified.start, certified.stop)) == 9
+    for run in kept["fit"] + kept["select"]:
+        assert run.stop - run.start == pytest.approx(length, abs=1)
+
+
+@pytest.mark.parametrize("slowest", [0.05, 0.5, 3.0])
+@pytest.mark.parametrize("warm_up", [0.0, 4.0])
+def test_a_record_as_long_as_asked_for_can_be_split(slowest, warm_up):
+    with pytest.raises(InputError, match="the split needs") as caught:
+        split(np.zeros(20), INTERVAL, slowest, warm_up)
+    needed = float(str(caught.value).split("the split needs ")[1].split(" s")[0])
+    samples = int(np.ceil(needed / INTERVAL * 1.00001))
+    split(np.sin(np.arange(samples)), INTERVAL, slowest, warm_up)
+    with pytest.raises(InputError, match="the split needs"):
+        split(np.sin(np.arange(round(0.97 * samples))), INTERVAL, slowest, warm_up)
+
+
+# What the record shows
+
+
+def test_an_effect_is_as_visible_as_what_the_parameters_leave_of_it():
+    """A column a of norm A absorbs all but noise^2 / (noise^2 + A^2) of what is along it."""
+    noise = 0.5
+    a, b = np.array([3.0, 0.0, 0.0, 0.0]), np.array([0.0, 4.0, 0.0, 0.0])
+    problem = problem_of(np.zeros(4), np.zeros(4), noise)
+    before = simulated(a, a[:, None])
+    along, across, both = (
+        visibility(problem, before, simulated(a, np.column_stack([a, law])))
+        for law in (2.0 * a, b, 2.0 * a + b)
+    )
+    left = 6.0 * np.sqrt(0.25 / 9.25)
+    assert across.size == pytest.approx(np.sqrt(16.0 / 4) / noise)
+    assert across.independent == pytest.approx(1.0)
+    assert along.size == pytest.approx(left / 2.0 / noise)
+    assert along.independent == pytest.approx(left / 6.0)
+    assert both.independent == pytest.approx(np.sqrt((left**2 + 16.0) / 52.0))
+    nothing = visibility(problem, before, before)
+    assert (nothing.size, nothing.independent) == (0.0, 0.0)
+
+
+def test_candidates_are_confused_as_their_outputs_are_close():
+    """Two outputs d noise deviations apart: the odds of the other are 2 Φ(-d/2)."""
+    n, noise = 50, 0.2
+    problem = problem_of(np.zeros(n), np.zeros(n), noise)
+    shift = np.full(n, 2.0 * noise / np.sqrt(n))
+    fixed = [
+        SimpleNamespace(fit=simulated(residual, np.zeros((n, 0))))
+        for residual in (np.zeros(n), shift)
+    ]
+    found = confusion(problem, tuple(fixed)).probability
+    odds = 2.0 * norm.cdf(-1.0)
+    np.testing.assert_allclose(found, np.array([[1.0, odds], [odds, 1.0]]) / (1.0 + odds))
+    # A second candidate whose parameter can stand for the first one is taken for it.
+    flexible = SimpleNamespace(fit=simulated(shift, np.full((n, 1), 1e3)))
+    found = confusion(problem, (fixed[0], flexible)).probability
+    np.testing.assert_allclose(found[0], [0.5, 0.5], atol=1e-4)
+    np.testing.assert_allclose(found[1], np.array([odds, 1.0]) / (1.0 + odds))
+
+
+# Where the residual is
+
+
+T = np.arange(3000) * INTERVAL
+TRIANGLE = np.abs((T / 6.0) % 2.0 - 1.0)  # falls for 6 s, rises for 6 s
+
+
+@pytest.mark.parametrize(
+    ("along", "large", "number", "low", "high"),
+    [
+        ("time", (T >= 25.0) & (T < 27.5), 10, 25.0, 27.5),
+        ("direction", (T % 12.0) < 6.0, 0, -0.5, 0.5),
+        ("direction", (T % 12.0) >= 6.0, 2, 1.5, 2.5),
+        ("reversal", (T % 6.0) < 0.5, 0, 0.0, 0.5),
+    ],
+)
+def test_a_residual_is_found_along_what_it_depends_on(along, large, number, low, high):
+    rng = np.random.default_rng(10)
+    u = lfilter([0.05], [1.0, -0.95], rng.standard_normal(3000))
+    residual = 0.01 * rng.standard_normal(3000) * np.where(large, 5.0, 1.0)
+    problem = problem_of(u, TRIANGLE + residual)
+    localised = localise(problem, residual, ("V", "mm"), np.ones(3000, bool), rng)
+    found = localised.dataset
+    edges = float(found[f"{along}_low"][number]), float(found[f"{along}_high"][number])
+    assert edges == pytest.approx((low, high), abs=0.05)
+    rms = found[f"{along}_gap"].values
+    assert rms[number] == pytest.approx(0.05, rel=0.1)
+    # The turning points, of hardly any rate, are a bin of their own.
+    others = [n for n in range(rms.size) if n != number and (along, n) != ("direction", 1)]
+    np.testing.assert_allclose(rms[others], 0.01, rtol=0.35)
+    assert found[f"{along}_probability"] == pytest.approx(1 / 201)
+    # Chance would spread the energy: its bound lies near the root mean square of all.
+    bound = found[f"{along}_null"].values[[number, *others]]
+    assert ((bound > localised.rms) & (bound < 2.5 * localised.rms)).all()
+    assert localised.rms == pytest.approx(np.sqrt(np.mean(residual**2)))
+
+
+def test_a_concentration_compares_a_bin_with_the_others():
+    rng = np.random.default_rng(10)
+    large = (T >= 25.0) & (T < 27.5)
+    residual = 0.01 * rng.standard_normal(3000) * np.where(large, 5.0, 1.0)
+    problem = problem_of(rng.standard_normal(3000), TRIANGLE + residual)
+    found = localise(problem, residual, ("V", "mm"), np.ones(3000, bool), rng).concentration
+    assert (found.along, found.number, found.unit) == ("time", 10, "s")
+    assert (found.low, found.high) == pytest.approx((25.0, 27.5), abs=0.05)
+    assert found.inside == pytest.approx(0.05, rel=0.1)
+    assert found.elsewhere == pytest.approx(0.01, rel=0.05)
+
+
+@pytest.mark.parametrize("frequency", [0.4, 3.0, 11.0])
+def test_the_band_is_the_octave_of_a_line(frequency):
+    rng = np.random.default_rng(11)
+    residual = 3.0 + np.sin(2 * np.pi * frequency * T) + 0.1 * rng.standard_normal(3000)
+    problem = problem_of(rng.standard_normal(3000), residual)
+    band = localise(problem, residual, ("V", "mm"), np.ones(3000, bool), rng).band
+    assert band.low <= frequency < band.high
+    assert band.high == pytest.approx(2.0 * band.low)
+    # A sine of amplitude 1 beside noise of which an octave holds at most half.
+    assert 0.5 / 0.51 - 1e-3 < band.part <= 1.0
+
+
+# A flexible model of the residual
+
+
+def halves(n):
+    fit = np.arange(n) % 500 < 250
+    return fit, ~fit
+
+
+def test_the_residual_model_finds_a_term_of_its_dictionary():
+    rng = np.random.default_rng(12)
+    u = lfilter([0.1], [1.0, -0.9], rng.standard_normal(3000))
+    simulation = lfilter([0.05], [1.0, -0.95], u)
+    standard = (u - u.mean()) / u.std()
+    residual = 0.4 * standard**2 + 0.004 * rng.standard_normal(3000)
+    problem = problem_of(u, simulation + residual, 1.0, *halves(3000))
+    found = residual_model(problem, residual)
+    assert found.ratio < 0.05
+    assert found.explained > 0.99
+    assert found.equation.startswith(f"{0.4 * np.std(standard[problem.fit] ** 2):+.3g} [u^2]")
+
+
+def test_the_residual_model_finds_nothing_in_noise():
+    rng = np.random.default_rng(13)
+    u = lfilter([0.1], [1.0, -0.9], rng.standard_normal(3000))
+    residual = rng.standard_normal(3000)
+    found = residual_model(problem_of(u, u + residual, 1.0, *halves(3000)), residual)
+    assert 0.98 < found.ratio <= 1.0
+    assert found.explained < 0.05
+    assert found.explained > 0.0 or found.equation == "0"

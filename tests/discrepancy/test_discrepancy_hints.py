@@ -1,0 +1,99 @@
+"""Starting values from the residual, what parameters are charged, and how much is spent."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Problem
+from dea.discrepancy.search.budget import Budget
+from dea.discrepancy.search.candidates import best_of_each_set, judged
+from dea.discrepancy.search.hints import jumps, lines
+
+INTERVAL, SAMPLES = 0.02, 3000
+T = np.arange(SAMPLES) * INTERVAL  # 60 s: bins of 1/60 Hz
+
+
+def recorded(u, y, seen=None):
+    seen = np.ones(u.size, bool) if seen is None else seen
+    return Problem(u, y, INTERVAL, seen, np.zeros(u.size, bool), ~seen)
+
+
+@pytest.mark.parametrize("frequency", [1.3, 1.3083, 7.77])
+def test_lines_are_found_between_the_bins(frequency):
+    rng = np.random.default_rng(1)
+    u = rng.standard_normal(SAMPLES)
+    residual = np.sin(2 * np.pi * frequency * T + 0.3) + 0.3 * np.sin(2 * np.pi * 3.1 * T) + 5.0
+    found = lines(recorded(u, residual), residual + 1e-3 * rng.standard_normal(SAMPLES))
+    assert found[0] == pytest.approx(frequency, abs=0.1 / 60)
+    assert found[1] == pytest.approx(3.1, abs=0.1 / 60)
+
+
+def test_a_line_is_weighed_by_what_the_input_has_around_it():
+    """A strong answer to a strong input is no line; a weak one where there is no input is."""
+    rng = np.random.default_rng(2)
+    slow = np.cumsum(rng.standard_normal(SAMPLES))
+    u = slow - np.convolve(slow, np.ones(100) / 100, "same")
+    residual = 0.3 * u + 0.1 * u.std() * np.sin(2 * np.pi * 17.0 * T)
+    found = lines(recorded(u, residual), residual)
+    assert found[2] == pytest.approx(17.0, abs=0.2 / 60)
+
+
+@pytest.mark.parametrize("at", [700, 1500, 2400])
+def test_a_jump_of_the_mean_is_found_where_it_is(at):
+    rng = np.random.default_rng(3)
+    residual = np.where(np.arange(SAMPLES) < at, 0.0, 1.0) + 0.05 * rng.standard_normal(SAMPLES)
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual)
+    assert found[0] == pytest.approx(at * INTERVAL, abs=1.01 * INTERVAL)
+    assert len(found) == 2 * 3 + 8
+    np.testing.assert_allclose(found[-8:], 60.0 * np.arange(1, 16, 2) / 16)
+
+
+def test_a_jump_of_the_coupling_to_the_output_is_found_where_it_is():
+    rng = np.random.default_rng(4)
+    simulated = 3.0 + np.sin(2 * np.pi * 1.7 * T)
+    after = np.arange(SAMPLES) >= 1900
+    residual = 0.3 * after * (simulated - 3.0) + 0.01 * rng.standard_normal(SAMPLES)
+    found = jumps(recorded(np.zeros(SAMPLES), simulated + residual), residual)
+    assert found[3] == pytest.approx(1900 * INTERVAL, abs=0.6)
+
+
+def fitted(residual, parameters):
+    return Fit(
+        SimpleNamespace(attached=()), np.zeros(parameters), residual,
+        np.zeros((residual.size, parameters)), 0.0,
+    )  # fmt: skip
+
+
+def test_a_parameter_is_charged_as_by_the_bayesian_information_criterion():
+    """n log(error^2) + k log n ranks as the error times the charge does."""
+    seen = np.arange(SAMPLES) < 2000
+    residual = np.where(seen, 0.3, 50.0)
+    found = judged(recorded(residual, residual, seen), fitted(residual, 7))
+    assert found.rmse == pytest.approx(0.3)
+    assert 2000 * np.log(found.error**2) == pytest.approx(2000 * np.log(0.3**2) + 7 * np.log(2000))
+    assert found.finished
+    assert not judged(recorded(residual, residual, seen), fitted(residual, 7), False).finished
+
+
+def test_of_each_set_the_candidate_of_least_error_is_kept():
+    def candidate(labels, error, finished=True):
+        return SimpleNamespace(labels=labels, error=error, finished=finished)
+
+    one, other = candidate(("a", "b"), 2.0), candidate(("b", "a"), 1.0)
+    single, screened = candidate(("a",), 1.5), candidate(("a", "b"), 0.5, False)
+    assert best_of_each_set([one, other, single, screened]) == [screened, other, single]
+
+
+def test_a_long_record_gets_half_of_the_fits():
+    budget = Budget(
+        starts=5, finished=6, beam=1, kept=3, screening=4, shakes=4, exchanges=3,
+        effects=3, last_steps=21, long_record=1000,
+    )  # fmt: skip
+    assert budget.of(1000) is budget
+    long = budget.of(1001)
+    halved = (long.starts, long.finished, long.beam, long.kept, long.screening)
+    assert halved == (2, 3, 1, 1, 2)
+    assert (long.shakes, long.exchanges, long.effects, long.last_steps) == (1, 0, 3, 21)
+    assert Budget(shakes=0, long_record=10).of(11).shakes == 0

@@ -1,0 +1,148 @@
+"""Priors, bounds and scales, and the step of integration that a record needs."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dea.simulation import (
+    ExtendedSimulation,
+    Parameter,
+    Scales,
+    catalogue,
+    load_simulation,
+    measured_scales,
+    prepared,
+    with_fine_steps,
+)
+from dea.simulation.preparation import slowest_time
+
+DT = 0.02
+T = np.arange(300) * DT
+
+
+def test_a_coordinate_counts_spreads_from_the_nominal_value():
+    plain = Parameter("offset", "V", 2.0, 0.5)
+    log = Parameter("time", "s", 2.0, 0.5, log=True)
+    assert [plain.value(c) for c in (-2.0, 0.0, 1.0)] == [1.0, 2.0, 2.5]
+    assert [log.value(c) for c in (-2.0, 0.0, 1.0)] == pytest.approx(
+        [2.0 / np.e, 2.0, 2.0 * np.sqrt(np.e)]
+    )
+    for parameter in (plain, log):
+        assert parameter.coordinate_bounds() == (-np.inf, np.inf)
+        assert parameter.coordinate(parameter.value(0.7)) == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize(
+    ("log", "low", "high", "bounds"),
+    [
+        (False, 1.0, 5.0, (-2.0, 6.0)),
+        (True, 2.0 / np.e, 2.0 * np.e**2, (-2.0, 4.0)),
+        (True, 0.0, 2.0 * np.e**2, (-np.inf, 4.0)),
+        (True, -1.0, np.inf, (-np.inf, np.inf)),
+        (False, 0.0, np.inf, (-4.0, np.inf)),
+    ],
+)
+def test_the_bounds_of_a_value_are_those_of_its_coordinate(log, low, high, bounds):
+    parameter = Parameter("any", "1", 2.0, 0.5, low, high, log=log)
+    assert parameter.coordinate_bounds() == pytest.approx(bounds)
+    for far, end in ((-1e3, low), (1e3, high)):
+        if np.isfinite(end) and (end > 0.0 or not log):
+            assert parameter.value(far) == pytest.approx(end, abs=1e-12)
+
+
+def test_known_parameters_stay_within_three_spreads_and_those_of_a_law_within_their_own():
+    simulation = load_simulation("mass_spring_damper")
+    frequency, damping, gain = simulation.parameters
+    close = replace(damping, low=0.05, high=0.2)
+    simulation = replace(simulation, parameters=(frequency, close, gain))
+    told = Scales("V", "V", -1, 1, 1.0, -1, 1, -1, 1, DT, 6.0)
+    extended = ExtendedSimulation(simulation).attach(catalogue()["transport_delay"], told)
+    low, high = extended.bounds
+    assert extended.names[extended.free[0]] == "natural_frequency"
+    assert extended.names[extended.free[1]] == "damping_ratio"
+    assert extended.names[extended.free[-1]] == "transport_delay.delay"
+    assert (low[0], high[0]) == (-3.0, 3.0)
+    assert (low[1], high[1]) == pytest.approx((-np.log(2.0), np.log(2.0)))
+    # From no delay to a tenth of the record, in spreads of four intervals.
+    assert (low[-1], high[-1]) == pytest.approx((0.0, 0.6 / 0.08))
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "bipolar", "peak"),
+    [(-1, 3, True, 3), (0, 3, False, 3), (-3, 0, False, 3), (-0.15, 3, False, 3), (-3, 2, True, 3),
+     (-0.17, 3, True, 3), (-3, 0.15, False, 3), (1, 3, False, 3)],
+)  # fmt: skip
+def test_an_input_is_bipolar_from_a_twentieth_of_its_range_on(low, high, bipolar, peak):
+    scales = Scales("V", "mm", low, high, 1.0, 2.0, 2.5, -0.5, 1.0, DT, 6.0)
+    assert scales.bipolar is bipolar
+    assert scales.u_peak == peak
+    assert (scales.u_span, scales.y_span, scales.z_span) == (high - low, 0.5, 1.5)
+
+
+def test_scales_are_those_of_the_record_and_of_the_motion():
+    simulation = load_simulation("mass_spring_damper")
+    u = np.sin(2 * np.pi * 0.5 * T)
+    # Half of the samples repeat the one before: a rate of zero is no rate of change.
+    u = np.repeat(u[::2], 2)
+    extended = prepared(simulation, u, DT, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    record = SimpleNamespace(u=u, y=3.0 * u - 1.0, interval=DT)
+    found = measured_scales(extended, values, record)
+    assert (found.u_low, found.u_high) == (u.min(), u.max())
+    assert (found.y_low, found.y_high) == (record.y.min(), record.y.max())
+    assert (found.interval, found.duration) == (DT, pytest.approx(6.0))
+    changes = np.sort(np.abs(np.diff(u[::2]))) / DT
+    assert changes[-5] < found.u_rate <= changes[-1]
+    assert changes[-1] == pytest.approx(np.pi * 2, rel=0.01)  # two intervals of a slope of pi
+    # The carriage follows its slow input to either side: one at the largest excursion.
+    assert max(found.z_high, -found.z_low) == pytest.approx(1.0)
+    assert min(found.z_high, -found.z_low) > 0.9
+
+
+def test_a_simulation_that_does_not_move_takes_the_scale_of_its_prior():
+    simulation = load_simulation("mass_spring_damper")
+    u = np.sin(2 * np.pi * 0.5 * T)
+    extended = prepared(simulation, u, DT, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    gain = extended.names.index("static_gain")
+    record = SimpleNamespace(u=u, y=u, interval=DT)
+    for share, high in ((0.1, 1.0), (0.2, 1.0), (0.4, 0.4), (2.0, 2.0)):
+        values[gain] = share
+        assert measured_scales(extended, values, record).z_high == pytest.approx(high, rel=1e-2)
+
+
+@pytest.mark.parametrize(("damping", "slowest"), [(0.2, 5.0), (1.25, 2.0), (0.5, 2.0)])
+def test_the_slowest_time_is_that_of_the_slowest_pole(damping, slowest):
+    """A carriage of 1 rad/s: its poles are -d ± sqrt(d^2 - 1)."""
+    own = load_simulation("mass_spring_damper")
+    frequency, ratio, gain = own.parameters
+    parameters = (
+        replace(frequency, nominal=1 / (2 * np.pi)), replace(ratio, nominal=damping), gain
+    )  # fmt: skip
+    extended = ExtendedSimulation(replace(own, parameters=parameters))
+    assert slowest_time(extended, np.ones(10)) == pytest.approx(slowest, rel=1e-4)
+
+
+def test_steps_are_refined_until_the_output_keeps_within_the_tolerance():
+    tanks = load_simulation("cascaded_tanks")
+    u = 3.0 + 2.0 * np.sign(np.sin(0.3 * np.arange(200)))
+    coarse = ExtendedSimulation(tanks)
+    values = coarse.values(np.zeros(coarse.free.size))
+    exact = replace(coarse, substeps=256).simulate(values, u, 40.0)
+    before = 1
+    for tolerance in (1.0, 1e-2, 1e-3, 1e-4):
+        fine = with_fine_steps(coarse, values, u, 40.0, tolerance)
+        error = np.sqrt(np.mean((fine.simulate(values, u, 40.0) - exact) ** 2))
+        # From one number of steps to the next, more than a third of the error goes.
+        assert error < 3.0 * tolerance
+        assert fine.substeps >= before
+        before = fine.substeps
+    assert before > 2
+    assert with_fine_steps(coarse, values, u, 40.0, 1e-12, most=4).substeps == 4
+
+
+def test_a_linear_simulation_needs_one_step():
+    simulation = replace(load_simulation("mass_spring_damper"), input_interpolation="zero")
+    assert prepared(simulation, np.sign(np.sin(3 * T)), DT, 1e-4).substeps == 1
