@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 Value = TypeVar("Value")
-_SLOW_STEPS = 2
 
 
 class Point(NamedTuple, Generic[Value]):
@@ -59,11 +58,6 @@ class Damping:
 
     It starts at ``first``, is divided by ``fall`` down to ``least`` after a step that lowers the
     cost, and is multiplied by ten, ``tries`` times at most and up to ``most``, until one does.
-
-    In a narrow curved valley the steps zigzag and hardly advance. Two successive steps that each
-    lower the cost by less than ``slow`` (a part of it), at least one of them after a rejected
-    step, are therefore followed by a search along the line through both (parallel tangents: Shah,
-    Buehler and Kempthorne 1964, SIAM Journal 12:74). Zero turns this off.
     """
 
     first: float = 1e-3
@@ -71,7 +65,6 @@ class Damping:
     least: float = 1e-13
     most: float = np.inf
     tries: int = 30
-    slow: float = 0.0
 
 
 def minimise(
@@ -85,55 +78,21 @@ def minimise(
     point = task.evaluate(start)
     now = damping.first
     exact = False
-    trail = _Trail(damping.slow)
     for iteration in range(iterations):
         model = task.linearise(point, iteration, exact) if np.isfinite(point.cost) else None
         if model is None:
             break
-        better: Point[Value] | None = None
-        rejected = 0
-        while rejected < damping.tries and now < damping.most:
-            trial = task.evaluate(point.x + model.step(now))
-            if trial.cost < model.cost:
-                better = trial
+        gain = 0.0
+        for _ in range(damping.tries):
+            if now >= damping.most:
+                break
+            tried = task.evaluate(point.x + model.step(now))
+            if tried.cost < model.cost:
+                point, gain = tried, model.cost - tried.cost
                 now = max(now / damping.fall, damping.least)
                 break
             now *= 10.0
-            rejected += 1
-        gain = model.cost - better.cost if better else 0.0
-        if better:
-            direction = trail.along(point.x, better.x, gain / model.cost, rejected > 0)
-            point = better if direction is None else _searched(task, better, direction)
-            gain = model.cost - point.cost
         if gain <= tolerance * model.cost and model.exact:
             break
         exact = gain <= tolerance * model.cost
     return point
-
-
-class _Trail:
-    """The last steps: whether they zigzag, and the direction in which they advance."""
-
-    def __init__(self, slow: float) -> None:
-        self._slow = slow
-        self._steps: list[tuple[Array, bool]] = []
-
-    def along(self, before: Array, after: Array, gain: float, rejected: bool) -> Array | None:
-        """Note a step; return the sum of the last two if they were slow and one was damped."""
-        if gain >= self._slow:
-            self._steps.clear()
-            return None
-        self._steps = [*self._steps[1 - _SLOW_STEPS :], (after - before, rejected)]
-        if len(self._steps) < _SLOW_STEPS or not any(damped for _, damped in self._steps):
-            return None
-        direction: Array = np.sum([step for step, _ in self._steps], axis=0)
-        return direction
-
-
-def _searched(task: Task[Value], point: Point[Value], direction: Array) -> Point[Value]:
-    """Go from a point along a direction, twice as far each time, while the cost falls."""
-    while True:
-        further = task.evaluate(point.x + direction)
-        if not further.cost < point.cost:
-            return point
-        point, direction = further, 2.0 * direction

@@ -58,7 +58,8 @@ def carriage(seed: int) -> tuple[Problem, "object"]:
 @pytest.mark.parametrize("seed", [1, 2, 3, 4, 5, 6])
 def test_the_fit_ends_where_a_simplex_search_ends(seed):
     problem, extended = carriage(seed)
-    found = fit(problem, extended, np.zeros(extended.free.size), iterations=40, tolerance=1e-9)
+    # Carriage 3 leads through a curved valley, which takes about seventy iterations.
+    found = fit(problem, extended, np.zeros(extended.free.size), iterations=100, tolerance=1e-9)
 
     def cost(coordinates):
         return cost_of(

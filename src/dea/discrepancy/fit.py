@@ -16,7 +16,7 @@ from dea.simulation import ExtendedSimulation
 # Iterations after which slowly changing columns of the Jacobian are computed anew.
 _REFRESH = 3
 # From the least damping, nine increases lead to one at which a step is steepest descent.
-_DAMPING = Damping(fall=5.0, least=1e-6, tries=9, slow=1e-2)
+_DAMPING = Damping(fall=5.0, least=1e-6, tries=9)
 # Prior spreads that a coordinate may move in one step.
 _LONGEST_STEP = 3.0
 
