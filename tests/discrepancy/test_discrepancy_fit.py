@@ -66,11 +66,11 @@ def test_the_fit_ends_where_a_simplex_search_ends(seed):
             problem.residual(extended, extended.values(coordinates)), coordinates, problem
         )
 
-    options = {"maxiter": 20_000, "maxfev": 20_000, "fatol": 1e-6, "xatol": 1e-7, "adaptive": True}
+    options = {"maxiter": 3000, "maxfev": 3000, "fatol": 1e-6, "xatol": 1e-7, "adaptive": True}
     start = found.coordinates + 0.1
     searched = minimize(cost, start, method="Nelder-Mead", options=options)
     assert found.cost <= searched.fun + 1e-3
-    # The cost of carriage 3 has two valleys, and the simplex descends into the higher one.
+    # The cost of carriage 3 has several valleys: rounding may carry the simplex to another one.
     if seed != 3:
         assert found.cost == pytest.approx(searched.fun, rel=1e-3)
 
