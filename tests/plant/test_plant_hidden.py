@@ -104,8 +104,8 @@ def changed_plain(**factors):
 def test_a_change_of_free_parameters_is_absorbed_by_the_refit():
     reading = changed_plain(permittivity=1.1, damping=1.3)
     noise = PLAIN.sensor.noise
-    assert np.std(reading - YARDSTICK._plain) / noise > 5.0
-    assert YARDSTICK._refit(reading) / noise < 0.3
+    assert np.std(reading - YARDSTICK.plain) / noise > 5.0
+    assert YARDSTICK.unexplained(reading) / noise < 0.3
 
 
 @pytest.mark.parametrize("name", ["slew_limit", "transport_delay", "charge_leakage"])

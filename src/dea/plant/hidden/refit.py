@@ -73,10 +73,14 @@ class Yardstick:
         reading = self._disturbed(laws)
         if reading is None:
             return np.inf
+        return self.unexplained(reading) / self._parameters.sensor.noise
+
+    def unexplained(self, reading: Array) -> float:
+        """Return the RMS residual, m, of the plain actuator refitted to a reading."""
         refit = minimise(
             _Refit(self, reading), _UNCHANGED, _DAMPING, iterations=_ROUNDS, tolerance=_ENOUGH
         )
-        return refit.cost / self._parameters.sensor.noise
+        return refit.cost
 
     def linear_strength(self, laws: list[Law], without: list[Law] | None = None) -> float:
         """Return :meth:`strength` for a refit by one linear step: fast, and rarely smaller.
