@@ -96,9 +96,10 @@ def test_a_gains_interval_is_that_of_its_sampling():
     deviation = np.sqrt(1.0 / 10_000)
     assert found.high[0] - found.gain[0] == pytest.approx(1.96 * deviation, rel=0.15)
     assert found.gain[0] - found.low[0] == pytest.approx(1.96 * deviation, rel=0.15)
-    worse, low = beaten(before, after, BLOCKS, rng)
+    drawn = [beaten(before, after, BLOCKS, rng) for _ in range(20)]
+    worse, low = np.mean(drawn, axis=0)
     assert worse == pytest.approx(-found.gain[0])
-    assert worse - low == pytest.approx(1.645 * deviation, rel=0.2)
+    assert worse - low == pytest.approx(1.645 * deviation, rel=0.12)
 
 
 def test_several_gains_are_bounded_together():
@@ -248,6 +249,8 @@ def test_an_effect_is_as_visible_as_what_the_parameters_leave_of_it():
     assert along.size == pytest.approx(left / 2.0 / noise)
     assert along.independent == pytest.approx(left / 6.0)
     assert both.independent == pytest.approx(np.sqrt((left**2 + 16.0) / 52.0))
+    weak = visibility(problem, before, simulated(a, np.column_stack([a, 0.01 * b])))
+    assert (weak.size, weak.independent) == pytest.approx((0.01 * across.size, 1.0))
     nothing = visibility(problem, before, before)
     assert (nothing.size, nothing.independent) == (0.0, 0.0)
 
@@ -276,14 +279,18 @@ def test_candidates_are_confused_as_their_outputs_are_close():
 
 T = np.arange(3000) * INTERVAL
 TRIANGLE = np.abs((T / 6.0) % 2.0 - 1.0)  # falls for 6 s, rises for 6 s
+TRAPEZOID = np.clip(2.0 * TRIANGLE - 0.5, 0.0, 1.0)  # stands still around each turning point
+FALLING = (T % 12.0 >= 1.5) & (T % 12.0 < 4.5)
+RISING = (T % 12.0 >= 7.5) & (T % 12.0 < 10.5)
 
 
 @pytest.mark.parametrize(
     ("along", "large", "number", "low", "high"),
     [
         ("time", (T >= 25.0) & (T < 27.5), 10, 25.0, 27.5),
-        ("direction", (T % 12.0) < 6.0, 0, -0.5, 0.5),
-        ("direction", (T % 12.0) >= 6.0, 2, 1.5, 2.5),
+        ("direction", FALLING, 0, -0.5, 0.5),
+        ("direction", ~(FALLING | RISING), 1, 0.5, 1.5),
+        ("direction", RISING, 2, 1.5, 2.5),
         ("reversal", (T % 6.0) < 0.5, 0, 0.0, 0.5),
     ],
 )
@@ -291,15 +298,15 @@ def test_a_residual_is_found_along_what_it_depends_on(along, large, number, low,
     rng = np.random.default_rng(10)
     u = lfilter([0.05], [1.0, -0.95], rng.standard_normal(3000))
     residual = 0.01 * rng.standard_normal(3000) * np.where(large, 5.0, 1.0)
-    problem = problem_of(u, TRIANGLE + residual)
+    output = TRAPEZOID if along == "direction" else TRIANGLE
+    problem = problem_of(u, output + residual)
     localised = localise(problem, residual, ("V", "mm"), np.ones(3000, bool), rng)
     found = localised.dataset
     edges = float(found[f"{along}_low"][number]), float(found[f"{along}_high"][number])
     assert edges == pytest.approx((low, high), abs=0.05)
     rms = found[f"{along}_gap"].values
     assert rms[number] == pytest.approx(0.05, rel=0.1)
-    # The turning points, of hardly any rate, are a bin of their own.
-    others = [n for n in range(rms.size) if n != number and (along, n) != ("direction", 1)]
+    others = [n for n in range(rms.size) if n != number]
     np.testing.assert_allclose(rms[others], 0.01, rtol=0.35)
     assert found[f"{along}_probability"] == pytest.approx(1 / 201)
     # Chance would spread the energy: its bound lies near the root mean square of all.

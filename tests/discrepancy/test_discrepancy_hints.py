@@ -24,7 +24,8 @@ def recorded(u, y, seen=None):
 def test_lines_are_found_between_the_bins(frequency):
     rng = np.random.default_rng(1)
     u = rng.standard_normal(SAMPLES)
-    residual = np.sin(2 * np.pi * frequency * T + 0.3) + 0.3 * np.sin(2 * np.pi * 3.1 * T) + 5.0
+    trend = 5.0 + 20.0 * np.sin(2 * np.pi * T / 60.0)
+    residual = trend + np.sin(2 * np.pi * frequency * T + 0.3) + 0.3 * np.sin(2 * np.pi * 3.1 * T)
     found = lines(recorded(u, residual), residual + 1e-3 * rng.standard_normal(SAMPLES))
     assert found[0] == pytest.approx(frequency, abs=0.1 / 60)
     assert found[1] == pytest.approx(3.1, abs=0.1 / 60)
@@ -48,6 +49,13 @@ def test_a_jump_of_the_mean_is_found_where_it_is(at):
     assert found[0] == pytest.approx(at * INTERVAL, abs=1.01 * INTERVAL)
     assert len(found) == 2 * 3 + 8
     np.testing.assert_allclose(found[-8:], 60.0 * np.arange(1, 16, 2) / 16)
+
+
+def test_a_jump_shortly_before_the_end_is_found_among_noise():
+    noise = np.random.default_rng(5).standard_normal(SAMPLES)
+    residual = noise + np.where(np.arange(SAMPLES) < 2985, 0.0, 2.5)
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual)
+    assert found[0] == pytest.approx(2985 * INTERVAL, abs=3 * INTERVAL)
 
 
 def test_a_jump_of_the_coupling_to_the_output_is_found_where_it_is():
