@@ -60,6 +60,8 @@ def test_an_effect_is_complete(effect):
     parameters = effect.parameters(SCALES)
     assert len({p.name for p in parameters}) == len(parameters)
     assert any(p.spread > 0 for p in parameters)
+    assert all(p.low <= p.nominal <= p.high for p in parameters)
+    assert all(p.nominal > 0.0 for p in parameters if p.log)
     assert effect.symptom
     assert effect.citation
     assert effect.starts(SCALES)
