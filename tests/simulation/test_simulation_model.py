@@ -24,7 +24,7 @@ from dea.simulation import (
     prepared,
     save_extended,
 )
-from dea.simulation.loading import BUILT_IN
+from dea.simulation.loading import built_in
 from dea.simulation.signatures import OUTPUT, compiled
 from user_simulation import SLOPE, write_simulation
 
@@ -184,7 +184,7 @@ def test_a_simulation_that_runs_away_is_not_a_number():
         prepared(simulation, np.ones(300), DT, 1e-3)
 
 
-@pytest.mark.parametrize("name", BUILT_IN)
+@pytest.mark.parametrize("name", built_in())
 def test_a_simulation_of_the_study_loads(name):
     simulation = load_simulation(name)
     assert simulation.name == name

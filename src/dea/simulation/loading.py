@@ -4,11 +4,16 @@ import importlib.util
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 
 from dea.errors import InputError
+from dea.simulation import devices
 from dea.simulation.simulation import Simulation
 
-BUILT_IN = ("dea_membrane", "cascaded_tanks", "mass_spring_damper", "electric_drive")
+
+def built_in() -> tuple[str, ...]:
+    """Return the names of the simulations that come with the study: one module each."""
+    return tuple(sorted(module.name for module in iter_modules(devices.__path__)))
 
 
 def load_simulation(name: str | Path) -> Simulation:
@@ -20,15 +25,16 @@ def load_simulation(name: str | Path) -> Simulation:
         If there is no such simulation, the file cannot be run, it lacks a ``simulation``, or the
         simulation has a missing port or an equation that does not give numbers.
     """
-    if str(name) in BUILT_IN:
-        result: Simulation = import_module(f"dea.simulation.devices.{name}").simulation
+    if str(name) in built_in():
+        result: Simulation = import_module(f"{devices.__name__}.{name}").simulation
         return result
     path = Path(name)
     if path.suffix != ".py" or not path.exists():
         raise InputError(
             f"there is no simulation {str(name)!r}",
             field="simulation",
-            remedy=f"Name one of {', '.join(BUILT_IN)}, or a Python file that defines `simulation`",
+            remedy=f"Name one of {', '.join(built_in())}, "
+            "or a Python file that defines `simulation`",
         )
     spec = importlib.util.spec_from_file_location(f"dea_user_simulation_{path.stem}", path)
     assert spec is not None
