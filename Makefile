@@ -50,6 +50,7 @@ discrepancy: $(VENV)/installed ## name what the simulation of each actuator is m
 
 real: $(VENV)/installed ## name what the simulation of each measured record is missing, in one table
 	$(SNAKEMAKE) real_records
+	pytest -m campaign tests/discrepancy/test_discrepancy_real_records.py
 
 trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 SET=tuning)
 	$(SNAKEMAKE) trials --config 'trials={$(COUNT:%=count: %$(comma) )$(SET:%=set: %)}'

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 import yaml
 
 from dea import store
@@ -12,7 +13,7 @@ from measured_records import DATA, needs_records
 
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "config" / "cases"
-pytestmark = needs_records
+pytestmark = [needs_records, pytest.mark.campaign]
 
 
 def diagnosed(name, effects=(), **record):

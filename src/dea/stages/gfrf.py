@@ -26,13 +26,15 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
             field="gfrf.tracker",
             remedy=f"Choose {' or '.join(tracked['tracker'].values)}, or add it to the trackers",
         )
+    options = {name: value for name, value in chosen.items() if name != "tracker"}
+    of_grid = {each.name for each in fields(Grid)} & options.keys()
     result = response_over_time(
         with_constant(NarxModel.load(model)),
         tracked.sel(tracker=chosen["tracker"]),
         signals.u,
         signals.sampling_rate,
-        grid=Grid(**{each.name: chosen[each.name] for each in fields(Grid)}),
-        excited_above=chosen["excited_above"],
+        grid=Grid(**{name: options.pop(name) for name in of_grid}),
+        **options,
     )
     y, u = signals.y_units, signals.u_units
     units = {"y0": y, "input_spectrum": f"{u}^2/Hz", "H1": f"{y}/{u}", "H2": f"{y}/{u}^2"}
