@@ -1,22 +1,14 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from dea.gfrf import score_recovery
-from dea.narx import NarxModel, load_published
-
-PUBLISHED = Path(__file__).parents[2] / "config" / "published_models.yaml"
-
-
-def smooth_input(samples=3000):
-    time = np.arange(samples) / 50
-    return 0.4 * np.sin(2 * np.pi * 0.3 * time) + 0.4 * np.sin(2 * np.pi * 0.77 * time + 1)
+from dea.narx import NarxModel
+from published_plants import published_plants, smooth_input
 
 
 @pytest.fixture(scope="module")
 def plants():
-    return load_published(PUBLISHED)
+    return published_plants()
 
 
 def test_a_plant_recovers_itself(plants):

@@ -1,23 +1,15 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from dea.errors import InputError
 from dea.excitation import design
 from dea.narx import load_published
-
-PUBLISHED = Path(__file__).parents[2] / "config" / "published_models.yaml"
-
-
-def smooth_input(samples=3000):
-    time = np.arange(samples) / 50
-    return 0.4 * np.sin(2 * np.pi * 0.3 * time) + 0.4 * np.sin(2 * np.pi * 0.77 * time + 1)
+from published_plants import published_plants, smooth_input
 
 
 @pytest.fixture(scope="module")
 def plants():
-    return load_published(PUBLISHED)
+    return published_plants()
 
 
 def test_the_published_table_holds_six_models_of_ten_or_eleven_terms(plants):
