@@ -54,3 +54,44 @@ def test_a_record_already_there_is_not_fetched_again(place):
     bring(place)
     (place / "source/tanks/data.csv").unlink()
     assert bring(place)[0].read_bytes() == CONTENT
+
+
+@pytest.fixture
+def sampled(place):
+    (place / "source/tanks/data.csv").write_bytes(b"1.5 7 -2\n\n2.5 7 -3\n")
+    record = b"time,u,y\n0.000,1.500000,-2.000000\n0.250,2.500000,-3.000000\n"
+
+    def write(**changed):
+        entry = {
+            "url": (place / "source/tanks/data.csv").as_uri(),
+            "sha256": hashlib.sha256(record).hexdigest(),
+            "sampled": {"interval": 0.25, "columns": {"u": 1, "y": 3}} | changed,
+        }
+        (place / "catalogue.yaml").write_text(yaml.safe_dump({"tanks/data.csv": entry}))
+        return record
+
+    return write
+
+
+def test_a_table_without_times_becomes_a_record_with_them(place, sampled):
+    record = sampled()
+    assert bring(place)[0].read_bytes() == record
+
+
+def test_a_record_that_a_folder_holds_is_copied_as_it_is(place, sampled):
+    record = sampled()
+    (place / "source/tanks/data.csv").write_bytes(record)
+    assert bring(place, folder=place / "source")[0].read_bytes() == record
+
+
+@pytest.mark.parametrize("changed", [{"interval": 0.5}, {"columns": {"u": 1, "y": 2}}])
+def test_a_table_read_otherwise_is_refused(place, sampled, changed):
+    sampled(**changed)
+    with pytest.raises(InputError, match="holds something else"):
+        bring(place)
+
+
+def test_a_column_that_is_not_there_is_named_with_the_remedy(place, sampled):
+    sampled(columns={"u": 1, "y": 4})
+    with pytest.raises(InputError, match=r"no table of numbers.*sampled\.columns"):
+        bring(place)

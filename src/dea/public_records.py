@@ -10,7 +10,7 @@ from urllib.request import urlopen
 
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import validated
-from dea.configuration.public_records import PublicRecord, PublicRecords
+from dea.configuration.public_records import PublicRecord, PublicRecords, Sampled
 from dea.errors import InputError
 from dea.store import atomic
 
@@ -72,6 +72,16 @@ def _fetch_one(
             field=name,
             remedy="Check the connection, or give a folder that holds the records with --from",
         ) from error
+    if entry.sampled and not folder:
+        try:
+            content = _with_times(content, entry.sampled)
+        except (ValueError, IndexError):
+            raise InputError(
+                f"{address} is no table of numbers with the columns asked for",
+                file=catalogue,
+                field=name,
+                remedy="Check url and sampled.columns, or give a folder with --from",
+            ) from None
     found = _sha256(content)
     if found != entry.sha256:
         raise InputError(
@@ -83,6 +93,19 @@ def _fetch_one(
     with atomic(target) as partial:
         partial.write_bytes(content)
     return target
+
+
+def _with_times(content: bytes, sampled: Sampled) -> bytes:
+    """Return the columns of a table of numbers as CSV with a column ``time`` (s) before them."""
+    lines = [",".join(["time", *sampled.columns])]
+    rows = [line for line in content.decode(errors="replace").splitlines() if line.strip()]
+    for index, row in enumerate(rows):
+        cells = row.replace(",", " ").split()
+        numbers = [float(cells[column - 1]) for column in sampled.columns.values()]
+        lines.append(
+            ",".join([f"{index * sampled.interval:.3f}", *(f"{number:.6f}" for number in numbers)])
+        )
+    return "\n".join([*lines, ""]).encode()
 
 
 def _sha256(content: bytes) -> str:
