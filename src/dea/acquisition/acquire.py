@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from dea.acquisition import buffered, polled
+from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.interrupts import Interruption
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import PartialFile, set_aside
@@ -75,15 +76,16 @@ def acquire(
     timing = LinkSettings(settings.timeout, settings.retries, settings.reconnect_time)
     log = LinkLog()
     attempts = settings.restarts + 1 if settings.on_break == "restart" else 1
-    for attempt in range(attempts):
-        link = Link(device, timing, log)
-        try:
-            samples = _attempt(link, plan, partial, settings, watch, reset or attempt > 0)
-            break
-        except BrokenRecordError:
-            if attempt + 1 == attempts:
-                raise
-            log.errors["restarted"] += 1
+    with endpoint_lock(device):
+        for attempt in range(attempts):
+            link = Link(device, timing, log)
+            try:
+                samples = _attempt(link, plan, partial, settings, watch, reset or attempt > 0)
+                break
+            except BrokenRecordError:
+                if attempt + 1 == attempts:
+                    raise
+                log.errors["restarted"] += 1
     return Acquisition(record_dataset(device, samples, plan.lead, plan.length), link_dataset(log))
 
 
