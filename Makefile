@@ -13,7 +13,7 @@ SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study case cases report diagnose discrepancy real trials records faults peers \
+.PHONY: help study record case cases report diagnose discrepancy real trials records faults peers \
 	interoperability soak configuration check test mutants benchmark clean
 
 help: ## list the targets
@@ -29,6 +29,11 @@ env: $(VENV)/installed ## create the pinned environment in .venv
 
 study: $(VENV)/installed ## regenerate every figure and table
 	$(SNAKEMAKE) study
+
+record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 EXCITATION=second
+	$(if $(NAME),,$(error Name an actuator of config/config.yaml without bench: make record NAME=film1))
+	python -m dea.stages.record $(NAME) $(EXCITATION:%=--excitation %) \
+		$(if $(OPERATOR),--operator "$(OPERATOR)")
 
 case: $(VENV)/installed ## identify and follow a record made elsewhere: make case NAME=mine
 	$(if $(NAME),,$(error Name a file of config/cases: make case NAME=cascaded_tanks))

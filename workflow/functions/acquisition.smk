@@ -1,6 +1,23 @@
-def virtual(wildcards):
-    """The name in the bench's configuration of an actuator that is virtual, else None."""
-    return ACTUATORS[wildcards.actuator].get("bench")
+from dea import archive
+
+VIRTUAL = [name for name, actuator in ACTUATORS.items() if actuator.get("bench")]
+RECORDED = [name for name in ACTUATORS if name not in VIRTUAL]
+
+
+def names(actuators):
+    """The constraint of a wildcard that stands for one of ``actuators``."""
+    return "|".join(actuators) or "no-actuator"
+
+
+def recorded(wildcards, excitation):
+    """The manifest of the record of hardware to study; where there is none, how to make it."""
+    actuator = ACTUATORS[wildcards.actuator]
+    key = {"record": "record", "second": "second_record"}[excitation]
+    try:
+        folder = archive.chosen(wildcards.actuator, excitation, actuator.get(key))
+    except InputError as error:
+        raise WorkflowError(str(error)) from None
+    return folder / archive.MANIFEST
 
 
 def acquisition_settings(excitation):
@@ -14,8 +31,8 @@ def acquisition_settings(excitation):
             "excitation_name": excitation,
             "acquisition": config["acquisition"],
         }
-        if actuator := virtual(wildcards):
-            leaves["bench"] = config["bench"] | {"actuator": actuator, "config": BENCH}
+        served = ACTUATORS[wildcards.actuator]["bench"]
+        leaves["bench"] = config["bench"] | {"actuator": served, "config": BENCH}
         return json.dumps(leaves, sort_keys=True)
 
     return resolve

@@ -1,17 +1,16 @@
 include: "../functions/acquisition.smk"
 
 
-# Every actuator is driven twice over Modbus: the study's record, and a second one with another
-# excitation that certifies what was learnt from the first.
+# Every actuator has two records: the study's, and a second one with another excitation that
+# certifies what was learnt from the first. A virtual actuator is driven by a rule. A record of
+# hardware is made by `make record` and is no output of a rule, so that nothing here deletes it.
 
 
 rule acquire:
     input:
         device=lambda wildcards: ACTUATORS[wildcards.actuator]["device"],
-        bench=lambda wildcards: BENCH if virtual(wildcards) else [],
-        code=lambda wildcards: modules(
-            "dea.stages.acquire", *["dea.bench.__main__"] * bool(virtual(wildcards))
-        ),
+        bench=BENCH,
+        code=modules("dea.stages.acquire", "dea.bench.__main__"),
     output:
         record="results/{actuator}/record.nc",
         link="results/{actuator}/link.nc",
@@ -19,6 +18,8 @@ rule acquire:
         "results/{actuator}/log/acquire.log",
     benchmark:
         "results/{actuator}/benchmark/acquire.tsv"
+    wildcard_constraints:
+        actuator=names(VIRTUAL),
     params:
         settings=acquisition_settings("record"),
     shell:
@@ -38,3 +39,36 @@ use rule acquire as acquire_second with:
         "results/{actuator}/benchmark/acquire_second.tsv"
     params:
         settings=acquisition_settings("second"),
+
+
+rule take_record:
+    input:
+        manifest=lambda wildcards: recorded(wildcards, "record"),
+        code=modules("dea.stages.take_record"),
+    output:
+        record="results/{actuator}/record.nc",
+        link="results/{actuator}/link.nc",
+    log:
+        "results/{actuator}/log/take_record.log",
+    benchmark:
+        "results/{actuator}/benchmark/take_record.tsv"
+    wildcard_constraints:
+        actuator=names(RECORDED),
+    shell:
+        stage(
+            "take_record --manifest {input.manifest:q}"
+            " --record {output.record:q} --link {output.link:q} 2> {log:q}"
+        )
+
+
+use rule take_record as take_second_record with:
+    input:
+        manifest=lambda wildcards: recorded(wildcards, "second"),
+        code=modules("dea.stages.take_record"),
+    output:
+        record="results/{actuator}/second_record.nc",
+        link="results/{actuator}/second_link.nc",
+    log:
+        "results/{actuator}/log/take_second_record.log",
+    benchmark:
+        "results/{actuator}/benchmark/take_second_record.tsv"

@@ -15,6 +15,13 @@ class Actuator(Section):
         " endpoint of the device description does",
         default=None,
     )
+    record: str | None = key(
+        "folder below records/NAME of the record to study; the newest where it is not given",
+        default=None,
+    )
+    second_record: str | None = key(
+        "the same of the record with the second excitation", default=None
+    )
 
 
 class Acquisition(Section):

@@ -1,0 +1,162 @@
+"""Records of hardware: ``records/NAME/TIME/``, read-only, each with a manifest.
+
+Nothing here deletes or overwrites. A folder takes its name when it is whole; one that an
+acquisition has left unfinished keeps the suffix ``.partial``.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from dea.errors import InputError
+
+ROOT = Path("records")
+MANIFEST = "manifest.json"
+UNFINISHED = ".partial"
+
+
+def finished(name: str, excitation: str, root: Path = ROOT) -> list[Path]:
+    """Return the folders of the records of an actuator with this excitation, oldest first.
+
+    Raises
+    ------
+    InputError
+        If a folder has no readable manifest.
+    """
+    folders = sorted(path for path in (root / name).glob("*Z") if path.is_dir())
+    return [folder for folder in folders if manifest(folder)["excitation"] == excitation]
+
+
+def chosen(name: str, excitation: str, pinned: str | None = None, root: Path = ROOT) -> Path:
+    """Return the folder of the record to study: the one ``pinned``, or else the newest.
+
+    Raises
+    ------
+    InputError
+        If there is none; the remedy names the command that acquires it.
+    """
+    folders = finished(name, excitation, root)
+    command = f"make record NAME={name} EXCITATION={excitation}"
+    if pinned is not None:
+        if root / name / pinned in folders:
+            return root / name / pinned
+        raise InputError(
+            f"there is no record {pinned!r} of the excitation {excitation!r}",
+            file=root / name,
+            remedy=f"Name one of {', '.join(f.name for f in folders)}"
+            if folders
+            else f"Acquire it: {command}",
+        )
+    if not folders:
+        raise InputError(
+            f"there is no record of {name} with the excitation {excitation!r}",
+            file=root / name,
+            remedy=f"Acquire it: {command}",
+        )
+    return folders[-1]
+
+
+def manifest(folder: Path) -> dict[str, Any]:
+    """Return what a record's manifest says.
+
+    Raises
+    ------
+    InputError
+        If it is missing or damaged.
+    """
+    file = folder / MANIFEST
+    try:
+        content = json.loads(file.read_text())
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"cannot be read ({error})", file=file, remedy="Bring it back from a backup"
+        ) from error
+    if not isinstance(content, dict) or not {"excitation", "files"} <= content.keys():
+        raise InputError(
+            "is no manifest of a record", file=file, remedy="Bring it back from a backup"
+        )
+    return content
+
+
+def check(folder: Path) -> dict[str, Any]:
+    """Compare the files of a record with its manifest, which is returned.
+
+    Raises
+    ------
+    InputError
+        Naming the first file that is missing or holds something else.
+    """
+    content = manifest(folder)
+    for name, expected in content["files"].items():
+        file = folder / name
+        if not file.is_file():
+            raise InputError("is missing", file=file, remedy="Bring it back from a backup")
+        if _sha256(file) != expected:
+            raise InputError(
+                f"is not what was recorded (SHA-256 {expected[:12]}…)",
+                file=file,
+                remedy="Bring it back from a backup",
+            )
+    return content
+
+
+@contextmanager
+def unfinished(name: str, root: Path = ROOT, now: datetime | None = None) -> Iterator[Path]:
+    """Yield a new folder for a record of ``name`` that starts now; :func:`seal` finishes it.
+
+    Where the block fails, the folder stays with what it holds, and is removed only if empty.
+
+    Raises
+    ------
+    InputError
+        If there is one of the same second already.
+    """
+    time = (now or datetime.now(UTC)).strftime("%Y%m%dT%H%M%SZ")
+    folder = root / name / f"{time}{UNFINISHED}"
+    if folder.with_suffix("").exists():
+        raise InputError("exists already", file=folder.with_suffix(""), remedy="Start it again")
+    try:
+        folder.mkdir(parents=True)
+    except FileExistsError:
+        raise InputError(
+            "another record starts at this moment", file=folder, remedy="Start it again"
+        ) from None
+    try:
+        yield folder
+    finally:
+        if folder.exists() and not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def seal(folder: Path, content: Mapping[str, Any]) -> Path:
+    """Write the manifest of an unfinished record, make it read-only, and give it its name.
+
+    Parameters
+    ----------
+    content
+        What the manifest says; the SHA-256 of every file is added.
+
+    Returns
+    -------
+    Path
+        The folder under its final name.
+    """
+    files = sorted(path for path in folder.iterdir() if path.is_file())
+    digests = {path.name: _sha256(path) for path in files}
+    text = json.dumps({**content, "files": digests}, indent=1, sort_keys=True)
+    (folder / MANIFEST).write_text(f"{text}\n")
+    for path in folder.iterdir():
+        path.chmod(0o444)
+    final = folder.with_suffix("")
+    folder.rename(final)
+    final.chmod(0o555)
+    return final
+
+
+def _sha256(file: Path) -> str:
+    with file.open("rb") as opened:
+        return hashlib.file_digest(opened, "sha256").hexdigest()

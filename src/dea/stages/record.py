@@ -1,0 +1,134 @@
+"""Record an actuator of the study into ``records/``: ``python -m dea.stages.record --help``."""
+
+import argparse
+import getpass
+import platform
+import subprocess
+import sys
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from dea import acquisition, archive, modbus
+from dea.acquisition.monitor import Monitor
+from dea.acquisition.voltage_plan import plan_sequence
+from dea.configuration.acquisition import Actuator
+from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.files import read_yaml
+from dea.configuration.problems import did_you_mean
+from dea.configuration.study import FILE, check_actuators, check_study
+from dea.configuration.study import settings as written
+from dea.errors import DeviceError, InputError
+from dea.stages.driving import excitation, write
+
+
+def record(name: str, excitation_name: str, operator: str) -> Path:
+    """Drive the actuator ``name`` of the study with one of its excitations and keep its record.
+
+    Returns
+    -------
+    Path
+        The folder of the record.
+
+    Raises
+    ------
+    InputError, DeviceError
+        As :func:`dea.acquisition.acquire`. What was recorded until then stays in a folder whose
+        name ends in ``.partial``.
+    """
+    study = check_study(read_yaml(FILE, what="the configuration", example=FILE))
+    check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
+    actuator = _actuator(study.actuators, name)
+    device_file = Path(actuator.device)
+    device = modbus.read_device(device_file)
+    settings: dict[str, Any] = {
+        "seed": study.seed,
+        "system": name,
+        "excitation": written(getattr(study.excitation, excitation_name)),
+        "excitation_name": excitation_name,
+        "acquisition": written(study.acquisition),
+    }
+    volts, _ = excitation(settings, device)
+    options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
+    total = plan_sequence(device, volts, options.ramp_rate).counts.size
+    begun = datetime.now(UTC)
+    with archive.unfinished(name, now=begun) as folder:
+        with Monitor(device, total) as monitor:
+            acquired = acquisition.acquire(
+                device, volts, folder / "samples.partial", options, watch=monitor
+            )
+        files = {"record": folder / "record.nc", "link": folder / "link.nc"}
+        write(acquired, files, settings, {"device": device_file})
+        (folder / "device.yaml").write_text(device_file.read_text())
+        (folder / "config.yaml").write_text(Path(FILE).read_text())
+        (folder / "samples.partial").unlink()
+        return archive.seal(
+            folder,
+            {
+                "name": name,
+                "excitation": excitation_name,
+                "begun": begun.isoformat(timespec="seconds"),
+                "ended": datetime.now(UTC).isoformat(timespec="seconds"),
+                "operator": operator,
+                "computer": platform.node(),
+                "software": _software(),
+                "settings": settings,
+            },
+        )
+
+
+def _actuator(actuators: list[Actuator], name: str) -> Actuator:
+    known = {actuator.name: actuator for actuator in actuators}
+    if name not in known:
+        raise InputError(
+            f"there is no actuator {name!r}",
+            file=FILE,
+            field="actuators",
+            remedy=f"{did_you_mean(name, known)}There are {', '.join(known)}.",
+        )
+    if known[name].bench is not None:
+        raise InputError(
+            f"{name} is virtual, and the study acquires it by itself",
+            file=FILE,
+            field=f"actuators[{list(known).index(name)}].bench",
+            remedy="Take `bench` away to drive the device of its description.",
+        )
+    return known[name]
+
+
+def _software() -> dict[str, str]:
+    """Return the version of this project, and its commit where it is in a repository."""
+    found = {"dea-study": version("dea-study"), "python": platform.python_version()}
+    try:
+        said = subprocess.run(
+            ["git", "describe", "--always", "--dirty", "--abbrev=40"],
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+    except (OSError, subprocess.CalledProcessError):
+        return found
+    return found | {"commit": said.stdout.strip()}
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; exits with 2 for bad input, 1 for a failed acquisition."""
+    parser = argparse.ArgumentParser(prog="python -m dea.stages.record", description=__doc__)
+    parser.add_argument("name", help="an actuator of config/config.yaml without `bench`")
+    parser.add_argument("--excitation", choices=("record", "second"), default="record")
+    parser.add_argument("--operator", default=getpass.getuser(), help="who is in charge")
+    options = parser.parse_args(arguments)
+    try:
+        print(record(options.name, options.excitation, options.operator))
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    except (DeviceError, OSError) as error:
+        print(f"failed: {error}", file=sys.stderr)
+        raise SystemExit(1) from None
+    except acquisition.Interrupted as signal:
+        print(f"ended by {signal}; the output is at zero", file=sys.stderr)
+        raise SystemExit(130) from None
+
+
+if __name__ == "__main__":
+    main()

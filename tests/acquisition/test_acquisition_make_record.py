@@ -1,0 +1,92 @@
+"""Recording hardware into ``records/``, with the bench in the place of the device."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from dea import archive, store
+from dea.stages.record import main
+from dea.stages.take_record import take_record
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch, serve_bench):
+    """A study of one actuator, film1, whose device is a served bench."""
+    bench = serve_bench()
+    shutil.copytree(ROOT / "config", tmp_path / "config")
+    device = tmp_path / "config/devices/mine.yaml"
+    description = yaml.safe_load((device.parent / "virtual_bench.yaml").read_text())
+    description["endpoint"] = {"host": "127.0.0.1", "port": bench.endpoint.port}
+    device.write_text(yaml.safe_dump(description))
+    file = tmp_path / "config/config.yaml"
+    config = yaml.safe_load(file.read_text())
+    config["actuators"] = [
+        {"name": "film1", "device": "config/devices/mine.yaml"},
+        {"name": "dea1", "device": "config/devices/mine.yaml", "bench": "dea1"},
+    ]
+    config["excitation"]["record"]["duration"] = 130
+    config["validation"]["windows"] = [[100, 130]]
+    config["identification"]["length"] = 20
+    config["acquisition"]["ramp_rate"] = 20.0
+    file.write_text(yaml.safe_dump(config))
+    monkeypatch.chdir(tmp_path)
+    return bench
+
+
+def test_a_record_is_kept_with_what_made_it(study, capsys, tmp_path):
+    main(["film1", "--operator", "A. Volta"])
+    folder = Path(capsys.readouterr().out.strip())
+    content = archive.check(folder)
+    assert content["operator"] == "A. Volta"
+    assert content["settings"]["excitation"]["duration"] == 130
+    assert {"record.nc", "link.nc", "device.yaml", "config.yaml"} == set(content["files"])
+    record = store.read(folder / "record.nc")
+    index = record.device_index.values
+    assert np.array_equal(record.displacement_counts, study.displacement[index])
+    take_record({}, folder / archive.MANIFEST, tmp_path / "r.nc", tmp_path / "l.nc")
+    assert (tmp_path / "r.nc").read_bytes() == (folder / "record.nc").read_bytes()
+
+
+def test_a_failed_record_keeps_its_samples_and_gets_no_name(study, capsys, monkeypatch):
+    def full(*_, **__):
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr("dea.stages.record.write", full)
+    with pytest.raises(SystemExit) as exit_:
+        main(["film1"])
+    assert exit_.value.code == 1
+    assert "No space left" in capsys.readouterr().err
+    (folder,) = Path("records/film1").iterdir()
+    assert folder.name.endswith(".partial")
+    assert (folder / "samples.partial").stat().st_size > 130 * 50
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("film2", "Did you mean 'film1'?"), ("dea1", "the study acquires it by itself")],
+)
+def test_an_actuator_that_cannot_be_recorded_is_named(study, capsys, name, said):
+    with pytest.raises(SystemExit) as exit_:
+        main([name])
+    assert exit_.value.code == 2
+    assert said in capsys.readouterr().err
+    assert not Path("records").exists()
+
+
+def test_a_changed_record_is_not_taken_into_the_study(study, capsys, tmp_path):
+    main(["film1"])
+    folder = Path(capsys.readouterr().out.strip())
+    folder.chmod(0o755)
+    manifest = json.loads((folder / archive.MANIFEST).read_text())
+    (folder / "record.nc").chmod(0o644)
+    (folder / "record.nc").write_bytes((folder / "record.nc").read_bytes()[:-1])
+    assert manifest["files"]["record.nc"]
+    with pytest.raises(ValueError, match=r"record\.nc: is not what was recorded"):
+        take_record({}, folder / archive.MANIFEST, tmp_path / "r.nc", tmp_path / "l.nc")
+    assert not (tmp_path / "r.nc").exists()
