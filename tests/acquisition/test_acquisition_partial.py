@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dea.acquisition import Samples, recover
-from dea.acquisition.partial import HEADING, PartialFile, set_aside
+from dea.acquisition.partial import HEADING, MARK, PartialFile, set_aside
 from dea.errors import InputError
 
 
@@ -41,7 +41,7 @@ def written(tmp_path_factory):
 def test_what_is_written_is_recovered(written):
     path, sizes, _ = written
     found = recover(path)
-    assert found.whole
+    assert found.damaged == 0
     assert found.notes == [{"lead": 3}]
     for column, expected in zip(found.samples, block(0, sum(sizes)), strict=True):
         assert np.array_equal(column, expected)
@@ -59,23 +59,43 @@ def test_a_crash_at_any_byte_leaves_everything_up_to_that_block(written, data):
     blocks = sum(end <= cut for end in ends[1:])
     assert found.samples.position.size == sum(sizes[:blocks])
     assert np.array_equal(found.samples.displacement, block(0, sum(sizes[:blocks])).displacement)
-    assert found.whole == (cut in [len(HEADING), *ends])
+    assert found.damaged == (cut not in [len(HEADING), *ends])
 
 
 @given(st.data())
 @settings(max_examples=300, deadline=None)
-def test_a_damaged_byte_ends_what_is_recovered_and_alters_nothing(written, data):
+def test_a_damaged_byte_loses_the_block_it_is_in_and_alters_nothing(written, data):
     path, sizes, ends = written
     content = bytearray(path.read_bytes())
-    place = data.draw(st.integers(len(HEADING), len(content) - 1))
+    place = data.draw(st.integers(0, len(content) - 1))
     content[place] ^= data.draw(st.integers(1, 255))
     torn = path.with_name("damaged.partial")
     torn.write_bytes(content)
     found = recover(torn)
-    blocks = sum(end <= place for end in ends[1:])
-    assert not found.whole
-    assert found.samples.position.size == sum(sizes[:blocks])
-    assert np.array_equal(found.samples.applied, block(0, sum(sizes[:blocks])).applied)
+    starts = np.cumsum([0, *sizes])
+    damaged = next((i for i, end in enumerate(ends[1:]) if place < end), None)
+    if place < ends[0]:  # the heading, or the note
+        damaged = None
+        assert found.notes == ([{"lead": 3}] if place < len(HEADING) else [])
+    intact = [
+        np.arange(starts[i], starts[i + 1]) for i in range(len(sizes)) if i != damaged
+    ]  # fmt: skip
+    assert found.damaged == 1
+    assert np.array_equal(found.samples.position, np.concatenate(intact))
+    assert np.array_equal(found.samples.applied, np.concatenate(intact) % 3)
+
+
+def test_a_mark_within_a_note_begins_no_entry(tmp_path):
+    path = tmp_path / "a.partial"
+    file = PartialFile(path, {})
+    file.samples(block(0, 3))
+    file.close()
+    content = path.read_bytes()
+    place = content.index(MARK, len(HEADING) + 1)
+    path.write_bytes(content[:place] + b"x" + MARK + bytes(20) + content[place:])
+    found = recover(path)
+    assert found.damaged == 1
+    assert np.array_equal(found.samples.position, [0, 1, 2])
 
 
 def test_what_is_no_partial_file_is_refused(tmp_path):

@@ -101,6 +101,7 @@ def rescue(options: argparse.Namespace) -> None:
     flagged = int(np.count_nonzero(record["quality"] != Quality.GOOD))
     print(
         f"{record.sizes['time']} of {heading['length']} samples, {flagged} flagged"
+        + (f"; {found.damaged} damaged stretches of the file" if found.damaged else "")
         + "".join(f"; {reason}" for reason in reasons)
     )
     record.attrs["notes"] = json.dumps(found.notes, sort_keys=True)

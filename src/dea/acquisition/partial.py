@@ -1,7 +1,7 @@
-"""The file a running acquisition appends to, readable after a crash at any byte.
+"""The file a running acquisition appends to, readable after a crash or damage at any byte.
 
-Entries follow a fixed heading, each as length, CRC-32 and payload. What can be recovered ends at
-the first entry that is cut short or damaged.
+Entries follow a fixed heading, each as mark, length, CRC-32 and payload. Where an entry is damaged,
+the mark shows where the next one begins, so that every intact entry is recovered.
 """
 
 import itertools
@@ -19,8 +19,9 @@ import numpy as np
 from dea.acquisition.samples import Samples
 from dea.errors import InputError
 
-HEADING = b"dea acquisition 1\n"
-_ENTRY = struct.Struct("<II")
+HEADING = b"dea acquisition 2\n"
+MARK = b"\xa5DEA"
+_ENTRY = struct.Struct("<4sII")
 _ROW = np.dtype([(name, "<i8") for name in Samples._fields])
 _NOTE, _SAMPLES = b"N", b"S"
 
@@ -73,7 +74,7 @@ class PartialFile:
     def _append(self, payload: bytes) -> None:
         self._check()
         with self._changed:
-            self._waiting += _ENTRY.pack(len(payload), zlib.crc32(payload)) + payload
+            self._waiting += _ENTRY.pack(MARK, len(payload), zlib.crc32(payload)) + payload
             self._changed.notify()
 
     def _check(self) -> None:
@@ -106,15 +107,19 @@ def set_aside(path: Path) -> None:
 
 
 class Recovered(NamedTuple):
-    """The notes and samples of a partial file, and whether its last entry is complete."""
+    """What a partial file holds.
+
+    ``damaged`` counts the stretches of bytes that belong to no intact entry, the end of a file that
+    was cut short among them.
+    """
 
     notes: list[dict[str, Any]]
     samples: Samples
-    whole: bool
+    damaged: int
 
 
 def recover(path: Path) -> Recovered:
-    """Read a partial file up to its first damaged entry.
+    """Read every intact entry of a partial file.
 
     Raises
     ------
@@ -125,32 +130,47 @@ def recover(path: Path) -> Recovered:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"cannot be read: {error}", file=path) from error
-    if not data.startswith(HEADING):
+    payloads, damaged = _intact(data)
+    if not (data.startswith(HEADING) or payloads):
         raise InputError(
             "not a partial file of an acquisition",
             file=path,
             remedy="Name the file that ends in .partial beside the record.",
         )
-    notes, blocks, place = [], [], len(HEADING)
-    while place < len(data):
-        payload = _entry(data, place)
-        if payload is None:
-            break
-        if payload[:1] == _NOTE:
-            notes.append(json.loads(payload[1:]))
-        else:
-            blocks.append(np.frombuffer(payload[1:], _ROW))
-        place += _ENTRY.size + len(payload)
+    notes = [json.loads(payload[1:]) for payload in payloads if payload[:1] == _NOTE]
+    blocks = [np.frombuffer(payload[1:], _ROW) for payload in payloads if payload[:1] == _SAMPLES]
     rows = np.concatenate(blocks) if blocks else np.empty(0, _ROW)
     samples = Samples(*(rows[name].astype(np.int64) for name in Samples._fields))
-    return Recovered(notes, samples, place == len(data))
+    return Recovered(notes, samples, damaged)
+
+
+def _intact(data: bytes) -> tuple[list[bytes], int]:
+    """Return the payloads of the intact entries, and the number of damaged stretches."""
+    payloads, damaged = [], int(not data.startswith(HEADING))
+    place = len(HEADING)
+    while place < len(data):
+        payload = _entry(data, place)
+        if payload is not None:
+            payloads.append(payload)
+            place += _ENTRY.size + len(payload)
+            continue
+        damaged += 1
+        # The mark may occur in a payload too; the entry it seems to begin has no right CRC then.
+        place = data.find(MARK, place + 1)
+        while place >= 0 and _entry(data, place) is None:
+            place = data.find(MARK, place + 1)
+        if place < 0:
+            break
+    return payloads, damaged
 
 
 def _entry(data: bytes, place: int) -> bytes | None:
     """Return the payload of the entry at ``place``, or None if it is cut short or damaged."""
     if place + _ENTRY.size > len(data):
         return None
-    length, crc = _ENTRY.unpack_from(data, place)
+    mark, length, crc = _ENTRY.unpack_from(data, place)
     start = place + _ENTRY.size
     payload = data[start : start + length]
-    return payload if len(payload) == length and zlib.crc32(payload) == crc else None
+    # Zeros after a mark would read as an empty entry.
+    intact = mark == MARK and 0 < length == len(payload) and zlib.crc32(payload) == crc
+    return payload if intact else None
