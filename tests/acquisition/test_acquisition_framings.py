@@ -1,7 +1,5 @@
 """The same acquisition over every framing, and certificates that do not match."""
 
-import datetime
-import ipaddress
 import os
 import pty
 import select
@@ -14,11 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cryptography import x509
-from cryptography.hazmat.primitives import hashes, serialization
-from cryptography.hazmat.primitives.asymmetric import ec
-from cryptography.x509.oid import NameOID
 
+from certificates import certificate
 from dea.acquisition import AcquisitionSettings, acquire
 from dea.errors import InputError
 from dea.modbus import Serial, Tls, read_device
@@ -26,35 +21,6 @@ from served_bench import DESCRIPTION
 
 FAST = AcquisitionSettings(ramp_rate=20.0, timeout=0.5, reconnect_time=1.0)
 VOLTS = 2.4 + 1.2 * np.sin(np.arange(300) * 0.1)
-
-
-def certificate(folder, name, address="127.0.0.1"):
-    """A self-signed certificate for ``address``; returns its file and its key's."""
-    key = ec.generate_private_key(ec.SECP256R1())
-    subject = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, name)])
-    names = x509.SubjectAlternativeName([x509.IPAddress(ipaddress.ip_address(address))])
-    begun = datetime.datetime.now(datetime.UTC) - datetime.timedelta(days=1)
-    signed = (
-        x509.CertificateBuilder()
-        .subject_name(subject)
-        .issuer_name(subject)
-        .public_key(key.public_key())
-        .serial_number(x509.random_serial_number())
-        .not_valid_before(begun)
-        .not_valid_after(begun + datetime.timedelta(days=10))
-        .add_extension(names, critical=False)
-        .sign(key, hashes.SHA256())
-    )
-    files = folder / f"{name}.pem", folder / f"{name}.key"
-    files[0].write_bytes(signed.public_bytes(serialization.Encoding.PEM))
-    files[1].write_bytes(
-        key.private_bytes(
-            serialization.Encoding.PEM,
-            serialization.PrivateFormat.PKCS8,
-            serialization.NoEncryption(),
-        )
-    )
-    return files
 
 
 @pytest.fixture

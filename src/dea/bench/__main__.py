@@ -21,7 +21,7 @@ import numpy as np
 
 from dea.bench.device import BenchDevice
 from dea.bench.player import OutputLimits, Player
-from dea.bench.server import BenchServer, serve
+from dea.bench.server import WRITER, BenchServer, serve
 from dea.errors import InputError
 from dea.modbus import Device, limit_counts, read_device
 from dea.plant import SAMPLE_PERIOD, Converter, Parameters, Rig, Trial, read_parameters, read_plain
@@ -97,6 +97,13 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--tls-certificate", type=Path)
     parser.add_argument("--tls-key", type=Path)
+    parser.add_argument(
+        "--tls-client-ca", type=Path,
+        help="authority of the masters' certificates, whose roles then decide who may write",
+    )  # fmt: skip
+    parser.add_argument(
+        "--writer", nargs="+", default=[WRITER], metavar="ROLE", help="roles that may write"
+    )
     return parser.parse_args(arguments)
 
 
@@ -109,7 +116,7 @@ def main(arguments: list[str] | None = None) -> None:
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
-    if not _is_loopback(server.host):
+    if not _is_loopback(server.host) and options.tls_client_ca is None:
         print(
             f"warning: {server.host} can be reached from the network, and Modbus has no "
             "authentication: anyone there can drive this bench",
@@ -142,7 +149,7 @@ def _server(options: argparse.Namespace) -> BenchServer:
         virtual_clock=options.clock == "virtual", watchdog=options.watchdog, actuator=name,
     )  # fmt: skip
     tls = _tls_context(options) if description.framing == "tls" else None
-    return BenchServer(device, description.host, description.port, tls)
+    return BenchServer(device, description.host, description.port, tls, options.writer)
 
 
 def _tls_context(options: argparse.Namespace) -> ssl.SSLContext:
@@ -158,6 +165,16 @@ def _tls_context(options: argparse.Namespace) -> ssl.SSLContext:
             file=options.tls_certificate,
             remedy=remedy,
         ) from error
+    if options.tls_client_ca is not None:
+        try:
+            context.load_verify_locations(options.tls_client_ca)
+        except OSError as error:
+            raise InputError(
+                f"the authority's certificate cannot be read: {error}",
+                file=options.tls_client_ca,
+                remedy="Give the certificate that signs the masters' with --tls-client-ca.",
+            ) from error
+        context.verify_mode = ssl.CERT_REQUIRED
     return context
 
 

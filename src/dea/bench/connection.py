@@ -5,6 +5,7 @@ blocks the first. Here each frame is answered before the next one is decoded.
 """
 
 import socket
+import time
 from typing import Protocol
 
 from pymodbus.constants import ExcCodes
@@ -15,10 +16,12 @@ from pymodbus.server.requesthandler import ServerRequestHandler
 
 from dea.bench.device import Session
 
-FUNCTIONS = (3, 4, 6, 16, 23)
+READING = (3, 4)
+FUNCTIONS = (*READING, 6, 16, 23)
 MAX_FRAME = 260  # bytes of a Modbus frame on TCP
 MAX_BURST = 16  # frames of one master answered before the other masters' frames
 MAX_CONNECTIONS = 64
+MAX_SILENCE = 60.0  # s without a request, after which a master that does not own the outputs goes
 MAX_UNREAD = 64 * 1024  # bytes of replies that a client may leave unread
 
 
@@ -26,6 +29,14 @@ class Bench(Protocol):
     """What answers the masters' requests."""
 
     connections: set["Connection"]
+
+    def owns(self, session: Session) -> bool:
+        """Whether this master owns the outputs."""
+        ...
+
+    def may_write(self, certificate: bytes | None) -> bool:
+        """Whether a master with this certificate (DER; ``None`` without TLS) may write."""
+        ...
 
     def answer(self, session: Session, request: ModbusPDU) -> ModbusPDU:
         """Reply to one request of one master."""
@@ -42,14 +53,22 @@ class Connection(ServerRequestHandler):
     def __init__(self, owner: "TcpServer | TlsServer") -> None:
         super().__init__(owner, None, None, None)
         self.bench, self.session, self.pending = owner.bench, Session(), b""
+        self.heard = time.monotonic()
 
     def callback_connected(self) -> None:
-        """Refuse a connection beyond the limit; bound the replies a client may leave unread."""
+        """Make room for this master, learn its role, bound the replies it may leave unread.
+
+        Where all places are taken, the master that has been silent for longest loses its own, so
+        that silent connections keep nobody out; the owner of the outputs never does.
+        """
         super().callback_connected()
+        others = [other for other in self.bench.connections if not self.bench.owns(other.session)]
         if len(self.bench.connections) >= MAX_CONNECTIONS:
-            self.transport.abort()  # type: ignore[attr-defined]
-            return
+            min(others, key=lambda other: other.heard, default=self).drop()
         self.bench.connections.add(self)
+        encrypted = self.transport.get_extra_info("ssl_object")
+        certificate = encrypted.getpeercert(binary_form=True) if encrypted else None
+        self.session.may_write = self.bench.may_write(certificate)
         self.transport.set_write_buffer_limits(high=MAX_UNREAD)  # type: ignore[attr-defined]
         plain: socket.socket = self.transport.get_extra_info("socket")
         plain.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_UNREAD)
@@ -59,9 +78,14 @@ class Connection(ServerRequestHandler):
         super().callback_disconnected(exc)
         self.bench.connections.discard(self)
 
+    def drop(self) -> None:
+        """Close the connection at once."""
+        self.bench.connections.discard(self)
+        self.transport.abort()  # type: ignore[attr-defined]
+
     def pause_writing(self) -> None:
         """Drop a client that does not read its replies."""
-        self.transport.abort()  # type: ignore[attr-defined]
+        self.drop()
 
     def resume_writing(self) -> None:
         """Do nothing: a paused client has been dropped."""
@@ -101,6 +125,7 @@ class Connection(ServerRequestHandler):
         return used, (unit, transaction, pdu) if pdu else None
 
     def _serve(self, unit: int, transaction: int, pdu: bytes) -> None:
+        self.heard = time.monotonic()
         request = self.framer.decoder.decode(pdu)
         if request is None:
             code = ExcCodes.ILLEGAL_VALUE if pdu[0] in FUNCTIONS else ExcCodes.ILLEGAL_FUNCTION

@@ -27,10 +27,11 @@ class RefusedError(Exception):
 
 @dataclass
 class Session:
-    """One master's connection: its token as owner and the index it reads samples from."""
+    """One master's connection: its token as owner, its sample index, and whether it may write."""
 
     token: int = 0
     read_index: int = 0
+    may_write: bool = True
 
 
 class BenchDevice:
@@ -109,9 +110,13 @@ class BenchDevice:
         else:
             self._command(value)
 
+    def owns(self, session: Session) -> bool:
+        """Whether a master owns the outputs."""
+        return bool(self.owner) and session.token == self.owner
+
     def heard(self, session: Session, now: float) -> None:
         """Reset the watchdog if the master is the owner."""
-        if self.owner and session.token == self.owner:
+        if self.owns(session):
             self.player.watchdog.heard(now)
 
     def wind(self, now: float) -> None:
@@ -139,7 +144,7 @@ class BenchDevice:
             self.owner = 0
 
     def _only_the_owner(self, session: Session) -> None:
-        if not self.owner or session.token != self.owner:
+        if not self.owns(session):
             raise RefusedError(RefusedError.NOT_ALLOWED)
 
     def _claim(self, session: Session, token: int) -> None:
@@ -188,7 +193,7 @@ class BenchDevice:
         block = self._block.decode(words)
         sequence, count = block["block_sequence"], block["block_count"]
         samples, session.read_index = block["block_samples"], block["block_read_index"]
-        if self.owner and session.token == self.owner:
+        if self.owns(session):
             self.player.collected = max(self.player.collected, session.read_index)
         if sequence:
             self._only_the_owner(session)

@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import ssl
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Collection, Coroutine
 from typing import Any, cast
 
 from pymodbus.constants import ExcCodes
@@ -13,13 +13,22 @@ from pymodbus.framer import FramerType
 from pymodbus.pdu import ExceptionResponse, ModbusPDU
 from pymodbus.simulator import DataType, SimData, SimDevice
 
-from dea.bench.connection import FUNCTIONS, Connection, TcpServer, TlsServer
+from dea.bench.connection import (
+    FUNCTIONS,
+    MAX_SILENCE,
+    READING,
+    Connection,
+    TcpServer,
+    TlsServer,
+)
 from dea.bench.device import BenchDevice, RefusedError, Session
 from dea.errors import InputError
 from dea.modbus import ReadWriteRequest, ReadWriteResponse
 
+WRITER = "operator"  # the role that may write
 _PDUS: list[type[ModbusPDU]] = [ReadWriteRequest]
-_FRAMERS = {"tcp": FramerType.SOCKET, "rtu_over_tcp": FramerType.RTU, "tls": FramerType.TLS}
+# Within TLS frames are those of TCP. pymodbus's own framer takes each record for a whole frame.
+_FRAMERS = {"tcp": FramerType.SOCKET, "rtu_over_tcp": FramerType.RTU, "tls": FramerType.SOCKET}
 
 
 class BenchServer:
@@ -33,10 +42,18 @@ class BenchServer:
         Where to listen; port 0 takes a free one, which :attr:`port` holds after :meth:`start`.
     tls
         Server-side context, needed where the framing is ``tls``.
+    writers
+        Roles whose masters may write, where ``tls`` asks for the masters' certificates; the others
+        read. Without TLS, everyone may write.
     """
 
     def __init__(
-        self, device: BenchDevice, host: str, port: int, tls: ssl.SSLContext | None = None
+        self,
+        device: BenchDevice,
+        host: str,
+        port: int,
+        tls: ssl.SSLContext | None = None,
+        writers: Collection[str] = (WRITER,),
     ) -> None:
         description = device.description
         if description.framing not in _FRAMERS:
@@ -47,6 +64,7 @@ class BenchServer:
                 remedy=f"Use {', '.join(_FRAMERS)}.",
             )
         self.device, self.host, self.port, self._tls = device, host, port, tls
+        self._writers = frozenset(writers)
         self.connections: set[Connection] = set()
         self._session = Session()
         self._failure: Exception | None = None
@@ -84,6 +102,7 @@ class BenchServer:
             while self._failure is None:
                 now = time.monotonic()
                 device.watch(now)
+                self._drop_the_silent(now)
                 due = device.tick(now) - time.monotonic()
                 await asyncio.sleep(pause if device.virtual_clock else max(0.0, due))
             raise self._failure
@@ -102,12 +121,31 @@ class BenchServer:
         except Exception as error:
             self._failure = error
 
+    def owns(self, session: Session) -> bool:
+        """Whether this master owns the outputs."""
+        return self.device.owns(session)
+
+    def may_write(self, certificate: bytes | None) -> bool:
+        """Whether a master with this certificate (DER; ``None`` where it gave none) may write."""
+        if self._tls is None or self._tls.verify_mode != ssl.CERT_REQUIRED:
+            return True
+        # Few benches ask for certificates, and their parser takes a while to import.
+        from dea.bench.role import role
+
+        return certificate is not None and role(certificate) in self._writers
+
+    def _drop_the_silent(self, now: float) -> None:
+        for connection in list(self.connections):
+            if now - connection.heard > MAX_SILENCE and not self.owns(connection.session):
+                connection.drop()
+
     def answer(self, session: Session, request: ModbusPDU) -> ModbusPDU:
         """Reply to one request of one master."""
         device, self._session = self.device, session
         if request.dev_id != device.description.unit_id:
             return ExceptionResponse(request.function_code, ExcCodes.GATEWAY_NO_RESPONSE)
-        if request.function_code not in FUNCTIONS:
+        allowed = FUNCTIONS if session.may_write else READING
+        if request.function_code not in allowed:
             return ExceptionResponse(request.function_code, ExcCodes.ILLEGAL_FUNCTION)
         if isinstance(request, ReadWriteRequest):
             reply = self._read_write(request)
