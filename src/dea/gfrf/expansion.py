@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import chain, combinations
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ Array = NDArray[np.float64]
 Polynomial = dict[Term, Array]
 
 
-def expand(terms: Sequence[Term], theta: Array, y0: Array, u0: float) -> Polynomial:
+def expand(terms: Sequence[Term], theta: Any, y0: Any, u0: float) -> dict[Term, Any]:
     """Write y_t = sum_j theta_j phi_j in the deviations Y = y - y0 and U = u - u0, exactly.
 
     Every factor y_{t-k} becomes y0 + Y_{t-k}, every u_{t-k} becomes u0 + U_{t-k}, and like
@@ -23,7 +24,8 @@ def expand(terms: Sequence[Term], theta: Array, y0: Array, u0: float) -> Polynom
     theta
         Parameters, shape (..., terms).
     y0, u0
-        Operating point, normalised; y0 of shape (...).
+        Operating point, normalised; y0 of shape (...). ``theta`` and ``y0`` may both be
+        differentiable (:class:`dea.gfrf.differentiable.Differentiable`); so are the coefficients.
 
     Returns
     -------
@@ -31,7 +33,7 @@ def expand(terms: Sequence[Term], theta: Array, y0: Array, u0: float) -> Polynom
         The coefficient, shape (...), of each monomial of the deviations that may differ from zero,
         the constant left out: it is y0 itself where y0 solves the static polynomial.
     """
-    expanded: Polynomial = {}
+    expanded: dict[Term, Any] = {}
     for j, term in enumerate(terms):
         for y_kept in _subsets(len(term.y_lags)):
             for u_kept in _subsets(len(term.u_lags)):

@@ -72,6 +72,25 @@ def rest_along(terms: Sequence[Term], theta: Array, u0: float) -> Array:
     return y0
 
 
+def rest_slope(terms: Sequence[Term], theta: Array, y0: Array, u0: float) -> Array:
+    """Return the derivative of the rest by each parameter, shape (terms, sets).
+
+    Differentiating y0 = sum_j theta_j y0^q u0^r: dy0/dtheta_j = y0^q u0^r / (1 - df/dy0).
+
+    Parameters
+    ----------
+    theta, y0
+        Parameters (sets, terms) and their rests (sets,), normalised.
+    """
+    powers = [(len(term.y_lags), u0 ** len(term.u_lags)) for term in terms]
+    values = np.stack([y0**q * share for q, share in powers])
+    feedback = sum(
+        theta[:, j] * q * y0 ** (q - 1) * share for j, (q, share) in enumerate(powers) if q
+    )
+    slope: Array = values / (1.0 - feedback)
+    return slope
+
+
 def _attracting_roots(terms: tuple[Term, ...], theta: Array, u0: float) -> list[float]:
     coefficients = np.trim_zeros(static_polynomial(terms, theta, u0), "b")
     if coefficients.size < 2:

@@ -76,7 +76,7 @@ def probe(expanded: Polynomial, omega: Sequence[NDArray[np.float64]]) -> Complex
         return delay(tones, lag) if tones.bit_count() == 1 else None
 
     order = len(omega)
-    return np.asarray(G((1 << order) - 1) / factorial(order))
+    return G((1 << order) - 1) / factorial(order)
 
 
 def _is_pole(term: tuple[tuple[int, ...], tuple[int, ...]]) -> bool:

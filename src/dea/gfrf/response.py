@@ -1,13 +1,15 @@
 """Generalised frequency response functions and zero-input responses, in physical units."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
+from dea.gfrf.differentiable import Differentiable
 from dea.gfrf.expansion import expand
-from dea.gfrf.operating_point import rest_along
+from dea.gfrf.operating_point import rest_along, rest_slope
 from dea.gfrf.probing import probe
 from dea.narx import NarxModel
 
@@ -59,19 +61,70 @@ def frequency_response(
         broadcast, or if the model does not come to rest at the operating point.
     """
     omega = _radians(order, frequencies, sampling_rate)
-    theta, sets = _parameters(model, parameters)
-    u0 = _normalised_input(model, operating_point)
-    y0 = _rest(model, theta, u0, allow_missing)
+    theta, sets = parameter_sets(model, parameters)
+    u0 = normalised_input(model, operating_point)
+    y0 = rests(model, theta, u0, allow_missing)
     shape = np.broadcast_shapes(*(w.shape for w in omega))
     settled = ~np.isnan(y0)
-    across = (slice(None), *[None] * len(shape))  # parameter sets lead, frequencies follow
-    expanded = expand(model.terms, theta[settled], y0[settled], u0)
-    per_set = {term: coefficient[across] for term, coefficient in expanded.items()}
     response = np.full((y0.size, *shape), np.nan, dtype=complex)
-    response[settled] = probe(per_set, omega) * (
-        model.scaling.y_scale / model.scaling.u_scale**order
-    )
+    response[settled] = _probed(model, omega, theta[settled], y0[settled], u0)
     return response.reshape((*sets, *shape))
+
+
+def response_and_slope(
+    model: NarxModel,
+    order: int,
+    frequencies: ArrayLike | Sequence[ArrayLike],
+    sampling_rate: float,
+    *,
+    parameters: ArrayLike | None = None,
+    operating_point: float | None = None,
+    allow_missing: bool = False,
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Return :func:`frequency_response` and its derivative by the model's parameters.
+
+    The rest moves with the parameters, which the derivative allows for.
+
+    Returns
+    -------
+    response, slope
+        Shapes (..., *frequencies) and (terms, ..., *frequencies).
+    """
+    omega = _radians(order, frequencies, sampling_rate)
+    theta, sets = parameter_sets(model, parameters)
+    u0 = normalised_input(model, operating_point)
+    y0 = rests(model, theta, u0, allow_missing)
+    shape = np.broadcast_shapes(*(w.shape for w in omega))
+    settled = ~np.isnan(y0)
+    count = len(model.terms)
+    each = np.broadcast_to(np.eye(count)[:, None, :], (count, int(settled.sum()), count))
+    found = _probed(
+        model,
+        omega,
+        Differentiable(theta[settled], each),
+        Differentiable(y0[settled], rest_slope(model.terms, theta[settled], y0[settled], u0)),
+        u0,
+    )
+    response = np.full((y0.size, *shape), np.nan, dtype=complex)
+    slope = np.full((count, y0.size, *shape), np.nan, dtype=complex)
+    if isinstance(found, Differentiable):
+        response[settled], slope[:, settled] = found.value, found.slope
+    else:  # without a term of this order the response is zero whatever the parameters are
+        response[settled], slope[:, settled] = found, 0.0
+    return response.reshape((*sets, *shape)), slope.reshape((count, *sets, *shape))
+
+
+def _probed(model: NarxModel, omega: Sequence[Array], theta: Any, y0: Any, u0: float) -> Any:
+    """Return the response, in physical units, of each set of parameters around its rest.
+
+    ``theta`` (sets, terms), ``y0`` (sets,) and the result are all arrays or all differentiable.
+    """
+    shape = np.broadcast_shapes(*(w.shape for w in omega))
+    across = (slice(None), *[None] * len(shape))  # parameter sets lead, frequencies follow
+    expanded = expand(model.terms, theta, y0, u0)
+    per_set = {term: coefficient[across] for term, coefficient in expanded.items()}
+    physical = model.scaling.y_scale / model.scaling.u_scale ** len(omega)
+    return probe(per_set, omega) * physical
 
 
 def zero_input_response(
@@ -94,9 +147,9 @@ def zero_input_response(
     InputError
         If the model does not come to rest.
     """
-    theta, sets = _parameters(model, parameters)
-    u0 = _normalised_input(model, operating_point)
-    y0 = _rest(model, theta, u0, allow_missing)
+    theta, sets = parameter_sets(model, parameters)
+    u0 = normalised_input(model, operating_point)
+    y0 = rests(model, theta, u0, allow_missing)
     return model.scaling.restore_output(y0).reshape(sets)
 
 
@@ -134,7 +187,7 @@ def _radians(
     return [2.0 * np.pi * f / sampling_rate for f in arrays]
 
 
-def _parameters(model: NarxModel, parameters: ArrayLike | None) -> tuple[Array, tuple[int, ...]]:
+def parameter_sets(model: NarxModel, parameters: ArrayLike | None) -> tuple[Array, tuple[int, ...]]:
     """Return the parameter sets as rows, and the shape that they were given in."""
     theta = np.asarray(model.parameters if parameters is None else parameters, dtype=float)
     if theta.shape[-1:] != (len(model.terms),):
@@ -146,13 +199,15 @@ def _parameters(model: NarxModel, parameters: ArrayLike | None) -> tuple[Array, 
     return theta.reshape(-1, len(model.terms)), theta.shape[:-1]
 
 
-def _normalised_input(model: NarxModel, operating_point: float | None) -> float:
+def normalised_input(model: NarxModel, operating_point: float | None) -> float:
+    """Return the operating point in the units of the equation."""
     if operating_point is None:
         return 0.0
     return float((operating_point - model.scaling.u_offset) / model.scaling.u_scale)
 
 
-def _rest(model: NarxModel, theta: Array, u0: float, allow_missing: bool) -> Array:
+def rests(model: NarxModel, theta: Array, u0: float, allow_missing: bool) -> Array:
+    """Return the rest of each set of parameters (sets, terms), normalised."""
     y0 = rest_along(model.terms, theta, u0)
     restless = np.flatnonzero(np.isnan(y0))
     if restless.size and not allow_missing:
