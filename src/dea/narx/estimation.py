@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dea.errors import InputError
+from dea.narx.autoregression import fit_autoregression
 from dea.narx.checks import Array, as_record
 from dea.narx.model import NarxModel
 from dea.narx.regressors import regressor_matrix
@@ -15,6 +16,9 @@ from dea.terms import Term, max_lag
 Segment = tuple[Array, Array]
 Signals = ArrayLike | Sequence[ArrayLike]
 
+NOT_WHITE = (
+    "the one-step error is correlated in time, so that least squares on measured outputs is biased"
+)
 _DEPENDENT = 1e-12  # singular values below this share of the largest are rounding
 
 
@@ -35,7 +39,8 @@ def estimate(
     -------
     NarxModel
         Its covariance is that for a white one-step error. Noise on the output biases the
-        parameters themselves: :func:`dea.narx.refine` removes that bias.
+        parameters themselves, and then no interval around them holds: where the one-step error is
+        not white, ``withheld`` of the model says so. :func:`dea.narx.refine` removes that bias.
 
     Raises
     ------
@@ -45,8 +50,24 @@ def estimate(
     chosen = tuple(terms)
     records = as_segments(u, y, max_lag(chosen), len(chosen))
     scale = scaling_of(records) if scaling is None else scaling
-    theta, covariance = least_squares(chosen, normalised(records, scale))
-    return NarxModel(chosen, theta, scale, covariance)
+    segments = normalised(records, scale)
+    theta, covariance = least_squares(chosen, segments)
+    return NarxModel(
+        chosen, theta, scale, covariance, withheld=reason_to_withhold(chosen, theta, segments)
+    )
+
+
+def reason_to_withhold(terms: Sequence[Term], theta: Array, segments: Sequence[Segment]) -> str:
+    """Return why intervals of a least-squares estimate cannot hold, empty where they can.
+
+    The estimate is consistent only if the one-step error is white; its order as an autoregression
+    says whether it is.
+    """
+    start = max_lag(terms)
+    noise = fit_autoregression(
+        [y[start:] - regressor_matrix(terms, u, y) @ theta for u, y in segments]
+    )
+    return NOT_WHITE if noise.order else ""
 
 
 def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> tuple[Array, Array]:

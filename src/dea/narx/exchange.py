@@ -19,7 +19,8 @@ import numpy as np
 
 from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
-from dea.narx.refinement import Refined, column_norms, linearise, minimise
+from dea.narx.parameter_covariance import column_norms
+from dea.narx.refinement import Refined, linearise, minimise
 from dea.narx.simulation import simulate
 from dea.narx.trace import Trace, Tried, gain
 from dea.terms import Term

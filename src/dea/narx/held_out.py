@@ -10,7 +10,7 @@ from dea.narx.checks import as_record
 from dea.narx.estimation import normalised
 from dea.narx.metrics import rmse
 from dea.narx.model import NarxModel
-from dea.narx.refinement import minimise
+from dea.narx.refinement import fit_free_runs
 
 
 def held_out_error(model: NarxModel, u: ArrayLike, y: ArrayLike, *, parts: int = 6) -> float:
@@ -56,7 +56,7 @@ def held_out_error(model: NarxModel, u: ArrayLike, y: ArrayLike, *, parts: int =
             for piece in (slice(0, first), slice(last, inputs.size))
             if inputs[piece].size > model.max_lag
         ]
-        fitted = minimise(model.terms, model.parameters, normalised(others, model.scaling))
+        fitted = fit_free_runs(model.terms, model.parameters, normalised(others, model.scaling))
         if not np.isfinite(fitted.msse):
             return np.inf
         run = model.with_parameters(fitted.parameters).simulate(

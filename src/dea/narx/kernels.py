@@ -110,7 +110,11 @@ def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: f
 def run_with_slope(
     structure: Structure, theta: Array, u: Array, y: Array, slope: Array, bound: float
 ) -> None:
-    """As :func:`run`, and continue the derivatives ``slope`` of ``y`` by the parameters."""
+    """As :func:`run`, and continue the derivatives ``slope`` of ``y``.
+
+    Its first columns are those of the parameters; further ones are of quantities that act only
+    through the samples before the structure's start, such as the initial outputs themselves.
+    """
     group, y_lags, u_lags, start = structure
     groups, factors = y_lags.shape
     terms = theta.size
@@ -158,7 +162,8 @@ def run_with_slope(
             y[t] = total
             for j in range(terms):
                 slope[t, j] = row[j] * outputs[group[j]]
+            slope[t, terms:] = 0.0
             for k in range(1, start + 1):
                 if feedback[k] != 0.0:
-                    for j in range(terms):
+                    for j in range(slope.shape[1]):
                         slope[t, j] += feedback[k] * slope[t - k, j]

@@ -30,6 +30,8 @@ class NarxModel:
         From physical units to those of the equation and back.
     covariance
         Of the parameters, shape (terms, terms), where they were estimated.
+    withheld
+        Why intervals from the covariance cannot hold; empty where they can.
     trace
         Where the terms were selected, every candidate model tried; dimension ``trial``:
         ``trial_phase`` (basis, forward, pruning, exchange), ``trial_step``, ``trial_term``,
@@ -42,6 +44,7 @@ class NarxModel:
     scaling: Scaling = field(default_factory=Scaling)
     covariance: Array | None = None
     trace: xr.Dataset | None = None
+    withheld: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "terms", tuple(self.terms))
@@ -134,10 +137,12 @@ class NarxModel:
         predicted = self.scaling.restore_output(matrix @ self.parameters)
         return np.concatenate([outputs[: self.max_lag], predicted])
 
-    def with_parameters(self, parameters: ArrayLike, covariance: Array | None = None) -> Self:
+    def with_parameters(
+        self, parameters: ArrayLike, covariance: Array | None = None, withheld: str = ""
+    ) -> Self:
         """Return the same structure with other parameters."""
         values = as_signal(parameters, "parameters")
-        return replace(self, parameters=values, covariance=covariance)
+        return replace(self, parameters=values, covariance=covariance, withheld=withheld)
 
     def to_dataset(self, u_units: str = "1", y_units: str = "1") -> xr.Dataset:
         """Return the model and its trace as labelled data, as ``model.nc`` holds them."""
@@ -156,7 +161,7 @@ class NarxModel:
         dataset = xr.Dataset(
             {"parameter": ("term", self.parameters, _plain("parameter of the term")), **scaling},
             coords={"term": ("term", list(map(str, self.terms)), _plain("term"))},
-            attrs={"contract": "model", "equation": str(self)},
+            attrs={"contract": "model", "equation": str(self), "withheld": self.withheld},
         )
         if self.covariance is not None:
             label = _plain("covariance of the parameters")
@@ -175,6 +180,7 @@ class NarxModel:
             Scaling(**{item.name: float(dataset[item.name]) for item in fields(Scaling)}),
             dataset["covariance"].values if "covariance" in dataset else None,
             dataset[trace].drop_attrs(deep=False) if trace else None,
+            dataset.attrs.get("withheld", ""),
         )
 
     def save(self, path: str | Path, *, u_units: str = "1", y_units: str = "1") -> None:

@@ -12,6 +12,7 @@ from dea.narx import kernels
 from dea.narx.checks import Array
 from dea.narx.estimation import Segment, Signals, as_segments, estimate, normalised
 from dea.narx.model import NarxModel
+from dea.narx.parameter_covariance import FreeRun, column_norms, covariance_of_free_runs
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import BOUND, simulate, structure
 from dea.terms import Term
@@ -30,7 +31,8 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
     """Return ``model`` with the parameters that minimise its simulated error (6).
 
     Least squares minimises the one-step error instead, which noise on the output biases; this
-    does not have that bias. Starts from the model's own parameters.
+    does not have that bias. Starts from the model's own parameters. The outputs from which each
+    run starts are estimated too: measured ones carry noise, which would enter every later output.
 
     Parameters
     ----------
@@ -42,7 +44,8 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
     Returns
     -------
     NarxModel
-        Its covariance allows for residuals that are correlated in time.
+        Its covariance allows for residuals that are correlated in time, whether the noise enters
+        the equation or the output: see :mod:`dea.narx.parameter_covariance`.
 
     Raises
     ------
@@ -51,15 +54,14 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
     """
     records = as_segments(u, y, model.max_lag, len(model.terms))
     segments = normalised(records, model.scaling)
-    refined = minimise(model.terms, model.parameters, segments, iterations)
-    if not np.isfinite(refined.msse):
+    fit = fit_free_runs(model.terms, model.parameters, segments, iterations)
+    if not np.isfinite(fit.msse):
         raise InputError(
             "the free run of the model diverges on this record",
             field="model",
             remedy="Start from parameters with which it is stable, or choose other terms.",
         )
-    covariance = robust_covariance(model.terms, refined.parameters, segments)
-    return model.with_parameters(refined.parameters, covariance)
+    return model.with_parameters(fit.parameters, fit.covariance)
 
 
 def estimate_refined(
@@ -94,6 +96,38 @@ def minimise(
     return Refined(point.x, point.cost / task.samples)
 
 
+class Fit(NamedTuple):
+    """Parameters at a minimum of the simulated error, and how sure they are."""
+
+    parameters: Array  # (terms,)
+    covariance: Array  # (terms, terms)
+    msse: float  # mean squared simulated error (6), normalised units
+
+
+def fit_free_runs(
+    terms: tuple[Term, ...],
+    start: Array,
+    segments: Sequence[Segment],
+    iterations: int = 30,
+    tolerance: float = 1e-10,
+) -> Fit:
+    """Minimise the simulated error by the parameters and the outputs that each run starts from.
+
+    A start from which the run diverges comes back with an infinite error, and without covariance.
+    """
+    task = _FreeRunsFromFreeStarts(terms, segments)
+    point = least_squares.minimise(
+        task, task.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
+    )
+    count = len(terms)
+    theta = point.x[:count].copy()
+    if not np.isfinite(point.cost):
+        return Fit(theta, np.full((count, count), np.nan), np.inf)
+    runs = task.runs(point.x)
+    covariance = covariance_of_free_runs(terms, theta, runs)
+    return Fit(theta, covariance[:count, :count], point.cost / task.samples)
+
+
 class _FreeRuns:
     """The simulated error over segments, linearised by exact sensitivities."""
 
@@ -107,19 +141,72 @@ class _FreeRuns:
 
     def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
         error, residual, slope = linearise(self._terms, point.x, self._segments)
-        if not np.isfinite(error):
-            return None
-        norms = column_norms(slope)
-        scaled = slope / norms
-        energy, directions = np.linalg.eigh(scaled.T @ scaled)
-        energy = np.maximum(energy, 0.0)  # rounding may make a zero eigenvalue negative
-        projected = directions.T @ (scaled.T @ residual)
+        return _damped(error, residual, slope) if np.isfinite(error) else None
 
-        def step(damping: float) -> Array:
-            moved: Array = (directions @ (projected / (energy + damping))) / norms
-            return moved
 
-        return Model(error, step)
+class _FreeRunsFromFreeStarts:
+    """The same with the outputs that each run starts from among the unknowns, after theta."""
+
+    def __init__(self, terms: tuple[Term, ...], segments: Sequence[Segment]) -> None:
+        self._terms, self._segments = terms, segments
+        self._lag = structure(terms).start
+        self.samples = sum(y.size for _, y in segments)
+
+    def initial(self, theta: Array) -> Array:
+        """Return ``theta`` and the measured first outputs of every segment."""
+        return np.concatenate([theta, *(y[: self._lag] for _, y in self._segments)])
+
+    def evaluate(self, x: Array) -> Point[None]:
+        theta, starts = self._split(x)
+        total = 0.0
+        for (u, y), start in zip(self._segments, starts, strict=True):
+            run = simulate(self._terms, theta, u, start, bound=_bound(y))
+            if not np.isfinite(run[-1]):
+                return Point(x, np.inf, None)
+            total += float(np.sum((y - run) ** 2))
+        return Point(x, total, None)
+
+    def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
+        runs = self.runs(point.x)
+        residual = np.concatenate([run.residual for run in runs])
+        slope = np.vstack([run.slope for run in runs])
+        return _damped(float(residual @ residual), residual, slope)
+
+    def runs(self, x: Array) -> list[FreeRun]:
+        """Return the free run of every segment with its derivatives by all unknowns."""
+        theta, starts = self._split(x)
+        count, runs = theta.size, []
+        for number, ((u, y), start) in enumerate(zip(self._segments, starts, strict=True)):
+            output = np.empty(u.size)
+            output[: self._lag] = start
+            own = np.zeros((u.size, count + self._lag))
+            own[: self._lag, count:] = np.eye(self._lag)
+            kernels.run_with_slope(structure(self._terms), theta, u, output, own, _bound(y))
+            slope = np.zeros((u.size, x.size))
+            slope[:, :count] = own[:, :count]
+            first = count + number * self._lag
+            slope[:, first : first + self._lag] = own[:, count:]
+            runs.append(FreeRun(u, output, y - output, slope))
+        return runs
+
+    def _split(self, x: Array) -> tuple[Array, Array]:
+        count = len(self._terms)
+        return x[:count], x[count:].reshape(len(self._segments), self._lag)
+
+
+def _damped(error: float, residual: Array, slope: Array) -> Model:
+    """Return the linearised problem, whose steps are damped in units of each column's norm."""
+    norms = column_norms(slope)
+    scaled = slope / norms
+    energy, directions = np.linalg.eigh(scaled.T @ scaled)
+    energy = np.maximum(energy, 0.0)  # rounding may make a zero eigenvalue negative
+    projected = directions.T @ (scaled.T @ residual)
+
+    def step(damping: float) -> Array:
+        moved: Array = (directions @ (projected / (energy + damping))) / norms
+        return moved
+
+    return Model(error, step)
 
 
 def squared_error(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> float:
@@ -153,41 +240,6 @@ def sensitivities(
     slope = np.zeros((u.size, len(terms)))
     kernels.run_with_slope(shape, theta, u, y, slope, bound)
     return y, slope
-
-
-def robust_covariance(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> Array:
-    """Covariance at a minimum of the simulated error whose residuals are correlated in time.
-
-    Newey and West (1987) with Bartlett weights over the first 4 (n/100)^(2/9) lags or, where that
-    is longer, over ten times the lag at which the residual's autocorrelation has fallen to 1/e.
-    """
-    _, residual, slope = linearise(terms, theta, segments)
-    norms = column_norms(slope)
-    scaled = slope / norms
-    inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-14, hermitian=True)
-    score = scaled * residual[:, None]
-    count = residual.size
-    reach = min(max(int(4.0 * (count / 100.0) ** (2 / 9)), 10 * _memory(residual)), count // 4)
-    meat = score.T @ score
-    for lag in range(1, reach + 1):
-        cross = score[lag:].T @ score[:-lag]
-        meat += (1.0 - lag / (reach + 1.0)) * (cross + cross.T)
-    freedom = count / max(count - norms.size, 1)
-    return freedom * (inverse @ meat @ inverse) / np.outer(norms, norms)
-
-
-def column_norms(matrix: Array) -> Array:
-    """Norm of each column, 1 for a column of zeros."""
-    norms = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
-    return np.where(norms > 0.0, norms, 1.0)
-
-
-def _memory(residual: Array) -> int:
-    """Lag at which the autocorrelation first falls below 1/e."""
-    size = 2 * residual.size
-    spectrum = np.fft.rfft(residual, size)
-    correlation = np.fft.irfft(np.abs(spectrum) ** 2, size)[: residual.size]
-    return int(np.argmax(correlation <= correlation[0] / np.e))
 
 
 class Linearised(NamedTuple):

@@ -12,11 +12,12 @@ from dea.narx.estimation import (
     as_segments,
     least_squares,
     normalised,
+    reason_to_withhold,
     scaling_of,
 )
 from dea.narx.exchange import Exchange
 from dea.narx.model import NarxModel
-from dea.narx.refinement import minimise, robust_covariance
+from dea.narx.refinement import fit_free_runs
 from dea.narx.scaling import Scaling
 from dea.narx.trace import Trace, Tried, gain
 from dea.terms import max_lag
@@ -101,10 +102,11 @@ def select_terms(
         subset, theta = exchange.search(subset, theta, rounds, most, trace)
     terms = tuple(candidates[j] for j in subset)
     if refine:
-        theta, error = minimise(terms, theta, segments)
-        covariance = robust_covariance(terms, theta, segments)
+        theta, covariance, error = fit_free_runs(terms, theta, segments)
+        withheld = ""
     else:
         _, covariance = least_squares(terms, segments)
+        withheld = reason_to_withhold(terms, theta, segments)
         error = models([subset])[0].msse
     if not np.isfinite(error):
         raise InputError(
@@ -112,7 +114,7 @@ def select_terms(
             field="y_lags, u_lags, degree",
             remedy="Allow other lags or a lower degree, or use a longer record.",
         )
-    return NarxModel(terms, theta, scale, covariance, trace.to_dataset())
+    return NarxModel(terms, theta, scale, covariance, trace.to_dataset(), withheld)
 
 
 def forward_and_prune(

@@ -1,0 +1,72 @@
+"""Autoregressive models of noise: v_t = w_t - a_1 v_{t-1} - ... - a_p v_{t-p}, w white."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dea.narx.checks import Array
+
+_HIGHEST = 20  # order
+_SAMPLES_PER_ORDER = 20  # of the record, at least
+
+
+class Autoregression(NamedTuple):
+    """Coefficients (1, a_1, ..., a_p), variance of w, and the criterion of the choice of p."""
+
+    coefficients: Array
+    variance: float
+    criterion: float
+
+    @property
+    def order(self) -> int:
+        """p; zero is white noise."""
+        return self.coefficients.size - 1
+
+
+def fit_autoregression(segments: Sequence[Array]) -> Autoregression:
+    """Fit one model to several segments of noise, each of shape (samples,).
+
+    Yule and Walker's equations are solved for each order by Levinson's recursion, which makes every
+    model stable; the order has the least Bayesian information criterion (Schwarz 1978).
+    """
+    count = sum(noise.size for noise in segments)
+    highest = min(_HIGHEST, count // _SAMPLES_PER_ORDER, min(map(len, segments)) - 1)
+    covariance = np.zeros(highest + 1)
+    for noise in segments:
+        for lag in range(highest + 1):
+            covariance[lag] += noise[lag:] @ noise[: noise.size - lag] / count
+    a, variance = np.ones(1), float(covariance[0])
+    if variance == 0.0:
+        return Autoregression(a, 0.0, -np.inf)
+    best = Autoregression(a, variance, count * np.log(variance))
+    for order in range(1, highest + 1):
+        reflection = -float(a @ covariance[order:0:-1]) / variance
+        longer = np.append(a, 0.0)
+        a = longer + reflection * longer[::-1]
+        variance *= 1.0 - reflection**2
+        if not variance > 0.0:
+            break
+        criterion = count * np.log(variance) + order * np.log(count)
+        if criterion < best.criterion:
+            best = Autoregression(a.copy(), float(variance), float(criterion))
+    return best
+
+
+def whiten(noise: Autoregression, signal: Array) -> Array:
+    """Return w of a signal (samples, ...): sum_k a_k signal[t - k], the past before it zero."""
+    white = signal.copy()
+    for lag, coefficient in enumerate(noise.coefficients[1:], start=1):
+        white[lag:] += coefficient * signal[:-lag]
+    return white
+
+
+def noise_energy(noise: Autoregression, slope: Array) -> Array:
+    """Return slope^T Omega slope, Omega the covariance matrix of the noise over the samples."""
+    from scipy.signal import lfilter
+
+    if noise.order:
+        # Omega = A^-1 A^-T sigma^2 with A lower triangular: A^-T runs backwards in time.
+        slope = lfilter([1.0], noise.coefficients, slope[::-1], axis=0)
+    energy: Array = noise.variance * (slope.T @ slope)
+    return energy

@@ -1,0 +1,128 @@
+"""Covariance of parameters that minimise the simulated error, whatever noise the record holds.
+
+The error e_t of the free run is what the noise leaves in the output. Two models of it are fitted,
+and the one of larger likelihood is taken:
+
+    output noise      e_t = v_t
+    equation noise    e_t = sum_l (df/dy_{t-l}) e_{t-l} + v_t
+
+where v is autoregressive, its order found by the Bayesian information criterion. The second is how
+noise in the equation reaches the output to first order: through the model's own dynamics, which
+change with input and output. With Omega the covariance of e over the record, the covariance of the
+estimate is G^-1 (psi^T Omega psi) G^-1, G = psi^T psi, with psi the derivative of the free run.
+Omega is known by its root, so that psi^T Omega psi is the energy of psi passed backwards in time
+through the noise model: L. Ljung, System Identification (1999), section 9.4. A kernel estimate over
+lagged products, as Newey and West's, needs no noise model, but is too small where correlation lasts
+for more than a few percent of the record.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from dea.narx.autoregression import Autoregression, fit_autoregression, noise_energy
+from dea.narx.checks import Array
+from dea.narx.regressors import regressor_matrix
+from dea.terms import Term, max_lag
+
+_DEPENDENT = 1e-14  # share of the largest eigenvalue of the scaled information that is rounding
+
+
+class FreeRun(NamedTuple):
+    """A free run over one segment, normalised."""
+
+    u: Array  # (samples,)
+    output: Array  # (samples,)
+    residual: Array  # (samples,) measured less simulated
+    slope: Array  # (samples, unknowns) derivative of the output
+
+
+def covariance_of_free_runs(terms: Sequence[Term], theta: Array, runs: Sequence[FreeRun]) -> Array:
+    """Return the covariance (unknowns, unknowns) at a minimum of the simulated error.
+
+    Parameters
+    ----------
+    theta
+        Parameters, shape (terms,), the first of the unknowns; the others may be anything that the
+        runs were differentiated by.
+    """
+    norms = column_norms(np.vstack([run.slope for run in runs]))
+    scaled = [run.slope / norms for run in runs]
+    information = sum((slope.T @ slope for slope in scaled), np.zeros((norms.size, norms.size)))
+    inverse = np.linalg.pinv(information, rcond=_DEPENDENT, hermitian=True)
+    feedback, noise = noise_model(terms, theta, runs)
+    energy = np.zeros_like(information)
+    for slope, fed_back in zip(scaled, feedback, strict=True):
+        energy += noise_energy(noise, _backwards(fed_back, slope))
+    count = sum(run.residual.size for run in runs)
+    freedom = count / max(count - norms.size, 1)
+    found: Array = freedom * (inverse @ energy @ inverse) / np.outer(norms, norms)
+    return found
+
+
+def noise_model(
+    terms: Sequence[Term], theta: Array, runs: Sequence[FreeRun]
+) -> tuple[list[Array], Autoregression]:
+    """Return the feedback df/dy of each run, zero where noise is on the output, and the noise.
+
+    The feedback has shape (samples, largest lag + 1); its column l belongs to y_{t-l}.
+    """
+    lag = max_lag(terms)
+    through = [feedback_slope(terms, theta, run.u, run.output) for run in runs]
+    directly = [np.zeros((run.residual.size, lag + 1)) for run in runs]
+    fits = []
+    for feedback in (directly, through):
+        driving = [
+            run.residual - _fed_back(slopes, run.residual)
+            for run, slopes in zip(runs, feedback, strict=True)
+        ]
+        fits.append((fit_autoregression(driving), feedback))
+    noise, feedback = min(fits, key=lambda fit: fit[0].criterion)
+    return feedback, noise
+
+
+def feedback_slope(terms: Sequence[Term], theta: Array, u: Array, y: Array) -> Array:
+    """Return df/dy_{t-l} along a run in column l, shape (samples, largest lag + 1).
+
+    Zero in the samples before the largest lag. ``theta`` has shape (terms,) or (samples, terms).
+    """
+    start = max_lag(terms)
+    feedback = np.zeros((y.size, start + 1))
+    parameters = np.broadcast_to(theta, (y.size, len(terms)))
+    for j, term in enumerate(terms):
+        for lag, power in Counter(term.y_lags).items():
+            others = list(term.y_lags)
+            others.remove(lag)
+            slope = regressor_matrix((Term(tuple(others), term.u_lags),), u, y, start)[:, 0]
+            feedback[start:, lag] += parameters[start:, j] * power * slope
+    return feedback
+
+
+def column_norms(matrix: Array) -> Array:
+    """Norm of each column, 1 for a column of zeros."""
+    norms = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
+    return np.where(norms > 0.0, norms, 1.0)
+
+
+def _fed_back(feedback: Array, error: Array) -> Array:
+    """Return sum_l feedback[t, l] error[t - l]."""
+    total = np.zeros_like(error)
+    for lag in range(1, feedback.shape[1]):
+        total[lag:] += feedback[lag:, lag] * error[:-lag]
+    return total
+
+
+@njit(cache=True)
+def _backwards(feedback: Array, slope: Array) -> Array:
+    """Solve (I - F)^T g = slope, F the feedback matrix: the adjoint of e = F e + v."""
+    adjoint = slope.copy()
+    samples, lags = feedback.shape
+    for t in range(samples - 1, -1, -1):
+        for lag in range(1, min(lags, samples - t)):
+            if feedback[t + lag, lag] != 0.0:
+                for j in range(adjoint.shape[1]):
+                    adjoint[t, j] += feedback[t + lag, lag] * adjoint[t + lag, j]
+    return adjoint
