@@ -11,8 +11,8 @@ from dea.declared_code import refuse_undeclared_code
 
 if TYPE_CHECKING:
     from dea.discrepancy import diagnose
-    from dea.gfrf import frequency_response
-    from dea.narx import NarxModel, select_terms
+    from dea.gfrf import frequency_response, frequency_response_band
+    from dea.narx import NarxModel, parameter_interval, select_terms, simulation_interval
     from dea.store import read_record
     from dea.tracking import track_parameters
 
@@ -20,8 +20,11 @@ __all__ = [
     "NarxModel",
     "diagnose",
     "frequency_response",
+    "frequency_response_band",
+    "parameter_interval",
     "read_record",
     "select_terms",
+    "simulation_interval",
     "track_parameters",
 ]
 
@@ -34,8 +37,11 @@ _ROOM_OF = {
     "NarxModel": "dea.narx",
     "diagnose": "dea.discrepancy",
     "frequency_response": "dea.gfrf",
+    "frequency_response_band": "dea.gfrf",
+    "parameter_interval": "dea.narx",
     "read_record": "dea.store",
     "select_terms": "dea.narx",
+    "simulation_interval": "dea.narx",
     "track_parameters": "dea.tracking",
 }
 

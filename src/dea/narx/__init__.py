@@ -4,11 +4,19 @@ from dea.narx.candidate_terms import candidate_terms, linear_terms
 from dea.narx.estimation import estimate, scaling_of
 from dea.narx.held_out import held_out_error
 from dea.narx.inclusion import inclusion_frequency
+from dea.narx.intervals import (
+    LEVEL,
+    Interval,
+    covariance_of,
+    parameter_interval,
+    quantile,
+    simulation_interval,
+)
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
 from dea.narx.published import load_published
-from dea.narx.refinement import refine
+from dea.narx.refinement import estimate_refined, refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
@@ -17,12 +25,16 @@ from dea.narx.simulation import simulate, simulate_varying
 from dea.narx.validation import validate
 
 __all__ = [
+    "LEVEL",
+    "Interval",
     "NarxModel",
     "Scaling",
     "candidate_terms",
     "compare_orders",
     "correlation_tests",
+    "covariance_of",
     "estimate",
+    "estimate_refined",
     "fit",
     "fpe",
     "held_out_error",
@@ -31,6 +43,8 @@ __all__ = [
     "linear_terms",
     "load_published",
     "nmse",
+    "parameter_interval",
+    "quantile",
     "refine",
     "regressor_matrix",
     "rmse",
@@ -38,5 +52,6 @@ __all__ = [
     "select_terms",
     "simulate",
     "simulate_varying",
+    "simulation_interval",
     "validate",
 ]

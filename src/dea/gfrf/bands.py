@@ -1,0 +1,153 @@
+"""Frequency responses with pointwise intervals from the covariance of the parameters."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dea.errors import InputError
+from dea.gfrf.operating_point import rest_slope
+from dea.gfrf.response import normalised_input, parameter_sets, response_and_slope, rests
+from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile
+
+Array = NDArray[np.float64]
+
+
+class ResponseBand(NamedTuple):
+    """A frequency response and the ends of its pointwise intervals, all of one shape.
+
+    ``response`` is complex, in output units per input unit to the power n, and ``gain_low`` and
+    ``gain_high`` in the same units; ``phase_low`` and ``phase_high`` are in degrees and enclose the
+    angle of ``response`` without wrapping. The ends are NaN where no interval can be given.
+    """
+
+    response: NDArray[np.complex128]
+    gain_low: Array
+    gain_high: Array
+    phase_low: Array
+    phase_high: Array
+
+    @property
+    def gain(self) -> Array:
+        """Magnitude of the response."""
+        return np.abs(self.response)
+
+    @property
+    def phase(self) -> Array:
+        """Angle of the response in degrees, -180 to 180."""
+        return np.degrees(np.angle(self.response))
+
+
+def frequency_response_band(
+    model: NarxModel,
+    order: int = 1,
+    frequencies: ArrayLike | Sequence[ArrayLike] = (),
+    sampling_rate: float = 1.0,
+    *,
+    level: float = LEVEL,
+    parameters: ArrayLike | None = None,
+    covariance: ArrayLike | None = None,
+    operating_point: float | None = None,
+    allow_missing: bool = False,
+) -> ResponseBand:
+    """Return the GFRF of a model with the intervals that its covariance gives gain and phase.
+
+    The covariance is carried through the exact derivative of the response by the parameters, that
+    of the rest included. The gain's interval is symmetric in the logarithm of the gain, so that its
+    ends are positive.
+
+    Parameters
+    ----------
+    level
+        Share of such intervals that hold the true value, at each frequency on its own.
+    parameters, covariance
+        Other parameters (..., terms) with their covariances (..., terms, terms), as a tracker gives
+        them; by default the model's own.
+
+    Other parameters are those of :func:`dea.frequency_response`.
+
+    Raises
+    ------
+    InputError
+        As :func:`dea.frequency_response`; if the model has no covariance, or parameters come
+        without theirs.
+    """
+    spread = _covariance(model, parameters, covariance)
+    response, slope = response_and_slope(
+        model,
+        order,
+        frequencies,
+        sampling_rate,
+        parameters=parameters,
+        operating_point=operating_point,
+        allow_missing=allow_missing,
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = slope / response  # derivative of log gain + j phase
+    reach = quantile(level)
+    gain_reach = np.exp(reach * _deviation(relative.real, spread))
+    phase_reach = np.degrees(reach * _deviation(relative.imag, spread))
+    gain, phase = np.abs(response), np.degrees(np.angle(response))
+    return ResponseBand(
+        response, gain / gain_reach, gain * gain_reach, phase - phase_reach, phase + phase_reach
+    )
+
+
+def zero_input_interval(
+    model: NarxModel,
+    *,
+    level: float = LEVEL,
+    parameters: ArrayLike | None = None,
+    covariance: ArrayLike | None = None,
+    operating_point: float | None = None,
+    allow_missing: bool = False,
+) -> Interval:
+    """Return the rest y0 of :func:`dea.gfrf.zero_input_response` with its interval.
+
+    Parameters are those of :func:`frequency_response_band`; results have shape (...), in output
+    units.
+    """
+    spread = _covariance(model, parameters, covariance)
+    theta, sets = parameter_sets(model, parameters)
+    u0 = normalised_input(model, operating_point)
+    y0 = rests(model, theta, u0, allow_missing)
+    slope = rest_slope(model.terms, theta, y0, u0).reshape(-1, *sets)
+    reach = quantile(level) * model.scaling.y_scale * _deviation(slope, spread)
+    value = model.scaling.restore_output(y0).reshape(sets)
+    return Interval(value, value - reach, value + reach)
+
+
+def _covariance(
+    model: NarxModel, parameters: ArrayLike | None, covariance: ArrayLike | None
+) -> Array:
+    if covariance is None:
+        if parameters is not None:
+            raise InputError(
+                "parameters are given without it",
+                field="covariance",
+                remedy="Give the covariance of these parameters",
+            )
+        return covariance_of(model)
+    found = np.asarray(covariance, dtype=float)
+    sets = np.shape(model.parameters if parameters is None else parameters)
+    if found.shape != (*sets, sets[-1]):
+        raise InputError(
+            f"its shape is {found.shape}",
+            field="covariance",
+            remedy=f"It is {(*sets, sets[-1])} for parameters of shape {sets}",
+        )
+    return found
+
+
+def _deviation(slope: Array, covariance: Array) -> Array:
+    """Return the standard deviation of what has this ``slope`` (terms, *sets, *frequencies).
+
+    Each set has its own covariance (*sets, terms, terms).
+    """
+    terms, sets = slope.shape[0], covariance.shape[:-2]
+    count = int(np.prod(sets, dtype=int))
+    rows = slope.reshape(terms, count, -1)
+    variance = np.einsum("jsf,sjk,ksf->sf", rows, covariance.reshape(count, terms, terms), rows)
+    found: Array = np.sqrt(np.maximum(variance, 0.0)).reshape(slope.shape[1:])
+    return found
