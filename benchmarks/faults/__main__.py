@@ -1,0 +1,65 @@
+"""Random faults between the acquisition's command and two devices; the devices judge.
+
+Prints each schedule that broke a law, reduced to the faults that it takes, as a line of JSON that
+``--schedule`` runs again.
+"""
+
+import argparse
+import collections
+import sys
+from pathlib import Path
+
+from benchmarks.faults.campaign import AT_A_TIME, Campaign, Verdict
+from benchmarks.faults.examples import examples
+from benchmarks.faults.schedule import loads
+from benchmarks.faults.strategies import draw
+
+VICTIMS = ("plain", "bench")
+
+
+def main() -> None:
+    """Run the campaign that the command line asks for; exit with 1 where a law was broken."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.faults", description=__doc__)
+    parser.add_argument("--count", type=int, default=100, help="schedules for each victim")
+    parser.add_argument("--seed", type=int, default=1, help="of the draw")
+    parser.add_argument("--victim", choices=VICTIMS, action="append", help="only this victim")
+    parser.add_argument("--longest", type=float, default=6.0, help="s, of a fault")
+    parser.add_argument("--at-a-time", type=int, default=AT_A_TIME, help="runs at a time")
+    parser.add_argument("--keep", type=Path, help="folder for what runs that break a law left")
+    parser.add_argument("--no-reduction", action="store_true", help="print schedules as drawn")
+    parser.add_argument("--schedule", action="append", help="run this schedule alone (JSON)")
+    parser.add_argument("--examples", action="store_true", help="run the known faults, one each")
+    parser.add_argument("--only", default="", help="examples whose names hold this")
+    given = parser.parse_args()
+    names: list[str] = []
+    if given.examples:
+        runs = {name: run for name, run in examples().items() if given.only in name}
+        names, schedules = list(runs), list(runs.values())
+    elif given.schedule:
+        schedules = [loads(text) for text in given.schedule]
+    else:
+        schedules = [
+            schedule
+            for victim in given.victim or VICTIMS
+            for schedule in draw(victim, given.count, given.seed, given.longest)
+        ]
+    campaign = Campaign(given.at_a_time, given.keep)
+
+    def tell(number: int, verdict: Verdict) -> None:
+        if verdict.broken:
+            name = names[number] if names else ""
+            print(name, verdict.schedule.dumps(), *verdict.broken, sep="\n    ", flush=True)
+
+    verdicts = campaign.judge(schedules, not given.no_reduction, tell)
+    laws = collections.Counter(
+        sentence.split(":")[0] for verdict in verdicts for sentence in verdict.broken
+    )
+    bad = sum(bool(verdict.broken) for verdict in verdicts)
+    print(f"{bad} of {len(verdicts)} runs broke a law", dict(laws) or "")
+    statuses = collections.Counter(verdict.status for verdict in verdicts)
+    print("exit status of the command:", dict(statuses))
+    sys.exit(bad > 0)
+
+
+if __name__ == "__main__":
+    main()

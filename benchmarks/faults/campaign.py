@@ -1,0 +1,119 @@
+"""Many runs at a time, since they mostly wait; one that breaks a law is reduced to its cause."""
+
+import asyncio
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from benchmarks.faults.bench_victim import BenchVictim
+from benchmarks.faults.client import Launcher
+from benchmarks.faults.laws import broken
+from benchmarks.faults.plain_module import ReadBack
+from benchmarks.faults.run import run
+from benchmarks.faults.schedule import Schedule
+
+AT_A_TIME = 8
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A schedule and the laws that its run has broken."""
+
+    schedule: Schedule
+    broken: tuple[str, ...]
+    status: int | None  # of the command
+    seconds: float
+
+
+class Campaign:
+    """Runs schedules, ``at_a_time`` together; benches are served once and used in turn."""
+
+    def __init__(self, at_a_time: int = AT_A_TIME, keep: Path | None = None) -> None:
+        self._at_a_time = at_a_time
+        self._keep = keep
+        self._number = 0
+        self._launcher = Launcher()
+        self._benches: asyncio.Queue[BenchVictim] = asyncio.Queue()
+
+    def judge(
+        self,
+        schedules: Sequence[Schedule],
+        reduce: bool = False,
+        tell: Callable[[int, Verdict], None] = lambda number, verdict: None,
+    ) -> list[Verdict]:
+        """Return a verdict for each schedule, in order; ``tell`` hears of each as it comes."""
+        return asyncio.run(self._judge(schedules, reduce, tell))
+
+    async def _judge(
+        self,
+        schedules: Sequence[Schedule],
+        reduce: bool,
+        tell: Callable[[int, Verdict], None],
+    ) -> list[Verdict]:
+        on_bench = sum(schedule.victim == "bench" for schedule in schedules)
+        benches = [BenchVictim() for _ in range(min(on_bench, max(1, self._at_a_time // 2)))]
+        gate = asyncio.Semaphore(self._at_a_time)
+        with tempfile.TemporaryDirectory() as scratch:
+            try:
+                await asyncio.gather(self._launcher.start(), *(b.start() for b in benches))
+                for bench in benches:
+                    self._benches.put_nowait(bench)
+
+                async def one(number: int, schedule: Schedule) -> Verdict:
+                    async with gate:
+                        verdict = await self._once(schedule, Path(scratch))
+                        if reduce:
+                            verdict = await self._reduced(verdict, Path(scratch))
+                    tell(number, verdict)
+                    return verdict
+
+                runs = (one(number, schedule) for number, schedule in enumerate(schedules))
+                return await asyncio.gather(*runs)
+            finally:
+                for bench in benches:
+                    await bench.stop()
+                await self._launcher.stop()
+
+    async def _once(self, schedule: Schedule, scratch: Path) -> Verdict:
+        self._number += 1
+        number, folder = self._number, scratch / str(self._number)
+        bench = await self._benches.get() if schedule.victim == "bench" else None
+        try:
+            outcome = await run(schedule, number, folder, self._launcher, bench)
+        finally:
+            if bench is not None:
+                self._benches.put_nowait(bench)
+        laws = tuple(broken(outcome))
+        if laws and self._keep is not None:
+            kept = self._keep / f"{number:04d}"
+            shutil.copytree(folder, kept)
+            (kept / "schedule.json").write_text(schedule.dumps() + "\n")
+            (kept / "broken").write_text("\n".join(laws) + "\n")
+        shutil.rmtree(folder)
+        return Verdict(schedule, laws, outcome.status, outcome.until - outcome.exit_time)
+
+    async def _reduced(self, verdict: Verdict, scratch: Path) -> Verdict:
+        """Leave out each fault in turn, for as long as some law stays broken without it."""
+        for smaller in _smaller(verdict.schedule) if verdict.broken else ():
+            tried = await self._once(smaller, scratch)
+            if tried.broken:
+                return await self._reduced(tried, scratch)
+        return verdict
+
+
+def _smaller(schedule: Schedule) -> list[Schedule]:
+    if schedule.faults() < 2:
+        return []
+    candidates = [
+        replace(schedule, link=schedule.link[:k] + schedule.link[k + 1 :])
+        for k in range(len(schedule.link))
+    ]
+    if schedule.host:
+        candidates.append(replace(schedule, host=()))
+    if schedule.stuck_terminal:
+        candidates.append(replace(schedule, stuck_terminal=False))
+    if schedule.read_back != ReadBack():
+        candidates.append(replace(schedule, read_back=ReadBack()))
+    return candidates

@@ -1,0 +1,146 @@
+"""A plain analogue module on Modbus/TCP: sockets alone, no watchdog, no owner, no buffer.
+
+Holding register 0 is the output. Input register 0 is the displacement, and input register 1 reads
+the output back. The module remembers every output it has applied, and when. The displacement is a
+tag: it names the write that was in effect when it was read, so that a recorded sample tells which
+output it belongs to.
+"""
+
+import asyncio
+import random
+import struct
+import time
+from dataclasses import dataclass
+
+from benchmarks.faults.modbus_frame import (
+    READ_HOLDING,
+    READ_INPUT,
+    READ_WRITE,
+    WRITES,
+    Frame,
+    read_frame,
+    written,
+)  # fmt: skip
+from benchmarks.faults.trace import Applied, Trace
+
+FULL_SCALE = 10.0  # V of 65535 counts
+OUTPUT = 0  # holding register
+TAG_FIRST, TAG_STEP, TAGS = 5000, 7, 7000  # counts of the displacement
+DESCRIPTION = """\
+name: plain module
+endpoint: {{host: 127.0.0.1, port: {port}}}
+unit_id: 1
+sampling_rate: 50
+read_write_multiple: {both}
+registers:
+  output: {{address: 0, table: holding, range: [0, 10], unit: V, limits: [0, 3.76],
+           access: read_write}}
+  displacement: {{address: 0, table: input, range: [0, 10], unit: mm}}
+  applied_output: {{address: 1, table: input, range: [0, 10], unit: V}}
+"""
+
+
+def tag(serial: int) -> int:
+    """Return the displacement, in counts, that names a write."""
+    return TAG_FIRST + TAG_STEP * (serial % TAGS)
+
+
+@dataclass(frozen=True)
+class ReadBack:
+    """How the module reads its output back: ``true``, or one of the lies below."""
+
+    kind: str = "true"  # true, stuck, clamped, scaled, offset, noisy
+    value: float = 0.0  # V of stuck, clamped, offset and noise; factor of scaled
+
+    def applies(self, counts: int) -> int:
+        """Return what the converter puts out where ``counts`` are asked for."""
+        return min(counts, to_counts(self.value)) if self.kind == "clamped" else counts
+
+    def reads(self, counts: int, rng: random.Random) -> int:
+        """Return what the read-back register says while ``counts`` are put out."""
+        if self.kind == "stuck":
+            counts = to_counts(self.value)
+        elif self.kind == "scaled":
+            counts = round(counts * self.value)
+        elif self.kind == "offset":
+            counts += to_counts(self.value)
+        elif self.kind == "noisy":
+            counts += round(rng.gauss(0, to_counts(self.value)))
+        return min(max(counts, 0), 65535)
+
+
+def to_counts(volts: float) -> int:
+    """Return the counts of a voltage."""
+    return round(volts / FULL_SCALE * 65535)
+
+
+class PlainModule:
+    """The module; serves every connection, obeys every write at once."""
+
+    def __init__(self, read_back: ReadBack, seed: int) -> None:
+        self.read_back = read_back
+        self.trace = Trace()
+        self._rng = random.Random(seed)
+        self._counts = 0
+        self._serial = 0
+        self._server: asyncio.Server | None = None
+        self._writers: set[asyncio.StreamWriter] = set()
+
+    async def start(self) -> int:
+        """Listen on a free port of loopback, and return it."""
+        self._server = await asyncio.start_server(self._serve, "127.0.0.1", 0)
+        self._remember(0)
+        return int(self._server.sockets[0].getsockname()[1])
+
+    async def stop(self) -> None:
+        """Close every connection."""
+        if self._server is not None:
+            self._server.close()
+        for writer in self._writers:
+            writer.close()
+
+    def volts_of_tag(self, displacement: int) -> list[float]:
+        """Return the outputs that a displacement of the record may belong to."""
+        return [a.volts for a in self.trace.applied if a.displacement == displacement]
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._writers.add(writer)
+        while (request := await read_frame(reader)) is not None:
+            reply = Frame(request.transaction, request.unit, self.answer(request.pdu))
+            writer.write(reply.encode())
+        self._writers.discard(writer)
+        writer.close()
+
+    def answer(self, pdu: bytes) -> bytes:
+        """Execute one request and return the reply's protocol data unit."""
+        function = pdu[0]
+        if function not in (READ_HOLDING, READ_INPUT, *WRITES):
+            return bytes([function | 0x80, 1])
+        for address, value in written(pdu).items():
+            if address != OUTPUT:
+                return bytes([function | 0x80, 2])
+            self._write(value)
+        if function in (READ_HOLDING, READ_INPUT, READ_WRITE):
+            address, count = struct.unpack(">HH", pdu[1:5])
+            table = self._holding() if function != READ_INPUT else self._input()
+            if not 0 < count <= 125 or address + count > len(table):
+                return bytes([function | 0x80, 2])
+            values = table[address : address + count]
+            return struct.pack(f">BB{count}H", function, 2 * count, *values)
+        return pdu[:5]
+
+    def _holding(self) -> list[int]:
+        return [self._counts]
+
+    def _input(self) -> list[int]:
+        return [tag(self._serial), self.read_back.reads(self._counts, self._rng)]
+
+    def _write(self, value: int) -> None:
+        self._serial += 1
+        self._remember(self.read_back.applies(value))
+
+    def _remember(self, counts: int) -> None:
+        self._counts = counts
+        volts = counts / 65535 * FULL_SCALE
+        entry = Applied(time.monotonic(), volts, counts, tag(self._serial), self._serial)
+        self.trace.applied.append(entry)

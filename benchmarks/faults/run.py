@@ -1,0 +1,155 @@
+"""One run: the command against a device behind the proxy, until all is over."""
+
+import asyncio
+import os
+import signal
+import time
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from benchmarks.faults import plain_module
+from benchmarks.faults.bench_victim import MAP, BenchVictim
+from benchmarks.faults.client import Client, Launcher, processes
+from benchmarks.faults.plain_module import PlainModule
+from benchmarks.faults.proxy import FaultProxy
+from benchmarks.faults.schedule import Schedule
+from benchmarks.faults.trace import Trace
+
+PATIENCE = 40.0  # s beyond the plan and its faults until the command is held to hang
+WATCHED = 1.0  # s of zero after the last process and the last held write
+
+
+@dataclass
+class Outcome:
+    """What happened, for the laws to judge."""
+
+    schedule: Schedule
+    trace: Trace
+    folder: Path
+    requests: list[tuple[float, dict[int, int]]]
+    origin: float | None  # monotonic s of the first write, None where there was none
+    exit_time: float  # of the command
+    status: int | None  # None where it did not end by itself
+    over: float  # when the last of its processes had ended
+    until: float  # how long the device was watched
+    printed: str = ""
+    left: list[int] = field(default_factory=list)  # processes that did not end
+    recovered: int | None = None  # exit status of `recover`, None where it was not needed
+
+
+async def run(
+    schedule: Schedule, number: int, folder: Path, launcher: Launcher, bench: BenchVictim | None
+) -> Outcome:
+    """Run the command once and return what the device, the network and the disk have seen."""
+    folder.mkdir(parents=True)
+    if bench is None:
+        device = PlainModule(schedule.read_back, schedule.seed)
+        port = await device.start()
+        trace = device.trace
+    else:
+        device, port = None, bench.port
+        bench.forget()
+        trace = bench.trace
+    client = Client(folder, number)
+    suffering: list[asyncio.Task[None]] = []
+
+    def begin() -> None:
+        assert proxy.origin is not None
+        loop = asyncio.get_running_loop()
+        suffering.extend(
+            loop.create_task(client.suffer(fault, proxy.origin)) for fault in schedule.host
+        )
+
+    proxy = FaultProxy(port, schedule.link, begin)
+    try:
+        arguments = _arguments(schedule, folder, await proxy.start(), bench)
+        request = {
+            "arguments": arguments, "environment": client.environment(),
+            "printed": str(folder / "printed"), "stuck_terminal": schedule.stuck_terminal,
+            "as_command": schedule.as_command,
+        }  # fmt: skip
+        client.began = time.monotonic()
+        client.process, ended = await launcher.launch(**request)
+        longest = schedule.duration + sum(f.length for f in (*schedule.link, *schedule.host))
+        try:
+            status = await asyncio.wait_for(asyncio.shield(ended), longest + PATIENCE)
+        except TimeoutError:
+            status = None
+        exit_time = time.monotonic()
+        left = await _gone(client, PATIENCE if status is not None else 0)
+        over = time.monotonic()
+        quiet = max(over, _last_fault(schedule, proxy)) + WATCHED
+        await asyncio.sleep(quiet - over)
+        last = quiet + schedule.stopping  # nothing is allowed to be driven longer
+        while trace.applied and trace.applied[-1].volts and time.monotonic() < last:
+            await asyncio.sleep(0.1)
+        until = time.monotonic()
+        for process in left:
+            with suppress(ProcessLookupError):
+                os.kill(process, signal.SIGCONT)
+                os.kill(process, signal.SIGKILL)
+    finally:
+        for task in suffering:
+            task.cancel()
+        await proxy.stop()
+        if device is not None:
+            await device.stop()
+    printed = (folder / "printed").read_text() if (folder / "printed").exists() else ""
+    outcome = Outcome(
+        schedule, trace, folder, proxy.requests, proxy.origin, exit_time, status, over, until,
+        printed, left,
+    )  # fmt: skip
+    if status != 0:
+        outcome.recovered = await _recover(folder, launcher, client, arguments)
+    return outcome
+
+
+def _arguments(schedule: Schedule, folder: Path, port: int, bench: BenchVictim | None) -> list[str]:
+    if bench is None:
+        description = folder / "module.yaml"
+        description.write_text(
+            plain_module.DESCRIPTION.format(port=port, both=str(schedule.both).lower())
+        )
+    else:
+        description = MAP
+    arguments = [
+        "drive", "--device", str(description), "--host", "127.0.0.1", "--port", str(port),
+        "--output", str(folder / "record.nc"), "--kind", "gaussian", "--mode", schedule.mode,
+        "--duration", str(schedule.duration), "--low", str(schedule.low),
+        "--high", str(schedule.high), "--ramp-rate", str(schedule.ramp_rate),
+        "--seed", str(schedule.seed),
+    ]  # fmt: skip
+    return [*arguments, "--reset"] if bench is not None and bench.latched else arguments
+
+
+def _last_fault(schedule: Schedule, proxy: FaultProxy) -> float:
+    """Return when nothing that the proxy holds can reach the device any more."""
+    if proxy.origin is None:
+        return 0.0
+    held = sum(fault.length for fault in schedule.link if fault.kind == "hold")
+    return proxy.origin + max((fault.end for fault in schedule.link), default=0.0) + held
+
+
+async def _gone(client: Client, patience: float) -> list[int]:
+    """Wait until every process of the run has ended, and return those that have not."""
+    end = time.monotonic() + patience
+    while (left := processes(client)) and time.monotonic() < end:
+        await asyncio.sleep(0.2)
+    return left
+
+
+async def _recover(
+    folder: Path, launcher: Launcher, client: Client, drive: list[str]
+) -> int | None:
+    partial = folder / "record.partial"
+    if not partial.exists() or partial.stat().st_size == 0:
+        return None
+    arguments = ["recover", str(partial), "--device", drive[2], "--output",
+                 str(folder / "recovered.nc")]  # fmt: skip
+    (folder / "slow_sync").unlink(missing_ok=True)
+    _, ended = await launcher.launch(
+        arguments=arguments, environment=client.environment(), as_command=False,
+        printed=str(folder / "recover_printed"), stuck_terminal=False,
+    )  # fmt: skip
+    return await ended
