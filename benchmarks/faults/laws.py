@@ -69,7 +69,7 @@ def _zero_in_time(outcome: Outcome) -> Iterator[str]:
     reasons = [(outcome.origin + plan, "the end of the plan")]
     reasons += [
         (outcome.origin + fault.start, _name(fault)) for fault in schedule.host
-        if fault.kind == "signal"
+        if fault.ends_the_run
     ]  # fmt: skip
     reasons.append((outcome.exit_time, f"the command had ended with status {outcome.status}"))
     for when, reason in reasons:
@@ -79,8 +79,7 @@ def _zero_in_time(outcome: Outcome) -> Iterator[str]:
             for start, end, volts in outcome.trace.spans(outcome.until)
             if end > limit + JITTER and volts > RESOLUTION
         ]
-        resumed = reason.startswith(("SIGSTOP", "SIGTSTP")) and outcome.status == 0
-        if driven and not resumed:
+        if driven:
             yield (
                 f"not zero in time: {driven[-1][2]:.2f} V {driven[-1][1] - when:.1f} s after "
                 f"{reason}, where {limit - when:.1f} s are allowed"

@@ -49,8 +49,9 @@ class HostFault:
 
     @property
     def ends_the_run(self) -> bool:
-        """Whether the film must be at zero soon after it."""
-        return self.kind == "signal" and self.signal not in ("SIGSTOP", "SIGTSTP")
+        """Whether the film must be at zero soon after it: a short stop may be made up for."""
+        stopped = self.signal in ("SIGSTOP", "SIGTSTP")
+        return self.kind == "signal" and (not stopped or self.length > STOPPING)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""How often the 95 % bands of responses and parameters contain the truth of known plants."""
