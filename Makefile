@@ -14,7 +14,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report diagnose discrepancy real trials records faults peers \
-	interoperability soak configuration check test mutants benchmark clean
+	interoperability soak coverage configuration check test mutants benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -66,8 +66,12 @@ records: $(VENV)/installed ## fetch the public measured records into data/ (FROM
 container: ## an Apptainer image of the pinned environment, for clusters (needs apptainer)
 	apptainer build --force workflow/container.sif workflow/container.def
 
-faults: $(VENV)/installed ## a thousand schedules of faults and 100,000 malformed frames
+faults: $(VENV)/installed ## a thousand schedules of faults, twice, and 100,000 malformed frames
 	pytest tests/acquisition tests/bench -m faults --fault-schedules 1000 --fuzz-frames 100000
+	python -m benchmarks.faults --count $(or $(COUNT),1000) $(SEED:%=--seed %) --keep build/faults
+
+coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known plants (COUNT=100 SEED=1)
+	python -m benchmarks.coverage --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %)
 
 peers: ## install the foreign Modbus programs that tests talk to (Debian, as root)
 	command -v mbpoll && test -e /usr/include/modbus/modbus.h || \

@@ -99,17 +99,17 @@ def simulate(plant: Plant, inputs: Array, noise: Array | None = None,
     """Return the free run from rest at zero, shape of ``inputs``: (..., samples).
 
     ``noise`` enters the equation and so the outputs that follow. ``parameters`` of shape
-    (samples, terms) change with time.
+    (..., samples, terms) change with time.
     """
     samples = inputs.shape[-1]
     y = np.zeros_like(inputs)
     lag = plant.max_lag
     u = inputs
     for t in range(lag, samples):
-        theta = plant.parameters if parameters is None else parameters[t]
+        theta = plant.parameters if parameters is None else parameters[..., t, :].T
         value = np.zeros(inputs.shape[:-1]) if noise is None else noise[..., t].copy()
         for coefficient, term in zip(theta, plant.terms, strict=True):
-            product = np.full(inputs.shape[:-1], coefficient)
+            product = coefficient * np.ones(inputs.shape[:-1])
             for k in term.outputs:
                 product = product * y[..., t - k]
             for k in term.inputs:

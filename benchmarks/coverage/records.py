@@ -1,8 +1,11 @@
 """Records of a plant: which input drives it and where noise enters."""
 
+import zlib
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import lfilter
 
 from benchmarks.coverage.plants import Array, Plant, simulate
 
@@ -12,72 +15,74 @@ BAND = 0.02  # periods per sample: 1 Hz at 50 Hz
 SETTLING = 500  # samples before a record
 NOISE = 0.02  # standard deviation of the noise's part of the output, over that of the output
 COLOUR = 0.9  # pole of the coloured noise
+DRIFT = 0.1  # relative change of a parameter
 
 
 @dataclass(frozen=True)
-class Record:
-    """Input, measured output, and the parameters at each sample where they change."""
+class Records:
+    """Inputs and measured outputs, (records, samples), and what the parameters were."""
 
     u: Array
     y: Array
-    parameters: Array | None = None
+    parameters: Array | None = None  # (records, samples, terms), where they change
+
+
+def generators(seed: int, name: str, numbers: Iterable[int]) -> list[np.random.Generator]:
+    """Return the generator of each record, whatever others are drawn beside it."""
+    return [np.random.default_rng([seed, zlib.crc32(name.encode()), n]) for n in numbers]
+
+
+def records(
+    plant: Plant, kind: str, noise: str, samples: int, drawn: Sequence[np.random.Generator],
+    drifting: str = "",
+) -> Records:  # fmt: skip
+    """Return a record of each generator; ``drifting`` is empty, ``random walk`` or ``ramp``."""
+    total = SETTLING + samples
+    u = np.stack([excitation(kind, total, rng) for rng in drawn])
+    course = np.stack([_drift(plant, drifting, total, rng) for rng in drawn]) if drifting else None
+    white = np.stack([rng.standard_normal(total) for rng in drawn])
+    kept = slice(SETTLING, None)
+    clean = simulate(plant, u, parameters=course)
+    size = clean[:, kept].std(axis=1, keepdims=True)
+    if noise == "equation":
+        # The plant's poles amplify noise in its equation: scaled by what a little of it adds.
+        little = 1e-3 * size * white
+        added = (simulate(plant, u, little, course) - clean)[:, kept].std(axis=1, keepdims=True)
+        y = simulate(plant, u, NOISE * size / added * little, course)
+    else:
+        y = clean + NOISE * size * (_coloured(white) if noise == "coloured output" else white)
+    if not np.isfinite(y).all():
+        raise ValueError(f"{plant.name} diverges with {kind} input and {noise} noise")
+    return Records(u[:, kept], y[:, kept], None if course is None else course[:, kept])
 
 
 def excitation(kind: str, samples: int, rng: np.random.Generator) -> Array:
-    """Return a zero-mean Gaussian input of half-range about 1: standard deviation 1/3."""
+    """Return a Gaussian input of standard deviation 1/3, so that its half-range is about 1."""
     white = rng.standard_normal(samples)
     if kind == "band-limited":
         spectrum = np.fft.rfft(white)
         spectrum[np.fft.rfftfreq(samples) > BAND] = 0
         white = np.fft.irfft(spectrum, samples)
-    return np.clip(white / white.std() / 3, -1, 1) if kind == "white" else white / white.std() / 3
-
-
-def record(
-    plant: Plant, kind: str, noise: str, samples: int, rng: np.random.Generator,
-    parameters: Array | None = None,
-) -> Record:  # fmt: skip
-    """Return a record; ``parameters`` of (SETTLING + samples, terms) where the plant drifts."""
-    total = SETTLING + samples
-    u = excitation(kind, total, rng)
-    clean = simulate(plant, u, parameters=parameters)
-    drawn = rng.standard_normal(total)
-    if noise == "equation":
-        # Noise in the equation is amplified by the poles: scaled by what it adds.
-        small = 1e-3 * clean.std()
-        gain = (simulate(plant, u, small * drawn, parameters) - clean)[SETTLING:].std() / small
-        y = simulate(plant, u, NOISE * clean[SETTLING:].std() / gain * drawn, parameters)
-    else:
-        if noise == "coloured output":
-            drawn = _coloured(drawn)
-        y = clean + NOISE * clean[SETTLING:].std() * drawn
-    kept = slice(SETTLING, None)
-    return Record(u[kept], y[kept], None if parameters is None else parameters[kept])
+    return white / white.std() / 3
 
 
 def _coloured(white: Array) -> Array:
     """Return first-order noise of variance 1."""
-    coloured = np.empty_like(white)
-    coloured[0] = white[0]
-    for t in range(1, len(white)):
-        coloured[t] = COLOUR * coloured[t - 1] + np.sqrt(1 - COLOUR**2) * white[t]
-    return coloured
+    start = np.zeros((len(white), 1))
+    return np.sqrt(1 - COLOUR**2) * lfilter([1], [1, -COLOUR], white, zi=start)[0]
 
 
-def drift(plant: Plant, kind: str, samples: int, rng: np.random.Generator) -> Array:
-    """Return parameters of (SETTLING + samples, terms) that walk at random or follow a ramp.
+def _drift(plant: Plant, kind: str, total: int, rng: np.random.Generator) -> Array:
+    """Return parameters of (samples, terms); those of the input's terms change by about a tenth.
 
-    Input terms change, by a tenth of their value over the record; the poles stay, so that every
-    frozen model is stable.
+    The poles stay, so that every frozen model is stable.
     """
-    total = SETTLING + samples
     parameters = np.tile(np.array(plant.parameters), (total, 1))
     for j, term in enumerate(plant.terms):
-        if term.outputs or not term.inputs:
-            continue
-        if kind == "ramp":
-            course = np.linspace(-0.5, 0.5, total) * rng.choice([-1.0, 1.0])
-        else:
-            course = np.cumsum(rng.standard_normal(total)) / np.sqrt(total)
-        parameters[:, j] *= 1 + 0.1 * course
+        if term.inputs and not term.outputs:
+            if kind == "ramp":
+                course = np.linspace(-1, 1, total) * rng.choice([-1.0, 1.0])
+            else:
+                course = np.cumsum(rng.standard_normal(total)) / np.sqrt(total)
+            parameters[:, j] *= 1 + DRIFT * course
     return parameters

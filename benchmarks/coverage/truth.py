@@ -56,10 +56,15 @@ def _lines(y: Array, t: Array, tones: tuple[float, ...], wanted: float) -> NDArr
     """Return the complex amplitude of the line at ``wanted`` in each row of ``y``."""
     orders = itertools.product(range(-ORDERS, ORDERS + 1), repeat=len(tones))
     sums = (float(np.dot(order, tones)) for order in orders if sum(map(abs, order)) <= ORDERS)
-    lines = np.array(sorted({round(abs(line), 12) for line in sums} - {0.0}))
+    lines = np.array(sorted({round(abs(_folded(line)), 12) for line in sums} - {0.0}))
     phase = 2 * np.pi * np.outer(t, lines)
     columns = np.hstack([np.cos(phase), np.sin(phase), np.ones((len(t), 1))])
     solution = np.linalg.lstsq(columns, y.T, rcond=None)[0]
-    at = int(np.argmin(np.abs(lines - abs(wanted))))
+    at = int(np.argmin(np.abs(lines - abs(_folded(wanted)))))
     value = solution[at] - 1j * solution[len(lines) + at]
-    return value if wanted >= 0 else value.conj()
+    return value if _folded(wanted) >= 0 else value.conj()
+
+
+def _folded(frequency: float) -> float:
+    """Return the frequency from -1/2 to 1/2 that samples cannot tell from this one."""
+    return frequency - round(frequency)

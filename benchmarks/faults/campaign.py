@@ -88,7 +88,7 @@ class Campaign:
         laws = tuple(broken(outcome))
         if laws and self._keep is not None:
             kept = self._keep / f"{number:04d}"
-            shutil.copytree(folder, kept)
+            shutil.copytree(folder, kept, dirs_exist_ok=True)
             (kept / "schedule.json").write_text(schedule.dumps() + "\n")
             (kept / "broken").write_text("\n".join(laws) + "\n")
         shutil.rmtree(folder)

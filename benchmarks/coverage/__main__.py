@@ -1,0 +1,40 @@
+"""Count how often the 95 % bands contain the truth of known plants.
+
+Writes ``results/coverage.csv``, with a row for each plant, and ``results/coverage.md``.
+"""
+
+import argparse
+import os
+from pathlib import Path
+
+from benchmarks.coverage.campaign import Settings, run
+from benchmarks.coverage.report import as_csv, as_markdown, rows
+
+ROOT = Path(__file__).parents[2]
+
+
+def main() -> None:
+    """Run the campaign that the command line asks for."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage", description=__doc__)
+    parser.add_argument("--count", type=int, default=100, help="records of each cell")
+    parser.add_argument("--seed", type=int, default=1, help="of the records")
+    parser.add_argument("--samples", type=int, default=Settings.samples, help="of a record")
+    parser.add_argument("--cores", type=int, default=os.cpu_count(), help="jobs at a time")
+    parser.add_argument("--plant", action="append", help="only these plants, none of them drifting")
+    parser.add_argument("--output", type=Path, default=ROOT / "results" / "coverage")
+    given = parser.parse_args()
+    settings = Settings(given.count, given.samples, given.seed, given.cores)
+    if given.plant:
+        settings = Settings(
+            given.count, given.samples, given.seed, given.cores, tuple(given.plant), ()
+        )
+    table = rows(run(settings))
+    given.output.parent.mkdir(parents=True, exist_ok=True)
+    given.output.with_suffix(".csv").write_text(as_csv(table))
+    text = as_markdown(table)
+    given.output.with_suffix(".md").write_text(text)
+    print(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,106 @@
+"""What the library claims of a record: intervals, set against the truth."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+import dea
+from benchmarks.coverage import truth
+from benchmarks.coverage.plants import Array, Plant, plants
+from benchmarks.coverage.records import BAND
+from dea.narx import NarxModel, Scaling, estimate, refine
+from dea.terms import Term
+from dea.tracking import with_constant
+
+# Periods per sample, inside the excited band: white input holds power everywhere.
+FREQUENCIES = {
+    "white": np.array([0.002, 0.01, 0.05, 0.17]),
+    "band-limited": np.array([0.002, 0.005, 0.01, 0.9 * BAND]),
+}
+PAIRS = ((0, 0), (0, 2), (1, 1), (1, 3), (3, 3))  # of these frequencies, for H2
+QUANTITIES = ("parameters", "H1 gain", "H1 phase", "H2 gain", "H2 phase")
+TRACKERS = ("rls", "kalman", "output_error")
+INSTANTS = 8  # of a track that are judged
+
+
+@dataclass(frozen=True)
+class Judged:
+    """1 where an interval contains the truth, 0 where it does not, missing where it is withheld."""
+
+    inside: dict[str, Array]  # by quantity, (points,)
+    withheld: str  # the reason given
+
+
+@cache
+def responses(name: str, kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the true H1 and H2 of a plant at rest, inside the band of an input."""
+    plant, f = plants()[name], FREQUENCIES[kind]
+    return truth.h1(plant, f), truth.h2(plant, _pairs(kind))
+
+
+def _pairs(kind: str) -> Array:
+    f = FREQUENCIES[kind]
+    return np.array([(f[i], f[j]) for i, j in PAIRS])
+
+
+def terms(plant: Plant) -> tuple[Term, ...]:
+    """Return the plant's terms as the library writes them, in the plant's order."""
+    return tuple(Term.parse(str(term)) for term in plant.terms)
+
+
+def judge(plant: Plant, kind: str, u: Array, y: Array, refined: bool) -> Judged:
+    """Estimate the plant's own structure and judge its parameters, H1 and H2."""
+    model = estimate(terms(plant), u, y, scaling=Scaling())
+    if refined:
+        model = refine(model, u, y)
+    h1, h2 = responses(plant.name, kind)
+    _, low, high = dea.parameter_interval(model)
+    pairs = _pairs(kind)
+    inside = {"parameters": _inside(_true_parameters(plant, model), low, high)}
+    for label, true, order, f in (
+        ("H1", h1, 1, FREQUENCIES[kind]),
+        ("H2", h2, 2, (pairs[:, 0], pairs[:, 1])),
+    ):
+        band = dea.frequency_response_band(model, order, f, 1.0, operating_point=0.0)
+        phase = np.degrees(np.angle(true))
+        inside[f"{label} gain"] = _inside(np.abs(true), band.gain_low, band.gain_high)
+        inside[f"{label} phase"] = _phase_inside(phase, band.phase_low, band.phase_high)
+    return Judged(inside, model.withheld)
+
+
+def judge_track(plant: Plant, u: Array, y: Array, true: Array, tracker: str) -> Judged:
+    """Track the parameters of the plant's structure; ``true`` is (samples, terms)."""
+    model = refine(estimate(terms(plant), u, y, scaling=Scaling()), u, y)
+    track = dea.track_parameters(model, u, y, method=tracker, sampling_rate=1.0)
+    followed = with_constant(model)
+    columns = {term: true[:, j] for j, term in enumerate(terms(plant))}
+    instants = track["instant"].values
+    # The first quarter is where a recursion still learns; smoothers are judged there alike.
+    late = np.flatnonzero(instants > len(u) / 4)
+    chosen = late[np.linspace(0, len(late) - 1, INSTANTS).astype(int)]
+    at = np.round(instants[chosen]).astype(int)
+    inside = []
+    for j, term in enumerate(followed.terms):
+        expected = columns.get(term, np.zeros(len(u)))[at]
+        low, high = (track[end].values[chosen, j] for end in ("band_low", "band_high"))
+        inside.append(_inside(expected, low, high))
+    return Judged({"parameters": np.concatenate(inside)}, str(track.attrs["withheld"]))
+
+
+def _true_parameters(plant: Plant, model: NarxModel) -> Array:
+    known = dict(zip(terms(plant), plant.parameters, strict=True))
+    return np.array([known[term] for term in model.terms])
+
+
+def _inside(true: Array, low: Array, high: Array) -> Array:
+    inside = ((low <= true) & (true <= high)).astype(float)
+    inside[np.isnan(low) | np.isnan(high)] = np.nan
+    return inside
+
+
+def _phase_inside(true: Array, low: Array, high: Array) -> Array:
+    """Compare modulo a turn."""
+    middle = (low + high) / 2
+    turned = middle + (true - middle + 180) % 360 - 180
+    return _inside(turned, low, high)
