@@ -6,6 +6,8 @@ from pydantic import Field, model_validator
 
 from dea.configuration.section import NotNegative, Number, Positive, Section, Whole, key, refuse
 
+PASSAGE = 1.0  # s, from an excitation to a probing stretch and back
+
 
 class Sequence(Section):
     """What every kind of excitation has."""
@@ -103,8 +105,42 @@ Kind = Annotated[
 ]
 
 
+class Probing(Section):
+    """Odd random-phase multisines at chosen times, which measure the response without a model."""
+
+    times: Annotated[list[NotNegative], Field(min_length=1)] = key(
+        "where the stretches of multisines begin", unit="s"
+    )
+    bias: Number = key("mean of the multisines, before the amplifier", unit="V")
+    rms: Positive = key("root mean square of the multisines about it", unit="V")
+    lowest: Positive = key("first line; its inverse is the period", unit="Hz")
+    highest: Positive = key("last line", unit="Hz")
+    band: Positive = key("frequency above which lines have a third of the amplitude", unit="Hz")
+    realisations: Whole = key("multisines of other phases in a stretch", ge=2)
+    periods: Whole = key("whole periods of each", ge=2)
+    settle: NotNegative = key("time that each plays before its whole periods", unit="s")
+
+    @property
+    def duration(self) -> float:
+        """Length of a stretch in s, with the passage back to the excitation."""
+        return self.realisations * (self.settle + self.periods / self.lowest) + PASSAGE
+
+    @model_validator(mode="after")
+    def _lines(self) -> Self:
+        if not self.lowest <= self.band <= self.highest:
+            raise refuse(
+                "band",
+                f"{self.band:g} Hz is not between {self.lowest:g} and {self.highest:g} Hz",
+                "Give lowest, band and highest in ascending order.",
+            )
+        return self
+
+
 class Excitation(Section):
     """The voltages played, before the amplifier; ``kind`` says which further keys there are."""
 
     record: Kind = key("of the study's record")
     second: Kind = key("of a second record, on which conclusions from the first are certified")
+    probing: Probing = key(
+        "put into the record's excitation in a further run, which confirms frequency responses"
+    )

@@ -86,6 +86,20 @@ class Study(Section):
         return self
 
     @model_validator(mode="after")
+    def _probing_inside_the_record(self) -> Self:
+        probing, duration = self.excitation.probing, self.excitation.record.duration
+        ends = [*sorted(probing.times)[1:], duration]
+        for begin, end in zip(sorted(probing.times), ends, strict=True):
+            if begin + probing.duration > end:
+                raise refuse(
+                    "excitation.probing.times",
+                    f"the stretch from {begin:g} s on, {probing.duration:g} s long, does not end"
+                    f" before {end:g} s, where the next or the record does",
+                    "Leave room for each, or shorten them.",
+                )
+        return self
+
+    @model_validator(mode="after")
     def _tracker_runs(self) -> Self:
         check_tracker(self.gfrf, self.tracking)
         return self
