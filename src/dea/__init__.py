@@ -13,11 +13,13 @@ if TYPE_CHECKING:
     from dea.discrepancy import diagnose
     from dea.gfrf import frequency_response, frequency_response_band
     from dea.narx import NarxModel, parameter_interval, select_terms, simulation_interval
+    from dea.nonparametric import best_linear_approximation
     from dea.store import read_record
     from dea.tracking import track_parameters
 
 __all__ = [
     "NarxModel",
+    "best_linear_approximation",
     "diagnose",
     "frequency_response",
     "frequency_response_band",
@@ -35,6 +37,7 @@ refuse_undeclared_code()
 
 _ROOM_OF = {
     "NarxModel": "dea.narx",
+    "best_linear_approximation": "dea.nonparametric",
     "diagnose": "dea.discrepancy",
     "frequency_response": "dea.gfrf",
     "frequency_response_band": "dea.gfrf",

@@ -1,0 +1,56 @@
+"""Whether a measured and a modelled response agree within the bands of both."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.nonparametric.best_linear import BestLinear
+from dea.nonparametric.intermodulation import Intermodulation
+from dea.nonparametric.periods import Array
+
+Complex = NDArray[np.complex128]
+
+# Of a region that holds two independent normal errors in 95 %, over the half-width of the interval
+# that holds one: the roots of the chi-squared quantiles for two and for one degree of freedom.
+_BOTH = float(np.sqrt(5.991464547107979 / 3.841458820694124))
+
+
+class Band(NamedTuple):
+    """Half-widths of the 95 % band of a modelled response, (lines,)."""
+
+    gain: Array  # relative to the gain
+    phase: Array  # rad
+
+
+class Agreement(NamedTuple):
+    """Differences of a measured response from a modelled one, (lines,)."""
+
+    gain: Array  # relative: 0.1 where the measured gain is 10 % higher
+    phase: Array  # rad
+    gain_band: Array  # half-width of the joint 95 % band, relative
+    phase_band: Array  # rad
+    inside: NDArray[np.bool_]  # whether gain and phase lie in their joint 95 % region
+
+
+def compare_response(found: BestLinear, modelled: Complex, band: Band) -> Agreement:
+    """Set a best linear approximation against a modelled response at its lines.
+
+    Half-widths of measurement and model add as squares. A line is inside where the differences of
+    gain and phase, over their half-widths, lie in the ellipse that holds both in 95 %.
+    """
+    quotient = found.response / modelled
+    gain, phase = np.abs(quotient) - 1.0, np.angle(quotient)
+    measured = found.half_width() / np.abs(found.response)
+    gain_band = np.hypot(measured, band.gain)
+    phase_band = np.hypot(measured, band.phase)
+    inside = np.hypot(gain / gain_band, phase / phase_band) <= _BOTH
+    return Agreement(gain, phase, gain_band, phase_band, inside)
+
+
+def compare_intermodulation(found: Intermodulation, model_radius: Array) -> NDArray[np.bool_]:
+    """Return whether each even line agrees with its prediction, (even lines,).
+
+    ``model_radius`` is that of the 95 % disc of the second-order response, relative to it.
+    """
+    return np.asarray(np.abs(found.ratio - 1.0) <= np.hypot(found.radius, model_radius))

@@ -1,0 +1,119 @@
+"""The best linear approximation by the robust method, from arrays of periods.
+
+Pintelon and Schoukens, System Identification (2nd ed., Wiley 2012), section 4.3.1: of what differs
+between the responses of a system to several multisines, what differs between periods of one of them
+is noise, and what differs between realisations of the phases is noise and nonlinear distortion.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+from scipy.stats import f as fisher
+from scipy.stats import t as student
+
+from dea.errors import InputError
+from dea.nonparametric.periods import Array, Periods
+
+Complex = NDArray[np.complex128]
+Lines = NDArray[np.int64]
+
+_EXCITED = 1e-2  # of the largest input amplitude; quantisation of the input stays far below
+_CONFIDENCE = 0.95
+
+
+class BestLinear(NamedTuple):
+    """The response at the excited lines, and what the output holds besides.
+
+    Variances are those of a complex number, E|x - E x|^2.
+    """
+
+    lines: Lines  # (lines,) excited harmonics of the period
+    response: Complex  # (lines,) in output units per input unit
+    noise: Array  # (lines,) variance of the response by noise
+    total: Array  # (lines,) variance of the response by noise and nonlinear distortion
+    realisations: int
+    input: Complex  # (realisations, harmonics) two-sided Fourier coefficients, from harmonic 0 on
+    output: Complex  # (realisations, harmonics) without drift
+    output_noise: Array  # (realisations, harmonics) variance of output by noise
+
+    @property
+    def distortion(self) -> Array:
+        """Variance of the response to one realisation by nonlinear distortion, (lines,)."""
+        return np.maximum(self.total - self.noise, 0.0) * self.realisations
+
+    @property
+    def detection(self) -> Lines:
+        """The harmonics from 1 to the highest line at which the input holds nothing."""
+        return np.setdiff1d(np.arange(1, self.lines[-1] + 1), self.lines)
+
+    def radius(self) -> Array:
+        """Radius of the 95 % disc around the response, (lines,)."""
+        quantile = fisher.ppf(_CONFIDENCE, 2, 2 * (self.realisations - 1))
+        return np.asarray(np.sqrt(quantile * self.total))
+
+    def half_width(self) -> Array:
+        """Half-width of the 95 % interval of the real or imaginary part, (lines,).
+
+        Along the response it is that of the gain, across it that of gain times phase.
+        """
+        quantile = student.ppf(0.5 + 0.5 * _CONFIDENCE, 2 * (self.realisations - 1))
+        return np.asarray(quantile * np.sqrt(0.5 * self.total))
+
+
+def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
+    """Estimate the best linear approximation of the system between input and output.
+
+    Parameters
+    ----------
+    periods
+        Steady-state periods; all realisations excite the same lines.
+    drift
+        Order of the polynomial in time that the output of each realisation is freed of, together
+        with its period; 0 where the output does not drift.
+
+    Raises
+    ------
+    InputError
+        If the realisations do not excite the same lines.
+    """
+    u, y = periods.u, periods.y
+    samples = u.shape[-1]
+    spectrum_u = np.fft.rfft(u.mean(axis=1)) / samples
+    amplitude = np.abs(spectrum_u)
+    amplitude[:, 0] = 0.0
+    excited = amplitude > _EXCITED * amplitude.max()
+    if not (excited == excited[0]).all():
+        raise InputError(
+            "the realisations excite different lines",
+            field="realisation",
+            remedy="Change the phases of the multisine alone from one to the next.",
+        )
+    lines = np.flatnonzero(excited[0])
+    spectra = np.fft.rfft(np.stack([without_drift(each, drift) for each in y])) / samples
+    output = spectra.mean(axis=1)
+    output_noise = np.var(spectra, axis=1, ddof=1) / spectra.shape[1]
+    gains = output[:, lines] / spectrum_u[:, lines]
+    count = gains.shape[0]
+    noise = np.mean(output_noise[:, lines] / amplitude[:, lines] ** 2, axis=0) / count
+    total = np.var(gains, axis=0, ddof=1) / count
+    return BestLinear(
+        lines, gains.mean(axis=0), noise, total, count, spectrum_u, output, output_noise
+    )
+
+
+def without_drift(y: Array, order: int) -> Array:
+    """Return the periods ``y``, shape (periods, samples), less a polynomial of ``order`` in time.
+
+    The polynomial is fitted, by least squares, to what differs between the periods, so that it
+    takes nothing of what they share.
+    """
+    if order == 0:
+        return y
+    basis = legendre.legvander(np.linspace(-1.0, 1.0, y.size), order)[:, 1:]
+    basis = basis.reshape(*y.shape, order)
+    coefficients = np.linalg.lstsq(
+        (basis - basis.mean(axis=0)).reshape(-1, order), (y - y.mean(axis=0)).ravel(), rcond=None
+    )[0]
+    return np.asarray(y - basis @ coefficients)

@@ -1,0 +1,65 @@
+"""Lines that a second-order response puts where the input holds nothing."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as fisher
+
+from dea.nonparametric.best_linear import BestLinear, Lines
+from dea.nonparametric.periods import Array
+
+Complex = NDArray[np.complex128]
+
+
+class Intermodulation(NamedTuple):
+    """Even lines of the output, measured and as a second-order response predicts them.
+
+    ``ratio`` is the measured line over the predicted one, by least squares over realisations; 1
+    where they agree.
+    """
+
+    lines: Lines  # (even lines,) harmonics of the period
+    measured: Complex  # (realisations, even lines) two-sided Fourier coefficients
+    predicted: Complex  # (realisations, even lines)
+    in_band: Array  # (even lines,) share of the prediction's power from pairs inside the band
+    ratio: Complex  # (even lines,)
+    radius: Array  # (even lines,) of the 95 % disc around the ratio
+
+
+def signed(lines: Lines) -> Lines:
+    """Return the excited lines at negative and positive frequencies, ascending."""
+    return np.concatenate([-lines[::-1], lines])
+
+
+def intermodulation(found: BestLinear, H2: Complex, highest: int) -> Intermodulation:
+    """Compare even lines with those of a second-order response.
+
+    The output line at harmonic s is the sum of H2(f_k, f_l) U_k U_l over all ordered pairs of
+    excited lines, of either sign, with k + l = s.
+
+    Parameters
+    ----------
+    H2
+        The response at all pairs of :func:`signed` lines, in output units per squared input unit.
+    highest
+        The band: pairs of lines up to this harmonic count as inside it.
+    """
+    lines = signed(found.lines)
+    spectrum = found.input[:, np.abs(lines)]
+    spectrum = np.where(lines < 0, spectrum.conj(), spectrum)
+    contribution = H2 * spectrum[:, :, None] * spectrum[:, None, :]
+    sums = lines[:, None] + lines[None, :]
+    inside = (np.abs(lines) <= highest)[:, None] & (np.abs(lines) <= highest)[None, :]
+    even = np.unique(sums[(sums > 0) & (sums <= 2 * highest)])
+    predicted = np.stack([contribution[:, sums == s].sum(axis=-1) for s in even], axis=-1)
+    within = np.stack([(contribution * inside)[:, sums == s].sum(axis=-1) for s in even], axis=-1)
+    power = np.sum(np.abs(predicted) ** 2, axis=0)
+    foreign = np.sum(np.abs(predicted - within) ** 2, axis=0)
+    measured = found.output[:, even]
+    ratio = np.sum(predicted.conj() * measured, axis=0) / power
+    left = np.sum(np.abs(measured - ratio * predicted) ** 2, axis=0) / (found.realisations - 1)
+    quantile = fisher.ppf(0.95, 2, 2 * (found.realisations - 1))
+    return Intermodulation(
+        even, measured, predicted, 1.0 - foreign / power, ratio, np.sqrt(quantile * left / power)
+    )

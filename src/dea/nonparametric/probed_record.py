@@ -1,0 +1,140 @@
+"""The best linear approximation of a record with probing stretches, as a labelled dataset."""
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from dea.errors import InputError
+from dea.nonparametric.best_linear import BestLinear, best_linear
+from dea.nonparametric.periods import periods_of
+from dea.store import read_record, signals
+
+
+def best_linear_approximation(
+    record: xr.Dataset | str | Path, *, period: float | None = None, drift: int = 3
+) -> xr.Dataset:
+    """Measure the best linear approximation in each probing stretch of a record.
+
+    The best linear approximation is the linear response that explains most of the output for
+    inputs of this spectrum (Pintelon and Schoukens 2012, chapter 3). No model is involved: see
+    :func:`dea.nonparametric.best_linear` for the robust method that estimates it.
+
+    Parameters
+    ----------
+    record
+        A record or its file, with ``probing(time)`` and ``realisation(time)``, which number the
+        samples of whole periods from 1 by stretch and by multisine, and hold 0 elsewhere.
+    period
+        Of the multisines in s; by default the record's attribute ``probing_period``.
+    drift
+        Order of the polynomial in time that outputs are freed of.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (stretch, frequency), excited frequencies in Hz: ``response(..., part)`` in output
+        units per input unit; its standard deviations ``response_noise`` by noise and
+        ``response_std`` by noise and nonlinear distortion, and ``distortion``, the standard
+        deviation of the response to one realisation by nonlinear distortion alone; the 95 % bands
+        ``gain_low``, ``gain_high``, ``phase_low``, ``phase_high`` (degrees). Over (stretch,
+        detection_frequency), where the input holds nothing: ``output_level``, the root mean square
+        of the output's Fourier coefficients in output units, and ``output_noise``, what of it
+        noise explains; ``odd`` (detection_frequency) is 1 at odd and 0 at even lines.
+
+    Raises
+    ------
+    InputError
+        If the record does not number stretches and realisations, its period is unknown, or
+        realisations hold fewer than two whole periods.
+    """
+    content = record if isinstance(record, xr.Dataset) else read_record(record)
+    length = content.attrs.get("probing_period", None) if period is None else period
+    if length is None:
+        raise InputError(
+            "the period of the multisines is not known",
+            field="period",
+            remedy="Give it in s, or as the record's attribute probing_period.",
+        )
+    stretches = periods_of(content, float(length))
+    found = [best_linear(stretch, drift) for stretch in stretches]
+    if any(not np.array_equal(each.lines, found[0].lines) for each in found):
+        raise InputError(
+            "the stretches excite different lines",
+            field="probing",
+            remedy="Take a record with one multisine design.",
+        )
+    units = signals(content)
+    return labelled(
+        found,
+        np.array([stretch.time for stretch in stretches]),
+        float(length),
+        (units.u_units, units.y_units),
+    )
+
+
+_Labelled = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
+
+
+def labelled(
+    found: list[BestLinear], time: np.ndarray, period: float, units: tuple[str, str]
+) -> xr.Dataset:
+    """Return the estimates of all stretches as :func:`best_linear_approximation` does."""
+    first, (u, y) = found[0], units
+    gain_units = y if u == "1" else f"{y}/{u}"
+    response = np.stack([each.response for each in found])
+    half = np.stack([each.half_width() for each in found])
+    gain, angle = np.abs(response), np.degrees(np.angle(response))
+    turn = np.degrees(half / gain)
+    detection = first.detection
+
+    def at_lines(values: np.ndarray, unit: str, name: str) -> _Labelled:
+        return ("stretch", "frequency"), values, {"units": unit, "long_name": name}
+
+    def elsewhere(variances: list[np.ndarray], name: str) -> _Labelled:
+        about = {"units": y, "long_name": name}
+        return ("stretch", "detection_frequency"), np.sqrt(np.stack(variances)), about
+
+    def std(variances: list[np.ndarray], name: str) -> _Labelled:
+        return at_lines(np.sqrt(np.stack(variances)), gain_units, f"standard deviation {name}")
+
+    def hertz(values: np.ndarray, name: str) -> _Labelled:
+        return (name,), values / period, {"units": "Hz", "long_name": name.replace("_", " ")}
+
+    return xr.Dataset(
+        {
+            "response": (
+                ("stretch", "frequency", "part"),
+                np.stack([response.real, response.imag], axis=-1),
+                {"units": gain_units, "long_name": "best linear approximation"},
+            ),
+            "response_noise": std([each.noise for each in found], "by noise"),
+            "response_std": std([each.total for each in found], "by noise and distortion"),
+            "distortion": std(
+                [each.distortion for each in found], "by nonlinear distortion, one realisation"
+            ),
+            "gain_low": at_lines(gain - half, gain_units, "lower end of the gain's 95 % band"),
+            "gain_high": at_lines(gain + half, gain_units, "upper end of the gain's 95 % band"),
+            "phase_low": at_lines(angle - turn, "degree", "lower end of the phase's 95 % band"),
+            "phase_high": at_lines(angle + turn, "degree", "upper end of the phase's 95 % band"),
+            "output_level": elsewhere(
+                [np.mean(np.abs(each.output[:, detection]) ** 2, axis=0) for each in found],
+                "Fourier coefficient of the output, root mean square over realisations",
+            ),
+            "output_noise": elsewhere(
+                [np.mean(each.output_noise[:, detection], axis=0) for each in found],
+                "standard deviation of that coefficient by noise",
+            ),
+            "odd": (
+                ("detection_frequency",),
+                (detection % 2).astype(np.int8),
+                {"units": "1", "long_name": "1 at odd lines, 0 at even ones"},
+            ),
+        },
+        coords={
+            "time": (("stretch",), time, {"units": "s", "long_name": "middle of the stretch"}),
+            "frequency": hertz(first.lines, "frequency"),
+            "detection_frequency": hertz(detection, "detection_frequency"),
+            "part": (("part",), ["real", "imag"], {"units": "1", "long_name": "part"}),
+        },
+    )

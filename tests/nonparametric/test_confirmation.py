@@ -1,0 +1,166 @@
+"""A model with known responses, probed: measured lines are those of its own GFRFs."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea import store
+from dea.errors import InputError
+from dea.gfrf import frequency_response
+from dea.narx import NarxModel
+from dea.nonparametric import (
+    Band,
+    Modelled,
+    best_linear,
+    best_linear_approximation,
+    compare_response,
+    confirmation,
+    intermodulation,
+    periods_of,
+)
+from dea.probing import Probing
+
+RATE = 10.0
+PLANT = NarxModel.from_terms(
+    {"y(t-1)": 0.7, "u(t-1)": 0.2, "u(t-2)": 0.1, "u(t-1)^2": 0.15, "y(t-1)u(t-2)": 0.1}
+)
+PROBING = Probing(
+    times=[10.0, 130.0], bias=0.3, rms=0.02, lowest=0.1, highest=4.0, band=1.0, realisations=4,
+    periods=2, settle=5.0,
+)  # fmt: skip
+
+
+def variable(values, units="1"):
+    return "time", values, {"units": units, "long_name": "a quantity"}
+
+
+@pytest.fixture(scope="module")
+def record():
+    rng = np.random.default_rng(0)
+    probed = PROBING.place(0.3 + 0.1 * rng.standard_normal(2400), RATE, seed=5)
+    y = PLANT.simulate(probed.voltage) + 1e-5 * rng.standard_normal(2400)
+    return xr.Dataset(
+        {
+            "input": variable(probed.voltage, "V"),
+            "output": variable(y, "mm"),
+            "probing": variable(probed.probing),
+            "realisation": variable(probed.realisation),
+        },
+        coords={"time": variable(np.arange(2400) / RATE, "s")},
+        attrs={"probing_period": 10.0, "contract": "imported_record"},
+    )
+
+
+@pytest.fixture(scope="module")
+def found(record):
+    return [best_linear(stretch, 1) for stretch in periods_of(record, 10.0)]
+
+
+def responses(lines):
+    f = lines / 10.0
+    pairs = np.concatenate([-f[::-1], f])
+    H1 = frequency_response(PLANT, 1, f, RATE, operating_point=0.3)
+    return H1, frequency_response(
+        PLANT, 2, (pairs[:, None], pairs[None, :]), RATE, operating_point=0.3
+    )
+
+
+def test_the_response_is_the_models_h1_and_even_lines_are_its_h2(found):
+    for each in found:
+        H1, H2 = responses(each.lines)
+        # Odd orders above the first add a few parts in ten thousand, which noise does not hide.
+        np.testing.assert_allclose(each.response, H1, rtol=2e-3)
+        even = intermodulation(each, H2, 10)
+        assert (even.lines % 2 == 0).all()
+        strong = np.abs(even.predicted).max(axis=0) > 3e-5
+        assert strong.sum() >= 5
+        np.testing.assert_allclose(even.ratio[strong], 1.0, atol=0.1)
+        # A response of twice the size is refused at the lines that stand out of the noise.
+        wrong = intermodulation(each, 2 * H2, 10)
+        np.testing.assert_allclose(wrong.ratio, 0.5 * even.ratio)
+        assert (np.abs(wrong.ratio - 1) > wrong.radius)[strong].all()
+
+
+def test_predicted_even_lines_are_the_sums_over_all_pairs(found):
+    each = found[0]
+    _, H2 = responses(each.lines)
+    even = intermodulation(each, H2, 10)
+    signed = [*-each.lines[::-1], *each.lines]
+    spectrum = {line: each.input[1, abs(line)] for line in signed}
+    spectrum |= {line: value.conj() for line, value in spectrum.items() if line < 0}
+    for at, line in enumerate(even.lines):
+        total = inside = 0.0
+        for i, first in enumerate(signed):
+            for j, second in enumerate(signed):
+                if first + second == line:
+                    part = H2[i, j] * spectrum[first] * spectrum[second]
+                    total += part
+                    inside += part * (abs(first) <= 10 and abs(second) <= 10)
+        assert even.predicted[1, at] == pytest.approx(total)
+        assert 0 <= even.in_band[at] <= 1 or abs(inside) == pytest.approx(0.0)
+
+
+def test_the_joint_region_holds_95_percent_of_agreeing_lines():
+    rng = np.random.default_rng(2)
+    lines = 20_000
+    true = np.exp(1j * rng.uniform(0, 6, lines))
+    deviation = 0.01 * (rng.standard_normal(lines) + 1j * rng.standard_normal(lines))
+    modelled = true * (1 + 0.02 * rng.standard_normal(lines)) * np.exp(
+        0.005j * rng.standard_normal(lines)
+    )  # fmt: skip
+
+    class Known:
+        """An approximation whose variance is known and not estimated."""
+
+        response = true + deviation
+
+        def half_width(self):
+            return np.full(lines, 1.96 * 0.01)
+
+    band = Band(np.full(lines, 1.96 * 0.02), np.full(lines, 1.96 * 0.005))
+    found = compare_response(Known(), modelled, band)
+    assert found.inside.mean() == pytest.approx(0.95, abs=0.006)
+    shifted = compare_response(Known(), 1.2 * modelled, band)
+    assert shifted.inside.mean() < 0.01
+    assert np.median(shifted.gain) == pytest.approx(1 / 1.2 - 1, abs=2e-3)
+
+
+def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
+    measured = best_linear_approximation(record, drift=1)
+    assert measured.sizes["stretch"] == 2
+    np.testing.assert_allclose(measured["frequency"], found[0].lines / 10.0)
+    response = measured["response"].values[..., 0] + 1j * measured["response"].values[..., 1]
+    np.testing.assert_allclose(response[1], found[1].response)
+    np.testing.assert_allclose(measured["response_std"][0], np.sqrt(found[0].total))
+    width = measured["gain_high"] - measured["gain_low"]
+    np.testing.assert_allclose(width[0], 2 * found[0].half_width())
+    turn = measured["phase_high"] - measured["phase_low"]
+    np.testing.assert_allclose(turn, np.degrees(width / np.abs(response)))
+    assert measured["response"].attrs["units"] == "mm/V"
+    H1, H2 = responses(found[0].lines)
+    band = Band(np.full(H1.size, 0.01), np.full(H1.size, 0.01))
+    whole = confirmation(measured, found, [Modelled(H1, band, H2, 0.1)] * 2, 1.0)
+    store.write(whole, tmp_path / "confirmation.nc", title="Confirmation")
+    back = store.read(tmp_path / "confirmation.nc")
+    assert back["inside"].values.all()
+    np.testing.assert_array_equal(back["in_band"], back["frequency"] <= 1.0)
+    np.testing.assert_allclose(back["model_gain_high"][0], 1.01 * np.abs(H1))
+    judged = back["even_in_band"].values > 0.9
+    assert np.mean(back["even_inside"].values[judged]) > 0.9
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (lambda r: r.drop_vars("realisation"), "realisation: the variable is missing"),
+        (lambda r: r.assign(probing=0 * r.probing), "probing: no sample"),
+        (lambda r: r.assign(realisation=r.realisation.clip(max=1)), "interrupted"),
+        (lambda r: r.assign(probing=r.probing.where(r.realisation == 1, 0)), "1 realisations"),
+        (lambda r: r.drop_attrs(deep=False), "period: the period"),
+        (lambda r: r.assign_attrs(probing_period=10.03), "not a whole number"),
+        (lambda r: r.assign_attrs(probing_period=15.0), "1 whole periods"),
+    ],
+)
+def test_a_record_that_cannot_be_analysed_is_refused(record, change, named):
+    with pytest.raises(InputError, match=named):
+        best_linear_approximation(change(record))
