@@ -1,7 +1,12 @@
 from dea import archive
+from dea.configuration.excitation import PROBED, sections
 
 VIRTUAL = [name for name, actuator in ACTUATORS.items() if actuator.get("bench")]
 RECORDED = [name for name in ACTUATORS if name not in VIRTUAL]
+# Frequency responses are confirmed where there is a probed record, or a rule makes it.
+CONFIRMED = [
+    name for name in ACTUATORS if name in VIRTUAL or archive.finished(name, PROBED)
+]
 
 
 def names(actuators):
@@ -12,7 +17,7 @@ def names(actuators):
 def recorded(wildcards, excitation):
     """The manifest of the record of hardware to study; where there is none, how to make it."""
     actuator = ACTUATORS[wildcards.actuator]
-    key = {"record": "record", "second": "second_record"}[excitation]
+    key = "record" if excitation == "record" else f"{excitation}_record"
     try:
         folder = archive.chosen(wildcards.actuator, excitation, actuator.get(key))
     except InputError as error:
@@ -27,10 +32,9 @@ def acquisition_settings(excitation):
         leaves = {
             "seed": config["seed"],
             "system": wildcards.actuator,
-            "excitation": config["excitation"][excitation],
             "excitation_name": excitation,
             "acquisition": config["acquisition"],
-        }
+        } | sections(config["excitation"], excitation)
         served = ACTUATORS[wildcards.actuator]["bench"]
         leaves["bench"] = config["bench"] | {"actuator": served, "config": BENCH}
         return json.dumps(leaves, sort_keys=True)

@@ -1,8 +1,9 @@
 include: "../functions/acquisition.smk"
 
 
-# Every actuator has two records: the study's, and a second one with another excitation that
-# certifies what was learnt from the first. A virtual actuator is driven by a rule. A record of
+# Every actuator has three records: the study's, a second one with another excitation that certifies
+# what was learnt from the first, and a probed one, the study's with multisines in three places, that
+# confirms frequency responses. A virtual actuator is driven by a rule. A record of
 # hardware is made by `make record` and is no output of a rule, so that nothing here deletes it.
 
 
@@ -41,6 +42,18 @@ use rule acquire as acquire_second with:
         settings=acquisition_settings("second"),
 
 
+use rule acquire as acquire_probed with:
+    output:
+        record="results/{actuator}/probed_record.nc",
+        link="results/{actuator}/probed_link.nc",
+    log:
+        "results/{actuator}/log/acquire_probed.log",
+    benchmark:
+        "results/{actuator}/benchmark/acquire_probed.tsv"
+    params:
+        settings=acquisition_settings("probed"),
+
+
 rule take_record:
     input:
         manifest=lambda wildcards: recorded(wildcards, "record"),
@@ -72,3 +85,16 @@ use rule take_record as take_second_record with:
         "results/{actuator}/log/take_second_record.log",
     benchmark:
         "results/{actuator}/benchmark/take_second_record.tsv"
+
+
+use rule take_record as take_probed_record with:
+    input:
+        manifest=lambda wildcards: recorded(wildcards, "probed"),
+        code=modules("dea.stages.take_record"),
+    output:
+        record="results/{actuator}/probed_record.nc",
+        link="results/{actuator}/probed_link.nc",
+    log:
+        "results/{actuator}/log/take_probed_record.log",
+    benchmark:
+        "results/{actuator}/benchmark/take_probed_record.tsv"

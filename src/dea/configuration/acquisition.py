@@ -22,6 +22,7 @@ class Actuator(Section):
     second_record: str | None = key(
         "the same of the record with the second excitation", default=None
     )
+    probed_record: str | None = key("the same of the record with multisines in it", default=None)
 
 
 class Acquisition(Section):

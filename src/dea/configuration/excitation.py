@@ -1,11 +1,13 @@
 """The voltages an actuator is driven with: ``excitation`` of config/config.yaml."""
 
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from dea.configuration.section import NotNegative, Number, Positive, Section, Whole, key, refuse
 
+RECORD, PROBED = "record", "probed"  # names of excitations; the second is the first with probing
 PASSAGE = 1.0  # s, from an excitation to a probing stretch and back
 
 
@@ -144,3 +146,10 @@ class Excitation(Section):
     probing: Probing = key(
         "put into the record's excitation in a further run, which confirms frequency responses"
     )
+
+
+def sections(excitations: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """Return the sections that shape the excitation ``name``, from those of the config."""
+    if name == PROBED:
+        return {"excitation": excitations[RECORD], "probing": excitations["probing"]}
+    return {"excitation": excitations[name]}

@@ -10,8 +10,8 @@ from dea.stages.command import run
 def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path) -> None:
     """Acquire one record.
 
-    ``settings`` holds ``seed``, ``system``, ``excitation``, ``excitation_name``, ``acquisition``
-    and ``bench`` with ``actuator``, ``config`` and ``watchdog_time``.
+    ``settings`` holds those of :func:`dea.stages.driving.excitation`, ``acquisition`` and
+    ``bench`` with ``actuator``, ``config`` and ``watchdog_time``.
     """
     from dataclasses import replace
 
@@ -21,12 +21,12 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
 
     description = modbus.read_device(device)
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
-    volts, noise_seed = excitation(settings, description)
+    played = excitation(settings, description)
     bench = settings["bench"]
     partial = record.with_suffix(".partial")
-    with bench_process(**bench, device=device, seed=noise_seed) as port:
+    with bench_process(**bench, device=device, seed=played.noise_seed) as port:
         answering = replace(description, host="127.0.0.1", port=port)
-        acquired = acquisition.acquire(answering, volts, partial, options)
+        acquired = played.label(acquisition.acquire(answering, played.volts, partial, options))
     inputs = {"device": device, "bench": Path(bench["config"])}
     write(acquired, {"record": record, "link": link}, settings, inputs)
     partial.unlink()

@@ -5,46 +5,92 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from dea import acquisition, seeds, store
+from dea.configuration.excitation import RECORD
 from dea.errors import InputError
 from dea.excitation import design
 from dea.modbus import Device
+from dea.probing import Probed, Probing
 
 
 class Excitation(NamedTuple):
-    """Volts, one per sample period, and the seed of the noise of an actuator that is virtual."""
+    """Volts, one per sample period, and the seed of the noise of an actuator that is virtual.
+
+    ``labels`` are what a record says of its samples besides, where multisines probe it.
+    """
 
     volts: np.ndarray
     noise_seed: int
+    labels: xr.Dataset
+
+    def label(self, acquired: acquisition.Acquisition) -> acquisition.Acquisition:
+        """Return what was acquired, its record with the labels."""
+        record = acquired.record.assign(self.labels).assign_attrs(self.labels.attrs)
+        return acquired._replace(record=record)
 
 
 def excitation(settings: Mapping[str, Any], device: Device) -> Excitation:
     """Design the voltage of a job.
 
-    ``settings`` holds ``seed``, ``system``, ``excitation`` and ``excitation_name``.
+    ``settings`` holds ``seed``, ``system``, ``excitation``, ``excitation_name`` and, where
+    multisines are to be put into it, ``probing``.
 
     Raises
     ------
     InputError
         Where it leaves the limits of ``device``, or the excitation's own settings are wrong.
     """
-    job = seeds.generator(settings["seed"], settings["system"], settings["excitation_name"])
-    excitation_seed, noise_seed = (int(number) for number in job.integers(2**31, size=2))
-    volts = design(
-        **settings["excitation"], sampling_rate=device.sampling_rate, seed=excitation_seed
-    )
+    name, rate = settings["excitation_name"], device.sampling_rate
+    own_seed, noise_seed = _seeds(settings, name)
+    labels = xr.Dataset()
+    field = f"{name}.low, high"
+    if "probing" in settings:
+        # The voltages of the record, so that the film has the same history.
+        volts = design(
+            **settings["excitation"], sampling_rate=rate, seed=_seeds(settings, RECORD)[0]
+        )
+        probing = Probing(**settings["probing"])
+        probed = probing.place(volts, rate, own_seed)
+        volts, field = probed.voltage, "probing.bias, rms"
+        labels = _labels(probed, 1.0 / probing.lowest)
+    else:
+        volts = design(**settings["excitation"], sampling_rate=rate, seed=own_seed)
     try:
         acquisition.check_excitation(device, volts)
     except InputError as error:
         raise InputError(
             error.problem,
             file="config/config.yaml",
-            field=f"excitation.{settings['excitation_name']}.low, high",
+            field=f"excitation.{field}",
             remedy=f"Narrow it there, or widen {error.field} in {device.source} if film and"
             " amplifier bear it.",
         ) from error
-    return Excitation(volts, noise_seed)
+    return Excitation(volts, noise_seed, labels)
+
+
+def _seeds(settings: Mapping[str, Any], name: str) -> tuple[int, int]:
+    """Return the seeds of the design and of the noise of a job."""
+    job = seeds.generator(settings["seed"], settings["system"], name)
+    design_seed, noise_seed = job.integers(2**31, size=2)
+    return int(design_seed), int(noise_seed)
+
+
+def _labels(probed: Probed, period: float) -> xr.Dataset:
+    """Return which samples are whole periods of which multisine, and how long a period is (s)."""
+    meaning = {"probing": "number of the probing stretch", "realisation": "number of the multisine"}
+    return xr.Dataset(
+        {
+            name: (
+                "time",
+                getattr(probed, name).astype(np.int16),
+                {"units": "1", "long_name": f"{long_name}, 0 outside whole periods"},
+            )
+            for name, long_name in meaning.items()
+        },
+        attrs={"probing_period": period},
+    )
 
 
 def write(

@@ -15,6 +15,7 @@ from dea.acquisition.monitor import Monitor
 from dea.acquisition.voltage_plan import plan_sequence
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.excitation import sections
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, check_actuators, check_study
@@ -45,21 +46,20 @@ def record(name: str, excitation_name: str, operator: str) -> Path:
     settings: dict[str, Any] = {
         "seed": study.seed,
         "system": name,
-        "excitation": written(getattr(study.excitation, excitation_name)),
         "excitation_name": excitation_name,
         "acquisition": written(study.acquisition),
-    }
-    volts, _ = excitation(settings, device)
+    } | sections(written(study.excitation), excitation_name)
+    played = excitation(settings, device)
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
-    total = plan_sequence(device, volts, options.ramp_rate).counts.size
+    total = plan_sequence(device, played.volts, options.ramp_rate).counts.size
     begun = datetime.now(UTC)
     with archive.unfinished(name, now=begun) as folder:
         with Monitor(device, total) as monitor:
             acquired = acquisition.acquire(
-                device, volts, folder / "samples.partial", options, watch=monitor
+                device, played.volts, folder / "samples.partial", options, watch=monitor
             )
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
-        write(acquired, files, settings, {"device": device_file})
+        write(played.label(acquired), files, settings, {"device": device_file})
         (folder / "device.yaml").write_text(device_file.read_text())
         (folder / "config.yaml").write_text(Path(FILE).read_text())
         (folder / "samples.partial").unlink()
@@ -114,7 +114,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line; exits with 2 for bad input, 1 for a failed acquisition."""
     parser = argparse.ArgumentParser(prog="python -m dea.stages.record", description=__doc__)
     parser.add_argument("name", help="an actuator of config/config.yaml without `bench`")
-    parser.add_argument("--excitation", choices=("record", "second"), default="record")
+    parser.add_argument("--excitation", choices=("record", "second", "probed"), default="record")
     parser.add_argument("--operator", default=getpass.getuser(), help="who is in charge")
     options = parser.parse_args(arguments)
     try:

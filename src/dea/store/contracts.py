@@ -78,6 +78,8 @@ CONTRACTS: Mapping[str, Contract] = {
             "voltage_requested": _plain("time", units="V"),
             "voltage_counts": _plain("time", units="count"),
             "displacement_counts": _plain("time", units="count"),
+            "probing": _plain("time", units="1"),
+            "realisation": _plain("time", units="1"),
         },
     ),
     "imported_record": Contract(
@@ -177,6 +179,50 @@ CONTRACTS: Mapping[str, Contract] = {
             "H3": _plain("time_h2", "frequency_1", "frequency_2", "part"),
             "frequency_3": _plain(units="Hz"),
         },
+    ),
+    "confirmation": Contract(
+        required={
+            "time": _plain("stretch", units="s"),
+            "response": _plain("stretch", "frequency", "part"),
+            "model": _plain("stretch", "frequency", "part"),
+            "in_band": _plain("frequency", units="1"),
+            "output_level": _plain("stretch", "detection_frequency"),
+            "output_noise": _plain("stretch", "detection_frequency"),
+            "odd": _plain("detection_frequency", units="1"),
+            **{
+                name: _plain("stretch", "frequency")
+                for name in (
+                    "gain_low",
+                    "gain_high",
+                    "phase_low",
+                    "phase_high",
+                    "response_noise",
+                    "response_std",
+                    "distortion",
+                    "model_gain_low",
+                    "model_gain_high",
+                    "model_phase_low",
+                    "model_phase_high",
+                    "gain_difference",
+                    "phase_difference",
+                    "gain_band",
+                    "phase_band",
+                    "inside",
+                )
+            },
+            "ratio": _plain("stretch", "even_frequency", "part", units="1"),
+            **{
+                name: _plain("stretch", "even_frequency")
+                for name in (
+                    "even_measured",
+                    "even_predicted",
+                    "even_noise",
+                    "even_in_band",
+                    "even_inside",
+                    "ratio_radius",
+                )
+            },
+        }
     ),
     "scores": Contract(
         required={
