@@ -26,6 +26,11 @@ FIGURES = filled(
             path="results/figures/{name}",
             system="all",
         ),
+        "confirmation": Group(
+            sources="results/{system}/confirmation.nc",
+            path="results/figures/actuators/{name}_{system}",
+            system="{system}",
+        ),
         "link": Group(
             sources=of_every_actuator("results/{actuator}/link.nc"),
             path="results/figures/{name}",
@@ -64,6 +69,7 @@ EVERY_FIGURE = (
         kind=["png", "pdf"],
     )
     + FIGURES["responses"].files("png", "pdf")
+    + FIGURES["confirmation"].files("png", "pdf", system=CONFIRMED)
     + FIGURES["link"].files("png", "pdf")
     + FIGURES["recovery"].files("png", "pdf")
 )

@@ -18,3 +18,27 @@ rule gfrf:
             "gfrf --settings {params.settings:q} --record {input.record:q}"
             " --model {input.model:q} --track {input.track:q} --gfrf {output.gfrf:q} 2> {log:q}"
         )
+
+
+# The same responses measured without a model, from multisines that the actuator answered.
+rule confirm:
+    input:
+        probed="results/{actuator}/probed_record.nc",
+        model="results/{actuator}/model.nc",
+        track="results/{actuator}/track.nc",
+        gfrf="results/{actuator}/gfrf.nc",
+        code=modules("dea.stages.confirm"),
+    output:
+        confirmation="results/{actuator}/confirmation.nc",
+    log:
+        "results/{actuator}/log/confirm.log",
+    benchmark:
+        "results/{actuator}/benchmark/confirm.tsv"
+    params:
+        settings=settings("gfrf"),
+    shell:
+        stage(
+            "confirm --settings {params.settings:q} --probed {input.probed:q}"
+            " --model {input.model:q} --track {input.track:q} --gfrf {input.gfrf:q}"
+            " --confirmation {output.confirmation:q} 2> {log:q}"
+        )

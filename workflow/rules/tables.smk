@@ -13,6 +13,11 @@ TABLES = filled(
             path="results/tables/{name}",
             system="all",
         ),
+        "confirmation": Group(
+            sources=expand("results/{actuator}/confirmation.nc", actuator=CONFIRMED),
+            path="results/tables/{name}",
+            system="all",
+        ),
         "recovery": Group(
             sources="results/recovery.nc",
             path="results/tables/{name}",
@@ -39,9 +44,11 @@ TABLES = filled(
         ),
     },
 )
-EVERY_TABLE = TABLES["actuators"].files("csv", "md", "tex") + TABLES["recovery"].files(
-    "csv", "md", "tex"
-)
+EVERY_TABLE = [
+    file
+    for group in ("actuators", "recovery", *["confirmation"] * bool(CONFIRMED))
+    for file in TABLES[group].files("csv", "md", "tex")
+]
 
 
 for name, group in TABLES.items():

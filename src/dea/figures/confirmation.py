@@ -1,0 +1,117 @@
+"""Frequency responses of the tracked model against those measured without a model."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dea.figures import style
+from dea.figures.frequency_maps import as_complex
+from dea.store import Sources
+
+# One colour for what the model says, another for what was measured.
+_MODEL = style.BLUE
+_MEASURED = style.BLACK
+_LINEAR = 2.0  # % or degrees, up to which the axis of differences is linear
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``confirmation.nc`` of an actuator."""
+    return confirmation(sources.dataset("confirmation"), sources.system)
+
+
+@style.styled
+def confirmation(found: xr.Dataset, name: str) -> Figure:
+    """Draw gains, differences and even lines (rows) at each stretch (columns) of one actuator."""
+    count = found.sizes["stretch"]
+    figure = style.page_figure(style.FULL_WIDTH, 205)
+    axes = figure.subplots(4, count, squeeze=False, sharey="row", height_ratios=[6, 4, 4, 5])
+    unit, unit_name = style.clock(np.append(0.0, found["time"].values))
+    for column in range(count):
+        part = found.isel(stretch=column)
+        _gain(axes[0, column], part)
+        _difference(axes[1, column], part, "gain", 100.0)
+        _difference(axes[2, column], part, "phase", 1.0)
+        _even(axes[3, column], part)
+        axes[0, column].set_title(f"{name}, {float(part['time']) / unit:.3g} {unit_name}")
+        for ax in axes[:3, column]:
+            ax.set_xscale("log")
+            style.plain_log_ticks(ax.xaxis)
+            _band_edge(ax, found)
+        axes[2, column].set_xlabel("frequency (Hz)")
+        axes[3, column].set_xlabel("frequency of the line (Hz)")
+    units = found["response"].attrs["units"]
+    axes[0, 0].set_ylabel(style.quantity("gain, standard deviations", units))
+    axes[1, 0].set_ylabel("difference\nof gain (%)")
+    axes[2, 0].set_ylabel("difference\nof phase (degrees)")
+    even_units = found["even_measured"].attrs["units"]
+    axes[3, 0].set_ylabel(style.quantity("even lines\nof the output", even_units))
+    first, last = axes[0, 0].get_legend_handles_labels(), axes[3, 0].get_legend_handles_labels()
+    figure.legend(*first, loc="outside upper center", ncols=2)
+    figure.legend(*last, loc="outside lower center", ncols=3)
+    return figure
+
+
+def _band_edge(ax: Axes, found: xr.Dataset) -> None:
+    """Shade the frequencies beyond those at which the model was identified."""
+    frequency = found["frequency"].values
+    inside = frequency[found["in_band"].values == 1]
+    if inside.size < frequency.size:
+        ax.axvspan(
+            np.sqrt(inside[-1] * frequency[inside.size]), ax.get_xlim()[1], color=style.PALE,
+            alpha=0.5, lw=0, zorder=0,
+        )  # fmt: skip
+
+
+def _gain(ax: Axes, part: xr.Dataset) -> None:
+    frequency = part["frequency"].values
+    gain = np.hypot(*part["response"].transpose("part", "frequency").values)
+    ax.fill_between(
+        frequency, part["model_gain_low"], part["model_gain_high"], color=_MODEL, alpha=0.3, lw=0
+    )
+    ax.plot(
+        frequency, np.abs(as_complex(part["model"])), color=_MODEL,
+        label="$H_1$ of the tracked model, with its 95 % band",
+    )  # fmt: skip
+    reach = np.stack([gain - part["gain_low"].values, part["gain_high"].values - gain])
+    ax.errorbar(
+        frequency, gain, np.abs(reach), fmt="o", ms=1.8, lw=0.7, color=_MEASURED,
+        label="best linear approximation, with its 95 % band",
+    )  # fmt: skip
+    for kind, marker, colour, label in (
+        ("distortion", "x", style.VERMILION, "odd nonlinear distortion, one realisation"),
+        ("response_noise", ".", style.GREEN, "noise of the average"),
+    ):
+        values = part[kind].values
+        shown = np.where(values > 0, values, np.nan)
+        ax.plot(frequency, shown, marker, ms=2.5, mew=0.6, color=colour, label=label)
+    ax.plot([], [], color=style.SKY, alpha=0.4, lw=5, label="joint 95 % band of the difference")
+    ax.plot([], [], color=style.PALE, lw=5, label="not excited in the record: extrapolated")
+    ax.set_yscale("log")
+    ax.set_xlim(0.9 * frequency[0], 1.1 * frequency[-1])
+
+
+def _difference(ax: Axes, part: xr.Dataset, kind: str, scale: float) -> None:
+    """Draw measured less modelled, hollow where outside of the joint band, which is shown."""
+    frequency, inside = part["frequency"].values, part["inside"].values == 1
+    values, half = scale * part[f"{kind}_difference"].values, scale * part[f"{kind}_band"].values
+    ax.fill_between(frequency, -half, half, color=style.SKY, alpha=0.4, lw=0)
+    ax.axhline(0.0, color=_MODEL, lw=0.6)
+    for which, fill in ((inside, _MEASURED), (~inside, "white")):
+        ax.plot(frequency[which], values[which], "o", ms=2.4, mew=0.6, mec=_MEASURED, mfc=fill)
+    ax.set_yscale("symlog", linthresh=_LINEAR, linscale=2.0)
+    ax.yaxis.set_major_formatter("{x:g}")
+    ax.set_xlim(0.9 * frequency[0], 1.1 * frequency[-1])
+
+
+def _even(ax: Axes, part: xr.Dataset) -> None:
+    frequency = part["even_frequency"].values
+    for kind, marker, size, colour, label in (
+        ("predicted", "_", 5.0, _MODEL, "predicted from $H_2$ of the tracked model"),
+        ("measured", "o", 2.2, _MEASURED, "measured"),
+        ("noise", ".", 2.5, style.GREEN, "noise"),
+    ):
+        ax.plot(
+            frequency, part[f"even_{kind}"], marker, ms=size, mew=1.0, color=colour, label=label
+        )
+    ax.set_yscale("log")

@@ -1,0 +1,58 @@
+"""How well the tracked models' frequency responses are confirmed on each actuator."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from dea.store import Sources
+from dea.tables.table import Table, rounded
+
+_BEYOND = (2.0, 5.0, 10.0)  # Hz, at which the error of the extrapolation is given
+_OF_THE_BAND = 0.9  # share of a line's predicted power, from which it is judged
+
+
+def tabulate(sources: Sources) -> Table:
+    """Make it from ``confirmation.nc`` of every actuator."""
+    return confirmation(sources.datasets("confirmation"))
+
+
+def confirmation(found: Mapping[str, xr.Dataset]) -> Table:
+    """Agreement at each stretch of each actuator (contract ``confirmation``)."""
+    rows = []
+    for name, dataset in found.items():
+        for stretch in range(dataset.sizes["stretch"]):
+            part = dataset.isel(stretch=stretch)
+            rows.append({"actuator": name, "time (s)": float(part["time"])} | _row(part))
+    return rounded(pd.DataFrame(rows))
+
+
+def _row(part: xr.Dataset) -> dict[str, str | float]:
+    band = part.isel(frequency=part["in_band"].values == 1)
+    even = part.isel(even_frequency=part["even_in_band"].values >= _OF_THE_BAND)
+    gain = np.hypot(*band["response"].transpose("part", "frequency").values)
+    frequency = part["frequency"].values
+    row: dict[str, str | float] = {
+        "lines in band": _share(band["inside"]),
+        "largest difference of gain (%)": 100 * _largest(band["gain_difference"]),
+        "of phase (degrees)": _largest(band["phase_difference"]),
+        "joint band of gain (%)": 100 * float(band["gain_band"].median()),
+        "noise (%)": 100 * float(np.median(band["response_noise"].values / gain)),
+        "odd distortion (%)": 100 * float(np.median(band["distortion"].values / gain)),
+        "even lines": _share(even["even_inside"]),
+        "median ratio": float(np.median(even["ratio"].sel(part="real"))) if even["even_inside"].size
+        else np.nan,
+    }  # fmt: skip
+    for beyond in _BEYOND:
+        nearest = int(np.argmin(np.abs(np.log(frequency / beyond))))
+        row[f"gain at {beyond:g} Hz (%)"] = 100 * float(part["gain_difference"][nearest])
+    return row
+
+
+def _share(inside: xr.DataArray) -> str:
+    return f"{int(inside.sum())} of {inside.size}"
+
+
+def _largest(values: xr.DataArray) -> float:
+    return float(values.values[np.argmax(np.abs(values.values))])
