@@ -5,7 +5,11 @@ VIRTUAL = [name for name, actuator in ACTUATORS.items() if actuator.get("bench")
 RECORDED = [name for name in ACTUATORS if name not in VIRTUAL]
 # Frequency responses are confirmed where there is a probed record, or a rule makes it.
 CONFIRMED = [
-    name for name in ACTUATORS if name in VIRTUAL or archive.finished(name, PROBED)
+    name
+    for name in ACTUATORS
+    if name in VIRTUAL
+    and "probing" in config["excitation"]
+    or archive.finished(name, PROBED)
 ]
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from dea.configuration.section import NotNegative, Number, Positive, Section, Whole, key, refuse
+from dea.errors import InputError
 
 RECORD, PROBED = "record", "probed"  # names of excitations; the second is the first with probing
 PASSAGE = 1.0  # s, from an excitation to a probing stretch and back
@@ -143,13 +144,27 @@ class Excitation(Section):
 
     record: Kind = key("of the study's record")
     second: Kind = key("of a second record, on which conclusions from the first are certified")
-    probing: Probing = key(
-        "put into the record's excitation in a further run, which confirms frequency responses"
+    probing: Probing | None = key(
+        "put into the record's excitation in a further run, which confirms frequency responses",
+        default=None,
     )
 
 
 def sections(excitations: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """Return the sections that shape the excitation ``name``, from those of the config."""
+    """Return the sections that shape the excitation ``name``, from those of the config.
+
+    Raises
+    ------
+    InputError
+        If it is the probed one and the config does not say how.
+    """
     if name == PROBED:
+        if "probing" not in excitations:
+            raise InputError(
+                "it is not given",
+                file="config/config.yaml",
+                field="excitation.probing",
+                remedy="Say there which multisines are to be played, and when.",
+            )
         return {"excitation": excitations[RECORD], "probing": excitations["probing"]}
     return {"excitation": excitations[name]}

@@ -88,6 +88,8 @@ class Study(Section):
     @model_validator(mode="after")
     def _probing_inside_the_record(self) -> Self:
         probing, duration = self.excitation.probing, self.excitation.record.duration
+        if probing is None:
+            return self
         ends = [*sorted(probing.times)[1:], duration]
         for begin, end in zip(sorted(probing.times), ends, strict=True):
             if begin + probing.duration > end:
