@@ -55,3 +55,23 @@ rule validate:
             "validate --record {input.record:q} --model {input.model:q}"
             " --settings {params.settings:q} --validation {output.validation:q} 2> {log:q}"
         )
+
+
+rule forecast:
+    input:
+        record="results/{actuator}/record.nc",
+        model="results/{actuator}/model.nc",
+        code=modules("dea.stages.forecast"),
+    output:
+        forecast="results/{actuator}/forecast.nc",
+    log:
+        "results/{actuator}/log/forecast.log",
+    benchmark:
+        "results/{actuator}/benchmark/forecast.tsv"
+    params:
+        settings=settings("forecast"),
+    shell:
+        stage(
+            "forecast --record {input.record:q} --model {input.model:q}"
+            " --settings {params.settings:q} --forecast {output.forecast:q} 2> {log:q}"
+        )

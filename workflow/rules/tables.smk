@@ -18,6 +18,11 @@ TABLES = filled(
             path="results/tables/{name}",
             system="all",
         ),
+        "forecast": Group(
+            sources=of_every_actuator("results/{actuator}/forecast.nc"),
+            path="results/tables/{name}",
+            system="all",
+        ),
         "recovery": Group(
             sources="results/recovery.nc",
             path="results/tables/{name}",
@@ -46,7 +51,12 @@ TABLES = filled(
 )
 EVERY_TABLE = [
     file
-    for group in ("actuators", "recovery", *["confirmation"] * bool(CONFIRMED))
+    for group in (
+        "actuators",
+        "forecast",
+        "recovery",
+        *["confirmation"] * bool(CONFIRMED),
+    )
     for file in TABLES[group].files("csv", "md", "tex")
 ]
 

@@ -62,6 +62,29 @@ class Orders(Section):
     length: Positive = key("length of the independent data", unit="s")
 
 
+class Forecast(Section):
+    """Forecasts of the model and of simpler structures, with parameters from the past alone."""
+
+    start: Positive = key("beginning of the first forecast", unit="s")
+    every: Positive = key("time from the beginning of one to that of the next", unit="s")
+    window: Positive = key("length of the past from which parameters are estimated", unit="s")
+    horizons: Annotated[list[Positive], Field(min_length=1), Different] = key(
+        "lengths over which errors are taken, ascending", unit="s"
+    )
+
+    @model_validator(mode="after")
+    def _past(self) -> Self:
+        if self.start < self.window:
+            raise refuse(
+                "start",
+                f"{self.start:g} s leaves no window of {self.window:g} s before",
+                "Begin later, or shorten the window.",
+            )
+        if self.horizons != sorted(self.horizons):
+            raise refuse("horizons", f"{self.horizons} do not ascend", "Give the shortest first.")
+        return self
+
+
 class Validation(Section):
     """The windows on which the linear and the NARX model are compared."""
 

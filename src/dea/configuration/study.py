@@ -13,7 +13,7 @@ from dea.configuration.excitation import Excitation
 from dea.configuration.figures import Figures
 from dea.configuration.files import read_yaml
 from dea.configuration.gfrf import Gfrf
-from dea.configuration.identification import Identification, Orders, Validation
+from dea.configuration.identification import Forecast, Identification, Orders, Validation
 from dea.configuration.problems import did_you_mean, validated
 from dea.configuration.recovery import Recovery
 from dea.configuration.section import Section, Whole, key, refuse
@@ -37,6 +37,7 @@ class Study(Section):
     identification: Identification = key("linear and NARX models")
     orders: Orders = key("comparison of orders")
     validation: Validation = key("windows of comparison")
+    forecast: Forecast = key("errors of forecasts beside those of simpler models")
     recovery: Recovery = key("published models identified from their own records")
     figures: Figures = key("how figures are drawn")
     tracking: Tracking = key("parameters that change with time")
@@ -83,6 +84,21 @@ class Study(Section):
                     " (excitation.record.duration)",
                     "Choose a segment inside the record.",
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _forecast_inside_the_record(self) -> Self:
+        end, duration = (
+            self.forecast.start + self.forecast.horizons[-1],
+            (self.excitation.record.duration),
+        )
+        if end > duration:
+            raise refuse(
+                "forecast.start",
+                f"the first forecast ends at {end:g} s, after the record of {duration:g} s"
+                " (excitation.record.duration)",
+                "Begin earlier, or take shorter horizons.",
+            )
         return self
 
     @model_validator(mode="after")

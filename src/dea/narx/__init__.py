@@ -1,7 +1,9 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
+from dea.narx.baselines import baselines
 from dea.narx.candidate_terms import candidate_terms, linear_terms
 from dea.narx.estimation import estimate, scaling_of
+from dea.narx.forecast import ForecastPlan, forecast_errors
 from dea.narx.held_out import held_out_error
 from dea.narx.inclusion import inclusion_frequency
 from dea.narx.intervals import (
@@ -26,9 +28,11 @@ from dea.narx.validation import validate
 
 __all__ = [
     "LEVEL",
+    "ForecastPlan",
     "Interval",
     "NarxModel",
     "Scaling",
+    "baselines",
     "candidate_terms",
     "compare_orders",
     "correlation_tests",
@@ -36,6 +40,7 @@ __all__ = [
     "estimate",
     "estimate_refined",
     "fit",
+    "forecast_errors",
     "fpe",
     "held_out_error",
     "inclusion_frequency",

@@ -180,6 +180,12 @@ CONTRACTS: Mapping[str, Contract] = {
             "frequency_3": _plain(units="Hz"),
         },
     ),
+    "forecast": Contract(
+        required={
+            "error": _plain("forecaster", "horizon", "origin"),
+            "rmse": _plain("forecaster", "horizon"),
+        }
+    ),
     "confirmation": Contract(
         required={
             "time": _plain("stretch", units="s"),

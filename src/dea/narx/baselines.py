@@ -1,0 +1,30 @@
+"""Simple structures that a NARX model has to beat."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from dea.narx.candidate_terms import linear_terms
+from dea.narx.model import NarxModel
+from dea.terms import Term
+
+_CUBIC = (Term(), *(Term.of((), (1,) * degree) for degree in (1, 2, 3)))
+
+
+def baselines(model: NarxModel) -> Mapping[str, NarxModel]:
+    """Return structures to compare ``model`` with, by name, their parameters all zero.
+
+    ``cubic``: a static polynomial of third order in the input before, without memory.
+    ``hammerstein``: the same followed by one pole. ``linear``: the lags of the model, without
+    products.
+    """
+    lag = max(model.max_lag, 1)
+    structures = {
+        "linear": linear_terms(lag, lag),
+        "hammerstein": (_CUBIC[0], Term.of((1,), ()), *_CUBIC[1:]),
+        "cubic": _CUBIC,
+    }
+    return {
+        name: NarxModel(terms, np.zeros(len(terms)), model.scaling)
+        for name, terms in structures.items()
+    }

@@ -1,0 +1,164 @@
+"""How far model structures forecast, with parameters that follow the past alone."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from dea.errors import InputError
+from dea.narx.checks import Array, as_record
+from dea.narx.estimation import Segment, least_squares, normalised
+from dea.narx.model import NarxModel
+from dea.narx.refinement import minimise, squared_error
+from dea.terms import Term
+
+LAST_VALUE = "last value"
+
+
+@dataclass(frozen=True)
+class ForecastPlan:
+    """When forecasts are made, how far they reach and what they may know; all in s.
+
+    Parameters
+    ----------
+    start, every
+        The first forecast begins at ``start``, the next ones ``every`` s later.
+    window
+        Length of the past that parameters are estimated from.
+    horizons
+        Lengths of the forecasts over which errors are taken, ascending.
+    """
+
+    start: float = 120.0
+    every: float = 60.0
+    window: float = 100.0
+    horizons: Sequence[float] = (1.0, 10.0, 60.0)
+
+
+_PLAN = ForecastPlan()
+
+
+def forecast_errors(
+    models: Mapping[str, NarxModel],
+    u: ArrayLike,
+    y: ArrayLike,
+    sampling_rate: float,
+    plan: ForecastPlan = _PLAN,
+    y_units: str = "1",
+) -> xr.Dataset:
+    """Forecast a record from many times on, and compare structures and the last value.
+
+    At each time the parameters of every structure, with a constant where it has none, are those
+    that minimise the simulated error over the window before; then the future input alone is given,
+    and the model runs freely from the last measured outputs. ``last value`` keeps the last output.
+
+    Parameters
+    ----------
+    models
+        Structures and scalings by name.
+    u, y
+        The record in physical units, shape (samples,).
+    sampling_rate
+        In Hz.
+
+    Returns
+    -------
+    Dataset
+        ``error(forecaster, horizon, origin)``, root mean square over the horizon, and
+        ``rmse(forecaster, horizon)``, over all origins, in output units; infinite where a run
+        diverges.
+
+    Raises
+    ------
+    InputError
+        If the record is too short for a window, or a horizon holds no sample.
+    """
+    inputs, outputs = as_record(u, y)
+    window, *reaches = (round(t * sampling_rate) for t in (plan.window, *plan.horizons))
+    origins = np.arange(
+        round(plan.start * sampling_rate),
+        inputs.size - max(reaches) + 1,
+        max(round(plan.every * sampling_rate), 1),
+    )
+    if not origins.size or origins[0] < window or any(b <= a for a, b in pairwise([0, *reaches])):
+        raise InputError(
+            f"no forecast over {plan.horizons} s fits a record of {inputs.size / sampling_rate:g} s"
+            f" from {plan.start:g} s on with {plan.window:g} s before",
+            field="forecast",
+            remedy="Give ascending horizons of a sample or more, and start after the window.",
+        )
+    errors = np.empty((len(models) + 1, len(reaches), origins.size))
+    for row, model in enumerate(models.values()):
+        for column, forecast in enumerate(_forecasts(model, inputs, outputs, origins, window,
+                                                     max(reaches))):  # fmt: skip
+            errors[row, :, column] = _errors(forecast, outputs[origins[column] :], reaches)
+    for column, origin in enumerate(origins):
+        held = np.full(max(reaches), outputs[origin - 1])
+        errors[-1, :, column] = _errors(held, outputs[origin:], reaches)
+    return xr.Dataset(
+        {
+            "error": (
+                ("forecaster", "horizon", "origin"),
+                errors,
+                {"units": y_units, "long_name": "root mean square error of a forecast"},
+            ),
+            "rmse": (
+                ("forecaster", "horizon"),
+                np.sqrt(np.mean(errors**2, axis=-1)),
+                {"units": y_units, "long_name": "root mean square error of all forecasts"},
+            ),
+        },
+        coords={
+            "forecaster": (
+                "forecaster",
+                [*models, LAST_VALUE],
+                {"units": "1", "long_name": "what forecasts"},
+            ),
+            "horizon": (
+                "horizon",
+                np.asarray(plan.horizons, dtype=float),
+                {"units": "s", "long_name": "length of the forecast"},
+            ),
+            "origin": (
+                "origin",
+                origins / sampling_rate,
+                {"units": "s", "long_name": "beginning of the forecast"},
+            ),
+        },
+    )
+
+
+def _forecasts(
+    model: NarxModel, u: Array, y: Array, origins: np.ndarray, window: int, reach: int
+) -> list[Array]:
+    """Return the free run of ``reach`` samples from each origin, in physical units."""
+    terms = model.terms if Term() in model.terms else (Term(), *model.terms)
+    fitted = NarxModel(terms, np.zeros(len(terms)), model.scaling)
+    lag = fitted.max_lag
+    runs = []
+    for origin in origins:
+        past = slice(origin - window, origin)
+        [segment] = normalised([(u[past], y[past])], model.scaling)
+        fitted = fitted.with_parameters(_estimate(terms, fitted.parameters, segment))
+        ahead = slice(origin - lag, origin + reach)
+        runs.append(fitted.simulate(u[ahead], y[origin - lag : origin])[lag:])
+    return runs
+
+
+def _estimate(terms: tuple[Term, ...], before: Array, segment: Segment) -> Array:
+    """Return the parameters of least simulated error, from the better of two starts.
+
+    The starts are the parameters of the window before and the least-squares ones.
+    """
+    starts = [before, least_squares(terms, [segment])[0]]
+    errors = [squared_error(terms, start, [segment]) for start in starts]
+    return minimise(terms, starts[int(np.argmin(errors))], [segment]).parameters
+
+
+def _errors(forecast: Array, measured: Array, reaches: Sequence[int]) -> list[float]:
+    with np.errstate(over="ignore"):
+        squares = (forecast - measured[: forecast.size]) ** 2
+    return [float(np.sqrt(np.mean(squares[:reach]))) for reach in reaches]

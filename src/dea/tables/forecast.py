@@ -1,0 +1,44 @@
+"""Errors of forecasts: the NARX model beside four simpler ways to forecast."""
+
+from collections.abc import Mapping
+
+import pandas as pd
+import xarray as xr
+
+from dea.store import Sources
+from dea.tables.table import Table, rounded
+
+_NAMES = {
+    "narx": "NARX",
+    "linear": "linear ARX",
+    "hammerstein": "one-pole Hammerstein",
+    "cubic": "memoryless cubic",
+    "last value": "last value",
+}
+
+
+def tabulate(sources: Sources) -> Table:
+    """Make it from ``forecast.nc`` of every actuator."""
+    return forecast(sources.datasets("forecast"))
+
+
+def forecast(found: Mapping[str, xr.Dataset]) -> Table:
+    """Root mean square errors over every horizon (contract ``forecast``)."""
+    rows = []
+    for name, dataset in found.items():
+        rmse = dataset["rmse"]
+        units = rmse.attrs["units"]
+        for horizon in dataset["horizon"].values:
+            errors = {
+                forecaster: float(rmse.sel(horizon=horizon, forecaster=forecaster))
+                for forecaster in _NAMES
+            }
+            rows.append(
+                {"actuator": name, "horizon (s)": float(horizon)}
+                | {f"{label} ({units})": errors[each] for each, label in _NAMES.items()}
+                | {
+                    "NARX/cubic": errors["narx"] / errors["cubic"],
+                    "NARX/Hammerstein": errors["narx"] / errors["hammerstein"],
+                }
+            )
+    return rounded(pd.DataFrame(rows))
