@@ -22,13 +22,14 @@ def _below(section: Section, lower: str, upper: str) -> None:
 
 
 Modulus = Annotated[float, Field(ge=0.0, le=1e8, allow_inf_nan=False)]
-Time = Annotated[float, Field(ge=0.05, le=1e6, allow_inf_nan=False)]
+Time = Annotated[float, Field(ge=0.005, le=1e6, allow_inf_nan=False)]
 
 
 class Film(Section):
     """The film under its mass, between its electrodes."""
 
     frame_radius: Number = key("inner radius of the frame", unit="m", ge=1e-3, le=1.0)
+    electrode_radius: Number = key("radius of the electrodes, after stretching", unit="m", ge=1e-4, le=1.0)
     contact_radius: Number = key("radius of the ball's contact", unit="m", ge=1e-4, le=1.0)
     thickness: Number = key("before stretching", unit="m", ge=1e-5, le=1e-2)
     prestretch: Number = key("equibiaxial stretch in the frame", unit="1", ge=1.0, le=6.0)
@@ -55,7 +56,8 @@ class Film(Section):
 
     @model_validator(mode="after")
     def _relations(self) -> Self:
-        _below(self, "contact_radius", "frame_radius")
+        _below(self, "contact_radius", "electrode_radius")
+        _below(self, "electrode_radius", "frame_radius")
         if len(self.branch_modulus) != len(self.branch_time):
             raise refuse(
                 "branch_time",

@@ -12,7 +12,7 @@ from dea.configuration.section import Section
 from dea.errors import InputError
 from dea.plant.amplifier import Amplifier
 from dea.plant.converter import Converter
-from dea.plant.film import Film
+from dea.plant.membrane import Film
 from dea.plant.sensor import Sensor
 
 

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from dea.errors import InputError
 from dea.plant.amplifier import amplify
 from dea.plant.array import Array
-from dea.plant.film import FAULT, SUBSTEP, FilmState, Y, capacitance, rest
+from dea.plant.film import FAULT, SUBSTEP, Y, rest
 from dea.plant.film import advance as advance_film
 from dea.plant.forces import ForceLaw, stack
 from dea.plant.history import History
+from dea.plant.membrane import capacitance
 from dea.plant.parameters import Parameters, read_parameters
 from dea.plant.sensor import AntiAliasFilter
 from dea.plant.signal_law import SignalLaw
@@ -42,11 +43,10 @@ class Rig:
     """
 
     def __init__(self, parameters: Parameters, seed: int, effects: Sequence[Law] = ()) -> None:
-        film = parameters.film
         self._parameters = parameters
         self._noise = generator(seed, "bench", "noise")
-        branches = np.ones((film.branch_modulus.size, 2))
-        start = rest(film, branches, parameters.rest)
+        self._state = rest(parameters.film, parameters.rest)
+        start = float(self._state.scalars[Y])
         if not np.isfinite(start):
             raise InputError(
                 "the film does not carry the mass",
@@ -57,10 +57,8 @@ class Rig:
         on_signals = [law for law in effects if isinstance(law, SignalLaw)]
         self._input_laws = [law for law in on_signals if not law.output]
         self._output_laws = [law for law in on_signals if law.output]
-        self._state = FilmState(np.zeros(5), branches)
-        self._state.scalars[Y] = start
         self._output = np.zeros(1)
-        self._load = capacitance(film, start)
+        self._load = capacitance(parameters.film, 1.0)
         cutoff = parameters.sensor.cutoff
         self._filter = AntiAliasFilter(cutoff, start) if cutoff < np.inf else None
         self.applied_count = self.zero_count

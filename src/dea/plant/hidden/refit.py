@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from dea.least_squares import Damping, Model, Point, minimise
 from dea.plant.array import Array
-from dea.plant.film import tension
+from dea.plant.film import vertical_stiffness
 from dea.plant.hidden.effect import Conditions
 from dea.plant.parameters import Parameters
 from dea.plant.rig import SAMPLE_PERIOD, Law, Rig
@@ -48,10 +48,7 @@ class Yardstick:
 
     def conditions(self) -> Conditions:
         """Return what the excitation does to the plain actuator."""
-        film = self._parameters.film
         rest = float(Rig(self._parameters, seed=0).respond(np.zeros(1, np.uint16))[0])
-        branches = np.ones((film.branch_modulus.size, 2))
-        pulls = [tension(film, branches, rest + step, 0.0, 1.0) for step in (-1e-6, 1e-6)]
         command = self._parameters.output_converter.to_values(self._counts)
         return Conditions(
             low=float(command.min()),
@@ -60,7 +57,7 @@ class Yardstick:
             bottom=float(self.plain.min()),
             median=float(np.median(self.plain)),
             top=float(self.plain.max()),
-            stiffness=(pulls[1] - pulls[0]) / 2e-6,
+            stiffness=vertical_stiffness(self._parameters.film),
             duration=self._counts.size * SAMPLE_PERIOD,
         )
 
