@@ -1,11 +1,15 @@
-"""A cone-shaped dielectric elastomer membrane that carries a mass: elastic film, one dashpot.
+"""A dielectric elastomer membrane, electroded at its centre, that carries a mass: elastic film.
 
-Radial stretch λ₁ = λp √(1 + y²/L²) and hoop stretch λ₂ = λp of an incompressible Yeoh film under
-the Maxwell stress of an ideal amplifier; ideal sensor. Wissler and Mazza (2007), Sensors and
-Actuators A 134:494, for the film; Suo (2010), Acta Mechanica Solida Sinica 23:549, for the field.
+The prestretched film is clamped at the frame and electroded out to a radius a; under voltage the
+electroded disc grows by an in-plane stretch x at the cost of the passive annulus around it. The
+annulus deforms as a linear elastic one, u = α (R − b²/R) with u(a) = (x − 1) a; x makes the virtual
+work of the true stresses and of the Maxwell stress vanish. The mass hangs on the tensions that
+result: a cone of slope F/(2π r N). An incompressible Yeoh film, an ideal amplifier and sensor, one
+dashpot. Wissler and Mazza (2007), Sensors and Actuators A 134:494, for the film; Suo (2010), Acta
+Mechanica Solida Sinica 23:549, for the field.
 """
 
-from math import pi
+from math import log, nan, pi
 
 import numpy as np
 from numba import njit
@@ -17,26 +21,83 @@ from dea.simulation.simulation import Simulation
 from dea.simulation.state import State
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
-GRAVITY = 9.81
+GRAVITY = 9.80665
+# Radii across the annulus, where the stresses are summed by Boole's rule in ln R.
+INTERVALS = 4
+BOOLE = (14.0 / 45.0, 64.0 / 45.0, 24.0 / 45.0, 64.0 / 45.0, 14.0 / 45.0)
+TRIES = 40
+CLOSE = 1e-9
+
+
+@njit(cache=True, error_model="numpy")
+def work(x: float, u: float, p: np.ndarray) -> tuple[float, float]:
+    """Return the virtual work that resists dx, in N/m, and ∫ dr/(r N) in m/N.
+
+    The work is over the undeformed thickness and 2π: a plane of true stress σ and stretches λ
+    contributes σ₁ δλ₁/λ₁ + σ₂ δλ₂/λ₂ per undeformed volume.
+    """
+    c10, c20, c30, prestretch, epsilon_r = p[2], p[3], p[4], p[5], p[6]
+    frame_radius, electrode_radius, contact_radius = p[7], p[8], p[9]
+    thickness, gain = p[10], p[11]
+    permittivity = VACUUM_PERMITTIVITY * epsilon_r
+    grown = x - 1.0
+    ratio = frame_radius / electrode_radius
+    give = grown / (ratio * ratio - 1.0)
+
+    square = prestretch * prestretch * x * x
+    contraction = 1.0 / (square * square)
+    invariant = 2.0 * square + contraction - 3.0
+    W = c10 + invariant * (2.0 * c20 + 3.0 * c30 * invariant)
+    height = thickness / square
+    field = gain * u / height
+    sigma = 2.0 * W * (square - contraction) - permittivity * field * field
+    area = 0.5 * electrode_radius * electrode_radius / (prestretch * prestretch)
+    resisting = area * 2.0 * sigma / x
+    tension = sigma * height
+    compliance = log(electrode_radius * x / contact_radius) / tension
+    if not tension > 0.0:
+        return nan, nan
+    step = log(ratio) / INTERVALS
+    for k in range(INTERVALS + 1):
+        radius = electrode_radius * np.exp(k * step)
+        squeezed = (frame_radius / radius) ** 2
+        hoop, radial = give * (squeezed - 1.0), -give * (squeezed + 1.0)
+        square_1 = (prestretch * (1.0 + radial)) ** 2
+        square_2 = (prestretch * (1.0 + hoop)) ** 2
+        contraction = 1.0 / (square_1 * square_2)
+        invariant = square_1 + square_2 + contraction - 3.0
+        W = c10 + invariant * (2.0 * c20 + 3.0 * c30 * invariant)
+        sigma_1, sigma_2 = 2.0 * W * (square_1 - contraction), 2.0 * W * (square_2 - contraction)
+        weight = BOOLE[k] * step
+        rate = (squeezed - 1.0) / (ratio * ratio - 1.0) * sigma_2 / (1.0 + hoop)
+        rate -= (squeezed + 1.0) / (ratio * ratio - 1.0) * sigma_1 / (1.0 + radial)
+        resisting += weight * radius * radius / (prestretch * prestretch) * rate
+        across = sigma_1 * thickness * (1.0 + hoop) / np.sqrt(square_1 * square_2)
+        compliance += weight * (1.0 + radial) / across
+    return resisting, compliance
+
+
+@njit(cache=True, error_model="numpy")
+def stiffness(u: float, p: np.ndarray) -> float:
+    """Return the vertical stiffness in N/m, NaN beyond pull-in: the secant method finds x."""
+    x, x_next = 1.0, 1.01
+    resisting, compliance = work(x, u, p)
+    for _ in range(TRIES):
+        before, resisting_before = x, resisting
+        x = x_next
+        resisting, compliance = work(x, u, p)
+        x_next = x - resisting * (x - before) / (resisting - resisting_before)
+        if abs(x_next - x) < CLOSE:
+            return 2.0 * pi / compliance
+    return nan
 
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
-    """Force balance of the mass: m ÿ = m g - c ẏ - Ω σ₁ y / (L² + y²)."""
-    y, velocity = x[0], x[1]
-    mass, c, c10, c20, c30, prestretch, epsilon_r = p[0], p[1], p[2], p[3], p[4], p[5], p[6]
-    frame_radius, contact_radius, thickness, gain = p[7], p[8], p[9], p[10]
-    L2 = (frame_radius - contact_radius) ** 2
-    square_2 = prestretch * prestretch
-    square_1 = square_2 * (1.0 + y * y / L2)
-    contraction = 1.0 / (square_1 * square_2)
-    invariant = square_1 + square_2 + contraction - 3.0
-    W = c10 + 2.0 * c20 * invariant + 3.0 * c30 * invariant * invariant
-    field_squared = (gain * u / thickness) ** 2 * square_1 * square_2
-    sigma = 2.0 * W * (square_1 - contraction) - VACUUM_PERMITTIVITY * epsilon_r * field_squared
-    volume = pi * (frame_radius**2 - contact_radius**2) * thickness / square_2
-    dx[0] = velocity
-    dx[1] = GRAVITY - (c * velocity + volume * sigma * y / (L2 + y * y)) / mass
+    """Force balance of the mass: m ÿ = m g - c ẏ - k(u) y."""
+    mass, c = p[0], p[1]
+    dx[0] = x[1]
+    dx[1] = GRAVITY - (c * x[1] + stiffness(u, p) * x[0]) / mass
 
 
 @njit(OUTPUT, cache=True, error_model="numpy")
@@ -53,13 +114,14 @@ simulation = Simulation(
     parameters=(
         Parameter("mass", "kg", 3.0e-3, 0.1, 1e-4, 1e-1, log=True),
         Parameter("dashpot", "N s/m", 0.8, 0.8, 1e-4, 10.0, log=True),
-        Parameter("shear_c10", "Pa", 1.0e4, 0.3, 1e3, 1e5, log=True),
-        Parameter("shear_c20", "Pa", -94.0, 30.0, -500.0, 500.0),
-        Parameter("shear_c30", "Pa", 0.82, 0.0),
-        Parameter("prestretch", "1", 2.5, 0.1, 1.2, 5.0, log=True),
-        Parameter("permittivity", "1", 4.7, 0.2, 1.0, 20.0, log=True),
-        Parameter("frame_radius", "m", 0.020, 0.0),
-        Parameter("contact_radius", "m", 0.005, 0.0),
+        Parameter("shear_c10", "Pa", 3.5e4, 0.3, 1e3, 2e5, log=True),
+        Parameter("shear_c20", "Pa", -376.0, 100.0, -1500.0, 500.0),
+        Parameter("shear_c30", "Pa", 3.28, 0.0),
+        Parameter("prestretch", "1", 3.3, 0.1, 1.2, 5.0, log=True),
+        Parameter("permittivity", "1", 3.5, 0.2, 1.0, 20.0, log=True),
+        Parameter("frame_radius", "m", 0.040, 0.0),
+        Parameter("electrode_radius", "m", 0.0175, 0.0),
+        Parameter("contact_radius", "m", 0.002, 0.0),
         Parameter("thickness", "m", 5e-4, 0.0),
         Parameter("amplifier_gain", "V/V", 800.0, 0.0),
     ),
