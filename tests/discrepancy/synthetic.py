@@ -57,7 +57,9 @@ def stiffnesses(p):
 
 
 @njit(cache=True)
-def _membrane(volt, table, p, size, lag, stop, lugre, bouc, gent, wear, creep, weights, scale, force):
+def _membrane(
+    volt, table, p, size, lag, stop, lugre, bouc, gent, wear, creep, weights, scale, force
+):
     """Semi-implicit Euler; returns position (m) at each sub-step."""
     m, c = p[0], p[1]
     k0 = table[0]

@@ -29,7 +29,9 @@ class Film(Section):
     """The film under its mass, between its electrodes."""
 
     frame_radius: Number = key("inner radius of the frame", unit="m", ge=1e-3, le=1.0)
-    electrode_radius: Number = key("radius of the electrodes, after stretching", unit="m", ge=1e-4, le=1.0)
+    electrode_radius: Number = key(
+        "radius of the electrodes, after stretching", unit="m", ge=1e-4, le=1.0
+    )
     contact_radius: Number = key("radius of the ball's contact", unit="m", ge=1e-4, le=1.0)
     thickness: Number = key("before stretching", unit="m", ge=1e-5, le=1e-2)
     prestretch: Number = key("equibiaxial stretch in the frame", unit="1", ge=1.0, le=6.0)

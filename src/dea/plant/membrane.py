@@ -209,9 +209,7 @@ def settle(
 
 
 @njit(cache=True, error_model="numpy")
-def relaxation(
-    film: Film, table: Array, branches: Array, x: float, slopes: Array
-) -> None:
+def relaxation(film: Film, table: Array, branches: Array, x: float, slopes: Array) -> None:
     """Fill ``slopes`` with dq/dt of every branch, both of shape (branches, ZONES, 2).
 
     ξ̇ᵣ = ξᵣ (sᵣ − sθ/2)/(3τ), s = e − 1/(eᵣ eθ), written for q = 1/ξ²: (M5).

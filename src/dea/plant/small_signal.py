@@ -20,7 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from dea.plant.array import Array
-from dea.plant.film import FILM_VOLTAGE, GRAVITY, TIME, FilmState, V, X, Y
+from dea.plant.film import FILM_VOLTAGE, GRAVITY, TIME, FilmState, V, X, Y, stretch
 from dea.plant.membrane import ZONES, Film, Source, capacitance, relaxation, settle, zones
 
 Complex = NDArray[np.complex128]
@@ -32,6 +32,27 @@ class Responses(NamedTuple):
 
     first: Complex
     second: Complex
+
+
+@njit(cache=True, error_model="numpy")
+def hold(film: Film, state: FilmState, supply: float, duration: float) -> bool:
+    """Carry a film over ``duration`` seconds at a constant supply (V), the ball at equilibrium.
+
+    Steps of a fifth of the shortest branch time serve here, where a ball in motion needs shorter
+    ones. Returns False, with the state undefined, where the film pulls in.
+    """
+    step = min(0.2 * film.branch_time.min(), 1.0) if film.branch_time.size else 1.0
+    count = int(np.ceil(duration / step))
+    table = zones(film)
+    scalars = state.scalars
+    for _ in range(count):
+        stiffness = stretch(film, table, state, supply, duration / count)
+        if not stiffness > 0.0:
+            return False
+        scalars[Y] = film.mass * GRAVITY / stiffness
+        scalars[TIME] += duration / count
+    scalars[V] = 0.0
+    return True
 
 
 @njit(cache=True, error_model="numpy")
