@@ -59,7 +59,7 @@ def shot(film, voltage, start, weight):
     for low, high, volts in ((edges[0], edges[1], voltage), (edges[1], edges[2], 0.0)):
 
         def rates(rho, state, volts=volts):
-            radius, level, across = state
+            radius, _, across = state
             other = radius / rho
             force = np.hypot(across, down)
             along = stretch_of(film, force / rho, other, volts)

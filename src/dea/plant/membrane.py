@@ -66,8 +66,8 @@ class Film(NamedTuple):
 class Source(NamedTuple):
     """What charges the disc: V(x) = V∞ + (Q/C(x) − V∞) exp(−g/C(x)).
 
-    That is the film voltage after a while at constant C: V∞ (V) is where it would settle, Q (C) the
-    charge at first, g (F) the time that has passed times the conductance to and from the electrodes.
+    That is the film voltage after a while at constant C: V∞ (V) is where it would settle, Q (C)
+    the charge at first, g (F) the time passed times the conductance to and from the electrodes.
     """
 
     settled: float

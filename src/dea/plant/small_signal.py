@@ -97,7 +97,8 @@ def responses(film: Film, state: FilmState, supply: float, frequencies: Array) -
     scale[-2] = scalars[Y]
 
     def rates(change: Array) -> Array:
-        return _rates(film, table, hours, x, z + scale * change) / scale_out
+        relative: Array = _rates(film, table, hours, x, z + scale * change) / scale_out
+        return relative
 
     scale_out = np.append(scale[:-1], 1.0)
     n = z.size - 1
@@ -113,7 +114,8 @@ def responses(film: Film, state: FilmState, supply: float, frequencies: Array) -
         step = _SECOND / size * direction
         return (rates(step) + rates(-step) - 2.0 * centre) * (size / _SECOND) ** 2
 
-    first, second = np.empty((2, frequencies.size), dtype=complex)
+    first: Complex = np.empty(frequencies.size, dtype=np.complex128)
+    second: Complex = np.empty(frequencies.size, dtype=np.complex128)
     for k, omega in enumerate(2.0 * np.pi * np.asarray(frequencies)):
         wave = np.linalg.solve(1j * omega * np.eye(n) - A, B)
         first[k] = C @ wave + D
