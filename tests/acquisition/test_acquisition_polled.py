@@ -1,5 +1,5 @@
-import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -7,13 +7,18 @@ import pytest
 from dea.acquisition import (
     AcquisitionSettings,
     BrokenRecordError,
-    Link,
     LinkError,
     Quality,
+    ReadBackError,
     acquire,
 )
+from dea.acquisition.panel import Panel
+from dea.acquisition.polled import drive
+from dea.acquisition.retrying_link import LinkLog
+from dea.modbus import parse_device
 
 POLLED = AcquisitionSettings(mode="polled", ramp_rate=50.0, timeout=0.5, reconnect_time=1.0)
+PERIOD = 0.02  # s
 
 
 @pytest.mark.parametrize("read_write_multiple", [True, False])
@@ -35,44 +40,129 @@ def test_every_sample_is_in_its_place(serve_bench, tmp_path, read_write_multiple
     assert (result.link.sizes["polled_sample"] > 0) == (not virtual_clock)
 
 
-def test_the_samples_behind_their_deadline_are_flagged_and_no_others(serve_bench, tmp_path):
-    bench = serve_bench(virtual_clock=False, sampling_rate=10.0)
-    delays = iter([0.0, 0.3])
+class Clock:
+    """Time that passes only while somebody sleeps."""
 
-    def watch(samples, log):
-        time.sleep(next(delays, 0.0))
+    def __init__(self):
+        self.now = 0.0
 
-    volts = np.full(20, 2.4)
-    settings = replace(POLLED, late_after=0.1)
-    result = acquire(bench.endpoint, volts, tmp_path / "a.partial", settings, watch=watch)
-    # At 50 V/s no ramp sample precedes the excitation.
-    late = result.link.jitter.values[: volts.size] > settings.late_after
-    flagged = (result.record.quality.values & Quality.LATE) != 0
-    assert 0 < late.sum() < volts.size
-    assert np.array_equal(flagged, late)
+    def monotonic(self):
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += seconds
 
 
-@pytest.mark.parametrize("read_write_multiple", [True, False])
-def test_a_polled_write_without_a_reply_is_not_repeated(
-    serve_bench, tmp_path, monkeypatch, read_write_multiple
-):
-    bench = serve_bench()
-    device = replace(bench.endpoint, read_write_multiple=read_write_multiple)
-    attempt, written = Link._attempt, []
+class Module:
+    """A link to a plain module: its displacement counts the writes; ``holds`` holds one up."""
 
-    def lose_a_reply(link, request):
-        words = getattr(request, "write_registers", None) or request.registers
-        address = getattr(request, "write_address", request.address)
-        if words and address == device["output"].address and link.check is not None:
-            written.append(words[0])
-            if len(written) == 5:
-                raise LinkError("no reply")
-        return attempt(link, request)
+    def __init__(self, clock, *, holds=None, loses=None, reads=1.0, index=False):
+        registers = {
+            "output": {"address": 0, "range": [0, 10], "limits": [0, 4], "unit": "V",
+                       "access": "read_write"},
+            "displacement": {"address": 5, "unit": "mm"},
+        } | ({"device_index": {"address": 6}} if index else {})  # fmt: skip
+        self.device = parse_device(
+            {"name": "module", "endpoint": {"host": "h", "port": 1}, "unit_id": 1,
+             "sampling_rate": 1 / PERIOD, "registers": registers},
+            source=Path("module.yaml"),
+        )  # fmt: skip
+        self.clock, self.holds, self.loses, self.reads = clock, holds or {}, loses, reads
+        self.log, self.check, self.written, self.settings = LinkLog(), None, [], POLLED
 
-    monkeypatch.setattr(Link, "_attempt", lose_a_reply)
-    counts = np.arange(10) + 5000
-    volts = device["output"].offset + device["output"].scale * counts
-    settings = replace(POLLED, paced=False, ramp_rate=100.0)  # which needs no sample of ramp
-    with pytest.raises(BrokenRecordError, match="samples 4 to 4: never driven or read"):
-        acquire(device, volts, tmp_path / "a.partial", settings)
-    assert written == counts[:5].tolist()
+    def write(self, address, words, *, retry=True):
+        assert not retry, "a polled write must not be repeated"
+        self.clock.sleep(self.holds.get(len(self.written), 0.0))
+        self.written.append((self.clock.now, *words))
+        if len(self.written) == self.loses:
+            raise LinkError("no reply")
+
+    def read(self, address, count, table):
+        number = len(self.written)
+        self.log.samples.append(0)
+        values = {0: round(self.reads * self.written[-1][1]), 5: number, 6: number + 70}
+        return [values.get(place, 0) for place in range(address, address + count)]
+
+    def rest(self, seconds):
+        self.clock.sleep(seconds)
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    made = Clock()
+    monkeypatch.setattr("dea.acquisition.polled.time", made)
+    return made
+
+
+def driven(module, counts, late_after=0.005):
+    """Drive; return what was yielded, and the failure if there was one."""
+    blocks, failure = [], None
+    try:
+        blocks += drive(Panel(module), counts, late_after=late_after, tolerance=0.05)
+    except (BrokenRecordError, ReadBackError) as error:
+        failure = error
+    return [np.concatenate(column) for column in zip(*blocks, strict=True)], failure
+
+
+COUNTS = np.append(np.arange(0, 5001, 100), 5000 + 40 * np.arange(50))
+LARGEST_STEP = 100
+
+
+def test_the_sample_behind_its_deadline_is_flagged_and_no_other(clock):
+    module = Module(clock, holds={9: 0.03})  # which makes sample 10 late by half a period
+    (_, _, requested, _, _, quality), failure = driven(module, COUNTS)
+    assert failure is None
+    assert np.flatnonzero(quality).tolist() == [10]
+    assert quality[10] == Quality.LATE
+    assert np.array_equal(requested, COUNTS)
+
+
+def test_samples_whose_time_has_passed_are_left_out_and_never_sent_in_a_burst(clock):
+    module = Module(clock, holds={9: 0.15})
+    (position, index, requested, _, _, quality), failure = driven(module, COUNTS)
+    assert failure is None
+    lost = np.flatnonzero(quality & Quality.LOST)
+    assert lost.tolist() == list(range(10, 16))
+    behind = np.flatnonzero(quality == Quality.LATE)
+    assert behind[0] == 16
+    assert np.array_equal(position, np.arange(COUNTS.size))
+    assert np.array_equal(index, position)
+    assert np.array_equal(requested, COUNTS)
+    written = np.array(module.written)
+    assert np.array_equal(written[-20:, 1], COUNTS[-20:])
+    assert np.diff(written[:, 0]).min() > 0.24 * PERIOD
+    assert np.diff(written[:, 1]).max() <= LARGEST_STEP
+
+
+def test_a_device_that_counts_its_samples_gets_them_all_and_later(clock):
+    module = Module(clock, holds={9: 0.15}, index=True)
+    (position, index, *_, quality), failure = driven(module, COUNTS)
+    assert failure is None
+    assert np.array_equal(position, np.arange(COUNTS.size))
+    assert np.array_equal(np.diff(index), np.ones(COUNTS.size - 1))
+    assert np.flatnonzero(quality).tolist() == [10]
+    assert np.diff([now for now, _ in module.written]).min() > 0.24 * PERIOD
+
+
+def test_a_long_hold_up_ends_the_record(clock):
+    module = Module(clock, holds={9: 5.0})
+    samples, failure = driven(module, COUNTS)
+    assert "samples 10 to 10: held up for 5.0 s" in str(failure)
+    assert samples[0].size == 10
+    assert len(module.written) == 10
+
+
+def test_what_was_measured_before_a_failure_is_kept(clock):
+    samples, failure = driven(Module(clock, loses=6), COUNTS)
+    assert "samples 5 to 5: never driven or read" in str(failure)
+    assert samples[0].tolist() == list(range(5))
+
+
+@pytest.mark.parametrize("reads", [0.001, 0.0], ids=["in kilovolts", "stuck at zero"])
+def test_a_read_back_that_is_not_what_was_asked_for_ends_the_record(clock, reads):
+    samples, failure = driven(Module(clock, reads=reads), COUNTS)
+    assert isinstance(failure, ReadBackError)
+    wrong = np.flatnonzero(samples[-1] == Quality.CLAMPED)
+    asked = samples[2] * 10 / 65535
+    assert wrong.tolist() == [samples[0].size - 2, samples[0].size - 1]
+    assert 0.2 < asked[wrong[0]] < 0.25  # V, beyond 5 % of the span of the limits

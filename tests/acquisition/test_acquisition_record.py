@@ -47,8 +47,8 @@ def test_lost_samples_have_no_value_and_keep_their_flag():
     assert np.isnan(record.voltage.values).tolist() == [False, True, False]
     assert np.isnan(record.displacement.values).tolist() == [False, True, False]
     assert record.quality.values.tolist() == [0, 2, 4]
-    assert record.quality.attrs["flag_meanings"] == "held lost late undriven"
-    assert record.quality.attrs["flag_masks"].tolist() == [1, 2, 4, 8]
+    assert record.quality.attrs["flag_meanings"] == "held lost late undriven clamped"
+    assert record.quality.attrs["flag_masks"].tolist() == [1, 2, 4, 8, 16]
 
 
 def test_the_link_counts_every_exchange_once():

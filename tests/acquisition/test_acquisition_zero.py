@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from dea.acquisition import LinkError, ReadBackError, ZeroNotVerifiedError
+from dea.acquisition.output import Output
 from dea.acquisition.panel import CONFIRMATIONS, Panel
 from dea.acquisition.polled import NEIGHBOURS, Poll
 from dea.acquisition.read_back import ReadBack
-from dea.acquisition.safety import STOP, SafeOutput
 from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import check_excitation
+from dea.acquisition.zero import STOP, Evidence, WayToZero
 from dea.errors import InputError
 from dea.modbus import encode, parse_device
 
@@ -20,13 +21,14 @@ OUTPUT = {"address": 0, "type": "int16", "access": "write", "scale": STEP, "unit
 ECHO = {"address": 1, "type": "int16", "scale": STEP, "unit": "V"}
 
 
-def module(limits=(-10, 4), **registers):
+def module(limits=(-10, 4), quarantine=0, **registers):
     return parse_device(
         {
             "name": "module",
             "endpoint": {"host": "127.0.0.1", "port": 502},
             "unit_id": 1,
             "sampling_rate": 100,
+            "quarantine": quarantine,
             "registers": {"output": OUTPUT | {"limits": list(limits)}} | registers,
         },
         source=Path("module.yaml"),
@@ -71,36 +73,37 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch):
     made = Clock()
-    monkeypatch.setattr("dea.acquisition.safety.time", made)
+    monkeypatch.setattr("dea.acquisition.zero.time", made)
     return made
+
+
+def way(link, ramp_rate=1.0, requested=0.0):
+    return WayToZero(Output(link), ramp_rate=ramp_rate, requested=requested)
 
 
 @pytest.mark.parametrize("counts", [-1, 0, 1])
 def test_one_count_is_zero_to_the_read_back(clock, counts):
     link = Memory(module(applied_output=ECHO), applied_output=counts)
-    with SafeOutput(link, ramp_rate=1.0):
-        pass
+    Output(link).take()
+    assert way(link)() == Evidence.READ_BACK
     assert link.written[-1] == (0, [0])
 
 
 @pytest.mark.parametrize("counts", [-5000, -2, 2, 5000])
 def test_more_than_one_count_is_driven(clock, counts):
     link = Memory(module(applied_output=ECHO), applied_output=counts)
-    safe = SafeOutput(link, ramp_rate=1.0)
     with pytest.raises(InputError, match=f"the output is not zero: {STEP * counts:g} V"):
-        safe.__enter__()
+        Output(link).take()
     assert link.written == []
     with pytest.raises(ZeroNotVerifiedError, match=f"the output reads {STEP * counts:g} V after"):
-        safe.to_zero()
+        way(link)()
 
 
 def test_the_way_to_zero_takes_its_time(clock):
     link = Memory(module(), output=0)
-    safe = SafeOutput(link, ramp_rate=2.0)
-    safe.panel.last_output = 4000
-    safe.to_zero()
+    assert way(link, 2.0, requested=4.0)() == Evidence.ANSWERED
     # 4 V at 2 V/s; the last step needs no pause after it.
-    assert clock.now == pytest.approx(2.0, abs=0.011)
+    assert clock.now == pytest.approx(2.0, abs=0.021)
 
 
 @pytest.mark.parametrize(("seconds", "ends"), [(0.0, True), (9.0, True), (np.inf, False)])
@@ -108,13 +111,12 @@ def test_a_ramp_of_the_device_is_waited_for_twice_as_long_as_it_may_take(clock, 
     """Its limits are 10 V from zero at most, and its rate is 2 V/s."""
     device = module(applied_output=ECHO, state={"address": 2}, command={"address": 3})
     link = Memory(device, applied_output=0, state=lambda: 1 if clock.now < seconds else 0)
-    safe = SafeOutput(link, ramp_rate=2.0)
     if ends:
-        safe.to_zero()
+        way(link, 2.0)()
         assert clock.now == pytest.approx(seconds, abs=0.1)
     else:
         with pytest.raises(ZeroNotVerifiedError, match="does not end its ramp"):
-            safe.to_zero()
+            way(link, 2.0)()
         assert 10.0 < clock.now < 15.0
     assert link.written == [(3, [STOP])]
 
@@ -122,24 +124,8 @@ def test_a_ramp_of_the_device_is_waited_for_twice_as_long_as_it_may_take(clock, 
 def test_a_tripped_device_is_at_zero_already(clock):
     device = module(applied_output=ECHO, state={"address": 2}, command={"address": 3})
     link = Memory(device, applied_output=0, state=3)
-    SafeOutput(link, ramp_rate=2.0).to_zero()
+    way(link, 2.0)()
     assert link.written == []
-
-
-@pytest.mark.parametrize(
-    ("registers", "told"),
-    [
-        ({}, "The device has no watchdog: switch the amplifier off."),
-        ({"watchdog_time": {"address": 5, "type": "float32"}}, "watchdog takes it to zero."),
-    ],
-)
-def test_a_lost_device_is_left_to_its_watchdog_only_where_it_has_one(clock, registers, told):
-    def lost():
-        raise LinkError("gone")
-
-    link = Memory(module(applied_output=ECHO, **registers), applied_output=lost)
-    with pytest.raises(ZeroNotVerifiedError, match=told):
-        SafeOutput(link, ramp_rate=1.0).to_zero()
 
 
 @pytest.mark.parametrize(
@@ -262,7 +248,7 @@ def test_a_value_is_confirmed_by_the_next_reading_alone():
 @pytest.mark.parametrize(("apart", "requests"), [(NEIGHBOURS - 1, 1), (NEIGHBOURS, 2)])
 def test_a_sample_takes_one_request_where_its_registers_are_near(apart, requests):
     device = module(
-        applied_output={"address": 10}, displacement={"address": 10 + apart},
+        applied_output={"address": 10, "unit": "V"}, displacement={"address": 10 + apart},
         device_index={"address": 9, "table": "input"},
     )  # fmt: skip
     windows = Poll(Panel(Memory(device))).windows

@@ -4,17 +4,25 @@ from dea.acquisition.acquire import Acquisition, acquire
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.partial import Recovered, recover
 from dea.acquisition.read_back import ReadBackError
-from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError, LinkSettings
-from dea.acquisition.safety import ZeroNotVerifiedError
+from dea.acquisition.recorder import GuardianLostError
+from dea.acquisition.retrying_link import (
+    DeviceRefusedError,
+    Link,
+    LinkError,
+    LinkSettings,
+    StoppedError,
+)
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import check_excitation
+from dea.acquisition.zero import ZeroNotVerifiedError
 
 __all__ = [
     "Acquisition",
     "AcquisitionSettings",
     "BrokenRecordError",
     "DeviceRefusedError",
+    "GuardianLostError",
     "Interrupted",
     "Link",
     "LinkError",
@@ -23,6 +31,7 @@ __all__ = [
     "ReadBackError",
     "Recovered",
     "Samples",
+    "StoppedError",
     "ZeroNotVerifiedError",
     "acquire",
     "check_excitation",

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from dea import store
+from dea.acquisition import by_hand
 from dea.acquisition.acquire import acquire
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.monitor import Monitor
@@ -22,6 +23,7 @@ from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import plan_sequence
+from dea.acquisition.zero import ZeroNotVerifiedError
 from dea.errors import DeviceError, InputError
 from dea.excitation import KINDS, design
 from dea.modbus import BLOCK, REPLY, Device, read_device
@@ -30,13 +32,20 @@ Command = Callable[[argparse.Namespace], None]
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run one command; exits with 2 for bad input, 1 for a failed acquisition, 130 on a signal."""
+    """Run one command.
+
+    Exits with 1 for a failed acquisition, 2 for bad input, 3 where the output could not be shown to
+    be at zero, 130 on a signal.
+    """
     options = _parser().parse_args(arguments)
     try:
         options.run(options)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
+    except ZeroNotVerifiedError as error:
+        print(f"DANGER: {error} A guardian goes on trying: see status.", file=sys.stderr)
+        raise SystemExit(3) from None
     except (DeviceError, OSError) as error:
         print(f"failed: {error}", file=sys.stderr)
         raise SystemExit(1) from None
@@ -81,6 +90,27 @@ def check(options: argparse.Namespace) -> None:
                 print(f"{name:24} {value:g}{unit}" if unit else f"{name:24} {value}")
     finally:
         link.close()
+
+
+def status(options: argparse.Namespace) -> None:
+    """Say who drives the output, what was asked for last and what it reads."""
+    print(by_hand.status(_device(options)))
+
+
+def zero(options: argparse.Namespace) -> None:
+    """Take the output to zero, whoever drives it on this machine, and show that it is there."""
+    settings = AcquisitionSettings.from_mapping({"ramp_rate": options.ramp_rate})
+    print(by_hand.zero(_device(options), settings))
+
+
+def dismiss(options: argparse.Namespace) -> None:
+    """End a guardian that cannot reach its device, after you have switched the amplifier off."""
+    if not options.amplifier_is_off:
+        raise InputError(
+            "a guardian is dismissed only by somebody who has switched the amplifier off",
+            remedy="Switch it off, then repeat with --amplifier-is-off.",
+        )
+    by_hand.dismiss(_device(options))
 
 
 def rescue(options: argparse.Namespace) -> None:
@@ -136,12 +166,17 @@ def _parser() -> argparse.ArgumentParser:
         )  # fmt: skip
         return added
 
-    for name, run in (("drive", drive), ("check", check)):
+    at_device = {"drive": drive, "check": check, "status": status, "zero": zero, "dismiss": dismiss}
+    for name, run in at_device.items():
         added = command(name, run)
         added.add_argument("--host", help="instead of the description's")
         added.add_argument("--port", type=int, help="instead of the description's")
         if run is drive:
             _excitation(added)
+        if run in (drive, zero):
+            added.add_argument("--ramp-rate", type=float, default=1.0, metavar="V/S")
+        if run is dismiss:
+            added.add_argument("--amplifier-is-off", action="store_true")
     added = command("recover", rescue)
     added.add_argument("partial", type=Path)
     added.add_argument("--output", type=Path, required=True)
@@ -160,7 +195,6 @@ def _excitation(parser: argparse.ArgumentParser) -> None:
         help='further settings of the excitation, as \'{"band": 1.0}\'',
     )  # fmt: skip
     parser.add_argument("--mode", choices=("buffered", "polled"), default="buffered")
-    parser.add_argument("--ramp-rate", type=float, default=1.0, metavar="V/S")
     parser.add_argument("--on-break", choices=("stop", "restart"), default="stop")
     parser.add_argument("--reset", action="store_true", help="reset a watchdog that has latched")
     parser.add_argument("--live", action="store_true", help="draw voltage and displacement")

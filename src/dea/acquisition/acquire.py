@@ -1,21 +1,20 @@
 """One acquisition: from an excitation to a record, with the output at zero volts at the end."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
+from secrets import randbits
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from dea.acquisition import buffered, polled
-from dea.acquisition.endpoint_lock import endpoint_lock
+from dea.acquisition.guardian import Job
 from dea.acquisition.interrupts import Interruption
-from dea.acquisition.panel import Panel
 from dea.acquisition.partial import PartialFile, set_aside
 from dea.acquisition.record import link_dataset, record_dataset
-from dea.acquisition.retrying_link import Link, LinkLog, LinkSettings
-from dea.acquisition.safety import SafeOutput
+from dea.acquisition.recorder import Recorder
+from dea.acquisition.retrying_link import LinkLog
 from dea.acquisition.samples import BrokenRecordError, Samples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import Plan, plan_sequence
@@ -73,63 +72,59 @@ def acquire(
     """
     settings = settings or AcquisitionSettings()
     plan = plan_sequence(device, excitation, settings.ramp_rate)
-    timing = LinkSettings(settings.timeout, settings.retries, settings.reconnect_time)
-    log = LinkLog()
-    attempts = settings.restarts + 1 if settings.on_break == "restart" else 1
-    with endpoint_lock(device):
-        for attempt in range(attempts):
-            link = Link(device, timing, log)
-            try:
-                samples = _attempt(link, plan, partial, settings, watch, reset or attempt > 0)
-                break
-            except BrokenRecordError:
-                if attempt + 1 == attempts:
-                    raise
-                log.errors["restarted"] += 1
+    _refuse_unbuffered(device, settings)
+    log, broken = LinkLog(), None
+    for attempt in range(settings.restarts + 1 if settings.on_break == "restart" else 1):
+        # A latch that the device has set meanwhile is not the restart's to clear.
+        again = reset and attempt == 0
+        job = Job(device, settings, plan.counts, again, randbits(31) + 1, log.started)
+        try:
+            samples = _attempt(job, plan, partial, watch, log)
+            break
+        except BrokenRecordError as error:
+            broken = error
+            log.errors["restarted"] += 1
+        except InputError as refusal:
+            if broken is None:
+                raise
+            raise broken from refusal
+    else:
+        assert broken is not None
+        raise broken
     return Acquisition(record_dataset(device, samples, plan.lead, plan.length), link_dataset(log))
 
 
-def _attempt(
-    link: Link,
-    plan: Plan,
-    partial: Path,
-    settings: AcquisitionSettings,
-    watch: Watcher | None,
-    reset: bool,
-) -> Samples:
-    """Return everything measured while the plan was driven, zero verified before and after."""
+def _attempt(job: Job, plan: Plan, partial: Path, watch: Watcher | None, log: LinkLog) -> Samples:
+    """Return everything measured while a guardian drove the plan, zero shown before and after."""
     blocks = []
     interruption = Interruption()
-    output = SafeOutput(link, ramp_rate=settings.ramp_rate, reset=reset)
-    note = {"device": link.device.name, "lead": plan.lead, "length": plan.length}
-    with interruption, output as panel:
-        link.check = interruption.check
-        driven = _drive(panel, plan.counts, settings)
+    note = {"device": job.device.name, "lead": plan.lead, "length": plan.length}
+    with interruption, Recorder(job, log, interruption.check) as recorder:
+        recorder.await_ready()
         set_aside(partial)
-        with PartialFile(partial, note | {"settings": asdict(settings)}) as file:
+        with PartialFile(partial, note | {"settings": asdict(job.settings)}) as file:
+            recorder.kept = file.kept
             try:
-                for samples in driven:
+                for samples in recorder.samples():
                     file.samples(samples)
                     blocks.append(samples)
                     if watch is not None:
-                        watch(samples, link.log)
-                    interruption.check()
-            except BrokenRecordError as error:
-                file.samples(error.samples)
+                        watch(samples, log)
+            except BaseException as error:
+                recorder.end(error, file.samples)
+                if isinstance(error, BrokenRecordError):
+                    file.samples(error.samples)
                 file.note({"broken": str(error)})
                 raise
-            file.note({"complete": True})
+            file.note({"complete": True, "zero": recorder.evidence})
     return Samples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
 
 
-def _drive(panel: Panel, sequence: np.ndarray, settings: AcquisitionSettings) -> Iterator[Samples]:
-    if settings.mode == "polled":
-        return polled.drive(panel, sequence, late_after=settings.late_after, paced=settings.paced)
-    if "block_samples" not in panel:
+def _refuse_unbuffered(device: Device, settings: AcquisitionSettings) -> None:
+    if settings.mode == "buffered" and "block_samples" not in device:
         raise InputError(
             "the device has no block registers to be driven buffered",
-            file=panel.device.source,
+            file=device.source,
             field="registers.block_samples",
             remedy="Set acquisition.mode to polled, or describe them.",
         )
-    return buffered.play(panel, sequence, tolerance=settings.read_back_tolerance)

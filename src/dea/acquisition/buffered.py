@@ -137,6 +137,7 @@ class _Playback:
             raise self._misplaced()
         if accepted:
             self.sequence, self.sent = offer, self.sent + block.size
+            self.panel.last_output = int(block[-1])
             self.moved = time.monotonic()
         return reply
 
@@ -172,7 +173,7 @@ class _Playback:
             self.panel.set("command", START)
             self.started = True
         elif reply.fifo >= self.high_water and reply.next - self.wanted < self.exchange.capacity:
-            time.sleep(self.pause)
+            self.panel.link.rest(self.pause)
 
     def _misplaced(self) -> BrokenRecordError:
         again = " and has been restarted" if self.panel.get("boot") != self.boot else ""

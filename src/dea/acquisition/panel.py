@@ -38,19 +38,22 @@ class Panel:
         return value
 
     def confirmed(self, name: str) -> int:
-        """Raw value of an integer register, equal in two successive readings.
+        """Raw value of an integer register, the same in two successive readings.
 
-        Modbus TCP has no checksum of its own.
+        Modbus TCP has no checksum of its own. Readings of a register with a tolerance are the same
+        where both can stand for one value.
 
         Raises
         ------
         LinkError
             Where no two successive readings are equal.
         """
+        register = self.device[name]
+        apart = 2 * register.tolerance / abs(register.scale)
         last = self.whole(name)
         for _ in range(CONFIRMATIONS):
             last, before = self.whole(name), last
-            if last == before:
+            if abs(last - before) <= apart:
                 return last
         raise LinkError(f"{name} reads differently each time")
 

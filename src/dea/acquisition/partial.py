@@ -19,6 +19,7 @@ import numpy as np
 from dea.acquisition.samples import Samples
 from dea.errors import InputError
 
+LONGEST_SYNC = 60.0  # s
 HEADING = b"dea acquisition 2\n"
 MARK = b"\xa5DEA"
 _ENTRY = struct.Struct("<4sII")
@@ -41,7 +42,9 @@ class PartialFile:
         self._changed = threading.Condition()
         self._closing = False
         self._failure: OSError | None = None
-        self._thread = threading.Thread(target=self._sync, name=f"sync {path.name}")
+        self._given = self._kept = 0  # samples
+        # A daemon: a disk that hangs must not keep the program from ending.
+        self._thread = threading.Thread(target=self._sync, name=f"sync {path.name}", daemon=True)
         self._thread.start()
         self.note(note)
 
@@ -54,7 +57,11 @@ class PartialFile:
         rows = np.empty(samples.device_index.size, _ROW)
         for name, column in zip(Samples._fields, samples, strict=True):
             rows[name] = column
-        self._append(_SAMPLES + rows.tobytes())
+        self._append(_SAMPLES + rows.tobytes(), rows.size)
+
+    def kept(self) -> int:
+        """Return the number of samples that are on the disk."""
+        return self._kept
 
     def __enter__(self) -> Self:
         return self
@@ -63,17 +70,20 @@ class PartialFile:
         self.close()
 
     def close(self) -> None:
-        """Wait until everything is on the disk; raises OSError if that failed."""
+        """Wait until everything is on the disk; raises OSError if that failed, or lasts."""
         with self._changed:
             self._closing = True
             self._changed.notify()
-        self._thread.join()
+        self._thread.join(LONGEST_SYNC)
+        if self._thread.is_alive():
+            raise OSError(f"{self.path}: the disk has not taken it for {LONGEST_SYNC:g} s")
         self._file.close()
         self._check()
 
-    def _append(self, payload: bytes) -> None:
+    def _append(self, payload: bytes, samples: int = 0) -> None:
         self._check()
         with self._changed:
+            self._given += samples
             self._waiting += _ENTRY.pack(MARK, len(payload), zlib.crc32(payload)) + payload
             self._changed.notify()
 
@@ -86,11 +96,12 @@ class PartialFile:
             with self._changed:
                 self._changed.wait_for(lambda: self._waiting or self._closing)
                 data, self._waiting = bytes(self._waiting), bytearray()
-                last = self._closing
+                last, given = self._closing, self._given
             try:
                 while data:
                     data = data[self._file.write(data) :]
                 os.fdatasync(self._file.fileno())
+                self._kept = given
             except OSError as error:
                 self._failure = error
                 return

@@ -6,13 +6,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from dea.acquisition.panel import Panel
-from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
+from dea.acquisition.read_back import Echo
+from dea.acquisition.retrying_link import LONGEST_SLEEP, DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+from dea.errors import DeviceError
 from dea.modbus import Register, Window, encode
 
 START = 1  # command
 BLOCK_TIME = 0.2  # s of samples yielded, and synced to the disk, together
 NEIGHBOURS = 32  # registers that one request spans at most
+APART = 0.25  # periods between a reply and the next write at least
+LONGEST_PAUSE, PERIODS = 1.0, 5  # s, or periods if that is longer, that a hold-up may last
 
 
 class Poll:
@@ -51,54 +55,146 @@ class Poll:
 
 
 def drive(
-    panel: Panel, counts: np.ndarray, *, late_after: float, paced: bool = True
+    panel: Panel, counts: np.ndarray, *, late_after: float, tolerance: float, paced: bool = True
 ) -> Iterator[Samples]:
     """Drive ``counts`` one by one and yield what was measured, in blocks.
 
     Sample k is written at its deadline k/sampling_rate after the first; one written more than
-    ``late_after`` s behind it is flagged. Without ``paced``, for a device whose clock waits for the
-    host, each sample follows the last at once. Jitter is kept in the link's log.
+    ``late_after`` s behind it is flagged. Nothing is ever made up for in a burst: a sample whose
+    whole period has passed is left out and flagged, or, on a device that counts its samples and
+    has not counted this one, comes later with all that follow. Without ``paced``, for a device
+    whose clock waits for the host, each sample follows the last at once. Jitter is kept in the
+    link's log. ``tolerance`` is that of :class:`~dea.acquisition.read_back.Echo`.
 
     Raises
     ------
     BrokenRecordError
-        Where an exchange failed, or the device's index says that samples were missed.
+        Where an exchange failed, the device's index says that samples were missed, or this process
+        was held up for long.
+    ReadBackError
+        Where the read-back of the output is not what was asked for.
     """
     if "command" in panel:
         panel.set("command", START)
-    poll, period = Poll(panel), 1.0 / panel.device.sampling_rate
-    rows: list[tuple[int, int, int, int, int, int]] = []
-    started = time.monotonic() + (period if paced else 0.0)
-    handed_on, expected = started, None
-    for number, count in enumerate(counts.tolist()):
-        lateness = _wait(started + number * period) if paced else 0.0
-        if paced:
-            panel.link.log.jitter.append(lateness)
-        try:
-            index, applied, displacement = poll(count, number)
-        except (LinkError, DeviceRefusedError) as error:
-            yield from _block(rows)
-            place = number if expected is None else expected
-            raise _broken(f"never driven or read ({error})", number, place, counts, 1) from error
-        if expected is not None and index != expected:
-            yield from _block(rows)
-            missing = index - expected
-            what = f"the device measured {missing} more" if missing > 0 else "nothing new measured"
-            raise _broken(what, number, expected, counts, max(missing, 1))
-        expected = index + 1
-        flag = Quality.LATE if lateness > late_after else Quality.GOOD
-        rows.append((number, index, count, applied, displacement, flag))
-        if time.monotonic() - handed_on > BLOCK_TIME:
-            yield from _block(rows)
-            rows, handed_on = [], time.monotonic()
-    yield from _block(rows)
+    poll, rows = Poll(panel), _Rows()
+    echo = Echo(panel, poll.echo, tolerance) if poll.echo else None
+    schedule = _Schedule(panel, counts) if paced else None
+    number, expected = 0, None
+    try:
+        while number < counts.size:
+            lateness = schedule.wait(number) if schedule else 0.0
+            if schedule and lateness > schedule.longest_pause:
+                raise _broken(f"held up for {lateness:.1f} s", number, number, counts, 1)
+            if schedule and (missed := schedule.missed(number, lateness)):
+                rows.leave_out(number, counts[number : number + missed])
+                number, expected = number + missed, number + missed
+            count = int(counts[number])
+            sent = schedule.approach(count) if schedule else count
+            flag = Quality.LATE if lateness > late_after or sent != count else Quality.GOOD
+            try:
+                index, applied, displacement = poll(sent, number)
+            except (LinkError, DeviceRefusedError) as error:
+                place = number if expected is None else expected
+                reason = f"never driven or read ({error})"
+                raise _broken(reason, number, place, counts, 1) from error
+            if expected is not None and index != expected:
+                missing = index - expected
+                what = f"the device measured {missing} more" if missing > 0 else "nothing new"
+                raise _broken(what, number, expected, counts, max(missing, 1))
+            if schedule:
+                schedule.written(sent)
+            if echo and not echo(sent, applied):
+                flag |= Quality.CLAMPED
+            rows.add(number, index, count, applied, displacement, flag)
+            number, expected = number + 1, index + 1
+            yield from rows.due()
+    except DeviceError:
+        yield from rows.all()
+        raise
+    yield from rows.all()
 
 
-def _wait(deadline: float) -> float:
-    """Sleep until ``deadline``; return how many seconds late it is then."""
-    while (early := deadline - time.monotonic()) > 0:
-        time.sleep(early)
-    return -early
+class _Schedule:
+    """The deadlines of samples, and what becomes of those that pass."""
+
+    def __init__(self, panel: Panel, counts: np.ndarray) -> None:
+        self.link, self.period = panel.link, 1.0 / panel.device.sampling_rate
+        self.total, self.counted = counts.size, "device_index" in panel
+        self.longest_pause = max(LONGEST_PAUSE, PERIODS * self.period)
+        self.longest_step = int(np.abs(np.diff(counts, prepend=0)).max())
+        self.start = time.monotonic() + self.period
+        self._last, self._done, self._behind = 0, self.start - self.period, False
+
+    def wait(self, number: int) -> float:
+        """Sleep until the deadline of a sample; return how many seconds late it is then.
+
+        Not before a part of the period has passed since the last reply: its write may have been
+        held up until then.
+        """
+        deadline = self.start + number * self.period
+        begin = max(deadline, self._done + APART * self.period)
+        while (early := begin - time.monotonic()) > 0:
+            if early > LONGEST_SLEEP:
+                self.link.rest(early - LONGEST_SLEEP / 2)
+            else:
+                time.sleep(early)
+        lateness = time.monotonic() - deadline
+        self.link.log.jitter.append(lateness)
+        return lateness
+
+    def approach(self, count: int) -> int:
+        """Return what to write for ``count``: after samples were left out, it is approached.
+
+        No step is larger than the largest of the whole sequence.
+        """
+        if self._behind:
+            step = min(max(count - self._last, -self.longest_step), self.longest_step)
+            self._behind = self._last + step != count
+            return self._last + step
+        return count
+
+    def written(self, count: int) -> None:
+        """Note what has been written, and answered now."""
+        self._last, self._done = count, time.monotonic()
+
+    def missed(self, number: int, lateness: float) -> int:
+        """Return how many samples from ``number`` on are left out since their time has passed."""
+        passed = int(lateness / self.period)
+        if self.counted:
+            self.start += passed * self.period
+            return 0
+        missed = min(passed, self.total - 1 - number)
+        self._behind |= missed > 0
+        return missed
+
+
+class _Rows:
+    """Samples until they are handed on together."""
+
+    def __init__(self) -> None:
+        self._rows: list[tuple[int, int, int, int, int, int]] = []
+        self._handed_on = time.monotonic()
+
+    def add(self, *row: int) -> None:
+        """Add a sample, its columns in the order of :class:`Samples`."""
+        self._rows.append(row)  # type: ignore[arg-type]
+
+    def leave_out(self, number: int, counts: np.ndarray) -> None:
+        """Add samples that are not driven, from ``number`` on."""
+        for place, count in enumerate(counts.tolist(), start=number):
+            self.add(place, place, count, 0, 0, Quality.LATE | Quality.LOST)
+
+    def due(self) -> Iterator[Samples]:
+        """Yield the samples if the last ones were yielded long enough ago."""
+        if time.monotonic() - self._handed_on > BLOCK_TIME:
+            yield from self.all()
+            self._handed_on = time.monotonic()
+
+    def all(self) -> Iterator[Samples]:
+        """Yield the samples."""
+        rows, self._rows = self._rows, []
+        if rows:
+            yield Samples(*np.array(rows, np.int64).T)
 
 
 def _broken(
@@ -108,11 +204,6 @@ def _broken(
     requested = np.repeat(counts[number], missing)
     lost = Samples.lost(number, device_index, requested)._replace(position=np.full(missing, number))
     return BrokenRecordError(reason, number, missing, lost)
-
-
-def _block(rows: list[tuple[int, int, int, int, int, int]]) -> Iterator[Samples]:
-    if rows:
-        yield Samples(*np.array(rows, np.int64).T)
 
 
 def _readable(register: Register) -> bool:

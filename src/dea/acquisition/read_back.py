@@ -1,8 +1,11 @@
-"""A check that the register of the applied output holds what is played.
+"""Checks that the register of the applied output holds what is played.
 
-A buffered device sends what it applied along with its samples. Before and after that, this register
-alone shows whether the output is zero, so that a wrong address would go unnoticed.
+It alone shows whether the output is zero, so that a wrong address, a wrong scale or a reading that
+stands still must not go unnoticed. A polled device is checked with every sample, a buffered one,
+which sends what it applied along with its samples, once.
 """
+
+from collections import deque
 
 import numpy as np
 
@@ -12,6 +15,8 @@ from dea.errors import DeviceError
 from dea.modbus import to_physical
 
 RUNNING = 2  # state
+LAG = 1  # samples that a read-back may always be behind
+STRIKES = 3  # samples in a row whose read-back is wrong until it is not trusted any more
 
 
 class ReadBackError(DeviceError):
@@ -81,3 +86,49 @@ class ReadBack:
     def _clear_of_zero(self, volts: np.ndarray) -> bool:
         """Whether a register of zeros differs from these by more than the tolerance."""
         return bool(np.min(np.abs(volts)) > 2 * self.tolerance)
+
+
+class Echo:
+    """Compares the read-back of every polled sample with what was asked for around it.
+
+    Parameters
+    ----------
+    panel
+        Of the device.
+    name
+        The register that is read back.
+    tolerance
+        Deviation that is no error, as a share of the span of the output's limits; the register's
+        own ``tolerance`` if that is more.
+    """
+
+    def __init__(self, panel: Panel, name: str, tolerance: float) -> None:
+        device = panel.device
+        self.output, self.register, self.source = device["output"], device[name], device.source
+        low, high = self.output.limits or (0.0, 0.0)
+        self.tolerance = max(tolerance * (high - low), self.register.tolerance)
+        self._asked: deque[float] = deque(maxlen=LAG + 1)
+        self._wrong = 0
+
+    def __call__(self, count: int, applied: float) -> bool:
+        """Return whether the raw read-back of one sample is right.
+
+        Raises
+        ------
+        ReadBackError
+            Where it has been wrong too often in a row.
+        """
+        self._asked.append(self.output.offset + self.output.scale * count)
+        found = self.register.offset + self.register.scale * applied
+        low, high = min(self._asked), max(self._asked)
+        if low - self.tolerance <= found <= high + self.tolerance:
+            self._wrong = 0
+            return True
+        self._wrong += 1
+        if self._wrong >= STRIKES:
+            raise ReadBackError(
+                f"{self.source}: registers.{self.register.name}: it reads {found:g} V while "
+                f"{low:g} to {high:g} V were asked for, so that it cannot say whether the output "
+                "is at zero. Correct its address, type or range, or find out why it stands still."
+            )
+        return False

@@ -11,7 +11,7 @@ import struct
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ConnectionException, ModbusException
@@ -33,12 +33,17 @@ logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
 ACKNOWLEDGE, BUSY = 5, 6
 BUSY_PAUSE = 0.02  # s
 FIRST_PAUSE, LONGEST_PAUSE = 0.01, 0.5  # s, before reconnecting
+LONGEST_SLEEP = 0.1  # s
 _LOST = (ConnectionException, ConnectionError)
 _TRANSIENT = (ModbusException, OSError, struct.error, ValueError, IndexError)
 
 
 class LinkError(DeviceError, ConnectionError):
     """The device cannot be reached, or does not answer."""
+
+
+class StoppedError(DeviceError):
+    """Somebody asked for the end, or is not there any more to ask for anything."""
 
 
 class DeviceRefusedError(DeviceError):
@@ -73,6 +78,24 @@ class LinkLog:
     errors: Counter[str] = field(default_factory=Counter)
     jitter: list[float] = field(default_factory=list)
     reconnects: int = 0
+
+    def cut(self) -> "LinkLog":
+        """Return what has been logged since the last cut, and forget it."""
+        since = replace(self)
+        self.send_time, self.receive_time, self.retries = [], [], []
+        self.samples, self.jitter = [], []
+        self.errors, self.reconnects = Counter(), 0
+        return since
+
+    def add(self, later: "LinkLog") -> None:
+        """Append what another log with the same start holds."""
+        self.send_time += later.send_time
+        self.receive_time += later.receive_time
+        self.retries += later.retries
+        self.samples += later.samples
+        self.jitter += later.jitter
+        self.errors += later.errors
+        self.reconnects += later.reconnects
 
 
 class Link:
@@ -113,6 +136,14 @@ class Link:
         if self.client is not None:
             self.client.close()
             self.client = None
+
+    def rest(self, seconds: float) -> None:
+        """Sleep, and call ``check`` meanwhile."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            time.sleep(min(left, LONGEST_SLEEP))
+            if self.check is not None:
+                self.check()
 
     def read(self, address: int, count: int, table: str = "holding") -> list[int]:
         """Registers of a table (function code 3 or 4)."""

@@ -16,6 +16,7 @@ class Quality(IntFlag):
     LOST = 2  # measured but overwritten before it was read, or never read
     LATE = 4  # driven later than its deadline allows
     UNDRIVEN = 8  # the device had taken its output to zero
+    CLAMPED = 16  # the device applied another voltage than was asked for
 
 
 class Samples(NamedTuple):

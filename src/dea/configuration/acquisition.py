@@ -31,7 +31,7 @@ class Acquisition(Section):
     mode: Literal["buffered", "polled"] = key(
         "buffered: the device plays blocks from its FIFO; polled: the host sends every sample"
     )
-    ramp_rate: Number = key("slope of the ramps to and from the bias", unit="V/s", ge=1e-3)
+    ramp_rate: Number = key("slope of the ramps to and from the bias", unit="V/s", ge=1e-3, le=1e3)
     on_break: Literal["stop", "restart"] = key(
         "what to do where samples are lost or the film was left undriven"
     )
@@ -41,6 +41,12 @@ class Acquisition(Section):
     reconnect_time: NotNegative = key("how long to try to reach a device that has gone", unit="s")
     late_after: Positive = key(
         "delay behind its deadline from which a polled sample is flagged late", unit="s"
+    )
+    stall_time: Positive = key(
+        "how far the recorder or its disk may be behind, or the guardian held up, before the output"
+        " is taken to zero",
+        unit="s",
+        default=5.0,
     )
     read_back_tolerance: Number = key(
         "difference of the applied output that is read from what is played, as a share of the span"

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from dea.configuration.section import (
     Interval,
+    NotNegative,
     Number,
     Positive,
     Section,
@@ -52,6 +53,7 @@ KNOWN = (
     *(f"reply_{name}" for name in ("crc", "sequence", "index", "position", "next", "count")),
     *(f"reply_{name}" for name in ("origin", "state", "fifo", "samples")),
 )
+LONGEST_LATE_WRITE = 5.0  # s
 # Similarity from which a name is taken for one of these, misspelt: two letters of five swapped.
 MISSPELT = 0.8
 
@@ -103,6 +105,10 @@ class Register(Section):
     )
     expect: int | float | str | None = key(
         "what must be read before any voltage is applied", default=None
+    )
+    tolerance: NotNegative = key(
+        "how far a reading may be off: offset and noise of a read-back, in the register's unit",
+        default=0.0,
     )
 
     @property
@@ -187,6 +193,13 @@ class DeviceDescription(Section):
     serial: Serial | None = key("the line, where framing is serial", default=None)
     sampling_rate: Positive = key("of the device's clock, or of the host's", unit="Hz")
     read_write_multiple: Truth = key("true where it answers function code 23", default=False)
+    quarantine: NotNegative | None = key(
+        "how long zero is written again and watched before it is believed, longer than a gateway"
+        " may hold a write back; where not given, 5 s, or none for a device with `claim`, which"
+        " refuses the writes of a master that owns it no longer",
+        unit="s",
+        default=None,
+    )
     word_order: Order = key("word that comes first in a value of several", default="big")
     byte_order: Order = key("byte that comes first in a word", default="big")
     registers: Annotated[
@@ -202,4 +215,12 @@ class DeviceDescription(Section):
             raise refuse("serial", "missing, though framing is serial", "Give the line's port.")
         if self.framing != "serial" and self.endpoint is None:
             raise refuse("endpoint", "missing", "Give the host and port of the device.")
+        output, echo = (self.registers.get(name) for name in ("output", "applied_output"))
+        if output and echo and output.unit != echo.unit:
+            raise refuse(
+                "registers.applied_output.unit",
+                f"{echo.unit!r}, and the output is in {output.unit!r}",
+                "Give the scale or range that makes it the output's unit; a monitor behind the"
+                " amplifier is another register.",
+            )
         return self

@@ -42,6 +42,7 @@ def parse_device(content: Any, source: Path | None = None) -> Device:
         tls=Tls(**description.tls.model_dump()),
         serial=Serial(**serial.model_dump()) if serial else None,
         read_write_multiple=description.read_write_multiple,
+        quarantine=_quarantine(description),
         source=source,
     )
 
@@ -65,7 +66,15 @@ def _register(
         range=_pair(register.range),
         limits=_pair(register.limits),
         expect=register.expect,
+        tolerance=float(register.tolerance),
     )
+
+
+def _quarantine(description: described.DeviceDescription) -> float:
+    """As given; none where the device refuses a late write, since nobody owns it any more."""
+    if description.quarantine is not None:
+        return float(description.quarantine)
+    return 0.0 if "claim" in description.registers else described.LONGEST_LATE_WRITE
 
 
 def _scaling(register: described.Register) -> tuple[float, float]:

@@ -23,6 +23,7 @@ class Register:
     ``count`` is the number of values of an array, or of registers of a string. ``limits`` and
     ``range`` are in ``unit``; a ``range`` is what the lowest and the highest raw value mean, and
     stands for scale and offset. ``expect`` is what must be read before any voltage is applied.
+    ``tolerance``, in ``unit``, is how far a reading may be off.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Register:
     range: tuple[float, float] | None = None
     limits: tuple[float, float] | None = None
     expect: float | str | None = None
+    tolerance: float = 0.0
 
     @property
     def size(self) -> int:
@@ -75,8 +77,10 @@ class Serial:
 class Device:
     """A Modbus device: endpoint, framing and register map.
 
-    ``read_write_multiple`` says whether it answers function code 23. ``source`` is the file the
-    description came from, for messages.
+    ``read_write_multiple`` says whether it answers function code 23. ``quarantine`` is how long
+    zero is held and watched before it is believed. ``virtual`` says that the device is a process
+    started for the purpose, whose film ends with it. ``source`` is the file the description came
+    from, for messages.
     """
 
     name: str
@@ -89,6 +93,8 @@ class Device:
     tls: Tls = field(default_factory=Tls)
     serial: Serial | None = None
     read_write_multiple: bool = False
+    quarantine: float = 0.0  # s
+    virtual: bool = False
     source: Path | None = None
 
     def __getitem__(self, name: str) -> Register:

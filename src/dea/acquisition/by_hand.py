@@ -1,0 +1,80 @@
+"""What a person does to an output at any time: look at it, take it to zero, dismiss its guardian."""
+
+import sys
+import time
+
+import numpy as np
+
+from dea.acquisition.duty import Notice, Order, Phase, duty_file, look, order
+from dea.acquisition.guardian import Job
+from dea.acquisition.output import Output
+from dea.acquisition.recorder import Recorder
+from dea.acquisition.retrying_link import Link, LinkLog, LinkSettings
+from dea.acquisition.settings import AcquisitionSettings
+from dea.modbus import Device
+
+_DOING = {
+    Phase.NEVER: "nothing was driven since this machine started",
+    Phase.CHECKING: "checks the device",
+    Phase.DRIVING: "drives",
+    Phase.TO_ZERO: "ramps to zero",
+    Phase.ALARM: "ALARM: cannot show that the output is at zero",
+    Phase.AT_ZERO: "has shown that the output is at zero",
+    Phase.DISMISSED: "was dismissed before zero was shown",
+}
+
+
+def status(device: Device) -> str:
+    """Return lines on the guardian of an output and, where none is on duty, on the output."""
+    notice = look(duty_file(device))
+    lines = [_guardian(notice)]
+    if not notice.alive:
+        link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
+        try:
+            applied = Output(link).applied()
+        finally:
+            link.close()
+        reading = "has no read-back" if applied is None else f"reads {applied:g} V"
+        lines.append(f"the output {reading}")
+    return "\n".join(lines)
+
+
+def zero(device: Device, settings: AcquisitionSettings) -> str:
+    """Take an output to zero, whoever drives it on this machine; return what shows it.
+
+    Raises
+    ------
+    ZeroNotVerifiedError
+        Where it cannot be shown yet; a guardian goes on trying.
+    InputError
+        Where another master owns the outputs.
+    """
+    path = duty_file(device)
+    while look(path).alive:
+        order(path, Order.ZERO)
+        print(f"{device.name}: {_guardian(look(path))}", file=sys.stderr)
+        time.sleep(1.0)
+    log = LinkLog()
+    nothing = np.zeros(0, np.int64)
+    job = Job(device, settings, nothing, reset=False, token=0, started=log.started)
+    with Recorder(job, log, lambda: None) as recorder:
+        recorder.await_zero()
+    return recorder.evidence
+
+
+def dismiss(device: Device) -> None:
+    """End a guardian that raises its alarm: somebody has switched the amplifier off."""
+    path = duty_file(device)
+    while look(path).alive and look(path).phase == Phase.ALARM:
+        order(path, Order.DISMISS)
+        time.sleep(0.1)
+
+
+def _guardian(notice: Notice) -> str:
+    doing = _DOING[notice.phase]
+    if notice.abandoned:
+        doing = "was killed before it had shown zero"
+    if notice.phase == Phase.NEVER:
+        return doing
+    since = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(notice.changed))
+    return f"guardian {notice.process} {doing}; asked for {notice.requested:g} V ({since})"

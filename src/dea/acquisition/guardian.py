@@ -1,0 +1,245 @@
+"""The guardian: the process that alone writes the voltage, and always ends it at zero.
+
+It knows nothing of files, displays or progress. The recorder hands it the whole sequence, which it
+plays at its own deadlines, and must confirm what it has kept. Whatever ends the sequence (its end,
+a recorder that dies, stalls or asks for it, a device that fails, a broken law), the guardian takes
+the output to zero, tries for ever, and raises an alarm as long as zero is not shown.
+"""
+
+import signal
+import socket
+import time
+from collections import deque
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from dea.acquisition import buffered, polled
+from dea.acquisition.alarm import Alarm
+from dea.acquisition.duty import Duty, Order, Phase
+from dea.acquisition.launch import serve_nursery
+from dea.acquisition.output import Output, TakenError
+from dea.acquisition.read_back import ReadBackError
+from dea.acquisition.retrying_link import Link, LinkLog, LinkSettings, StoppedError
+from dea.acquisition.samples import Samples
+from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.wire import Wire, packed
+from dea.acquisition.zero import Evidence, WayToZero
+from dea.errors import InputError
+from dea.modbus import Device, to_physical
+
+SERVICE = 5e-3  # s between two looks at the recorder
+RETRY = 0.1  # s between two attempts to reach zero
+ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
+# Signals whose default is to end or stop a process, and that ask nothing of this one.
+DEAF = (
+    signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF,
+    signal.SIGPIPE, signal.SIGIO, signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU,
+)  # fmt: skip
+
+
+class Job(NamedTuple):
+    """What a guardian is to do.
+
+    ``counts`` are played from zero to zero; without any, the output is only taken to zero.
+    ``token`` claims the outputs of a device that has owners; 0 is that of the guardian before.
+    ``started`` is the origin of the link's times, s of the monotonic clock.
+    """
+
+    device: Device
+    settings: AcquisitionSettings
+    counts: np.ndarray
+    reset: bool
+    token: int
+    started: float
+
+
+def nursery(handle: int) -> None:
+    """Serve a recorder with guardians; see :mod:`dea.acquisition.launch`."""
+    serve_nursery(socket.socket(fileno=handle), guard)
+
+
+def guard(wire: Wire) -> None:
+    """Do the job that comes over ``wire``, to its end at zero."""
+    while not (messages := wire.take()):
+        if wire.closed:
+            return
+        wire.wait(1.0)
+    job: Job = messages[0][0]
+    guardian = Guardian(wire, job)
+    for number in ASKING:
+        signal.signal(number, guardian.asked)
+    for number in DEAF:
+        signal.signal(number, signal.SIG_IGN)
+    try:
+        with Duty(job.device) as duty:
+            guardian.serve(duty)
+    except InputError as error:
+        wire.post("refused", packed(error))
+    _deliver(wire, job.settings.stall_time)
+
+
+def _deliver(wire: Wire, seconds: float) -> None:
+    """Let the recorder take the last messages."""
+    end = time.monotonic() + seconds
+    while wire.unsent and not wire.closed and time.monotonic() < end:
+        wire.wait(0.1)
+        wire.take()
+    wire.close()
+
+
+class Guardian:
+    """One job: the laws it keeps are those of :meth:`_check`."""
+
+    def __init__(self, wire: Wire, job: Job) -> None:
+        self.wire, self.job, self.device = wire, job, job.device
+        settings = job.settings
+        timing = LinkSettings(settings.timeout, settings.retries, settings.reconnect_time)
+        self.link = Link(job.device, timing, LinkLog(job.started))
+        self.alarm = Alarm(job.device.name)
+        self._signal: str | None = None
+        self._begun = False
+        self._looked = self._heard = time.monotonic()
+        self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
+        self._kept = 0
+
+    def asked(self, number: int, _frame: object) -> None:
+        """Note a signal that asks for zero; the next check acts on it."""
+        self._signal = signal.Signals(number).name
+
+    def serve(self, duty: Duty) -> None:
+        """Drive the job's counts, then take the output to zero."""
+        self.duty = duty
+        duty.token = self.job.token or duty.token
+        self.output = Output(self.link, reset=self.job.reset, token=duty.token or 1)
+        if not self.job.counts.size:
+            duty.clear_order()
+            self._end_at_zero(self._last_known())
+            return
+        self._refuse_after_a_crash()
+        duty.clear_order()
+        try:
+            self.output.take()
+        except Exception as error:
+            duty.put(Phase.NEVER, 0.0)
+            self.wire.post("refused", packed(error))
+            return
+        try:
+            self._drive()
+        except Exception as error:
+            self.wire.post("broken", packed(error), self.link.log.cut())
+            # A reply to an earlier request may still arrive on this connection.
+            self.link.close()
+            self.output.trusted = not isinstance(error, ReadBackError)
+        self._end_at_zero(self._requested())
+
+    def _last_known(self) -> float:
+        """Return what the guardian before asked for last, V, or else what the device says."""
+        if self.duty.before.abandoned:
+            return self.duty.before.requested
+        try:
+            return self.output.applied() or 0.0
+        except Exception:  # the way to zero meets it again, and repeats
+            return 0.0
+
+    def _refuse_after_a_crash(self) -> None:
+        if self.duty.before.abandoned and not self.device.virtual:
+            raise InputError(
+                "an earlier guardian ended without taking the output to zero: it had asked for "
+                f"{self.duty.before.requested:g} V",
+                file=self.device.source,
+                remedy="Take it to zero: python -m dea.acquisition zero.",
+            )
+
+    def _drive(self) -> None:
+        self.link.check = self._check
+        self.wire.post("ready")
+        while not self._begun:
+            self.wire.wait(0.1)
+            self._check()
+        total = 0
+        for samples in self._driven():
+            total += samples.position.size
+            self._posted.append((total, time.monotonic()))
+            self.wire.post("samples", samples, self.link.log.cut())
+            self._check()
+
+    def _driven(self) -> Iterator[Samples]:
+        settings, counts = self.job.settings, self.job.counts
+        if settings.mode == "polled":
+            return polled.drive(
+                self.output.panel, counts, late_after=settings.late_after,
+                tolerance=settings.read_back_tolerance, paced=settings.paced,
+            )  # fmt: skip
+        return buffered.play(self.output.panel, counts, tolerance=settings.read_back_tolerance)
+
+    def _check(self) -> None:
+        """Note the voltage asked for, and end the drive where the recorder does not keep up."""
+        now = time.monotonic()
+        if now - self._looked < SERVICE:
+            return
+        self._looked = now
+        self.duty.put(Phase.DRIVING, self._requested())
+        for message in self.wire.take():
+            if message[0] == "stop":
+                raise StoppedError(f"ended by the recorder: {message[1]}")
+            self._begun, self._heard, self._kept = True, now, message[1]
+        if self.wire.closed:
+            raise StoppedError("the recorder has died")
+        if self._signal is not None:
+            raise StoppedError(f"the guardian was sent {self._signal}")
+        if self.duty.order != Order.NONE:
+            raise StoppedError("somebody asked for zero")
+        while self._posted and self._posted[0][0] <= self._kept:
+            self._posted.popleft()
+        oldest = min(self._heard, self._posted[0][1]) if self._posted else self._heard
+        if now - oldest > self.job.settings.stall_time:
+            raise StoppedError(f"the recorder is {now - oldest:.1f} s behind: it, or its disk")
+
+    def _requested(self) -> float:
+        """Return the voltage asked for last."""
+        last = self.output.panel.last_output
+        return 0.0 if last is None else float(to_physical(self.device["output"], last))
+
+    def _end_at_zero(self, requested: float) -> None:
+        """Take the output to zero, whatever fails and however long it takes."""
+        self.link.check = None
+        # Each attempt is short: what repeats them is the loop below.
+        self.link.settings = LinkSettings(self.job.settings.timeout, 0, 0.0)
+        way = WayToZero(self.output, ramp_rate=self.job.settings.ramp_rate, requested=requested)
+        failing: float | None = None
+        while True:
+            self.duty.put(Phase.ALARM if failing else Phase.TO_ZERO, way.volts)
+            try:
+                evidence = way()
+                break
+            except TakenError as error:
+                if not self.job.counts.size:
+                    self.duty.put(Phase.NEVER, 0.0)
+                    self.wire.post("refused", packed(error))
+                    return
+                evidence = Evidence.RELEASED
+                break
+            except Exception as error:  # nothing may end this loop but zero, or somebody's word
+                failing = failing or time.monotonic()
+                if time.monotonic() - failing >= self.job.settings.reconnect_time:
+                    self._raise_alarm(error)
+                    if self.duty.order == Order.DISMISS or self.device.virtual:
+                        self.duty.put(Phase.DISMISSED, way.volts)
+                        return
+            time.sleep(RETRY)
+        self.duty.put(Phase.AT_ZERO, 0.0)
+        self.link.on_connect = None
+        self.link.close()
+        self.wire.post("zero", str(evidence), self.link.log.cut())
+
+    def _raise_alarm(self, error: Exception) -> None:
+        watchdog = "watchdog_time" in self.device
+        text = f"the output could not be shown to be at zero ({error}). " + (
+            "The device's watchdog takes it to zero."
+            if watchdog
+            else "The device has no watchdog: switch the amplifier off."
+        )
+        if self.alarm(text):
+            self.wire.post("alarm", text)

@@ -1,0 +1,76 @@
+"""Starting guardians: processes out of reach of the recorder's terminal.
+
+A nursery, one for each recorder, has the guardian's code loaded and forks a guardian when asked,
+within milliseconds. It has one thread and no other duty. A guardian has a session of its own, so
+that no signal of the terminal (Ctrl-C, Ctrl-Z, Ctrl-\\, hang-up) reaches it.
+"""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+
+from dea.acquisition.wire import Wire
+
+_PROGRAM = "import sys; from dea.acquisition.guardian import nursery; nursery(int(sys.argv[1]))"
+_lock = threading.Lock()
+# Of this process: its number, the nursery and the way to it.
+_nursery: tuple[int, subprocess.Popen[bytes], socket.socket] | None = None
+
+
+def launch() -> Wire:
+    """Start a guardian and return the way to it."""
+    ours, theirs = socket.socketpair()
+    with _lock, theirs:
+        try:
+            _ask(_control(), theirs)
+        except OSError:  # the nursery was killed
+            _ask(_control(anew=True), theirs)
+    return Wire(ours)
+
+
+def serve_nursery(control: socket.socket, guard: Callable[[Wire], None]) -> None:
+    """Fork a process that runs ``guard`` for each way to a recorder that ``control`` hands over."""
+    # The kernel buries the children: nobody waits for them here.
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    while True:
+        _, handles, _, _ = socket.recv_fds(control, 1, 2)
+        if not handles:
+            return
+        end, errors = handles
+        if os.fork() == 0:
+            control.close()
+            os.setsid()
+            os.dup2(errors, 2)
+            os.close(errors)
+            try:
+                guard(Wire(socket.socket(fileno=end)))
+            finally:
+                os._exit(0)
+        for handle in handles:
+            os.close(handle)
+
+
+def _ask(control: socket.socket, end: socket.socket) -> None:
+    socket.send_fds(control, [b"g"], [end.fileno(), 2])
+
+
+def _control(*, anew: bool = False) -> socket.socket:
+    global _nursery
+    if _nursery is None or _nursery[0] != os.getpid() or anew:
+        ours, theirs = socket.socketpair()
+        with theirs:
+            process = subprocess.Popen(
+                [sys.executable, "-c", _PROGRAM, str(theirs.fileno())],
+                pass_fds=[theirs.fileno()], start_new_session=True,
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            )  # fmt: skip
+        if _nursery is not None:
+            with suppress(OSError):
+                _nursery[2].close()
+        _nursery = os.getpid(), process, ours
+    return _nursery[2]

@@ -1,0 +1,153 @@
+"""The right to drive an output: taken from a device that is at zero, given back at zero."""
+
+from dea.acquisition.panel import Panel
+from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
+from dea.acquisition.verify import verify_device
+from dea.errors import InputError
+from dea.modbus import to_counts, to_physical
+
+TRIPPED = 3  # state
+RESET = 3  # command
+NOT_ALLOWED = 7  # Modbus exception code
+
+
+class TakenError(LinkError):
+    """Another master owns the outputs."""
+
+
+class Output:
+    """The output of a device, and the right to drive it.
+
+    Parameters
+    ----------
+    link
+        The connection, not yet open.
+    reset
+        Whether a latched watchdog is reset when the output is taken; otherwise it is refused.
+    token
+        What claims the outputs of a device that has owners.
+
+    ``trusted`` says whether the read-back has not been found wrong.
+    """
+
+    def __init__(self, link: Link, *, reset: bool = False, token: int = 1) -> None:
+        self.panel, self.link, self.device = Panel(link), link, link.device
+        self.reset = reset
+        self.zero = int(to_counts(self.device["output"], 0.0))
+        self._token, self.trusted = token, True
+
+    def take(self) -> None:
+        """Connect, compare the device with its description, and claim the outputs.
+
+        Raises
+        ------
+        InputError
+            Where the device does not answer, is not the one described, is driven, is owned by
+            another master, or has tripped.
+        """
+        self._open()
+        try:
+            self._verify()
+            self._refuse_while_driven()
+            if "claim" in self.panel:
+                self._claim()
+                self.link.on_connect = self.reclaim
+            if "state" in self.panel and self.reset and self.panel.get("state") == TRIPPED:
+                self.panel.set("command", RESET)
+        except BaseException:
+            self.link.close()
+            raise
+
+    def reclaim(self, *, retry: bool = False) -> None:
+        """Claim again, on another connection; a failed request repeats this with itself.
+
+        Raises
+        ------
+        TakenError
+            Where another master has the outputs, which it can only have taken at zero.
+        """
+        if "claim" not in self.panel:
+            return
+        try:
+            self._claim(retry=retry)
+        except InputError as error:
+            raise TakenError(str(error)) from error
+        except DeviceRefusedError as error:
+            raise LinkError(str(error)) from error
+
+    def release(self) -> None:
+        """Give the outputs back, at zero; if that fails the device's watchdog does it."""
+        if "claim" in self.panel:
+            try:
+                self.panel.set("claim", 0)
+            except (LinkError, DeviceRefusedError):
+                self.link.log.errors["not released"] += 1
+
+    def applied(self) -> float | None:
+        """Read-back of the output, V, or None where the device has none that is right."""
+        for name in ("applied_output", "output") if self.trusted else ():
+            if name in self.panel and self.device[name].access != "write":
+                return float(to_physical(self.device[name], self.panel.confirmed(name)))
+        return None
+
+    @property
+    def readable(self) -> bool:
+        """Whether the device has a read-back of the output."""
+        return any(
+            name in self.panel and self.device[name].access != "write"
+            for name in ("applied_output", "output")
+        )
+
+    def driven(self) -> float:
+        """Read-back of the output, V; 0 if no further from it than it may be, or without one."""
+        applied = self.applied() or 0.0
+        echo = self.device.registers.get("applied_output", self.device["output"])
+        allowed = max(abs(self.device["output"].scale), echo.tolerance)
+        return applied if abs(applied) > allowed else 0.0
+
+    def _open(self) -> None:
+        try:
+            self.link.open()
+        except LinkError as error:
+            raise InputError(
+                str(error), file=self.device.source, field="endpoint",
+                remedy="Correct host and port, or switch the device on.",
+            ) from error  # fmt: skip
+
+    def _verify(self) -> None:
+        try:
+            verify_device(self.panel)
+        except (LinkError, DeviceRefusedError) as error:
+            raise InputError(
+                f"the device does not answer as described: {error}",
+                file=self.device.source, field="unit_id, registers",
+                remedy="Correct the unit id or the register map.",
+            ) from error  # fmt: skip
+
+    def _claim(self, *, retry: bool = True) -> None:
+        try:
+            self.panel.set("claim", self._token, retry=retry)
+        except DeviceRefusedError as refusal:
+            if refusal.code != NOT_ALLOWED:
+                raise
+            raise InputError(
+                "another master owns the outputs",
+                file=self.device.source,
+                field="endpoint",
+                remedy="End it, or wait until the device's watchdog has released them.",
+            ) from None
+
+    def _refuse_while_driven(self) -> None:
+        if "watchdog_latched" in self.panel and self.panel.get("watchdog_latched"):
+            if not self.reset:
+                raise InputError(
+                    "the device's watchdog has latched: an earlier host fell silent while driving",
+                    file=self.device.source,
+                    remedy="Find out why, then start with --reset.",
+                )
+        elif driven := self.driven():
+            raise InputError(
+                f"the output is not zero: {driven:g} V",
+                file=self.device.source,
+                remedy="Bring it to zero first: python -m dea.acquisition zero.",
+            )

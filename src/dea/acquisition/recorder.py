@@ -1,0 +1,137 @@
+"""The recorder's side of a guardian: what it measured, what is kept, and whether zero was shown."""
+
+import time
+from collections.abc import Callable, Iterator
+from types import TracebackType
+from typing import Any, Self
+
+from dea.acquisition.guardian import Job
+from dea.acquisition.launch import launch
+from dea.acquisition.retrying_link import LinkLog
+from dea.acquisition.samples import Samples
+from dea.acquisition.wire import unpacked
+from dea.acquisition.zero import ZeroNotVerifiedError
+from dea.errors import DeviceError
+
+BEAT = 0.05  # s between two messages that say what is kept
+
+
+class GuardianLostError(DeviceError):
+    """The guardian's process has ended before it had shown zero."""
+
+
+class Recorder:
+    """Follows one guardian; a context manager that ends with the output shown at zero.
+
+    Parameters
+    ----------
+    job
+        What the guardian does.
+    log
+        Is given what the guardian's link logs.
+    check
+        Called between messages; may raise to end the drive.
+    """
+
+    def __init__(self, job: Job, log: LinkLog, check: Callable[[], None]) -> None:
+        self.job, self.log, self.check = job, log, check
+        self.kept: Callable[[], int] = lambda: 0
+        self.evidence = ""
+        self._zero = False  # whether nothing is left to be taken to zero
+        self._beat = 0.0
+        self._hire(job)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
+    ) -> None:
+        try:
+            self.end(error)
+        finally:
+            self.wire.close()
+
+    def await_ready(self) -> None:
+        """Return when the guardian has taken the output; raises what made it refuse."""
+        for kind, *_ in self._messages():
+            if kind == "ready":
+                return
+
+    def samples(self) -> Iterator[Samples]:
+        """Begin, and yield what is measured until zero is shown; raises what broke the drive."""
+        self._say("kept", 0)
+        for kind, *content in self._messages():
+            if kind == "samples":
+                yield content[0]
+
+    def await_zero(self) -> None:
+        """Return when zero is shown."""
+        for _ in self._messages():
+            pass
+
+    def end(
+        self, error: BaseException | None, keep: Callable[[Samples], None] | None = None
+    ) -> None:
+        """Have the output taken to zero, and wait until it is shown.
+
+        ``keep`` is given what was measured meanwhile.
+
+        Raises
+        ------
+        ZeroNotVerifiedError
+            Where the guardian has raised its alarm; it goes on trying.
+        """
+        self.check = lambda: None
+        if not self._zero:
+            self._say("stop", str(error) or type(error).__name__)
+        while not self._zero:
+            try:
+                for kind, *content in self._messages():
+                    if kind == "samples" and keep is not None:
+                        keep(content[0])
+            except GuardianLostError:
+                self._hire(self.job._replace(counts=self.job.counts[:0]))
+            except ZeroNotVerifiedError:
+                raise
+            except DeviceError:
+                pass  # what ended the drive first is what the user is told
+
+    def _hire(self, job: Job) -> None:
+        self.wire = launch()
+        self.wire.post(job)
+
+    def _say(self, *message: Any) -> None:
+        self._beat = time.monotonic()
+        self.wire.post(*message)
+
+    def _messages(self) -> Iterator[tuple[Any, ...]]:
+        """Yield messages until zero is shown; meanwhile say what is kept."""
+        while not self._zero:
+            self.check()
+            messages = self.wire.take()
+            for message in messages:
+                self._heed(*message)
+                yield message
+                if time.monotonic() - self._beat > BEAT and self.kept():
+                    self._say("kept", self.kept())
+            if not messages:
+                if self.wire.closed:
+                    raise GuardianLostError("the guardian's process was killed")
+                self.wire.wait(BEAT)
+            if time.monotonic() - self._beat > BEAT:
+                self._say("alive", self.kept())
+
+    def _heed(self, kind: str, *content: Any) -> None:
+        if kind in ("samples", "broken", "zero"):
+            self.log.add(content[1])
+        if kind == "zero":
+            self._zero, self.evidence = True, content[0]
+        elif kind == "alarm":
+            self._zero = True  # the guardian is left to it
+            raise ZeroNotVerifiedError(content[0])
+        elif kind == "refused":
+            self._zero = True
+            raise unpacked(content[0])
+        elif kind == "broken":
+            raise unpacked(content[0])

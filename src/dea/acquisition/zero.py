@@ -1,0 +1,114 @@
+"""The way of an output to zero volts, and what shows that it has arrived.
+
+It begins at the voltage that was asked for last, which the guardian knows, and not at a reading,
+which may be wrong.
+"""
+
+import math
+import time
+from enum import StrEnum
+
+from dea.acquisition.output import TRIPPED, Output
+from dea.errors import DeviceError
+from dea.modbus import to_counts
+
+IDLE = 0  # state
+STOP = 2  # command
+LONGEST_STEP = 0.2  # s of ramp in one write, however long the last one is past
+HOLDING_PAUSE = 0.1  # s between the writes of zero during the quarantine
+
+
+class ZeroNotVerifiedError(DeviceError):
+    """The output could not be shown to be at zero."""
+
+
+class Evidence(StrEnum):
+    """What shows that an output is at zero, the strongest last."""
+
+    ANSWERED = "every write of zero was answered; the device has no register to read back"
+    UNTRUSTED = "every write of zero was answered; the read-back has been found wrong"
+    READ_BACK = "the read-back of the output is zero"
+    RELEASED = "another master has the outputs, which the device gives away at zero alone"
+
+
+class WayToZero:
+    """Takes an output to zero; a call that fails is continued by the next one.
+
+    Parameters
+    ----------
+    output
+        The output, taken.
+    ramp_rate
+        V/s.
+    requested
+        V, asked for last.
+    """
+
+    def __init__(self, output: Output, *, ramp_rate: float, requested: float) -> None:
+        self.output, self.panel, self.device = output, output.panel, output.device
+        self.ramp_rate, self.volts = ramp_rate, requested
+        self._written = time.monotonic()
+
+    def __call__(self) -> Evidence:
+        """Ramp to zero, keep it there for the quarantine, and say what shows it.
+
+        Raises
+        ------
+        LinkError, DeviceRefusedError, ZeroNotVerifiedError
+            Where this attempt failed. Another one continues the ramp where this one ended.
+        """
+        self.output.reclaim(retry=True)
+        if "command" in self.device:
+            self._stop()
+        else:
+            self._ramp()
+        self._hold()
+        self._verify()
+        self.output.release()
+        return self._evidence()
+
+    def _stop(self) -> None:
+        """Let the device itself ramp."""
+        if self.panel.get("state") != TRIPPED:
+            self.panel.set("command", STOP)
+        limits = self.device["output"].limits or (0.0, 0.0)
+        deadline = time.monotonic() + 2 * max(map(abs, limits)) / self.ramp_rate + 2
+        while self.panel.confirmed("state") not in (IDLE, TRIPPED):
+            if time.monotonic() > deadline:
+                raise ZeroNotVerifiedError("the device does not end its ramp to zero")
+            time.sleep(0.01)
+        self.volts = 0.0
+
+    def _ramp(self) -> None:
+        """Write ever lower voltages, no faster in time than the ramp's rate."""
+        while self.volts:
+            passed = min(time.monotonic() - self._written, LONGEST_STEP)
+            left = max(abs(self.volts) - self.ramp_rate * passed, 0.0)
+            target = math.copysign(left, self.volts) if left else 0.0
+            self.panel.set("output", int(to_counts(self.device["output"], target)))
+            self.volts, self._written = target, time.monotonic()
+            time.sleep(1 / self.device.sampling_rate)
+        self.panel.set("output", self.output.zero)
+
+    def _hold(self) -> None:
+        """Hold zero until no write can be on its way any more.
+
+        A gateway may carry out a write long after its reply was given up. Zero is written again and
+        again, and the time begins anew when something else is read.
+        """
+        end = time.monotonic() + self.device.quarantine
+        while time.monotonic() < end:
+            time.sleep(HOLDING_PAUSE)
+            if "command" not in self.device:
+                self.panel.set("output", self.output.zero)
+            if self.output.driven():
+                end = time.monotonic() + self.device.quarantine
+
+    def _verify(self) -> None:
+        if driven := self.output.driven():
+            raise ZeroNotVerifiedError(f"the output reads {driven:g} V after the ramp to zero")
+
+    def _evidence(self) -> Evidence:
+        if not self.output.trusted:
+            return Evidence.UNTRUSTED
+        return Evidence.READ_BACK if self.output.readable else Evidence.ANSWERED

@@ -1,0 +1,31 @@
+"""Guardians of these tests are known to these tests alone, and end with them."""
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from dea.acquisition import duty
+
+
+@pytest.fixture(scope="session", autouse=True)
+def duty_folder(tmp_path_factory):
+    """Keep the files of guardians out of the machine's own."""
+    folder = tmp_path_factory.mktemp("duty")
+    os.environ["DEA_DUTY"] = str(folder)
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def no_guardian_is_left(duty_folder: Path):
+    """Dismiss guardians whose device has gone for good."""
+    yield
+    for path in duty_folder.iterdir():
+        duty.order(path, duty.Order.DISMISS)
+    deadline = time.monotonic() + 20
+    while any(duty.look(path).alive for path in duty_folder.iterdir()):
+        assert time.monotonic() < deadline, "a guardian does not end"
+        time.sleep(0.02)
+    for path in duty_folder.iterdir():
+        path.unlink()
