@@ -83,9 +83,7 @@ class PlainModule:
                 if not received:
                     return
                 data += received
-                while len(data) >= 6 and len(data) >= (
-                    end := 6 + struct.unpack(">H", data[4:6])[0]
-                ):
+                while len(data) > 6 and len(data) >= (end := 6 + data[5]):
                     self._answer(connection, data[:end])
                     data = data[end:]
 

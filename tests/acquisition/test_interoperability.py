@@ -75,7 +75,7 @@ def py_modbus_tcp():
 def analogue_module(port, **changes):
     """The ready description, with the endpoint of a server."""
     module = read_device(DEVICES / "analogue_module.yaml")
-    return replace(module, host="127.0.0.1", port=port, **changes)
+    return replace(module, host="127.0.0.1", port=port, quarantine=0.2, **changes)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What a person does to an output at any time: look at it, take it to zero, dismiss its guardian."""
+"""What a person does to an output: look at it, take it to zero, dismiss its guardian."""
 
 import sys
 import time

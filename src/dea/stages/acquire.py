@@ -25,7 +25,7 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
     bench = settings["bench"]
     partial = record.with_suffix(".partial")
     with bench_process(**bench, device=device, seed=played.noise_seed) as port:
-        answering = replace(description, host="127.0.0.1", port=port)
+        answering = replace(description, host="127.0.0.1", port=port, virtual=True)
         acquired = played.label(acquisition.acquire(answering, played.volts, partial, options))
     inputs = {"device": device, "bench": Path(bench["config"])}
     write(acquired, {"record": record, "link": link}, settings, inputs)

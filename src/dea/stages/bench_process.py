@@ -49,7 +49,12 @@ def _serving(
         "--watchdog", str(watchdog_time), "--until-stdin-closes",
     ]  # fmt: skip
     with subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        # Out of reach of the terminal: Ctrl-C ends it after the guardian has taken it to zero.
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
     ) as process:
         assert process.stdout is not None
         try:

@@ -39,7 +39,7 @@ def trial_acquire(
             device=device,
             watchdog_time=settings["watchdog_time"],
         ) as port:
-            answering = replace(description, host="127.0.0.1", port=port)
+            answering = replace(description, host="127.0.0.1", port=port, virtual=True)
             acquired = acquisition.acquire(answering, volts, partial, options)
         store.write(
             acquired.record.assign_attrs(contract="record"),
