@@ -12,6 +12,7 @@ from dea.acquisition import (
     ReadBackError,
     acquire,
 )
+from dea.acquisition.laws import Laws
 from dea.acquisition.panel import Panel
 from dea.acquisition.polled import drive
 from dea.acquisition.retrying_link import LinkLog
@@ -70,7 +71,7 @@ class Module:
         self.clock, self.holds, self.loses, self.reads = clock, holds or {}, loses, reads
         self.log, self.check, self.written, self.settings = LinkLog(), None, [], POLLED
 
-    def write(self, address, words, *, retry=True):
+    def write(self, address, words, table="holding", *, retry=True):
         assert not retry, "a polled write must not be repeated"
         self.clock.sleep(self.holds.get(len(self.written), 0.0))
         self.written.append((self.clock.now, *words))
@@ -98,7 +99,8 @@ def driven(module, counts, late_after=0.005):
     """Drive; return what was yielded, and the failure if there was one."""
     blocks, failure = [], None
     try:
-        blocks += drive(Panel(module), counts, late_after=late_after, tolerance=0.05)
+        panel = Panel(module)
+        blocks += drive(panel, counts, Laws(panel), late_after=late_after, tolerance=0.05)
     except (BrokenRecordError, ReadBackError) as error:
         failure = error
     return [np.concatenate(column) for column in zip(*blocks, strict=True)], failure

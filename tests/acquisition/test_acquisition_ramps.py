@@ -57,7 +57,7 @@ class ModuleLink:
     def read(self, address, count, table):
         return [round(self.reads * self.count)] * count
 
-    def write(self, address, words, *, retry=True):
+    def write(self, address, words, table="holding", *, retry=True):
         self.clock.sleep(self.takes)
         if (failure := self.fails(self.clock.now)) is not None:
             raise failure

@@ -47,7 +47,7 @@ class Memory:
         value = self.values[name]
         return encode(self.device[name], value() if callable(value) else value)
 
-    def write(self, address, words, *, retry=True):
+    def write(self, address, words, table="holding", *, retry=True):
         self.written.append((address, words))
 
     def open(self):

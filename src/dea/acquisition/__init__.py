@@ -2,6 +2,7 @@
 
 from dea.acquisition.acquire import Acquisition, acquire
 from dea.acquisition.interrupts import Interrupted
+from dea.acquisition.laws import TripError
 from dea.acquisition.partial import Recovered, recover
 from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.recorder import GuardianLostError
@@ -32,6 +33,7 @@ __all__ = [
     "Recovered",
     "Samples",
     "StoppedError",
+    "TripError",
     "ZeroNotVerifiedError",
     "acquire",
     "check_excitation",

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from dea import store
-from dea.acquisition import by_hand
+from dea.acquisition import by_hand, latch
 from dea.acquisition.acquire import acquire
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.monitor import Monitor
@@ -62,7 +62,12 @@ def drive(options: argparse.Namespace) -> None:
         low=options.low, high=options.high, seed=options.seed, **options.setting,
     )  # fmt: skip
     settings = AcquisitionSettings.from_mapping(
-        {"mode": options.mode, "on_break": options.on_break, "ramp_rate": options.ramp_rate}
+        {
+            "mode": options.mode,
+            "on_break": options.on_break,
+            "ramp_rate": options.ramp_rate,
+            "armed_by": options.arm,
+        }
     )
     partial = options.output.with_suffix(".partial")
     total = plan_sequence(device, volts, settings.ramp_rate).counts.size
@@ -101,6 +106,12 @@ def zero(options: argparse.Namespace) -> None:
     """Take the output to zero, whoever drives it on this machine, and show that it is there."""
     settings = AcquisitionSettings.from_mapping({"ramp_rate": options.ramp_rate})
     print(by_hand.zero(_device(options), settings))
+
+
+def acknowledge(options: argparse.Namespace) -> None:
+    """Clear a trip of the safety model, after you have found out why it tripped."""
+    reason = latch.acknowledge(_device(options), options.by)
+    print("nothing has tripped" if reason is None else f"acknowledged: {reason}")
 
 
 def dismiss(options: argparse.Namespace) -> None:
@@ -166,7 +177,10 @@ def _parser() -> argparse.ArgumentParser:
         )  # fmt: skip
         return added
 
-    at_device = {"drive": drive, "check": check, "status": status, "zero": zero, "dismiss": dismiss}
+    at_device = {
+        "drive": drive, "check": check, "status": status, "zero": zero,
+        "acknowledge": acknowledge, "dismiss": dismiss,
+    }  # fmt: skip
     for name, run in at_device.items():
         added = command(name, run)
         added.add_argument("--host", help="instead of the description's")
@@ -175,6 +189,8 @@ def _parser() -> argparse.ArgumentParser:
             _excitation(added)
         if run in (drive, zero):
             added.add_argument("--ramp-rate", type=float, default=1.0, metavar="V/S")
+        if run is acknowledge:
+            added.add_argument("--by", required=True, metavar="NAME")
         if run is dismiss:
             added.add_argument("--amplifier-is-off", action="store_true")
     added = command("recover", rescue)
@@ -196,6 +212,10 @@ def _excitation(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument("--mode", choices=("buffered", "polled"), default="buffered")
     parser.add_argument("--on-break", choices=("stop", "restart"), default="stop")
+    parser.add_argument(
+        "--arm", default="", metavar="NAME",
+        help="your name: you have checked the setup and arm the high voltage",
+    )  # fmt: skip
     parser.add_argument("--reset", action="store_true", help="reset a watchdog that has latched")
     parser.add_argument("--live", action="store_true", help="draw voltage and displacement")
 

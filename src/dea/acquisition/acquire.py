@@ -1,6 +1,7 @@
 """One acquisition: from an excitation to a record, with the output at zero volts at the end."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from secrets import randbits
@@ -73,6 +74,7 @@ def acquire(
     settings = settings or AcquisitionSettings()
     plan = plan_sequence(device, excitation, settings.ramp_rate)
     _refuse_unbuffered(device, settings)
+    _refuse_unarmed(device, settings)
     log, broken = LinkLog(), None
     for attempt in range(settings.restarts + 1 if settings.on_break == "restart" else 1):
         # A latch that the device has set meanwhile is not the restart's to clear.
@@ -111,13 +113,24 @@ def _attempt(job: Job, plan: Plan, partial: Path, watch: Watcher | None, log: Li
                     if watch is not None:
                         watch(samples, log)
             except BaseException as error:
+                with suppress(OSError):  # of the disk: the error says so
+                    if isinstance(error, BrokenRecordError):
+                        file.samples(error.samples)
+                    file.note({"broken": str(error)})
                 recorder.end(error, file.samples)
-                if isinstance(error, BrokenRecordError):
-                    file.samples(error.samples)
-                file.note({"broken": str(error)})
                 raise
             file.note({"complete": True, "zero": recorder.evidence})
     return Samples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+
+
+def _refuse_unarmed(device: Device, settings: AcquisitionSettings) -> None:
+    if device.safety is not None and not settings.armed_by:
+        raise InputError(
+            "nobody has armed the high voltage",
+            file=device.source,
+            field="safety",
+            remedy="Check the setup, then arm it: drive --arm NAME, or acquisition.armed_by.",
+        )
 
 
 def _refuse_unbuffered(device: Device, settings: AcquisitionSettings) -> None:

@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from dea.acquisition.laws import Laws
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import ReadBack
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
-from dea.modbus import block_window, reply_window
+from dea.modbus import block_window, reply_window, to_physical
 
 PLAYED, HELD, REST = 1, 2, 3  # reply_origin
 STATE_TRIPPED = 3  # reply_state
@@ -80,11 +81,12 @@ def _reply(value: dict[str, Any]) -> Reply:
     )  # fmt: skip
 
 
-def play(panel: Panel, counts: np.ndarray, *, tolerance: float) -> Iterator[Samples]:
+def play(panel: Panel, counts: np.ndarray, laws: Laws, *, tolerance: float) -> Iterator[Samples]:
     """Start the device, play ``counts`` and yield what it measured, in order and complete.
 
     ``tolerance`` is that of :class:`~dea.acquisition.read_back.ReadBack`. Samples that the device
     added by holding its output are yielded with the position of the sample held, and flagged.
+    ``laws`` are checked as often as they ask for.
 
     Raises
     ------
@@ -92,8 +94,10 @@ def play(panel: Panel, counts: np.ndarray, *, tolerance: float) -> Iterator[Samp
         Where samples are lost or not driven; it carries them, flagged.
     ReadBackError
         Where the register of the applied output does not hold what is played.
+    TripError
+        Where the safety model is broken.
     """
-    playback, read_back = _Playback(panel, counts), ReadBack(panel, counts, tolerance)
+    playback, read_back = _Playback(panel, counts, laws), ReadBack(panel, counts, tolerance)
     while playback.done < counts.size:
         reply = playback.feed()
         if reply is not None:
@@ -101,14 +105,17 @@ def play(panel: Panel, counts: np.ndarray, *, tolerance: float) -> Iterator[Samp
             if samples is not None:
                 yield samples
             read_back(playback.sent - reply.fifo)
+            playback.supervise(reply)
             playback.rest(reply)
 
 
 class _Playback:
     """The progress of a sequence of counts: sent to the device, and read back as samples."""
 
-    def __init__(self, panel: Panel, counts: np.ndarray) -> None:
+    def __init__(self, panel: Panel, counts: np.ndarray, laws: Laws) -> None:
         self.panel, self.counts, self.exchange = panel, counts, BlockExchange(panel)
+        self.laws, self._volts = laws, np.append(0.0, to_physical(panel.device["output"], counts))
+        self._position = 0
         capacity, period = self.exchange.capacity, 1.0 / panel.device.sampling_rate
         self.high_water = panel.whole("fifo_length") - 2 * capacity
         self.pause = min(capacity * period, panel.number("watchdog_time") / 4) / 2
@@ -166,6 +173,16 @@ class _Playback:
         self.done = int(samples.position[-1]) + 1
         return samples
 
+    def supervise(self, reply: Reply) -> None:
+        """Check the laws where it is time, for the voltages between the last check and now."""
+        if not self.laws.due():
+            return
+        position = self.sent - reply.fifo
+        ahead = int(2 * self.pause * self.panel.device.sampling_rate) + 2
+        played = self._volts[self._position : position + ahead]
+        self.laws.check(float(played.min()), float(played.max()))
+        self._position = position
+
     def rest(self, reply: Reply) -> None:
         """Start once the FIFO is filled; wait if it is and nothing is left to read."""
         full = reply.fifo >= self.high_water or self.sent == self.counts.size
@@ -173,7 +190,12 @@ class _Playback:
             self.panel.set("command", START)
             self.started = True
         elif reply.fifo >= self.high_water and reply.next - self.wanted < self.exchange.capacity:
-            self.panel.link.rest(self.pause)
+            left = self.pause
+            while left > 0:
+                step = min(left, self.laws.interval)
+                self.panel.link.rest(step)
+                self.supervise(reply)
+                left -= step
 
     def _misplaced(self) -> BrokenRecordError:
         again = " and has been restarted" if self.panel.get("boot") != self.boot else ""

@@ -18,7 +18,9 @@ import numpy as np
 from dea.acquisition import buffered, polled
 from dea.acquisition.alarm import Alarm
 from dea.acquisition.duty import Duty, Order, Phase
+from dea.acquisition.latch import latch, refuse_latched
 from dea.acquisition.launch import serve_nursery
+from dea.acquisition.laws import TripError
 from dea.acquisition.output import Output, TakenError
 from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.retrying_link import Link, LinkLog, LinkSettings, StoppedError
@@ -30,6 +32,7 @@ from dea.errors import InputError
 from dea.modbus import Device, to_physical
 
 SERVICE = 5e-3  # s between two looks at the recorder
+ZERO_RETRIES = 3  # of one request on the way to zero
 RETRY = 0.1  # s between two attempts to reach zero
 ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
 # Signals whose default is to end or stop a process, and that ask nothing of this one.
@@ -120,6 +123,7 @@ class Guardian:
         self._refuse_after_a_crash()
         duty.clear_order()
         try:
+            refuse_latched(self.device)
             self.output.take()
         except Exception as error:
             duty.put(Phase.NEVER, 0.0)
@@ -132,7 +136,10 @@ class Guardian:
             # A reply to an earlier request may still arrive on this connection.
             self.link.close()
             self.output.trusted = not isinstance(error, ReadBackError)
-        self._end_at_zero(self._requested())
+            trip = error if isinstance(error, TripError) else None
+        else:
+            trip = None
+        self._end_at_zero(self._requested(), trip)
 
     def _last_known(self) -> float:
         """Return what the guardian before asked for last, V, or else what the device says."""
@@ -169,10 +176,12 @@ class Guardian:
         settings, counts = self.job.settings, self.job.counts
         if settings.mode == "polled":
             return polled.drive(
-                self.output.panel, counts, late_after=settings.late_after,
+                self.output.panel, counts, self.output.laws, late_after=settings.late_after,
                 tolerance=settings.read_back_tolerance, paced=settings.paced,
             )  # fmt: skip
-        return buffered.play(self.output.panel, counts, tolerance=settings.read_back_tolerance)
+        return buffered.play(
+            self.output.panel, counts, self.output.laws, tolerance=settings.read_back_tolerance
+        )
 
     def _check(self) -> None:
         """Note the voltage asked for, and end the drive where the recorder does not keep up."""
@@ -202,11 +211,13 @@ class Guardian:
         last = self.output.panel.last_output
         return 0.0 if last is None else float(to_physical(self.device["output"], last))
 
-    def _end_at_zero(self, requested: float) -> None:
-        """Take the output to zero, whatever fails and however long it takes."""
+    def _end_at_zero(self, requested: float, trip: TripError | None = None) -> None:
+        """Take the output to zero, whatever fails and however long it takes; latch a trip."""
         self.link.check = None
         # Each attempt is short: what repeats them is the loop below.
-        self.link.settings = LinkSettings(self.job.settings.timeout, 0, 0.0)
+        retries = min(self.job.settings.retries, ZERO_RETRIES)
+        self.link.settings = LinkSettings(self.job.settings.timeout, retries, 0.0)
+        self.link.on_connect = self.output.reclaim
         way = WayToZero(self.output, ramp_rate=self.job.settings.ramp_rate, requested=requested)
         failing: float | None = None
         while True:
@@ -229,6 +240,8 @@ class Guardian:
                         self.duty.put(Phase.DISMISSED, way.volts)
                         return
             time.sleep(RETRY)
+        if trip is not None:
+            latch(self.device, str(trip))
         self.duty.put(Phase.AT_ZERO, 0.0)
         self.link.on_connect = None
         self.link.close()

@@ -1,5 +1,6 @@
 """The right to drive an output: taken from a device that is at zero, given back at zero."""
 
+from dea.acquisition.laws import Laws, TripError
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.verify import verify_device
@@ -35,15 +36,16 @@ class Output:
         self.reset = reset
         self.zero = int(to_counts(self.device["output"], 0.0))
         self._token, self.trusted = token, True
+        self.laws = Laws(self.panel)
 
     def take(self) -> None:
-        """Connect, compare the device with its description, and claim the outputs.
+        """Connect, compare the device with its description, claim the outputs and arm.
 
         Raises
         ------
         InputError
             Where the device does not answer, is not the one described, is driven, is owned by
-            another master, or has tripped.
+            another master, has tripped, or breaks its safety model.
         """
         self._open()
         try:
@@ -54,6 +56,7 @@ class Output:
                 self.link.on_connect = self.reclaim
             if "state" in self.panel and self.reset and self.panel.get("state") == TRIPPED:
                 self.panel.set("command", RESET)
+            self._arm()
         except BaseException:
             self.link.close()
             raise
@@ -76,7 +79,8 @@ class Output:
             raise LinkError(str(error)) from error
 
     def release(self) -> None:
-        """Give the outputs back, at zero; if that fails the device's watchdog does it."""
+        """Disarm and give the outputs back, at zero; if that fails the device's watchdog does."""
+        self.laws.disarm()
         if "claim" in self.panel:
             try:
                 self.panel.set("claim", 0)
@@ -99,7 +103,12 @@ class Output:
         )
 
     def driven(self) -> float:
-        """Read-back of the output, V; 0 if no further from it than it may be, or without one."""
+        """What is left of the output, V, behind the amplifier and before it.
+
+        0 if the monitor and the read-back are no further from it than they may be.
+        """
+        if monitored := self.laws.monitored():
+            return monitored
         applied = self.applied() or 0.0
         echo = self.device.registers.get("applied_output", self.device["output"])
         allowed = max(abs(self.device["output"].scale), echo.tolerance)
@@ -123,6 +132,15 @@ class Output:
                 file=self.device.source, field="unit_id, registers",
                 remedy="Correct the unit id or the register map.",
             ) from error  # fmt: skip
+
+    def _arm(self) -> None:
+        try:
+            self.laws.arm()
+        except TripError as trip:
+            raise InputError(
+                str(trip), file=self.device.source, field="safety",
+                remedy="Close the interlock, or clear what has tripped, and start again.",
+            ) from trip  # fmt: skip
 
     def _claim(self, *, retry: bool = True) -> None:
         try:

@@ -66,4 +66,4 @@ class Panel:
     def set(self, name: str, value: Value, *, retry: bool = True) -> None:
         """Write a raw value."""
         register = self.device[name]
-        self.link.write(register.address, encode(register, value), retry=retry)
+        self.link.write(register.address, encode(register, value), register.table, retry=retry)

@@ -5,12 +5,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from dea.acquisition.laws import Laws
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import Echo
 from dea.acquisition.retrying_link import LONGEST_SLEEP, DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.errors import DeviceError
-from dea.modbus import Register, Window, encode
+from dea.modbus import Register, Window, encode, to_physical
 
 START = 1  # command
 BLOCK_TIME = 0.2  # s of samples yielded, and synced to the disk, together
@@ -55,7 +56,13 @@ class Poll:
 
 
 def drive(
-    panel: Panel, counts: np.ndarray, *, late_after: float, tolerance: float, paced: bool = True
+    panel: Panel,
+    counts: np.ndarray,
+    laws: Laws,
+    *,
+    late_after: float,
+    tolerance: float,
+    paced: bool = True,
 ) -> Iterator[Samples]:
     """Drive ``counts`` one by one and yield what was measured, in blocks.
 
@@ -64,7 +71,8 @@ def drive(
     whole period has passed is left out and flagged, or, on a device that counts its samples and
     has not counted this one, comes later with all that follow. Without ``paced``, for a device
     whose clock waits for the host, each sample follows the last at once. Jitter is kept in the
-    link's log. ``tolerance`` is that of :class:`~dea.acquisition.read_back.Echo`.
+    link's log. ``tolerance`` is that of :class:`~dea.acquisition.read_back.Echo`; ``laws`` are
+    checked with every sample.
 
     Raises
     ------
@@ -73,6 +81,8 @@ def drive(
         was held up for long.
     ReadBackError
         Where the read-back of the output is not what was asked for.
+    TripError
+        Where the safety model is broken.
     """
     if "command" in panel:
         panel.set("command", START)
@@ -103,6 +113,9 @@ def drive(
                 raise _broken(what, number, expected, counts, max(missing, 1))
             if schedule:
                 schedule.written(sent)
+            if panel.device.safety is not None:
+                volts = float(to_physical(panel.device["output"], sent))
+                laws.check(volts, volts)
             if echo and not echo(sent, applied):
                 flag |= Quality.CLAMPED
             rows.add(number, index, count, applied, displacement, flag)

@@ -16,6 +16,11 @@ from dataclasses import dataclass, field, replace
 from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ConnectionException, ModbusException
 from pymodbus.pdu import ModbusPDU
+from pymodbus.pdu.bit_message import (
+    ReadCoilsRequest,
+    ReadDiscreteInputsRequest,
+    WriteSingleCoilRequest,
+)
 from pymodbus.pdu.register_message import (
     ReadHoldingRegistersRequest,
     ReadInputRegistersRequest,
@@ -36,6 +41,14 @@ FIRST_PAUSE, LONGEST_PAUSE = 0.01, 0.5  # s, before reconnecting
 LONGEST_SLEEP = 0.1  # s
 _LOST = (ConnectionException, ConnectionError)
 _TRANSIENT = (ModbusException, OSError, struct.error, ValueError, IndexError)
+
+
+_READS = {
+    "holding": ReadHoldingRegistersRequest,
+    "input": ReadInputRegistersRequest,
+    "coil": ReadCoilsRequest,
+    "discrete": ReadDiscreteInputsRequest,
+}
 
 
 class LinkError(DeviceError, ConnectionError):
@@ -146,12 +159,16 @@ class Link:
                 self.check()
 
     def read(self, address: int, count: int, table: str = "holding") -> list[int]:
-        """Registers of a table (function code 3 or 4)."""
-        kind = ReadInputRegistersRequest if table == "input" else ReadHoldingRegistersRequest
-        return self._exchange(kind(address=address, count=count))
+        """Registers or bits of a table (function codes 1 to 4)."""
+        return self._exchange(_READS[table](address=address, count=count))
 
-    def write(self, address: int, words: Sequence[int], *, retry: bool = True) -> None:
-        """Write registers (function code 6 for one, 16 for more)."""
+    def write(
+        self, address: int, words: Sequence[int], table: str = "holding", *, retry: bool = True
+    ) -> None:
+        """Write registers (function code 6 for one, 16 for more) or a coil (5)."""
+        if table == "coil":
+            self._exchange(WriteSingleCoilRequest(address=address, bits=[bool(words[0])]), retry)
+            return
         kind = WriteSingleRegisterRequest if len(words) == 1 else WriteMultipleRegistersRequest
         self._exchange(kind(address=address, registers=list(words)), retry)
 
@@ -214,7 +231,7 @@ class Link:
             raise DeviceRefusedError(reply.exception_code, request.function_code)
         if not _answers(reply, request):
             raise ValueError("a reply that does not answer the request")
-        return list(reply.registers)
+        return [int(bit) for bit in reply.bits] or list(reply.registers)
 
     def _stray_bytes(self) -> bool:
         """Whether a reply is there before its request: RTU frames carry no transaction number."""
@@ -269,4 +286,8 @@ def _answers(reply: ModbusPDU, request: ModbusPDU) -> bool:
             return (reply.address, reply.registers) == (request.address, request.registers)
         case WriteMultipleRegistersRequest():
             return (reply.address, reply.count) == (request.address, len(request.registers))
+        case WriteSingleCoilRequest():
+            return (reply.address, reply.bits[:1]) == (request.address, request.bits[:1])
+        case ReadCoilsRequest() | ReadDiscreteInputsRequest():
+            return len(reply.bits) >= request.count
     return len(reply.registers) == request.count

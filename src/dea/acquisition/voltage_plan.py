@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dea.errors import InputError
-from dea.modbus import Device, limit_counts, representable, to_counts
+from dea.modbus import Device, limit_counts, representable, to_counts, to_physical
 
 
 class Plan(NamedTuple):
@@ -22,8 +22,10 @@ def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> P
     Raises
     ------
     InputError
-        Where the excitation leaves the device's limits, or is empty.
+        Where the excitation leaves the device's limits, is empty, or changes too fast.
     """
+    if not 0 < ramp_rate < np.inf:
+        raise InputError(f"ramp_rate {ramp_rate:g} V/s", remedy="Give a positive, finite rate.")
     volts = np.asarray(excitation, float)
     if volts.ndim != 1 or not volts.size:
         raise InputError("the excitation holds no samples", remedy="Give at least one voltage.")
@@ -31,7 +33,26 @@ def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> P
     lead = ramp(device, 0.0, float(volts[0]), ramp_rate)
     tail = ramp(device, float(volts[-1]), 0.0, ramp_rate)
     zero = to_counts(device["output"], np.zeros(1))
-    return Plan(np.concatenate([lead, counts, tail, zero]), lead.size, counts.size)
+    plan = Plan(np.concatenate([lead, counts, tail, zero]), lead.size, counts.size)
+    _refuse_too_fast(device, plan)
+    return plan
+
+
+def _refuse_too_fast(device: Device, plan: Plan) -> None:
+    allowed = device.safety.max_rate if device.safety else None
+    if allowed is None:
+        return
+    played = to_physical(device["output"], np.append(0, plan.counts))
+    rates = np.abs(np.diff(played)) * device.sampling_rate
+    one_count = abs(device["output"].scale) * device.sampling_rate
+    if rates.max() > allowed + one_count:
+        raise InputError(
+            f"the output is to change by {rates.max():g} V/s at sample {rates.argmax()}, "
+            f"and {allowed:g} V/s are allowed",
+            file=device.source,
+            field="safety.max_rate",
+            remedy="Give a slower ramp_rate, a narrower band or smaller steps.",
+        )
 
 
 def check_excitation(device: Device, volts: np.ndarray) -> np.ndarray:

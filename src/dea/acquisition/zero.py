@@ -28,6 +28,7 @@ class Evidence(StrEnum):
     ANSWERED = "every write of zero was answered; the device has no register to read back"
     UNTRUSTED = "every write of zero was answered; the read-back has been found wrong"
     READ_BACK = "the read-back of the output is zero"
+    MONITOR = "the monitor of the high voltage is at zero"
     RELEASED = "another master has the outputs, which the device gives away at zero alone"
 
 
@@ -74,6 +75,7 @@ class WayToZero:
         limits = self.device["output"].limits or (0.0, 0.0)
         deadline = time.monotonic() + 2 * max(map(abs, limits)) / self.ramp_rate + 2
         while self.panel.confirmed("state") not in (IDLE, TRIPPED):
+            self.output.laws.beat()
             if time.monotonic() > deadline:
                 raise ZeroNotVerifiedError("the device does not end its ramp to zero")
             time.sleep(0.01)
@@ -82,6 +84,7 @@ class WayToZero:
     def _ramp(self) -> None:
         """Write ever lower voltages, no faster in time than the ramp's rate."""
         while self.volts:
+            self.output.laws.beat()
             passed = min(time.monotonic() - self._written, LONGEST_STEP)
             left = max(abs(self.volts) - self.ramp_rate * passed, 0.0)
             target = math.copysign(left, self.volts) if left else 0.0
@@ -99,6 +102,7 @@ class WayToZero:
         end = time.monotonic() + self.device.quarantine
         while time.monotonic() < end:
             time.sleep(HOLDING_PAUSE)
+            self.output.laws.beat()
             if "command" not in self.device:
                 self.panel.set("output", self.output.zero)
             if self.output.driven():
@@ -109,6 +113,8 @@ class WayToZero:
             raise ZeroNotVerifiedError(f"the output reads {driven:g} V after the ramp to zero")
 
     def _evidence(self) -> Evidence:
+        if self.output.laws.safety.monitor is not None:
+            return Evidence.MONITOR
         if not self.output.trusted:
             return Evidence.UNTRUSTED
         return Evidence.READ_BACK if self.output.readable else Evidence.ANSWERED

@@ -42,6 +42,11 @@ class Acquisition(Section):
     late_after: Positive = key(
         "delay behind its deadline from which a polled sample is flagged late", unit="s"
     )
+    armed_by: str = key(
+        "who has armed the high voltage, kept in the record; needed where the device description"
+        " has a `safety` section",
+        default="",
+    )
     stall_time: Positive = key(
         "how far the recorder or its disk may be behind, or the guardian held up, before the output"
         " is taken to zero",

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import AfterValidator, Field, model_validator
 
+from dea.configuration.safety import Safety
 from dea.configuration.section import (
     Interval,
     NotNegative,
@@ -19,13 +20,13 @@ from dea.configuration.section import (
     refuse,
 )
 
-Table = Literal["holding", "input"]
+Table = Literal["holding", "input", "coil", "discrete"]
 Order = Literal["big", "little"]
 Access = Literal["read", "write", "read_write"]
 Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
 Parity = Literal["N", "E", "O"]
 RegisterType = Literal[
-    "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string"
+    "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string", "bool"
 ]
 
 # 16-bit registers that one value occupies.
@@ -39,6 +40,7 @@ WORDS: Mapping[RegisterType, int] = {
     "int64": 4,
     "float64": 4,
     "string": 1,
+    "bool": 1,
 }
 LAST_ADDRESS = 0xFFFF
 # Registers that the acquisition looks for by name. A device needs the first two; what else it has
@@ -88,7 +90,7 @@ class Register(Section):
 
     address: Whole = key("of the first register, from 0", ge=0, le=LAST_ADDRESS)
     type: RegisterType = key("how registers make a number", default="uint16")
-    table: Table = key("holding or input registers", default="holding")
+    table: Table = key("registers, or coils and discrete inputs of one bit", default="holding")
     count: Whole = key("values of an array, or registers of a string", default=1, ge=1, le=125)
     word_order: Order | None = key("first word; the device's where not given", default=None)
     byte_order: Order | None = key("first byte; the device's where not given", default=None)
@@ -139,11 +141,19 @@ class Register(Section):
             raise refuse(
                 "address", f"{self.address} runs past {LAST_ADDRESS}", "Lower address or count."
             )
-        if self.table == "input" and self.access != "read":
+        if (self.type == "bool") != (self.table in ("coil", "discrete")) or (
+            self.type == "bool" and self.count > 1
+        ):
+            raise refuse(
+                "type",
+                f"{self.type}, count {self.count}, in table {self.table}",
+                "Use type: bool and count: 1 for table: coil or discrete, and for no other.",
+            )
+        if self.table in ("input", "discrete") and self.access != "read":
             raise refuse(
                 "access",
-                f"{self.access}, but input registers can only be read",
-                "Use table: holding, or access: read.",
+                f"{self.access}, but inputs can only be read",
+                "Use table: holding or coil, or access: read.",
             )
         if self.expect is not None and isinstance(self.expect, str) != (self.type == "string"):
             raise refuse(
@@ -202,12 +212,32 @@ class DeviceDescription(Section):
     )
     word_order: Order = key("word that comes first in a value of several", default="big")
     byte_order: Order = key("byte that comes first in a word", default="big")
+    safety: Safety | None = key("what must hold while there is high voltage", default=None)
     registers: Annotated[
         dict[str, Register],
         Field(min_length=1),
         AfterValidator(_apart),
         AfterValidator(_spelt),
     ] = key("`output`, `displacement` and what else the device has, by name")
+
+    @model_validator(mode="after")
+    def _safety(self) -> Self:
+        if self.safety is None:
+            return self
+        written = ("enable.name", "heartbeat.name")
+        for place, name in self.safety.named_registers().items():
+            if name not in self.registers:
+                raise refuse(
+                    f"safety.{place}", f"no register {name!r}", "Describe it under registers."
+                )
+            access = self.registers[name].access
+            if access == ("read" if place in written else "write"):
+                raise refuse(
+                    f"registers.{name}.access",
+                    f"{access}, and safety.{place} needs it",
+                    f"Give {'write or read_write' if place in written else 'read or read_write'}.",
+                )
+        return self
 
     @model_validator(mode="after")
     def _link(self) -> Self:

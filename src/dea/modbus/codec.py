@@ -35,6 +35,10 @@ def encode(register: Register, value: Value) -> list[int]:
         if len(data) > 2 * register.count:
             raise ValueError(f"{value!r} is longer than the {2 * register.count} characters held")
         return _ordered(register, _words(data.ljust(2 * register.count, b"\0")))
+    if register.type == "bool":
+        if value not in (0, 1):
+            raise ValueError(f"{register.name} is 0 or 1, not {value!r}")
+        return [int(value)]
     values = value if isinstance(value, list) else [value]
     if len(values) != register.count:
         raise ValueError(f"{register.name} holds {register.count} values, not {len(values)}")
@@ -51,6 +55,8 @@ def decode(register: Register, words: Sequence[int]) -> Value:
         return words[0]  # the fast path of every polled sample
     if len(words) != register.size:
         raise ValueError(f"{register.name} needs {register.size} registers, not {len(words)}")
+    if register.type == "bool":
+        return int(words[0])
     data = struct.pack(f">{len(words)}H", *_ordered(register, words))
     if register.type == "string":
         return data.rstrip(b"\0").decode("ascii", errors="replace")

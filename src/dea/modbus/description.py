@@ -43,6 +43,7 @@ def parse_device(content: Any, source: Path | None = None) -> Device:
         serial=Serial(**serial.model_dump()) if serial else None,
         read_write_multiple=description.read_write_multiple,
         quarantine=_quarantine(description),
+        safety=description.safety,
         source=source,
     )
 

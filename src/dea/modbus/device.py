@@ -13,6 +13,7 @@ from dea.configuration.device import (
     RegisterType,
     Table,
 )
+from dea.configuration.safety import Safety
 from dea.errors import InputError
 
 
@@ -79,7 +80,8 @@ class Device:
 
     ``read_write_multiple`` says whether it answers function code 23. ``quarantine`` is how long
     zero is held and watched before it is believed. ``virtual`` says that the device is a process
-    started for the purpose, whose film ends with it. ``source`` is the file the description came
+    started for the purpose, whose film ends with it. ``safety`` is what must hold while there is
+    high voltage. ``source`` is the file the description came
     from, for messages.
     """
 
@@ -95,6 +97,7 @@ class Device:
     read_write_multiple: bool = False
     quarantine: float = 0.0  # s
     virtual: bool = False
+    safety: Safety | None = None
     source: Path | None = None
 
     def __getitem__(self, name: str) -> Register:

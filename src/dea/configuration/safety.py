@@ -1,0 +1,88 @@
+"""``safety`` of a device description: what must hold while there is high voltage."""
+
+from collections.abc import Mapping
+from typing import Self
+
+from pydantic import model_validator
+
+from dea.configuration.section import (
+    Name,
+    NotNegative,
+    Number,
+    Positive,
+    Section,
+    WholeNotNegative,
+    key,
+    refuse,
+)
+
+
+class Monitor(Section):
+    """A measurement of the high voltage behind the amplifier: gain · output + offset."""
+
+    name: Name = key("register that holds it")
+    gain: Number = key("its value per volt of the output, not zero")
+    offset: Number = key("its value at zero volts, in the register's unit", default=0.0)
+    tolerance: Positive = key("how far it may be off, noise included, in the register's unit")
+    delay: NotNegative = key("how long it may be behind the output", unit="s", default=0.0)
+
+    @model_validator(mode="after")
+    def _relations(self) -> Self:
+        if self.gain == 0:
+            raise refuse("gain", "zero", "Give the monitor's value per volt of the output.")
+        return self
+
+
+class Bound(Section):
+    """A register whose magnitude must stay below a limit."""
+
+    name: Name = key("register that holds it")
+    limit: Positive = key("magnitude that trips, in the register's unit")
+
+
+class Condition(Section):
+    """A register that must hold a value: an interlock that is closed, a trip that is not set."""
+
+    name: Name = key("register, also a coil or discrete input")
+    value: WholeNotNegative = key("raw value without which there is no voltage", default=1)
+
+
+class Enable(Section):
+    """A register that switches the high voltage on and off."""
+
+    name: Name = key("register, also a coil")
+    on: WholeNotNegative = key("raw value written to arm", default=1)
+    off: WholeNotNegative = key("raw value written once zero is shown", default=0)
+
+
+class Heartbeat(Section):
+    """A register that the device expects to change as long as the host is well."""
+
+    name: Name = key("register that is counted up")
+    period: Positive = key("time between two counts", unit="s")
+
+
+class Safety(Section):
+    """What is checked with every sample; what breaks it takes the output to zero and latches."""
+
+    max_rate: Positive | None = key(
+        "largest rate of change of the output, of ramps and excitation", unit="V/s", default=None
+    )
+    monitor: Monitor | None = key("measurement of the high voltage", default=None)
+    current: Bound | None = key("measurement of the current", default=None)
+    interlocks: Mapping[Name, Condition] = key("conditions, by name", default={})
+    enable: Enable | None = key("switch of the high voltage", default=None)
+    heartbeat: Heartbeat | None = key("sign of life that the device expects", default=None)
+    interval: Positive = key(
+        "time between two checks where the device itself plays the samples", unit="s", default=0.1
+    )
+
+    def named_registers(self) -> dict[str, str]:
+        """Names of the registers that it needs, by the key that names them."""
+        named = {
+            key: part.name
+            for key in ("monitor", "current", "enable", "heartbeat")
+            if (part := getattr(self, key)) is not None
+        }
+        named |= {f"interlocks.{key}": each.name for key, each in self.interlocks.items()}
+        return {f"{key}.name": name for key, name in named.items()}
