@@ -176,7 +176,7 @@ def test_a_second_acquisition_of_one_output_is_refused(module, partial, tmp_path
             refused.append(str(error))
 
     drive(module, partial, again, stall_time=5.0)
-    assert "another acquisition on this machine drives the output" in refused[0]
+    assert "is driven by another program on this computer (process" in refused[0]
 
 
 def test_an_output_left_by_a_killed_guardian_is_taken_to_zero_by_another(module, partial):

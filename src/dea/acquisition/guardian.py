@@ -18,6 +18,7 @@ import numpy as np
 from dea.acquisition import buffered, polled
 from dea.acquisition.alarm import Alarm
 from dea.acquisition.duty import Duty, Order, Phase
+from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.latch import latch, refuse_latched
 from dea.acquisition.launch import serve_nursery
 from dea.acquisition.laws import TripError
@@ -76,7 +77,7 @@ def guard(wire: Wire) -> None:
     for number in DEAF:
         signal.signal(number, signal.SIG_IGN)
     try:
-        with Duty(job.device) as duty:
+        with endpoint_lock(job.device), Duty(job.device) as duty:
             guardian.serve(duty)
     except InputError as error:
         wire.post("refused", packed(error))
