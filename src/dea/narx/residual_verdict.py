@@ -1,0 +1,165 @@
+"""Whether a residual still holds what a model could explain: joint tests, and their verdict.
+
+The correlations of :mod:`dea.narx.residuals` are one number per lag, and with a smooth input
+neighbouring lags say the same. Here each test is one regression on all lags together. A residual is
+first made white by an autoregression, so that drift and coloured noise, which no input explains, do
+not pass for an effect of the input (Box and Jenkins 1970, chapter 11, on prewhitening).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import chi2
+from scipy.stats import f as fisher
+
+from dea.narx.checks import Array
+from dea.narx.residuals import TESTS
+
+WHITENESS, *INPUT_TESTS = TESTS
+LEVEL = 0.05  # of all tests of a system together
+_ORDERS = 20  # of the autoregression, at most
+_PRINCIPAL = 1e-3  # of the largest singular value; what is below is the collinearity of lags
+_MEANING = {
+    "phi_eu": "the input",
+    "phi_e(eu)": "the product of residual and input",
+    "phi_u2e": "the square of the input",
+    "phi_u2e2": "the square of the input, in the residual's power",
+}
+
+
+class JointTests(NamedTuple):
+    """One number per test, in the order of :data:`dea.narx.residuals.TESTS`, shape (tests,).
+
+    ``p_value``: how often a residual without that relation gives as much. ``explained``: the share
+    of the whitened residual's power (of its squares' variance in the last test) that all lags
+    explain, less what chance does; for the first test, what its own past explains.
+    """
+
+    p_value: Array
+    explained: Array
+
+
+def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
+    """Test the residual against its own past and that of the input, all lags of a test together.
+
+    Parameters
+    ----------
+    e, u
+        Residual and input, shape (samples,).
+    max_lag
+        Lags 1 to this.
+
+    Returns
+    -------
+    JointTests
+        Of a residual that is not finite, p-values of 0 and everything explained; of a constant
+        one, p-values of 1 and nothing explained.
+    """
+    if not np.isfinite(e).all():
+        return JointTests(np.zeros(len(TESTS)), np.ones(len(TESTS)))
+    residual, centred = e - e.mean(), u - u.mean()
+    if not residual.any():
+        return JointTests(np.ones(len(TESTS)), np.zeros(len(TESTS)))
+    coefficients = _autoregression(residual)
+    white = _filtered(residual, coefficients)
+    found = [_portmanteau(residual, max_lag, 1.0 - float(white.var() / residual.var()))]
+    square = centred**2 - np.mean(centred**2)
+    for name in INPUT_TESTS:
+        target = white**2 if name == "phi_u2e2" else white
+        instrument = {"phi_eu": centred, "phi_e(eu)": residual * centred}.get(name, square)
+        if name != "phi_u2e2":  # squares of a white residual are not coloured by its filter
+            instrument = _filtered(instrument, coefficients)
+        found.append(_regression(target, instrument[-target.size :], max_lag))
+    return JointTests(*np.array(found).T)
+
+
+def verdict(p_value: Array, explained: Array, rms: float, spread: float, units: str) -> str:
+    """Say in words what the joint tests of a model find.
+
+    Parameters
+    ----------
+    p_value, explained
+        As :func:`joint_tests`, over all windows, shape (windows, tests).
+    rms, spread
+        Root mean square of the residual, and standard deviation of the output, in ``units``.
+    """
+    if not np.isfinite(rms):
+        return "The free run diverges; there is no residual to test."
+    size = f"The residual is {rms:.2g} {units}, {100 * rms / spread:.2g} % of the output's spread"
+    count = p_value.size
+    white = count * p_value[:, 0].min() > LEVEL
+    colour = "white" if white else "coloured"
+    joint = np.minimum(count * p_value.min(axis=0), 1.0)[1:]
+    shown = [
+        f"{_MEANING[name]} ({100 * share:.2g} %)"
+        for name, p, share in zip(INPUT_TESTS, joint, explained.max(axis=0)[1:], strict=True)
+        if p < LEVEL
+    ]
+    if not shown:
+        return (
+            f"{size}; it is {colour}, and past inputs explain nothing of it"
+            f" (p {_below(joint.min())})."
+        )
+    what = " and of ".join(shown)
+    return (
+        f"{size}; it is {colour}, and past values of {what} still explain some of what is new in"
+        f" it (p {_below(joint.min())})."
+    )
+
+
+def _below(p: float) -> str:
+    return f"= {p:.2g}" if p >= 1e-3 else "< 0.001"
+
+
+def _autoregression(e: Array) -> Array:
+    """Return the coefficients of the past of ``e``, their number chosen by Schwarz's criterion."""
+    most = min(_ORDERS, e.size // 10)
+    lags = np.column_stack([e[most - k : e.size - k] for k in range(1, most + 1)])
+    target = e[most:]
+    orthogonal, triangle = np.linalg.qr(lags)
+    projected = orthogonal.T @ target
+    left = np.sum(target**2) - np.concatenate([[0.0], np.cumsum(projected**2)])
+    orders = np.arange(most + 1)
+    floor = np.finfo(float).tiny
+    best = int(
+        np.argmin(target.size * np.log(np.maximum(left, floor)) + orders * np.log(target.size))
+    )
+    return np.asarray(np.linalg.solve(triangle[:best, :best], projected[:best]))
+
+
+def _filtered(signal: Array, coefficients: Array) -> Array:
+    """Return what the autoregression leaves of a signal, from the first complete past on."""
+    order = coefficients.size
+    left = signal[order:].copy()
+    for lag, coefficient in enumerate(coefficients, start=1):
+        left -= coefficient * signal[order - lag : signal.size - lag]
+    return left
+
+
+def _portmanteau(e: Array, max_lag: int, explained: float) -> tuple[float, float]:
+    """Ljung and Box's test (1978) that a residual is white."""
+    n = e.size
+    lags = np.arange(1, max_lag + 1)
+    correlation = np.array([e[k:] @ e[:-k] for k in lags]) / (e @ e)
+    statistic = n * (n + 2) * np.sum(correlation**2 / (n - lags))
+    return float(chi2.sf(statistic, max_lag)), max(explained, 0.0)
+
+
+def _regression(target: Array, instrument: Array, max_lag: int) -> tuple[float, float]:
+    """F test of a target on the principal components of all lags of an instrument."""
+    rows = target.size - max_lag
+    lagged = np.column_stack(
+        [instrument[max_lag - k : target.size - k] for k in range(1, max_lag + 1)]
+    )
+    lagged -= lagged.mean(axis=0)
+    wanted = target[max_lag:] - target[max_lag:].mean()
+    components, size, _ = np.linalg.svd(lagged, full_matrices=False)
+    kept = components[:, size > _PRINCIPAL * max(size[0], np.finfo(float).tiny)]
+    total, count = float(wanted @ wanted), kept.shape[1]
+    freedom = rows - count - 1
+    if total == 0.0 or count == 0 or freedom < 1:
+        return 1.0, 0.0
+    share = float(np.sum((kept.T @ wanted) ** 2)) / total
+    statistic = (share / count) / ((1.0 - share) / freedom)
+    adjusted = 1.0 - (1.0 - share) * (rows - 1) / freedom
+    return float(fisher.sf(statistic, count, freedom)), max(adjusted, 0.0)

@@ -1,0 +1,77 @@
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from dea.narx.residual_verdict import INPUT_TESTS, joint_tests, verdict
+from dea.narx.residuals import TESTS
+
+
+def smooth(rng, samples, pole=0.95):
+    return lfilter([1 - pole], [1.0, -pole], rng.standard_normal(samples + 300))[300:]
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.8, 0.97])
+def test_each_test_refuses_five_percent_of_residuals_without_relation(colour):
+    rng = np.random.default_rng(5)
+    refused = np.zeros(len(TESTS))
+    for _ in range(200):
+        e = smooth(rng, 500, colour)
+        refused += joint_tests(e, smooth(rng, 500), 25).p_value < 0.05
+    # Ten of 200 on average, with a standard deviation of three.
+    assert (refused[1:] < 22).all()
+    assert refused[1:].sum() > 15
+    assert (refused[0] < 20) == (colour == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("caught_by", "added"),
+    [
+        ("phi_ee", lambda e, u: 0.3 * np.roll(e, 3)),
+        ("phi_eu", lambda e, u: 0.3 * np.roll(u, 3)),
+        ("phi_e(eu)", lambda e, u: 0.3 * np.roll(e * u, 3)),
+        ("phi_u2e", lambda e, u: 0.3 * np.roll(u, 3) ** 2),
+        ("phi_u2e2", lambda e, u: e * np.abs(np.roll(u, 3))),
+    ],
+)
+def test_each_test_sees_what_it_is_for(caught_by, added):
+    rng = np.random.default_rng(2)
+    e, u = rng.standard_normal(1500), 3 * smooth(rng, 1500)
+    u /= u.std()
+    found = joint_tests(e + added(e, u), u, 25)
+    at = list(TESTS).index(caught_by)
+    assert found.p_value[at] < 1e-4
+    assert 0.01 < found.explained[at] < 0.6
+
+
+def test_the_share_explained_is_that_of_the_input_in_the_residual():
+    rng = np.random.default_rng(3)
+    e, u = rng.standard_normal(20_000), rng.standard_normal(20_000)
+    found = joint_tests(e + 0.5 * np.roll(u, 3), u, 10)
+    assert found.explained[1] == pytest.approx(0.25 / 1.25, abs=0.02)
+    assert found.explained[2:4].max() < 0.01
+
+
+def test_residuals_that_are_constant_or_not_finite_have_an_answer():
+    u = np.sin(np.arange(200.0))
+    assert (joint_tests(np.full(200, np.inf), u, 10).p_value == 0).all()
+    assert (joint_tests(np.zeros(200), u, 10).p_value == 1).all()
+
+
+def test_the_verdict_says_what_is_left():
+    p, explained = np.full((3, 5), 0.5), np.zeros((3, 5))
+    said = verdict(p, explained, 0.002, 0.1, "mm")
+    assert said == (
+        "The residual is 0.002 mm, 2 % of the output's spread; it is white, and past inputs explain"
+        " nothing of it (p = 1)."
+    )
+    p[:, 0] = 0.0
+    assert "it is coloured, and past inputs explain nothing" in verdict(p, explained, 1, 2, "mm")
+    p[1, 1 + INPUT_TESTS.index("phi_u2e")], explained[1, 3] = 1e-6, 0.2
+    said = verdict(p, explained, 1.0, 2.0, "mm")
+    assert "past values of the square of the input (20 %) still explain" in said
+    assert "(p < 0.001)" in said
+    # Fifteen tests of one system share one level.
+    p = np.full((3, 5), 0.5)
+    p[0, 1] = 0.01
+    assert "explain nothing" in verdict(p, explained, 1.0, 2.0, "mm")
+    assert "diverges" in verdict(p, explained, np.inf, 2.0, "mm")
