@@ -10,7 +10,10 @@ from dea.store import CONTRACTS
 TERMS = ["1", "y(t-1)", "y(t-2)", "u(t-1)", "u(t-2)", "u(t-1)^2", "y(t-1)u(t-3)^2"]
 TESTS = ["phi_ee", "phi_eu", "phi_e(eu)", "phi_u2e", "phi_u2e2"]
 WINDOWS = ["100-130 s", "900-930 s", "1700-1730 s"]
-MODELS, APPROACHES = ["linear", "narx"], ["re-estimated", "honest"]
+MODELS, APPROACHES = (
+    ["linear", "narx"],
+    ["forecast", "fitted", "forecast, one-step", "fitted, one-step"],
+)
 TRACKERS = ["rls", "kalman", "output_error"]
 RATE = 10.0
 
@@ -94,7 +97,7 @@ def validation(seed: int) -> xr.Dataset:
     u = 2.4 + np.sin(2 * np.pi * 0.3 * t) + 0.3 * np.sin(2 * np.pi * 0.71 * t)
     y = 1 + 0.08 * u**2
     shape = (len(MODELS), len(APPROACHES), len(WINDOWS))
-    error = np.array([[0.09, 0.12], [0.02, 0.04]])[:, :, None, None]
+    error = np.array([[0.12, 0.08, 0.13, 0.09], [0.04, 0.01, 0.05, 0.02]])[:, :, None, None]
     simulated = y + error * np.sin(2 * np.pi * 0.9 * t)
     sse = ((simulated - y) ** 2).sum(-1)
     nmse = sse / ((y - y.mean(-1, keepdims=True)) ** 2).sum(-1)
@@ -114,6 +117,13 @@ def validation(seed: int) -> xr.Dataset:
                     0.05 * rng.standard_normal((*shape, len(TESTS), lags.size)),
                 ),
                 "band": over("test", np.full(len(TESTS), 1.96 / np.sqrt(n))),
+                "p_value": over(
+                    ("model", "approach", "window", "test"), rng.random((*shape, len(TESTS)))
+                ),
+                "explained": over(
+                    ("model", "approach", "window", "test"), 0.1 * rng.random((*shape, len(TESTS)))
+                ),
+                "verdict": over("model", [f"The {model} residual is {seed} mm." for model in MODELS]),
             },
             coords={
                 "model": MODELS, "approach": APPROACHES, "window": WINDOWS, "test": TESTS,
@@ -238,3 +248,76 @@ def recovery(seed: int) -> xr.Dataset:
             "plant_terms": over("plant", np.full(6, 10)),
         },
     )
+
+
+def forecast(seed: int) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    error = 0.01 * rng.random((5, 3, 4)) * np.arange(1, 6)[:, None, None]
+    return checked(
+        xr.Dataset(
+            {
+                "error": over(("forecaster", "horizon", "origin"), error, "mm"),
+                "rmse": over(("forecaster", "horizon"), np.sqrt((error**2).mean(-1)), "mm"),
+            },
+            coords={
+                "forecaster": ["narx", "linear", "hammerstein", "cubic", "last value"],
+                "horizon": over("horizon", [1.0, 10.0, 60.0], "s"),
+                "origin": over("origin", [120.0, 180.0, 240.0, 300.0], "s"),
+            },
+        ),
+        "forecast",
+    )
+
+
+def confirmation(seed: int) -> xr.Dataset:
+    """Three stretches, five lines of which three are in the band, three even lines."""
+    f = np.array([0.05, 0.5, 1.0, 5.0, 20.0])
+    gain = 0.1 * (1 + 0.1 * seed) / (1 + 1j * f / 2) * np.ones((3, 1))
+    difference = np.tile([0.01, -0.1, 0.02, -0.5, -0.8], (3, 1))
+    inside = np.tile([1, 0, 1, 0, 0], (3, 1)).astype(np.int8)
+    measured = gain * (1 + difference)
+    at_lines, at_even = ("stretch", "frequency"), ("stretch", "even_frequency")
+    size, turn = np.abs(measured), np.degrees(np.angle(measured))
+    modelled, angle = np.abs(gain), np.degrees(np.angle(gain))
+
+    def parts(values):
+        return np.stack([values.real, values.imag], axis=-1)
+
+    plain = {
+        "gain_low": (0.98 * size, "mm/V"), "gain_high": (1.02 * size, "mm/V"),
+        "phase_low": (turn - 1, "degree"), "phase_high": (turn + 1, "degree"),
+        "response_noise": (0.005 * size, "mm/V"), "response_std": (0.01 * size, "mm/V"),
+        "distortion": (0.01 * size, "mm/V"), "model_gain_low": (0.99 * modelled, "mm/V"),
+        "model_gain_high": (1.01 * modelled, "mm/V"), "model_phase_low": (angle - 1, "degree"),
+        "model_phase_high": (angle + 1, "degree"), "gain_difference": (difference, "1"),
+        "phase_difference": (turn - angle, "degree"), "gain_band": (0.03 + 0 * size, "1"),
+        "phase_band": (1.5 + 0 * size, "degree"), "inside": (inside, "1"),
+    }  # fmt: skip
+    return checked(
+        xr.Dataset(
+            {
+                "response": over((*at_lines, "part"), parts(measured), "mm/V"),
+                "model": over((*at_lines, "part"), parts(gain), "mm/V"),
+                "in_band": over("frequency", (f <= 1.0).astype(np.int8)),
+                "output_level": over(("stretch", "detection_frequency"), np.full((3, 4), 1e-4), "mm"),
+                "output_noise": over(("stretch", "detection_frequency"), np.full((3, 4), 3e-5), "mm"),
+                "odd": over("detection_frequency", [0, 1, 0, 0]),
+                **{name: over(at_lines, *values) for name, values in plain.items()},
+                "ratio": over((*at_even, "part"), parts(np.full((3, 3), 1.05 + 0.1j))),
+                "even_measured": over(at_even, np.full((3, 3), 1.05e-4), "mm"),
+                "even_predicted": over(at_even, np.full((3, 3), 1e-4), "mm"),
+                "even_noise": over(at_even, np.full((3, 3), 3e-5), "mm"),
+                "even_in_band": over(at_even, np.tile([0.99, 0.95, 0.5], (3, 1))),
+                "even_inside": over(at_even, np.tile([1, 0, 0], (3, 1)).astype(np.int8)),
+                "ratio_radius": over(at_even, np.full((3, 3), 0.2)),
+            },
+            coords={
+                "time": over("stretch", [300.0, 1000.0, 1700.0], "s"),
+                "frequency": over("frequency", f, "Hz"),
+                "detection_frequency": over("detection_frequency", [0.1, 0.15, 0.2, 0.3], "Hz"),
+                "even_frequency": over("even_frequency", [0.1, 0.2, 0.3], "Hz"),
+                "part": ["real", "imag"],
+            },
+        ),
+        "confirmation",
+    )  # fmt: skip

@@ -128,19 +128,23 @@ def test_fig1_shows_every_sample_of_the_record():
         assert any(np.array_equal(line, inside) for line in drawn)
 
 
-def test_fig2_tells_the_honest_approach_from_the_other_by_colour():
+def test_fig2_tells_by_colour_where_parameters_come_from():
     validation = made.validation(1)
     figure = fig2(made.orders(1), validation, "dea1")
     for window, ax in enumerate(figure.subfigs[1].axes[1:]):
         by_colour = {line.get_color(): line.get_ydata() for line in ax.lines}
-        for approach, colour in (("honest", style.HONEST), ("re-estimated", style.RE_ESTIMATED)):
+        for approach, colour in (
+            ("forecast", style.FORECAST),
+            ("fitted", style.FITTED),
+            ("fitted, one-step", style.PUBLISHED),
+        ):
             expected = validation["simulated"].sel(model="narx", approach=approach)
             assert np.array_equal(by_colour[colour], expected.isel(window=window))
 
 
 def test_a_simulation_that_runs_away_does_not_hide_the_measurement():
     validation = made.validation(1)
-    validation["simulated"].loc[{"approach": "honest", "model": "linear"}] = 1e9
+    validation["simulated"].loc[{"approach": "forecast", "model": "linear"}] = 1e9
     figure = fig2(made.orders(1), validation, "dea1")
     low, high = figure.subfigs[1].axes[0].get_ylim()
     assert high - low < 2 * np.ptp(validation["measured"].values)
@@ -234,9 +238,11 @@ def test_a_time_without_a_steady_state_is_left_white_and_explained():
 
 def test_the_first_row_of_residual_tests_holds_the_correlations_and_the_band():
     validation = made.validation(1)
-    figure = residual_tests(validation, "dea1", approach="re-estimated")
+    figure = residual_tests(validation, "dea1", approach="fitted, one-step")
     lines = [line.get_ydata() for line in figure.axes[0].lines]
-    chosen = validation["correlation"].sel(approach="re-estimated", test="phi_ee").isel(window=0)
+    chosen = (
+        validation["correlation"].sel(approach="fitted, one-step", test="phi_ee").isel(window=0)
+    )
     assert [np.array_equal(a, b) for a, b in zip(lines, chosen.values, strict=True)] == [True, True]
     band = figure.axes[0].patches[0].get_extents().transformed(figure.axes[0].transData.inverted())
     assert band.y1 == pytest.approx(float(validation["band"][0]))

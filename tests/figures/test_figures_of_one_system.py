@@ -74,14 +74,14 @@ def test_orders_that_all_diverge_are_drawn_empty():
     assert np.isfinite(choice.axes[0].get_ylim()).all()
 
 
-def test_fig2_plots_honest_simulations_against_the_measurement():
+def test_fig2_plots_forecasts_against_the_measurement():
     validation = made.validation(1)
     scatter = fig2(made.orders(1), validation, "dea1").subfigs[0].axes[2]
     measured = validation["measured"].values.ravel()
     for model, colour in (("linear", style.LINEAR), ("narx", style.NARX)):
-        simulated = validation["simulated"].sel(model=model, approach="honest").values.ravel()
+        simulated = validation["simulated"].sel(model=model, approach="forecast").values.ravel()
         assert_line(scatter, colour, measured, simulated)
-    assert labels(scatter) == ("measured $y$ (mm)", r"simulated $\hat y$, honest (mm)")
+    assert labels(scatter) == ("measured $y$ (mm)", r"forecast $\hat y$ (mm)")
     texts = [text.get_text() for text in scatter.get_legend().get_texts()]
     assert texts == ["linear", "NARX"]
 
@@ -93,9 +93,14 @@ def test_fig2_plots_each_window_with_its_time_and_scores(row, model, window):
     ax = fig2(made.orders(1), validation, "dea1").subfigs[1].axes[row]
     part = validation.isel(window=window).sel(model=model)
     assert_line(ax, style.MEASURED, part["time"], part["measured"])
-    for approach, colour in (("honest", style.HONEST), ("re-estimated", style.RE_ESTIMATED)):
+    for approach, colour in (
+        ("forecast", style.FORECAST),
+        ("fitted", style.FITTED),
+        ("fitted, one-step", style.PUBLISHED),
+    ):
         assert_line(ax, colour, part["time"], part["simulated"].sel(approach=approach))
-    scores = [f"{a} {float(part['nmse'].sel(approach=a)):#.3g}" for a in ("re-estimated", "honest")]
+    words = {"forecast": "forecast", "fitted": "fitted", "fitted, one-step": "as published"}
+    scores = [f"{short} {float(part['nmse'].sel(approach=a)):#.3g}" for a, short in words.items()]
     title = ax.get_title(loc="right")
     assert title.startswith("linear model" if model == "linear" else "NARX model")
     assert all(score in title for score in scores)
@@ -105,7 +110,7 @@ def test_residual_tests_plot_each_test_in_its_row_and_each_window_in_its_column(
     validation = made.validation(1)
     validation["band"].values[:] = np.linspace(0.05, 0.09, len(made.TESTS))
     axes = np.reshape(residual_tests(validation, "dea1").axes, (len(made.TESTS), 3))
-    chosen = validation.sel(approach="honest")
+    chosen = validation.sel(approach="forecast")
     for row, test in enumerate(made.TESTS):
         for window in range(3):
             ax = axes[row, window]

@@ -24,7 +24,7 @@ def test_table1_holds_every_parameter_and_score(each, names, saved):
             assert csv.loc[term, f"{name} inclusion frequency"] == float(row["inclusion_frequency"])
         assert csv.loc["number of terms", name] == model["term"].size
         assert len(found) == model["term"].size + 1 + 6
-        for approach in ("honest", "re-estimated"):
+        for approach in ("forecast", "fitted, one-step"):
             scores = validations[name].sel(model="narx", approach=approach).isel(window=0)
             assert csv.loc[f"nmse, {approach}", name] == float(scores["nmse"])
             assert csv.loc[f"fit, {approach}", name] == float(scores["fit"])

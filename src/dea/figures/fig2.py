@@ -1,21 +1,28 @@
 """Fig. 2: choice of orders, and models against measurement on three windows.
 
-Two approaches are told apart by colour everywhere: *re-estimated* (the reference study's: the
-parameters are fitted on the very window that is shown) and *honest* (fitted before the window).
+Where the parameters come from is told by colour: *forecast* (estimated before the window), *fitted*
+(to the very window that is shown, by the same criterion) and the published approach (fitted to the
+window by least squares on the one-step error).
 """
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.typing import LineStyleType
 
 from dea.figures import style
 from dea.number_format import number
 from dea.store import Sources
 
 _HEADROOM = 1.45  # of the largest value, so that the legend fits above it
-_COLOUR = {"re-estimated": style.RE_ESTIMATED, "honest": style.HONEST}
-_LABEL = {"re-estimated": "re-estimated on the window shown", "honest": "honest: fitted before it"}
+_LOOK: dict[str, tuple[str, LineStyleType, str, str]] = {
+    "forecast": (style.FORECAST, "-", "forecast", "forecast: parameters from before the window"),
+    "fitted": (style.FITTED, (0, (4, 2)), "fitted", "fitted to the window by the same criterion"),
+    "fitted, one-step": (
+        style.PUBLISHED, (0, (1, 1)), "as published", "as published: fitted to it one step ahead"
+    ),
+}  # fmt: skip
 
 
 def draw(sources: Sources) -> Figure:
@@ -39,7 +46,7 @@ def fig2(orders: xr.Dataset, validation: xr.Dataset, name: str) -> Figure:
         _window(rows[1 + window], validation, "narx", window)
     rows[-1].set_xlabel("time (s)")
     handles, labels = rows[0].get_legend_handles_labels()
-    simulations.legend(handles, labels, loc="outside upper center", ncols=3)
+    simulations.legend(handles, labels, loc="outside upper center", ncols=2)
     style.panel_letters([dynamic, polynomial, scatter], x=-22)
     style.panel_letters(rows, "D", x=-26)
     scatter.set_title(name, loc="right")
@@ -69,13 +76,13 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
 
 
 def _predicted(ax: Axes, validation: xr.Dataset) -> None:
-    """Draw simulated against measured output, honest approach, all windows."""
+    """Draw forecast against measured output of all windows."""
     measured = validation["measured"]
-    honest = validation["simulated"].sel(approach="honest")
+    forecast = validation["simulated"].sel(approach="forecast")
     for model, colour in (("linear", style.LINEAR), ("narx", style.NARX)):
         label = {"linear": "linear", "narx": "NARX"}[model]
         ax.plot(
-            measured.values.ravel(), honest.sel(model=model).values.ravel(), ".", ms=1.0, mew=0,
+            measured.values.ravel(), forecast.sel(model=model).values.ravel(), ".", ms=1.0, mew=0,
             color=colour, label=label, rasterized=True,
         )  # fmt: skip
     ends = _around(measured)
@@ -83,22 +90,20 @@ def _predicted(ax: Axes, validation: xr.Dataset) -> None:
     ax.set(xlim=ends, ylim=ends)
     units = measured.attrs["units"]
     ax.set_xlabel(style.quantity("measured $y$", units))
-    ax.set_ylabel(style.quantity(r"simulated $\hat y$, honest", units))
+    ax.set_ylabel(style.quantity(r"forecast $\hat y$", units))
     ax.legend(loc="upper left", markerscale=6, handletextpad=0.2)
 
 
 def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
     part = validation.isel(window=window).sel(model=model)
     ax.plot(part["time"], part["measured"], color=style.MEASURED, lw=2.6, label="measured")
-    for approach, dashes in (("honest", "-"), ("re-estimated", (0, (4, 2)))):
-        chosen = part.sel(approach=approach)
-        ax.plot(
-            part["time"], chosen["simulated"], color=_COLOUR[approach], ls=dashes, lw=0.8,
-            label=_LABEL[approach],
-        )  # fmt: skip
+    for approach, (colour, dashes, _, label) in _LOOK.items():
+        run = part["simulated"].sel(approach=approach)
+        ax.plot(part["time"], run, color=colour, ls=dashes, lw=0.8, label=label)
     name = {"linear": "linear model", "narx": "NARX model"}[model]
     scores = ", ".join(
-        f"{approach} {number(float(part['nmse'].sel(approach=approach)))}" for approach in _COLOUR
+        f"{short} {number(float(part['nmse'].sel(approach=approach)))}"
+        for approach, (_, _, short, _) in _LOOK.items()
     )
     ax.set_title(f"{name}; nmse: {scores}", loc="right")
     time = part["time"].values

@@ -18,7 +18,7 @@ def draw(sources: Sources) -> Figure:
 
 
 @style.styled
-def residual_tests(validation: xr.Dataset, name: str, approach: str = "honest") -> Figure:
+def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast") -> Figure:
     """Draw every test (rows) on every window (columns) for the linear and the NARX model.
 
     Parameters
@@ -26,7 +26,7 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "honest") 
     validation
         Contract ``validation`` of one actuator.
     approach
-        ``honest`` or ``re-estimated``.
+        One of the contract, as ``forecast``.
     """
     chosen = validation.sel(approach=approach)
     tests, windows = chosen["test"].values, chosen["window"].values
@@ -49,7 +49,7 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "honest") 
         ax.set_xlabel("lag (samples)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=3,
-                  title=f"{name}, {approach} approach", title_fontsize=7)  # fmt: skip
+                  title=f"{name}, {approach}", title_fontsize=7)  # fmt: skip
     return figure
 
 

@@ -42,8 +42,9 @@ CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
 # The same in every figure.
 MEASURED = "#A6A6A6"  # drawn wide, so that a simulation on top of it leaves its edges visible
-HONEST = VERMILION
-RE_ESTIMATED = BLUE
+FORECAST = VERMILION
+FITTED = BLUE
+PUBLISHED = GREEN
 LINEAR = BLUE
 NARX = VERMILION
 

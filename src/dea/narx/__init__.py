@@ -24,7 +24,7 @@ from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
 from dea.narx.selection import select_terms
 from dea.narx.simulation import simulate, simulate_varying
-from dea.narx.validation import validate
+from dea.narx.validation import Windows, validate
 
 __all__ = [
     "LEVEL",
@@ -32,6 +32,7 @@ __all__ = [
     "Interval",
     "NarxModel",
     "Scaling",
+    "Windows",
     "baselines",
     "candidate_terms",
     "compare_orders",

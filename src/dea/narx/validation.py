@@ -1,6 +1,7 @@
-"""Validation on windows of a long record: re-estimated as published, and honestly."""
+"""Validation on windows of a long record: fitted to the window as published, and forecast."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,37 @@ from dea.narx.estimation import estimate
 from dea.narx.metrics import fit, fpe, nmse, rmse, squared
 from dea.narx.model import NarxModel
 from dea.narx.refinement import estimate_refined
+from dea.narx.residual_verdict import joint_tests, verdict
 from dea.narx.residuals import TESTS, band, correlation_tests
 
-APPROACHES = ("re-estimated", "honest")
+# By name: whether the parameters are estimated from the window itself, and by which criterion.
+FORECAST, PUBLISHED = "forecast", "fitted, one-step"
+APPROACHES = {
+    FORECAST: (False, estimate_refined),
+    "fitted": (True, estimate_refined),
+    "forecast, one-step": (False, estimate),
+    PUBLISHED: (True, estimate),
+}
+_RUN = ("model", "approach", "window")
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Where models are validated.
+
+    Parameters
+    ----------
+    spans
+        Beginnings and ends in s, all equally long.
+    before
+        Seconds before each window that forecasts are estimated from.
+    max_lag
+        Largest lag of the residual tests, in samples.
+    """
+
+    spans: Sequence[tuple[float, float]]
+    before: float
+    max_lag: int = 50
 
 
 def validate(
@@ -23,19 +52,16 @@ def validate(
     u: ArrayLike,
     y: ArrayLike,
     sampling_rate: float,
-    *,
-    windows: Sequence[tuple[float, float]],
-    before: float,
-    max_lag: int = 50,
-    u_units: str = "1",
-    y_units: str = "1",
+    windows: Windows,
+    units: tuple[str, str] = ("1", "1"),
 ) -> xr.Dataset:
-    """Simulate model structures on windows, their parameters estimated in two ways.
+    """Simulate model structures on windows, their parameters estimated in four ways.
 
-    ``re-estimated``: by least squares on the window itself, as published, which scores on the data
-    it was fitted to. ``honest``: on the stretch before the window, by least squares and then
-    refined, and simulated on the window it has not seen. Runs start from the window's first
-    measured outputs; scores and correlations are those of the free run.
+    ``forecast``: on the stretch before the window, by the least simulated error (6). ``fitted``: by
+    the same criterion on the window itself, which bounds what the structure can do there.
+    ``forecast, one-step`` and ``fitted, one-step``: on the same stretches by least squares (4) on
+    the one-step error; the last is the published approach. Runs start from the window's first
+    measured outputs; scores, correlations and tests are those of the free run.
 
     Parameters
     ----------
@@ -45,18 +71,14 @@ def validate(
         The whole record in physical units, shape (samples,); it starts at time 0.
     sampling_rate
         In Hz.
-    windows
-        Beginnings and ends in s, all equally long.
-    before
-        Seconds before each window that the honest parameters are estimated from.
-    max_lag
-        Largest lag of the residual correlation tests, in samples.
+    units
+        Of input and output.
 
     Returns
     -------
     Dataset
         As ``validation.nc`` holds it. Where a model diverges its run, errors and correlations
-        are infinite.
+        are infinite. ``verdict(model)`` says in words what the residuals of its forecasts hold.
 
     Raises
     ------
@@ -64,108 +86,125 @@ def validate(
         If a window, or the stretch before it, is not inside the record.
     """
     inputs, outputs = as_record(u, y)
-    spans = _spans(windows, before, sampling_rate, inputs.size, max_lag)
+    spans = _spans(windows, sampling_rate, inputs.size)
     samples = spans[0][1].stop - spans[0][1].start
     shape = (len(models), len(APPROACHES), len(spans))
     simulated = np.empty((*shape, samples))
     scores = {name: np.empty(shape) for name in ("nmse", "fit", "fpe", "rmse")}
-    correlation = np.empty((*shape, len(TESTS), max_lag))
+    tests = {name: np.empty((*shape, len(TESTS))) for name in ("p_value", "explained")}
+    correlation = np.empty((*shape, len(TESTS), windows.max_lag))
     for at in np.ndindex(shape):
         model = list(models.values())[at[0]]
         earlier, window = spans[at[2]]
-        if APPROACHES[at[1]] == "honest":
-            past = inputs[earlier], outputs[earlier]
-            fitted = estimate_refined(model.terms, *past, scaling=model.scaling)
-        else:
-            fitted = estimate(model.terms, inputs[window], outputs[window], scaling=model.scaling)
+        own, estimator = list(APPROACHES.values())[at[1]]
+        known = window if own else earlier
+        fitted = estimator(model.terms, inputs[known], outputs[known], scaling=model.scaling)
         measured = outputs[window]
         run = fitted.simulate(inputs[window], measured)
         simulated[at] = run
         start = model.max_lag  # the samples before it are given, not simulated
         pair = measured[start:], run[start:]
-        scores["nmse"][at], scores["fit"][at], scores["rmse"][at] = (
-            nmse(*pair),
-            fit(*pair),
-            rmse(*pair),
-        )
+        for name, score in (("nmse", nmse), ("fit", fit), ("rmse", rmse)):
+            scores[name][at] = score(*pair)
         scores["fpe"][at] = fpe(*pair, len(model.terms))
-        correlation[at] = correlation_tests(pair[0] - pair[1], inputs[window][start:], max_lag)
+        residual, known_input = pair[0] - pair[1], inputs[window][start:]
+        correlation[at] = correlation_tests(residual, known_input, windows.max_lag)
+        found = joint_tests(residual, known_input, windows.max_lag)
+        tests["p_value"][at], tests["explained"][at] = found
+    u_units, y_units = units
     size = samples - max(model.max_lag for model in models.values())
-    return _labelled(
-        {
-            "time": (
-                ("window", "sample"),
-                np.array([np.arange(w.start, w.stop) / sampling_rate for _, w in spans]),
-                "s",
-                "time",
-            ),
-            "input": (
-                ("window", "sample"),
-                np.array([inputs[w] for _, w in spans]),
-                u_units,
-                "input",
-            ),
-            "measured": (
-                ("window", "sample"),
-                np.array([outputs[w] for _, w in spans]),
-                y_units,
-                "measured output",
-            ),
-            "simulated": (
-                ("model", "approach", "window", "sample"),
-                simulated,
-                y_units,
-                "free-run simulation",
-            ),
-            **{
-                name: (
-                    ("model", "approach", "window"),
-                    values,
-                    {"rmse": y_units, "fpe": squared(y_units)}.get(name, "1"),
-                    name,
-                )
-                for name, values in scores.items()
-            },
-            "correlation": (
-                ("model", "approach", "window", "test", "lag"),
-                correlation,
-                "1",
-                "correlation coefficient of the free run's residual",
-            ),
-            "band": (
-                ("test",),
-                np.full(len(TESTS), band(size)),
-                "1",
-                "half-width of the 95 % band",
-            ),
+    cut = [window for _, window in spans]
+    forecast = list(APPROACHES).index(FORECAST)
+    verdicts = [
+        verdict(
+            tests["p_value"][row, forecast],
+            tests["explained"][row, forecast],
+            float(np.sqrt(np.mean(scores["rmse"][row, forecast] ** 2))),
+            float(np.std([outputs[window] for window in cut])),
+            y_units,
+        )
+        for row in range(len(models))
+    ]
+    over = ("window", "sample")
+    score_units = {"rmse": y_units, "fpe": squared(y_units)}
+    variables: dict[str, tuple[tuple[str, ...], NDArray[Any], str, str]] = {
+        "time": (
+            over,
+            np.array([np.arange(w.start, w.stop) / sampling_rate for w in cut]),
+            "s",
+            "time",
+        ),
+        "input": (over, np.array([inputs[w] for w in cut]), u_units, "input"),
+        "measured": (over, np.array([outputs[w] for w in cut]), y_units, "measured output"),
+        "simulated": (
+            ("model", "approach", *over),
+            simulated,
+            y_units,
+            "free-run simulation",
+        ),
+        **{
+            name: (_RUN, values, score_units.get(name, "1"), name)
+            for name, values in scores.items()
         },
+        "correlation": (
+            (*_RUN, "test", "lag"),
+            correlation,
+            "1",
+            "correlation coefficient of the free run's residual",
+        ),
+        "band": (
+            ("test",),
+            np.full(len(TESTS), band(size)),
+            "1",
+            "half-width of the 95 % band",
+        ),
+        "p_value": (
+            (*_RUN, "test"),
+            tests["p_value"],
+            "1",
+            "probability of as much in a residual without that relation, all lags together",
+        ),
+        "explained": (
+            (*_RUN, "test"),
+            tests["explained"],
+            "1",
+            "share of the whitened residual's power that all lags explain",
+        ),
+        "verdict": (("model",), np.array(verdicts), "1", "what the residuals of forecasts hold"),
+    }
+    coordinates = {
+        "model": np.array(list(models)),
+        "approach": np.array(list(APPROACHES)),
+        "window": np.arange(len(spans)),
+        "test": np.array(list(TESTS)),
+        "lag": np.arange(1, windows.max_lag + 1),
+    }
+    return xr.Dataset(
         {
-            "model": np.array(list(models)),
-            "approach": np.array(APPROACHES),
-            "window": np.arange(len(spans)),
-            "test": np.array(list(TESTS)),
-            "lag": np.arange(1, max_lag + 1),
+            name: (dims, values, {"units": unit, "long_name": label})
+            for name, (dims, values, unit, label) in variables.items()
+        },
+        coords={
+            name: (name, values, {"units": "1", "long_name": name})
+            for name, values in coordinates.items()
         },
     )
 
 
-def _spans(
-    windows: Sequence[tuple[float, float]],
-    before: float,
-    rate: float,
-    samples: int,
-    max_lag: int,
-) -> list[tuple[slice, slice]]:
+def _spans(windows: Windows, rate: float, samples: int) -> list[tuple[slice, slice]]:
     """Return the stretch before each window and the window, as slices of samples."""
     spans = []
-    for begin, end in windows:
+    for begin, end in windows.spans:
         # Lengths are rounded, not ends: windows of one length in s have as many samples.
         first = round(begin * rate)
-        earliest, last = first - round(before * rate), first + round((end - begin) * rate)
-        if earliest < 0 or last > samples or last - first <= 2 * max_lag or earliest >= first:
+        last = first + round((end - begin) * rate)
+        earliest = first - round(windows.before * rate)
+        short = last - first <= 2 * windows.max_lag
+        if earliest < 0 or last > samples or short or earliest >= first:
             raise InputError(
-                f"the window {begin:g} to {end:g} s with {before:g} s before it does not fit a "
-                f"record of {samples / rate:g} s, or is not longer than twice {max_lag} samples",
+                f"the window {begin:g} to {end:g} s with {windows.before:g} s before it does not"
+                f" fit a record of {samples / rate:g} s, or is not longer than twice"
+                f" {windows.max_lag} samples",
                 field="windows",
                 remedy="Choose windows inside the record, or fewer lags.",
             )
@@ -177,19 +216,3 @@ def _spans(
             remedy="Give windows of one length.",
         )
     return spans
-
-
-def _labelled(
-    variables: Mapping[str, tuple[tuple[str, ...], NDArray[Any], str, str]],
-    coordinates: Mapping[str, NDArray[Any]],
-) -> xr.Dataset:
-    return xr.Dataset(
-        {
-            name: (dims, values, {"units": units, "long_name": label})
-            for name, (dims, values, units, label) in variables.items()
-        },
-        coords={
-            name: (name, values, {"units": "1", "long_name": name})
-            for name, values in coordinates.items()
-        },
-    )

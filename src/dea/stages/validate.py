@@ -10,7 +10,7 @@ from dea.stages.command import run
 def validate(settings: Mapping[str, Any], record: Path, model: Path, validation: Path) -> None:
     """Write ``validation.nc`` of one system."""
     from dea import store
-    from dea.narx import NarxModel, linear_model
+    from dea.narx import NarxModel, Windows, linear_model
     from dea.narx import validate as validate_models
     from dea.stages.identification import segment
 
@@ -24,11 +24,8 @@ def validate(settings: Mapping[str, Any], record: Path, model: Path, validation:
         signals.u,
         signals.y,
         signals.sampling_rate,
-        windows=choice["windows"],
-        before=choice["before"],
-        max_lag=choice["max_lag"],
-        u_units=signals.u_units,
-        y_units=signals.y_units,
+        Windows(choice["windows"], choice["before"], choice["max_lag"]),
+        (signals.u_units, signals.y_units),
     )
     store.write(
         dataset,

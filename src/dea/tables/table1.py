@@ -56,7 +56,7 @@ def _scores(validations: Mapping[str, xr.Dataset]) -> tuple[pd.DataFrame, pd.Dat
     """nmse, fit and fpe of the NARX model on the first window, by both approaches."""
     exact, shown = [], []
     for name in ("nmse", "fit", "fpe"):
-        for approach in ("honest", "re-estimated"):
+        for approach in ("forecast", "fitted, one-step"):
             values = {
                 actuator: each[name].isel(window=0).sel(model="narx", approach=approach)
                 for actuator, each in validations.items()

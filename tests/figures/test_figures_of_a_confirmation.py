@@ -1,0 +1,57 @@
+"""What the figure of a confirmation plots."""
+
+import numpy as np
+import pytest
+from matplotlib.colors import same_color
+
+import made_datasets as made
+from dea.figures import style
+from dea.figures.confirmation import confirmation
+from dea.figures.frequency_maps import as_complex
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    found = made.confirmation(1)
+    figure = confirmation(found, "dea1")
+    return found, np.reshape(figure.axes, (4, 3))
+
+
+def test_gains_of_model_and_measurement_are_drawn_at_each_stretch(drawn):
+    found, axes = drawn
+    for stretch in range(3):
+        part = found.isel(stretch=stretch)
+        data = [line.get_data() for line in axes[0, stretch].lines if len(line.get_xdata()) == 5]
+        for name in ("model", "response"):
+            expected = np.abs(as_complex(part[name]).values)
+            assert any(np.allclose(y, expected, rtol=1e-12) for _, y in data), name
+        assert axes[0, stretch].get_yscale() == "log"
+    assert [ax.get_title() for ax in axes[0]] == [
+        "dea1, 5 min", "dea1, 16.7 min", "dea1, 28.3 min"
+    ]  # fmt: skip
+    assert axes[0, 0].get_ylabel() == "gain, standard deviations (mm/V)"
+
+
+@pytest.mark.parametrize(("row", "name", "scale"), [(1, "gain", 100.0), (2, "phase", 1.0)])
+def test_differences_are_filled_inside_the_joint_band_and_hollow_outside(drawn, row, name, scale):
+    found, axes = drawn
+    part = found.isel(stretch=1)
+    inside = part["inside"].values == 1
+    by_fill = {
+        line.get_markerfacecolor(): line.get_data()
+        for line in axes[row, 1].lines
+        if line.get_marker() == "o"
+    }
+    for fill, which in ((style.BLACK, inside), ("white", ~inside)):
+        [(x, y)] = [data for colour, data in by_fill.items() if same_color(colour, fill)]
+        np.testing.assert_array_equal(x, part["frequency"][which])
+        np.testing.assert_allclose(y, scale * part[f"{name}_difference"][which])
+
+
+def test_even_lines_are_drawn_beside_their_prediction_and_the_noise(drawn):
+    found, axes = drawn
+    part = found.isel(stretch=2)
+    labelled = {line.get_label(): line.get_ydata() for line in axes[3, 2].lines}
+    for label, name in (("measured", "measured"), ("noise", "noise"),
+                        ("predicted from $H_2$ of the tracked model", "predicted")):  # fmt: skip
+        np.testing.assert_array_equal(labelled[label], part[f"even_{name}"])
