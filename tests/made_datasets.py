@@ -123,7 +123,7 @@ def validation(seed: int) -> xr.Dataset:
                 "explained": over(
                     ("model", "approach", "window", "test"), 0.1 * rng.random((*shape, len(TESTS)))
                 ),
-                "verdict": over("model", [f"The {model} residual is {seed} mm." for model in MODELS]),
+                "verdict": over("model", [f"The residual is {seed} mm." for _ in MODELS]),
             },
             coords={
                 "model": MODELS, "approach": APPROACHES, "window": WINDOWS, "test": TESTS,
@@ -280,6 +280,8 @@ def confirmation(seed: int) -> xr.Dataset:
     size, turn = np.abs(measured), np.degrees(np.angle(measured))
     modelled, angle = np.abs(gain), np.degrees(np.angle(gain))
 
+    detection = ("stretch", "detection_frequency")
+
     def parts(values):
         return np.stack([values.real, values.imag], axis=-1)
 
@@ -299,8 +301,8 @@ def confirmation(seed: int) -> xr.Dataset:
                 "response": over((*at_lines, "part"), parts(measured), "mm/V"),
                 "model": over((*at_lines, "part"), parts(gain), "mm/V"),
                 "in_band": over("frequency", (f <= 1.0).astype(np.int8)),
-                "output_level": over(("stretch", "detection_frequency"), np.full((3, 4), 1e-4), "mm"),
-                "output_noise": over(("stretch", "detection_frequency"), np.full((3, 4), 3e-5), "mm"),
+                "output_level": over(detection, np.full((3, 4), 1e-4), "mm"),
+                "output_noise": over(detection, np.full((3, 4), 3e-5), "mm"),
                 "odd": over("detection_frequency", [0, 1, 0, 0]),
                 **{name: over(at_lines, *values) for name, values in plain.items()},
                 "ratio": over((*at_even, "part"), parts(np.full((3, 3), 1.05 + 0.1j))),
