@@ -101,6 +101,9 @@ mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=3
 	python -m benchmarks.mutants --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) \
 		$(ROOM:%=--room %)
 
+calibration: $(VENV)/installed ## the virtual actuators beside the measured ones, in a table and a figure
+	python -m benchmarks.calibration
+
 benchmark: $(VENV)/installed ## speed of identification, tracking and simulation against peers
 	python -m benchmarks
 

@@ -73,15 +73,16 @@ def test_half_an_hour_stays_whole_and_in_range(actuator):
     assert 0.03 < displacement[:5000].std() < 0.5
 
 
-def test_some_actuators_drift_up_and_some_down():
-    drifts = []
-    for actuator in ACTUATORS:
+def test_the_second_actuator_sinks_and_the_sixth_rises():
+    """As the measured ones of these numbers did, under the same excitation over and over."""
+    counts = np.tile(excitation(200.0), 9)
+    drifts = {}
+    for actuator in ("dea2", "dea6"):
         rig = Rig.from_config(CONFIG, actuator, seed=1)
-        counts = np.tile(excitation(200.0), 9)
-        displacement = rig.advance(counts)[1].reshape(9, -1).mean(axis=1)
-        drifts.append(displacement[-1] / displacement[0] - 1.0)
-    assert max(drifts) > 0.05
-    assert min(drifts) < -0.05
+        means = rig.advance(counts)[1].reshape(9, -1).mean(axis=1)
+        drifts[actuator] = means[-1] / means[0] - 1.0
+    assert drifts["dea2"] < -0.05
+    assert drifts["dea6"] > 0.05
 
 
 def test_seeds_change_the_noise_alone():

@@ -1,0 +1,180 @@
+"""The virtual actuators beside the six measured ones: gain, phase, curvature and drift.
+
+What the measured actuators do is computed from their published models (Table 1 of the paper). Each
+film is taken in the middle of its record: after its own rest and a quarter of an hour at the middle
+voltage.
+"""
+
+import csv
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import yaml
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from dea.configuration.bench import read_bench
+from dea.excitation import design
+from dea.figures import style
+from dea.gfrf import frequency_response
+from dea.narx import NarxModel, load_published
+from dea.plant import SAMPLE_PERIOD, Parameters, Rig, read_parameters
+from dea.plant.film import rest
+from dea.plant.small_signal import hold, responses
+
+Array = NDArray[np.float64]
+
+BENCH, PUBLISHED = Path("config/bench.yaml"), Path("config/published_models.yaml")
+STUDY = Path("config/config.yaml")
+TABLE, FIGURE = Path("results/calibration.csv"), Path("results/figures/calibration.png")
+REFERENCE = 0.02  # Hz, where the gain is one
+GAIN_AT = np.array([0.05, 0.1, 0.2, 0.5, 1.0])  # Hz
+CURVATURE_AT = np.array([0.05, 0.1, 0.5, 1.0])  # Hz
+LOW, HIGH = 1.1, 3.75  # V, the command that the models' input of -1 to 1 stands for
+MIDDLE = 900.0  # s
+GAIN_WITHIN, PHASE_WITHIN, CURVATURE_WITHIN = 0.04, 4.0, 0.25  # 1, degrees, relative
+PIECES = 18  # of the record, for its mean over time
+
+
+class Character(NamedTuple):
+    """What an actuator does in the band of the study.
+
+    ``gain`` over that at REFERENCE and ``phase`` (degrees) at GAIN_AT, each of shape (5,);
+    ``curvature`` is |H2(f, f)| over |H1(REFERENCE)| at CURVATURE_AT, of shape (4,), of an input
+    that goes from -1 to 1 where the command goes from LOW to HIGH.
+    """
+
+    gain: Array
+    phase: Array
+    curvature: Array
+
+    def misses(self, other: "Character") -> tuple[float, float, float]:
+        """Return the largest differences in gain, phase (degrees) and, relative, curvature."""
+        return (
+            float(np.abs(self.gain - other.gain).max()),
+            float(np.abs(self.phase - other.phase).max()),
+            float(np.abs(self.curvature / other.curvature - 1.0).max()),
+        )
+
+
+def published(model: NarxModel, rate: float) -> Character:
+    """Return the character of a published model, its one sample of delay taken off."""
+    frequencies = np.concatenate([[REFERENCE], GAIN_AT])
+    first = frequency_response(model, 1, frequencies, rate)
+    first = first * np.exp(2j * np.pi * frequencies / rate)
+    second = frequency_response(model, 2, (CURVATURE_AT, CURVATURE_AT), rate)
+    return _character(first, second)
+
+
+def virtual(parameters: Parameters) -> Character:
+    """Return the character of a film, from the command on, without the sensor's filter."""
+    film, gain = parameters.film, parameters.amplifier.gain
+    state = rest(film, parameters.rest)
+    supply = gain * 0.5 * (LOW + HIGH)
+    if not hold(film, state, supply, MIDDLE):
+        raise ValueError("the film pulls in at the middle voltage")
+    swing = gain * 0.5 * (HIGH - LOW)
+    frequencies = np.concatenate([[REFERENCE], GAIN_AT])
+    first = responses(film, state, supply, frequencies).first * swing
+    second = responses(film, state, supply, CURVATURE_AT).second * swing**2
+    return _character(first, second)
+
+
+def _character(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> Character:
+    size = np.abs(first[0])
+    return Character(np.abs(first[1:]) / size, np.angle(first[1:], deg=True), np.abs(second) / size)
+
+
+def means(actuator: str) -> Array:
+    """Return the mean displacement in mm over each of PIECES of the study's record."""
+    excitation = yaml.safe_load(STUDY.read_text())["excitation"]["record"]
+    command = design(**excitation, sampling_rate=1.0 / SAMPLE_PERIOD, seed=1)
+    rig = Rig.from_config(BENCH, actuator, seed=1)
+    counts = read_parameters(BENCH, actuator).output_converter.to_counts(command)
+    reading: Array = rig.respond(counts).reshape(PIECES, -1).mean(axis=1)
+    return 1e3 * reading
+
+
+@style.styled
+def drawn(
+    measured: Mapping[str, Character], made: Mapping[str, Character], drift: Mapping[str, Array]
+) -> Figure:
+    """Draw gain, phase, curvature and mean displacement, a row per actuator."""
+    figure = style.page_figure(style.FULL_WIDTH, 30.0 * len(made) + 12.0)
+    grid = figure.subplots(len(made), 4, sharex="col", sharey="col", squeeze=False)
+    panels = (
+        ("gain over that at 0.02 Hz", GAIN_AT, "gain", GAIN_WITHIN),
+        ("phase (°)", GAIN_AT, "phase", PHASE_WITHIN),
+        ("curvature", CURVATURE_AT, "curvature", None),
+    )
+    for row, (name, own) in zip(grid, made.items(), strict=True):
+        for ax, (_, at, field, within) in zip(row[:3], panels, strict=True):
+            target, value = getattr(measured[name], field), getattr(own, field)
+            margin = CURVATURE_WITHIN * target if within is None else within
+            ax.fill_between(
+                at, target - margin, target + margin, color=style.PALE, lw=0, label="asked for"
+            )
+            ax.plot(at, target, "o", color=style.BLACK, mfc="none", label="measured")
+            ax.plot(at, value, "-", color=style.VERMILION, label="virtual")
+            ax.set_xscale("log")
+            style.plain_log_ticks(ax.xaxis)
+        minutes = (np.arange(PIECES) + 0.5) * 30.0 / PIECES
+        row[3].plot(minutes, drift[name] / drift[name][0], color=style.VERMILION)
+        row[3].axhline(1.0, color=style.GREY, lw=0.5)
+        row[0].text(0.04, 0.08, name, transform=row[0].transAxes, fontweight="bold")
+    titles = [title for title, *_ in panels] + ["mean displacement (1 at first)"]
+    for ax, title in zip(grid[0], titles, strict=True):
+        ax.set_title(title)
+    _labelled(grid[-1])
+    grid[0, 2].legend(loc="lower left")
+    return figure
+
+
+def _labelled(bottom: NDArray[np.object_]) -> None:
+    axes: list[Axes] = list(bottom)
+    for ax in axes[:3]:
+        ax.set_xlabel("frequency (Hz)")
+    axes[3].set_xlabel("time (min)")
+
+
+def _write(measured: Mapping[str, Character], made: Mapping[str, Character]) -> None:
+    TABLE.parent.mkdir(exist_ok=True)
+    with TABLE.open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["actuator", "quantity", "frequency_hz", "measured", "virtual"])
+        for name, own in made.items():
+            for field, at in zip(Character._fields, (GAIN_AT, GAIN_AT, CURVATURE_AT), strict=True):
+                pairs = zip(at, getattr(measured[name], field), getattr(own, field), strict=True)
+                table.writerows(
+                    [name, field, f"{f:g}", f"{a:.3f}", f"{b:.3f}"] for f, a, b in pairs
+                )
+
+
+def main() -> int:
+    """Write the table and the figure, print the misses; return 1 where one is too large."""
+    models = load_published(PUBLISHED)
+    rate = yaml.safe_load(PUBLISHED.read_text())["sampling_rate"]
+    names = list(read_bench(BENCH).actuators)
+    measured = {name: published(models[name.upper()], rate) for name in names}
+    made = {name: virtual(read_parameters(BENCH, name)) for name in names}
+    drift = {name: means(name) for name in names}
+    _write(measured, made)
+    FIGURE.parent.mkdir(exist_ok=True)
+    style.save(drawn(measured, made, drift), [FIGURE], 200)
+    limits = GAIN_WITHIN, PHASE_WITHIN, CURVATURE_WITHIN
+    print("largest misses          gain   phase   curvature   mean displacement, end over start")
+    missed = False
+    for name in names:
+        gain, phase, curvature = misses = made[name].misses(measured[name])
+        change = drift[name][-1] / drift[name][0]
+        print(f"{name:<20}{gain:>8.3f}{phase:>7.1f}°{100 * curvature:>10.0f} %{change:>12.3f}")
+        missed |= any(miss > limit for miss, limit in zip(misses, limits, strict=True))
+    return int(missed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
