@@ -43,43 +43,46 @@ def draw_cone(ax: Axes) -> None:
     """Draw the film under the ball in cross-section, with the symbols of the membrane model."""
     _canvas(ax, (-36, 38), (-38, 20))
     b, radius, slope = 27.0, 8.0, radians(28)
-    a = radius * sin(slope)
-    y = (b - a) * tan(slope)
+    contact = radius * sin(slope)
+    y = (b - contact) * tan(slope)
     centre = -y + radius * cos(slope)
+    edge = np.array([17.0, -(b - 17.0) * tan(slope)])  # of the electrodes
     for side in (-1, 1):
         ax.add_patch(Rectangle((side * b - (6 if side < 0 else 0), -1.6), 6, 5.2, fc=_PERSPEX,
                                ec=_EDGE, lw=0.6, zorder=4))  # fmt: skip
     ax.plot([-b, b], [0, 0], ls=(0, (4, 3)), lw=0.6, color=style.GREY)
     angle = np.linspace(-slope, slope, 41)
     cap = np.column_stack([radius * np.sin(angle), centre - radius * np.cos(angle)])
+    disc = np.vstack([edge * (-1, 1), cap, edge])
+    ax.plot(*disc.T, color=_ELECTRODE, lw=4.4, solid_capstyle="butt", zorder=2)
     profile = np.vstack([(-b, 0), cap, (b, 0)])
-    ax.plot(*profile.T, color=_ELECTRODE, lw=3.4, solid_joinstyle="round", zorder=2)
+    ax.plot(*profile.T, color=_EDGE, lw=2.4, solid_joinstyle="round", zorder=2)
     ax.plot(*profile.T, color=_FILM, lw=1.8, solid_joinstyle="round", zorder=2)
     _ball(ax, 0, centre, radius)
     ax.plot([0, 0], [-33, 15], ls=(0, (6, 2, 1, 2)), lw=0.5, color=style.GREY, zorder=6)
 
     _dimension(ax, (0, 10), (b, 10), "$b$")
-    _dimension(ax, (0, -25), (a, -25), "$a$", below=True)
-    _dimension(ax, (a, -25), (b, -25), "$L = b - a$", below=True)
-    for x, top in ((a, -y), (b, -1.6)):
-        ax.plot([x, x], [top, -26], lw=0.4, color=style.GREY)
+    _dimension(ax, (0, -23), (contact, -23), "$r_c$", below=True)
+    _dimension(ax, (0, -29), (edge[0], -29), r"$a\,x$", below=True)
+    ax.plot([contact] * 2, [-y, -24], lw=0.4, color=style.GREY)
+    ax.plot([edge[0]] * 2, [edge[1] - 1, -30], lw=0.4, color=style.GREY)
     ax.plot([b, b], [3.6, 11], lw=0.4, color=style.GREY)
     _dimension(ax, (-14, 0), (-14, -y), "$y$", label_at=(-16, -y * 0.8))
-    ax.plot([-a, -15], [-y, -y], lw=0.4, color=style.GREY)
+    ax.plot([-contact, -15], [-y, -y], lw=0.4, color=style.GREY)
     _force(ax, (0, centre - radius), (0, centre - radius - 8), "$m g$", (-1.2, -19), ha="right")
     along = np.array([cos(slope), sin(slope)])
-    start = np.array([a, -y]) + 5 * along + (1.1, -2.1)
-    _force(ax, start, start + 8 * along, r"$\sigma_1,\ \lambda_1$", (15.2, -13.2))
-    _source(ax, b, slope)
-    ax.annotate("$h$", xy=(-b + 5.0 * along[0], -5.0 * along[1]),
-                xytext=(-27, -11), ha="center", va="center",
+    start = np.array([contact, -y]) + 3 * along + (1.1, -2.1)
+    _force(ax, start, start + 8 * along, "$N$", (12.5, -12.8))
+    _source(ax, edge, slope)
+    ax.annotate("$h$", xy=(-edge[0] + 1.5 * along[0], edge[1] - 1.5 * along[1]),
+                xytext=(-24, -14), ha="center", va="center",
                 arrowprops={"arrowstyle": "-", "lw": 0.5, "shrinkA": 1, "shrinkB": 0})  # fmt: skip
     ax.text(-17, 12, "frame", ha="right", va="bottom")
     ax.plot([-19, -28], [12, 3.8], lw=0.4, color=style.GREY)
     ax.text(-8.5, 14.5, "ball", ha="right", va="bottom")
     ax.plot([-9.3, -4.6], [14.5, centre + radius * 0.8], lw=0.4, color=style.GREY)
-    ax.text(-35, -31, r"$\lambda_1=\lambda_p\sqrt{1+y^2/L^2}$", ha="left", va="center")
-    ax.text(-35, -36, r"$h=H_0/(\lambda_1\lambda_p)$", ha="left", va="center")
+    ax.text(-35, -30, r"$k=2\pi/\int\,\mathrm{d}r/(rN)$", ha="left", va="center")
+    ax.text(-35, -36, r"$h=H_0/(\lambda_p x)^2$", ha="left", va="center")
 
 
 def _canvas(ax: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
@@ -210,12 +213,12 @@ def _force(
     ax.text(*at, text, ha=ha, va="center", color=style.GREEN)
 
 
-def _source(ax: Axes, b: float, slope: float) -> None:
-    """Draw the film voltage across the electrodes, at the right-hand frame."""
+def _source(ax: Axes, edge: Point, slope: float) -> None:
+    """Draw the film voltage across the electrodes, at their right-hand edge."""
     colour = _HIGH_VOLTAGE
-    contact = np.array([b, 0]) - 4.5 * np.array([cos(slope), sin(slope)])
+    contact = np.array(edge) - 1.5 * np.array([cos(slope), sin(slope)])
     normal = np.array([-sin(slope), cos(slope)])
-    upper, lower = contact + 0.7 * normal, contact - 0.7 * normal
+    upper, lower = contact + 0.9 * normal, contact - 0.9 * normal
     ax.plot(
         [upper[0], upper[0], 35, 35], [upper[1], 6.5, 6.5, -4.4], color=colour, lw=0.8, zorder=6
     )
