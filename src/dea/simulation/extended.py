@@ -17,33 +17,44 @@ from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 from dea.simulation.signatures import MEMORY, SLOTS, first_class, no_force, no_update
 from dea.simulation.simulation import Simulation
+from dea.simulation.timing import shifted
 
 # Prior spreads that a parameter of the simulation may be from its nominal value.
 _REACH = 3.0
 INPUT_OFFSET, OUTPUT_GAIN, OUTPUT_OFFSET = "input_offset", "output_gain", "output_offset"
+TIMING_OFFSET = "timing_offset"
 
 
 @dataclass(frozen=True)
 class ExtendedSimulation:
-    """A simulation, the effects attached to it, and how finely it is integrated."""
+    """A simulation, the effects attached to it, and how finely it is integrated.
+
+    ``timing_spread`` is the prior standard deviation (s) of the time by which the output is logged
+    late; zero means that it is known. ``lengths`` are the samples of several records that are
+    simulated one after the other, each from a start of its own; of one record there are any.
+    """
 
     simulation: Simulation
     attached: tuple[Attached, ...] = ()
     normalisations: tuple[Normalisation, ...] = ()
     substeps: int = 1
+    timing_spread: float = 0.0
+    lengths: tuple[int, ...] = ()
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """Parameters of simulation, initial state, input, sensor and effects, as in ``values``."""
         own = self.simulation
         starts = (
-            Parameter(f"initial.{s.name}", s.unit, s.initial, s.spread, at_start=True)
+            Parameter(f"{record}initial.{s.name}", s.unit, s.initial, s.spread, at_start=True)
+            for record in ("", *(f"record_{k}." for k in range(2, self.records + 1)))
             for s in own.states
         )
         ends = (
             Parameter(INPUT_OFFSET, own.input_unit, 0.0, own.input_offset_spread),
             Parameter(OUTPUT_GAIN, "1", 1.0, own.output_gain_spread),
             Parameter(OUTPUT_OFFSET, own.output_unit, 0.0, own.output_offset_spread),
+            Parameter(TIMING_OFFSET, "s", 0.0, self.timing_spread),
         )
         laws = (
             replace(p, name=f"{self.label(a)}.{p.name}")
@@ -51,6 +62,36 @@ class ExtendedSimulation:
             for p in a.parameters
         )
         return (*own.parameters, *starts, *ends, *laws)
+
+    @property
+    def records(self) -> int:
+        """Number of records that are simulated."""
+        return max(1, len(self.lengths))
+
+    @cached_property
+    def alone(self) -> "ExtendedSimulation":
+        """The same simulation of one record."""
+        attached = tuple(replace(a, records=1) for a in self.attached)
+        return replace(self, attached=attached, lengths=())
+
+    def of_record(self, values: np.ndarray, record: int) -> np.ndarray:
+        """Return the parameter values of ``alone`` for one record, counted from zero."""
+        own, states = len(self.simulation.parameters), len(self.simulation.states)
+        start = own + record * states
+        laws = (
+            a.of_record(values[part], record)
+            for a, part in zip(self.attached, self.effect_slices, strict=True)
+        )
+        ends = values[own + self.records * states : self._laws_from]
+        return np.concatenate([values[:own], values[start : start + states], ends, *laws])
+
+    def each(self, values: np.ndarray) -> list[tuple[slice, np.ndarray]]:
+        """Return the samples of each of several records, and the values of ``alone`` for it."""
+        ends = np.cumsum(self.lengths)
+        return [
+            (slice(end - length, end), self.of_record(values, record))
+            for record, (end, length) in enumerate(zip(ends, self.lengths, strict=True))
+        ]
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -88,6 +129,15 @@ class ExtendedSimulation:
     def at_start(self) -> np.ndarray:
         """Which free coordinates belong to the state at the start of the record."""
         return np.array([self.parameters[i].at_start for i in self.free])
+
+    @cached_property
+    def own_of_records(self) -> np.ndarray:
+        """Which free coordinates belong to one record: its start, and what happens in it alone."""
+        own = np.array([p.at_start for p in self.parameters])
+        for a, part in zip(self.attached, self.effect_slices, strict=True):
+            own[part] |= not a.effect.transferable
+        result: np.ndarray = own[self.free]
+        return result
 
     @cached_property
     def effect_slices(self) -> tuple[slice, ...]:
@@ -133,9 +183,8 @@ class ExtendedSimulation:
                 field="effects",
                 remedy="Leave one of them out",
             )
-        return replace(
-            self, attached=(*self.attached, Attached(effect, scales, force_port, upstream))
-        )
+        attached = Attached(effect, scales, force_port, upstream, self.records)
+        return replace(self, attached=(*self.attached, attached))
 
     def without(self, index: int) -> "ExtendedSimulation":
         """Return this simulation without one of the effects attached."""
@@ -147,6 +196,9 @@ class ExtendedSimulation:
 
     def run(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
         """Return the output before the sensor, and the normalised position, shape (2, n)."""
+        if self.records > 1:
+            parts = [self.alone.run(own, u[part], interval) for part, own in self.each(values)]
+            return np.concatenate(parts, axis=1)
         own = self.simulation
         lead = round(own.lead_in / interval)
         t = np.arange(u.size) * interval
@@ -182,8 +234,11 @@ class ExtendedSimulation:
 
     def read(self, output: np.ndarray, values: np.ndarray, interval: float) -> np.ndarray:
         """Return the sensor's reading of an output, shape (n,)."""
-        gain, offset = values[self._laws_from - 2 : self._laws_from]
-        y: np.ndarray = gain * output + offset
+        if self.records > 1:
+            parts = [self.alone.read(output[p], own, interval) for p, own in self.each(values)]
+            return np.concatenate(parts)
+        gain, offset, late = values[self._laws_from - 3 : self._laws_from]
+        y: np.ndarray = gain * shifted(output, late / interval) + offset
         t = np.arange(y.size) * interval
         for effect, q in self._laws(values):
             if effect.shape_output is not None:
@@ -193,7 +248,7 @@ class ExtendedSimulation:
     @cached_property
     def only_read(self) -> np.ndarray:
         """Which free coordinates change the reading alone, and not the motion."""
-        sensing = {self._laws_from - 2, self._laws_from - 1}
+        sensing = {self._laws_from - 3, self._laws_from - 2, self._laws_from - 1}
         for a, own in zip(self.attached, self.effect_slices, strict=True):
             if a.effect.only_reads:
                 sensing.update(range(own.start, own.stop))

@@ -16,6 +16,9 @@ from dea.simulation.simulation import Simulation
 _SLACK = 1e-3
 # Part of the range of motion at the prior below which a fitted simulation counts as not moving.
 _STILL = 0.3
+# Prior spread of the time by which the output is logged late, in sampling intervals: with the three
+# spreads that a parameter may move, a good sample either way.
+_TIMING = 0.4
 # Numbers of integration steps per sample that are tried, coarsest first.
 _SUBSTEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128, 256)
 
@@ -37,9 +40,16 @@ class Sampled(Protocol):
 
 
 def prepared(
-    simulation: Simulation, u: np.ndarray, interval: float, tolerance: float
+    simulation: Simulation,
+    u: np.ndarray,
+    interval: float,
+    tolerance: float,
+    lengths: tuple[int, ...] = (),
 ) -> ExtendedSimulation:
     """Return the simulation without effects, with its motion normalised and its step chosen.
+
+    ``lengths`` are the samples of each of several records in ``u`` (n,), one after the other. The
+    instant at which the output is logged becomes free within about a sample.
 
     The step is refined until the output at the nominal parameters changes by less than
     ``tolerance`` (RMS, in the output's unit).
@@ -49,7 +59,7 @@ def prepared(
     InputError
         If the simulation diverges at its nominal parameters on this input.
     """
-    extended = ExtendedSimulation(simulation)
+    extended = ExtendedSimulation(simulation, lengths=lengths if len(lengths) > 1 else ())
     values = extended.values(np.zeros(extended.free.size))
     extended = with_fine_steps(extended, values, u, interval, tolerance)
     y = extended.simulate(values, u, interval)
@@ -64,7 +74,7 @@ def prepared(
     normalisations = tuple(
         _normalisation(extended, port, values, u, interval) for port in simulation.force_ports
     )
-    return replace(extended, normalisations=normalisations)
+    return replace(extended, normalisations=normalisations, timing_spread=_TIMING * interval)
 
 
 def with_fine_steps(
@@ -121,7 +131,7 @@ def measured_scales(
         z_low=float(z.min()),
         z_high=float(z.max()) if np.ptp(z) > 0 else float(z.min()) + 1.0,
         interval=record.interval,
-        duration=float(record.u.size * record.interval),
+        duration=float(max(extended.lengths or (record.u.size,)) * record.interval),
     )
 
 
@@ -158,7 +168,9 @@ def _deflection(
         derivative=own.compiled_derivative,
         output=own.compiled_output,
     )
-    bare = ExtendedSimulation(alone, (), (Normalisation(port.rest),), extended.substeps)
+    bare = ExtendedSimulation(
+        alone, (), (Normalisation(port.rest),), extended.substeps, lengths=extended.lengths
+    )
     values = values[: len(bare.parameters)]
     output, position = bare.run(values, u, interval)
     return bare.read(output, values, interval) if port.position is None else position
