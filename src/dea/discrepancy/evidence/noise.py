@@ -1,4 +1,4 @@
-"""The noise floor: the level of white noise in a residual."""
+"""The noise floor: the level of white noise in a residual, and of rounding in a signal."""
 
 import numpy as np
 
@@ -41,6 +41,16 @@ def white_level(residual: np.ndarray, blocks: list[slice]) -> float:
         quiet = float(np.quantile(pieces, 0.25))
         level = quiet if quiet < _QUIET * level else level
     return float(np.sqrt(level))
+
+
+def quantisation(y: np.ndarray) -> float:
+    """Return the standard deviation of the rounding of ``y`` (n,): its least step over √12.
+
+    Zero for a signal whose values are all the same.
+    """
+    steps = np.diff(np.unique(y))
+    steps = steps[steps > 1e-9 * np.ptp(y)]
+    return float(steps.min() / np.sqrt(12.0)) if steps.size else 0.0
 
 
 def _upper_half(part: np.ndarray) -> np.ndarray:

@@ -1,0 +1,71 @@
+"""Whether a residual is coloured noise and nothing else."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dea.discrepancy.evidence.null import coloured
+from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.problem import Problem
+
+# A flexible model of the residual that predicts more than this part of it has found a cause.
+_PREDICTED = 0.2
+# Excess kurtosis of the innovations, and spread of the logarithms of their levels block by block,
+# above which they do not come from one stationary source.
+_KURTOSIS, _UNEVEN = 1.0, 0.35
+# Lags of the input, up to this part of the record, and the weight of the ridge.
+_LAGS, _LONGEST, _RIDGE = 24, 20, 1e-4
+
+
+def is_coloured_noise(problem: Problem, residual: np.ndarray, blocks: Sequence[slice]) -> bool:
+    """Return whether a residual (n,) is stationary, Gaussian and follows from nothing known.
+
+    An autoregression whitens it (order four); what it leaves must be as large in every one of the
+    ``blocks`` and without outliers, and nothing of it may be predicted from input and motion.
+    """
+    weights, _ = coloured(residual, blocks)
+    order = weights.size
+    if not order:
+        return False
+    parts = [innovations(residual[block], weights) for block in blocks]
+    parts = [part for part in parts if part.size > 4 * order]
+    left = np.concatenate(parts)
+    kurtosis = float(np.mean((left - left.mean()) ** 4) / np.var(left) ** 2 - 3.0)
+    levels = np.log([part.std() for part in parts])
+    even = float(np.std(levels)) <= _UNEVEN
+    return even and kurtosis <= _KURTOSIS and predictable(problem, residual) <= _PREDICTED
+
+
+def innovations(part: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Return what an autoregression with ``weights`` (k,) does not predict, shape (n - k,)."""
+    centred = part - part.mean()
+    kernel = np.concatenate([[1.0], -weights])
+    return np.convolve(centred, kernel, "valid")
+
+
+def predictable(problem: Problem, residual: np.ndarray) -> float:
+    """Return the part of a residual that input and motion predict on samples not fitted to."""
+    flexible = 1.0 - residual_model(problem, residual).ratio
+    return max(flexible, _follows_input(problem, residual))
+
+
+def _follows_input(problem: Problem, residual: np.ndarray) -> float:
+    """Return the part of a residual that a long moving average of the input predicts.
+
+    A dynamic error of the simulation shows there, whatever its time constants.
+    """
+    u = problem.u - problem.u.mean()
+    lags = np.unique(np.round(np.geomspace(1, max(2, u.size // _LONGEST), _LAGS)).astype(int)) - 1
+    X = np.column_stack([np.concatenate([np.zeros(k), u[: u.size - k]]) for k in lags])
+    # Differences of running sums join the lags without leaving samples out between them.
+    sums = np.cumsum(X, axis=0)
+    X = np.column_stack([X, np.diff(sums, axis=1)])
+    train, test = problem.fit, problem.select
+    X = (X - X[train].mean(0)) / (X[train].std(0) + 1e-12)
+    weights = np.linalg.solve(
+        X[train].T @ X[train] + _RIDGE * train.sum() * np.eye(X.shape[1]),
+        X[train].T @ (residual[train] - residual[train].mean()),
+    )
+    before = residual[test] - residual[train].mean()
+    after = before - X[test] @ weights
+    return 1.0 - float(np.sqrt(np.mean(after**2) / np.mean(before**2)))

@@ -1,0 +1,73 @@
+"""What the best explanation leaves over: white noise, and a small coloured error of its laws."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dea.discrepancy.rules import misfit
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Levels of what no candidate explains, in the output's unit.
+
+    Parameters
+    ----------
+    white
+        Standard deviation of the white noise.
+    left
+        RMS that the best explanation leaves beyond it.
+    coloured
+        RMS of the error, correlated in time, that any explanation may have.
+    memory
+        Samples of the coloured error that count as one: the sum of its autocorrelation.
+    """
+
+    white: float
+    left: float
+    coloured: float
+    memory: float
+
+    @property
+    def level(self) -> float:
+        """RMS of all that the best explanation leaves."""
+        return float(np.hypot(self.white, self.left))
+
+    @property
+    def density(self) -> float:
+        """Variance that a sum of squares is divided by so that its differences are log-odds.
+
+        It is the spectral density at low frequencies, where errors of laws lie.
+        """
+        return self.white**2 + self.memory * self.coloured**2
+
+
+def model_error(before: np.ndarray, best: np.ndarray, noise: float, law_error: float) -> ModelError:
+    """Return the model error of a record, from the residuals of the simulation and the best fit.
+
+    Parameters
+    ----------
+    before, best : (n,)
+        Held-out residuals of the simulation alone and of the best explanation.
+    noise
+        White level, which quantisation bounds from below.
+    law_error
+        Part of the misfit of the simulation alone that a right effect's law leaves at least.
+    """
+    left = misfit(_rms(best), noise)
+    expected = law_error * misfit(_rms(before), noise)
+    coloured = best if left > expected else before
+    return ModelError(noise, left, max(left, expected), memory_of(coloured))
+
+
+def memory_of(residual: np.ndarray) -> float:
+    """Return the sum of the autocorrelation, up to its first zero crossing (Geyer 1992)."""
+    spectrum = np.abs(np.fft.rfft(residual - residual.mean(), 2 * residual.size)) ** 2
+    correlation = np.fft.irfft(spectrum)[: residual.size // 4]
+    correlation /= correlation[0] or 1.0
+    crossing = int(np.argmax(correlation <= 0)) or correlation.size
+    return 1.0 + 2.0 * float(np.sum(correlation[1:crossing]))
+
+
+def _rms(residual: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(residual**2)))

@@ -1,0 +1,116 @@
+"""How sure it is that an effect is part of the answer, whatever the answer's other effects.
+
+Every candidate gets a weight by its held-out errors, averaged over resampled blocks (pseudo-BMA+:
+Yao, Vehtari, Simpson and Gelman 2018, Bayesian Analysis 13:917). An effect's presence is the
+weight of all candidates that contain it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import comb, log
+
+import numpy as np
+
+from dea.discrepancy.evidence.bootstrap import energies
+from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.rules import misfit
+from dea.discrepancy.search.candidates import Candidate
+
+_DRAWS = 1000
+
+
+@dataclass(frozen=True)
+class Share:
+    """Part of the misfit that an extension removes, with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Presence:
+    """The candidates that were weighed, best first, and their weights (k,), which sum to one.
+
+    What is left to one is the weight of the simulation alone.
+    """
+
+    candidates: tuple[Candidate, ...]
+    weights: np.ndarray
+
+    @property
+    def effects(self) -> dict[str, float]:
+        """Probability that each effect is part of the answer, the surest first."""
+        return self._of(lambda c: set(c.names))
+
+    @property
+    def families(self) -> dict[str, float]:
+        """The same for each family of effects."""
+        return self._of(families_of)
+
+    def _of(self, parts: Callable[[Candidate], set[str]]) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for candidate, weight in zip(self.candidates, self.weights, strict=True):
+            for part in parts(candidate):
+                found[part] = found.get(part, 0.0) + float(weight)
+        return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def families_of(candidate: Candidate) -> set[str]:
+    """Return the families of a candidate's effects."""
+    return {str(a.effect.family) for a in candidate.fit.extended.attached}
+
+
+def presence(
+    before: np.ndarray,
+    candidates: Sequence[Candidate],
+    held_out: Sequence[np.ndarray],
+    blocks: Sequence[slice],
+    error: ModelError,
+    offered: int,
+    rng: np.random.Generator,
+) -> Presence:
+    """Weigh candidates by their ``held_out`` residuals, each (n,), against the one ``before``.
+
+    A set of k of the ``offered`` effects has the prior probability that all sets of its size
+    share. Blocks get weights of a flat Dirichlet distribution (the Bayesian bootstrap).
+    """
+    sums = np.array([energies(residual, blocks) for residual in (before, *held_out)])
+    sizes = [0, *(len(c.effects) for c in candidates)]
+    prior = -np.array([log(comb(max(offered, 1), min(size, offered))) for size in sizes])
+    shares = rng.dirichlet(np.ones(len(blocks)), _DRAWS) * len(blocks)
+    odds = prior - 0.5 * (shares @ sums.T) / max(error.density, 1e-300)
+    odds -= odds.max(axis=1, keepdims=True)
+    weights = np.exp(odds)
+    weights /= weights.sum(axis=1, keepdims=True)
+    mean = weights.mean(axis=0)[1:]
+    order = np.argsort(-mean, kind="stable")
+    return Presence(tuple(candidates[i] for i in order), mean[order])
+
+
+def share_removed(
+    before: np.ndarray,
+    after: np.ndarray,
+    blocks: Sequence[slice],
+    floor: float,
+    rng: np.random.Generator,
+) -> Share:
+    """Return the part of the misfit above the ``floor`` that an extension removes.
+
+    ``before`` and ``after`` (n,) are held-out residuals; blocks are resampled in pairs.
+    """
+    samples = np.array([block.stop - block.start for block in blocks])
+    a, b = energies(before, blocks), energies(after, blocks)
+    picks = rng.integers(0, len(blocks), (_DRAWS, len(blocks)))
+    count = samples[picks].sum(1)
+
+    def removed(first: float, second: float) -> float:
+        whole = misfit(float(np.sqrt(first)), floor)
+        return 1.0 - misfit(float(np.sqrt(second)), floor) / whole if whole > 0 else 0.0
+
+    drawn = [
+        removed(x, y) for x, y in zip(a[picks].sum(1) / count, b[picks].sum(1) / count, strict=True)
+    ]
+    low, high = np.quantile(drawn, [0.025, 0.975])
+    value = removed(a.sum() / samples.sum(), b.sum() / samples.sum())
+    return Share(value, float(low), float(high))
