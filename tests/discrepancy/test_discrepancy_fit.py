@@ -14,7 +14,7 @@ from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut, folds
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
-from dea.discrepancy.evidence.residual_model import ResidualModel
+from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit, step_in_box, without
 from dea.discrepancy.problem import Problem, rmse
@@ -204,7 +204,9 @@ def test_held_out_gaps_are_those_of_fits_to_the_other_folds():
     fitted = fit(problem, extended, start, tolerance=1e-9)
     expected = np.zeros(problem.u.size)
     for fold in folds(problem):
-        only = fit(problem.seeing(~fold), extended, start, iterations=40, tolerance=1e-9)
+        part = problem.seeing(~fold)
+        held = Columns(held=extended.at_start)
+        only = fit(part, extended, fitted.coordinates, iterations=40, tolerance=1e-9, columns=held)
         expected[fold] = only.residual[fold]
     found = HeldOut(problem).residual(fitted)
     assert rmse(found - expected, problem.seen) < 0.05 * problem.noise
@@ -248,10 +250,13 @@ def test_what_the_input_does_only_once_is_not_kept_for_proof():
     assert not elsewhere.certify[2900:3100].any()
 
 
-def judged_by(problem, nominal_error=0.0, noise=0.0, accuracy=0.0):
+def judged_by(problem, extended, nominal_error=0.0, noise=0.0, accuracy=0.0):
     rng = np.random.default_rng(0)
-    held_out = HeldOut(problem)
-    return Evidence(problem, held_out, [], nominal_error, noise, accuracy, Rules(), rng)
+    nominal = replace(
+        at(problem, extended, np.zeros(extended.free.size)),
+        residual=nominal_error * np.resize([1.0, -1.0], problem.u.size),
+    )
+    return Evidence(problem, nominal, HeldOut(problem), [], noise, accuracy, Rules(), rng)
 
 
 @pytest.mark.parametrize(
@@ -272,18 +277,18 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
     nominal, final = (
         replace(fitted, residual=np.where(problem.certify, error, 0.0)) for error in (before, after)
     )
-    chosen = None if status == "none" else Candidate(final, 0.0, 0.0)
-    evidence = judged_by(problem, noise=1.0)
+    chosen = None if status == "none" else Candidate(final, 0.0, 0.0, 0.0)
+    evidence = judged_by(problem, extended, noise=1.0)
     found = confirmed(Decision(Status(status), chosen), evidence, nominal)
     assert found.status == expected
 
 
 @pytest.mark.parametrize(("error", "expected"), [(0.2, "none"), (0.25, "unknown")])
 def test_a_simulation_as_good_as_it_is_said_to_be_misses_nothing(error, expected):
-    problem, _ = carriage(9)
-    predictable = ResidualModel(ratio=0.5, equation="0", explained=0.0)
-    evidence = judged_by(problem, error, accuracy=0.15)
-    found = decide(evidence, None, [], [], predictable)
+    problem, extended = carriage(9)
+    evidence = judged_by(problem, extended, error, accuracy=0.15)
+    predictable = error * np.sign(problem.u)
+    found = decide(evidence, None, [], [], predictable, Presence((), np.zeros(0)))
     assert found.status == expected
 
 
@@ -299,7 +304,9 @@ def test_effects_of_one_port_are_one_class_wherever_they_attach():
         longer = extended
         for name, balance in places:
             longer = longer.attach(catalogue()[name], told, balance)
-        return Candidate(Fit(longer, np.zeros(0), np.zeros(0), np.zeros((0, 0)), 0.0), 0.0, 0.0)
+        return Candidate(
+            Fit(longer, np.zeros(0), np.zeros(0), np.zeros((0, 0)), 0.0), 0.0, 0.0, 0.0
+        )
 
     twice = candidate(("end_stop", 0), ("end_stop", 1))
     assert same_class(twice, candidate(("end_stop", 0), ("strain_stiffening", 1)))

@@ -1,5 +1,6 @@
 """Starting values from the residual, what parameters are charged, and how much is spent."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -74,11 +75,24 @@ def fitted(residual, parameters):
     )  # fmt: skip
 
 
+def test_a_parameter_that_its_prior_holds_is_charged_in_part():
+    """With one column of the Jacobian, the matrix that maps the record to its fit is known."""
+    seen = np.arange(SAMPLES) < 2000
+    residual = np.where(seen, 0.3, 50.0)
+    jacobian = np.zeros((SAMPLES, 3))
+    jacobian[:4, 0] = 1.0
+    plain = recorded(residual, residual, seen)
+    found = judged(plain, replace(fitted(residual, 3), jacobian=jacobian))
+    told = 4.0 / plain.noise**2
+    assert found.freedom == pytest.approx(told / (1.0 + told))
+
+
 def test_a_parameter_is_charged_as_by_the_bayesian_information_criterion():
     """n log(error^2) + k log n ranks as the error times the charge does."""
     seen = np.arange(SAMPLES) < 2000
     residual = np.where(seen, 0.3, 50.0)
-    found = judged(recorded(residual, residual, seen), fitted(residual, 7))
+    told = replace(fitted(residual, 7), jacobian=1e6 * np.eye(SAMPLES, 7))
+    found = judged(recorded(residual, residual, seen), told)
     assert found.rmse == pytest.approx(0.3)
     assert 2000 * np.log(found.error**2) == pytest.approx(2000 * np.log(0.3**2) + 7 * np.log(2000))
     assert found.finished

@@ -9,7 +9,7 @@ import pytest
 from dea.discrepancy.decision import decide
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
-from dea.discrepancy.evidence.residual_model import ResidualModel
+from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Fit, at, fit
 from dea.discrepancy.problem import Problem
@@ -111,7 +111,7 @@ def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, statu
     def candidate(name, size, error):
         attached = extended.attach(catalogue()[name], told)
         return Candidate(
-            Fit(attached, plain.coordinates, size * gap, plain.jacobian, 0.0), error, error
+            Fit(attached, plain.coordinates, size * gap, plain.jacobian, 0.0), error, error, 9.0
         )
 
     chosen = candidate("dead_zone", 1.0, 1.1 * NOISE)
@@ -119,11 +119,11 @@ def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, statu
     known = {chosen.fit: gap, rival.fit: held_out_rival * gap}
     blocks = [slice(k, k + 100) for k in range(0, 1500, 100)]
     evidence = Evidence(
-        problem, SimpleNamespace(residual=known.get), blocks, 9 * NOISE, NOISE, 0.0, Rules(),
-        np.random.default_rng(3),
+        problem, replace(plain, residual=9.0 * gap), SimpleNamespace(residual=known.get), blocks,
+        NOISE, 0.0, Rules(), np.random.default_rng(3),
     )  # fmt: skip
-    nothing_left = ResidualModel(ratio=1.0, equation="0", explained=0.0)
-    found = decide(evidence, chosen, [chosen, rival], [chosen], nothing_left)
+    weighed = Presence((chosen, rival), np.array([0.5, 0.5]))
+    found = decide(evidence, chosen, [chosen, rival], [chosen], 9.0 * gap, weighed)
     assert found.status == status
 
 

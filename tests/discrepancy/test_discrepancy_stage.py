@@ -42,6 +42,7 @@ def run(folder, samples=2000, unit="mm", slope=SLOPE, ports=PORTS):
     diagnose(
         settings(folder / "mine.py"),
         record=folder / "record.nc",
+        further=[],
         tests=[],
         threads=1,
         **{name: folder / "out" / name for name in OUTPUTS},

@@ -79,6 +79,19 @@ class Rules(Section):
         default=2.5,
         ge=1,
     )
+    law_error: Share = key(
+        "part of the nominal misfit that the law of a right effect may leave", default=0.05
+    )
+    certain: Share = key("presence from which an effect is certain", default=0.9)
+    part: Share = key(
+        "part of the held-out misfit that certain effects must remove to be named where something"
+        " else remains",
+        default=0.5,
+    )
+    ahead: Share = key(
+        "part by which such effects must leave less misfit than any explanation without them",
+        default=0.35,
+    )
     detectable: NotNegative = key(
         "sensitivity to an effect, beyond what the simulation's own parameters absorb, below which"
         " the record cannot show it",

@@ -7,13 +7,18 @@ from enum import StrEnum
 import numpy as np
 
 from dea.discrepancy.evidence.bootstrap import Gains, beaten
+from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.evidence.residual_model import ResidualModel, residual_model
+from dea.discrepancy.evidence.presence import Presence, share_removed
+from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.rounds import Round
+
+# Candidates of one size whose held-out errors are compared.
+_LEADING = 6
 
 
 class Status(StrEnum):
@@ -26,26 +31,32 @@ class Status(StrEnum):
 
 
 class Reason(StrEnum):
-    """Why no single effect set is named."""
+    """Why no single effect set is named, or not all of the answer."""
 
     ACCURATE = "the simulation is as good as it is said to be"
     NOISE = "the residual is at the noise floor"
-    IRREDUCIBLE = "no effect and no flexible model reduces the residual"
+    COLOURED = "the residual is coloured noise, which follows neither the input nor the motion"
     NO_EFFECT = "no effect of the catalogue reduces the residual"
     UNEXPLAINED = "the best effect leaves too much unexplained"
+    REMAINS = "what remains is not named"
     RIVAL = "a rival explains the record as well"
     ONLY_CERTIFIED = "only the certified samples show it"
+    OF_ONE_RECORD = "the best effect does not serve on the records left out"
     CONTRADICTED = "the best effect fails on the certified samples"
 
 
 @dataclass(frozen=True)
 class Decision:
-    """The status, the chosen candidate and, where it is not alone, its rivals."""
+    """The status, the chosen candidate and, where it is not alone, its rivals.
+
+    An answer that is not ``whole`` is a certain part of it: something else is missing, too.
+    """
 
     status: Status
     chosen: Candidate | None
     rivals: tuple[Candidate, ...] = ()
     reason: Reason | None = None
+    whole: bool = True
 
     @property
     def answer(self) -> Candidate | None:
@@ -65,15 +76,17 @@ def best_extension(
 ) -> Candidate | None:
     """Return the best single effect that is proven, or the best larger set that helps more.
 
-    Of those that are as good as the best, down to the noise, it is the one with the fewest
-    parameters.
+    Of those whose held-out errors are as good as the best, down to the noise, it is the one with
+    the least freedom.
     """
     held_out, floor, rules = evidence.held_out, evidence.floor, evidence.rules
 
     def simplest(candidates: Sequence[Candidate]) -> Candidate:
-        best = min(candidates, key=lambda c: c.error)
-        equal = [c for c in candidates if rules.as_good(c.error, best.error, evidence.noise)]
-        return min(equal, key=lambda c: (c.fit.coordinates.size, c.error))
+        leading = sorted(candidates, key=lambda c: c.error)[:_LEADING]
+        errors = {id(c): held_out.rmse(c.fit) for c in leading}
+        best = min(errors.values())
+        equal = [c for c in leading if rules.as_good(errors[id(c)], best, evidence.noise)]
+        return min(equal, key=lambda c: (round(c.freedom), errors[id(c)]))
 
     chosen = simplest(proven) if proven else None
     larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
@@ -100,23 +113,25 @@ def decide(
     chosen: Candidate | None,
     pool: Sequence[Candidate],
     proven: Sequence[Candidate],
-    unexplained: ResidualModel,
+    residual: np.ndarray,
+    weighed: Presence,
 ) -> Decision:
-    """Name the chosen candidate unless something speaks against it.
+    """Name the chosen candidate, or the part of it that is certain, unless something is against it.
 
-    ``pool`` holds all candidates, ``proven`` the single effects whose gain is significant.
+    ``pool`` holds all candidates, ``proven`` the single effects whose gain is significant,
+    ``residual`` (n,) is that of the simulation alone.
     """
-    error, floor, rules = evidence.nominal_error, evidence.floor, evidence.rules
+    error, rules = evidence.nominal_error, evidence.rules
     if error <= rules.noise_like * evidence.accuracy:
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
     if chosen is None:
-        unpredictable = unexplained.ratio > 1.0 - rules.margin
-        if error <= rules.clean * floor and unpredictable:
-            return Decision(Status.NONE, None, reason=Reason.NOISE)
-        if unpredictable and error <= rules.noise_like * floor:
-            return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
-        return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)
-    if not _explained(evidence, chosen, unexplained):
+        return _nothing_proven(evidence, residual)
+    if not _explained(evidence, chosen):
+        part = _certain_part(evidence, pool, weighed)
+        if part is not None:
+            return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
+        if is_coloured_noise(evidence.problem, residual, evidence.blocks):
+            return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = _rivals(evidence, chosen, pool)
     if not rivals:
@@ -129,25 +144,78 @@ def decide(
         if (
             len(chosen.names) > 1
             and candidate.effects == shared
-            and _explained(
-                evidence, candidate, residual_model(evidence.problem, candidate.fit.residual)
-            )
+            and _explained(evidence, candidate)
             and not _rivals(evidence, candidate, pool)
         ):
             return Decision(Status.NAMED, candidate)
+    part = _certain_part(evidence, pool, weighed) if len(chosen.names) > 1 else None
+    if part is not None:
+        return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
     return Decision(Status.AMBIGUOUS, chosen, tuple(rivals), Reason.RIVAL)
 
 
-def confirmed(decision: Decision, evidence: Evidence, nominal: Fit) -> Decision:
-    """Withdraw what the certified samples contradict; they choose nothing."""
+def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
+    """Say whether a residual that no effect reduces is noise."""
+    rules = evidence.rules
+    unpredictable = residual_model(evidence.problem, residual).ratio > 1.0 - rules.margin
+    if unpredictable and evidence.nominal_error <= rules.clean * evidence.floor:
+        return Decision(Status.NONE, None, reason=Reason.NOISE)
+    if is_coloured_noise(evidence.problem, residual, evidence.blocks):
+        return Decision(Status.NONE, None, reason=Reason.COLOURED)
+    return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)
+
+
+def _certain_part(
+    evidence: Evidence, pool: Sequence[Candidate], weighed: Presence
+) -> Candidate | None:
+    """Return the candidate made of effects that are certain alone, if it explains most of the gap.
+
+    Whatever else the answer holds, these effects are in it. A candidate without any of them must
+    leave much more of the misfit, since an effect that the catalogue lacks is often half explained
+    by several.
+    """
+    rules, held_out, floor = evidence.rules, evidence.held_out, evidence.floor
+    sure = {name for name, value in weighed.effects.items() if value >= rules.certain}
+    made = [c for c in pool if c.finished and c.effects and c.effects <= sure]
+    if not made:
+        return None
+    part = min(made, key=lambda c: (-len(c.effects), c.error))
+    alone = [c for c in made if len(c.effects) == 1]
+    if len(part.effects) > 1 and alone:
+        # As for a whole answer, a law that is only nearly right must not bring a second effect.
+        first = min(alone, key=lambda c: c.error)
+        if misfit(part.rmse, floor) > (1.0 - rules.second) * misfit(first.rmse, floor):
+            part = first
+    before, after = held_out.residual(evidence.nominal), held_out.residual(part.fit)
+    share = share_removed(before, after, evidence.blocks, floor, evidence.rng)
+    others = [
+        c.rmse
+        for c in pool
+        if c.finished and len(c.names) <= len(part.names) and not c.effects & part.effects
+    ]
+    left = misfit(part.rmse, floor)
+    ahead = left <= (1.0 - rules.ahead) * misfit(min(others, default=np.inf), floor)
+    return part if ahead and share.low >= rules.part else None
+
+
+def confirmed(
+    decision: Decision, evidence: Evidence, nominal: Fit, transfers: bool = True
+) -> Decision:
+    """Withdraw what the certified samples contradict, or what does not transfer between records.
+
+    They choose nothing.
+    """
     certify, floor, rules = evidence.problem.certify, evidence.floor, evidence.rules
     before = rmse(nominal.residual, certify)
-    if decision.status is Status.NONE and before > rules.noise_like * floor:
+    level = evidence.nominal_error if decision.reason is Reason.COLOURED else floor
+    if decision.status is Status.NONE and before > rules.noise_like * level:
         return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)
     if decision.answer is not None:
         after = rmse(decision.answer.fit.residual, certify)
         if after > max(before, rules.clean * floor):
             return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.CONTRADICTED)
+        if not transfers:
+            return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.OF_ONE_RECORD)
     return decision
 
 
@@ -169,7 +237,7 @@ def same_class(first: Candidate, second: Candidate) -> bool:
     )
 
 
-def _explained(evidence: Evidence, chosen: Candidate, unexplained: ResidualModel) -> bool:
+def _explained(evidence: Evidence, chosen: Candidate) -> bool:
     """Return whether too little is left over for another effect to be hidden in it."""
     floor, rules = evidence.floor, evidence.rules
     if chosen.rmse <= rules.clean * floor:
@@ -177,7 +245,9 @@ def _explained(evidence: Evidence, chosen: Candidate, unexplained: ResidualModel
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     if left > rules.misfit * whole * rules.further ** (len(chosen.names) - 1):
         return False
-    return unexplained.ratio >= rules.predictable or left <= 0.5 * rules.misfit * whole
+    if left <= 0.5 * rules.misfit * whole:
+        return True
+    return residual_model(evidence.problem, chosen.fit.residual).ratio >= rules.predictable
 
 
 def _rivals(

@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from dea.discrepancy.decision import (
     Decision,
     Status,
@@ -23,13 +21,16 @@ from dea.discrepancy.evidence.experiment import Experiment, separating_experimen
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
-from dea.discrepancy.evidence.noise import white_level
+from dea.discrepancy.evidence.model_error import ModelError, model_error
+from dea.discrepancy.evidence.noise import quantisation
 from dea.discrepancy.evidence.null import null_gain
+from dea.discrepancy.evidence.presence import Presence, Share, presence, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.evidence.split import Split, split
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.evidence.transfer import leave_one_out, transfers
+from dea.discrepancy.fit import Fit, on_whole_record
 from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem, Samples
+from dea.discrepancy.problem import Problem
+from dea.discrepancy.records import prepare, signals_of
 from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.search import Search, noise_floor, pool_of
 from dea.discrepancy.search.starts import bases, fit_near_prior, fit_nominal
@@ -38,24 +39,20 @@ from dea.errors import InputError
 from dea.seeds import generator
 from dea.simulation import (
     Effect,
-    ExtendedSimulation,
     Simulation,
     catalogue,
     load_simulation,
-    prepared,
-    slowest_time,
 )
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Factor by which the integration steps of the simulation alone may be shortened for an effect; a
-# law with corners would be shortened without end.
-_SHORTER = 4
+# Candidates that are weighed against each other: so many leading ones.
+_WEIGHED = 14
 
 
 def diagnose(
-    record: "xr.Dataset",
+    record: "xr.Dataset | Sequence[xr.Dataset]",
     simulation: Simulation | str,
     *,
     test_records: "Mapping[str, xr.Dataset] | None" = None,
@@ -67,7 +64,8 @@ def diagnose(
     Parameters
     ----------
     record
-        Time (s), voltage and displacement, or input and output, in the simulation's units.
+        Time (s), voltage and displacement, or input and output, in the simulation's units. Of
+        several records of one device each has its own start and its own drift; all else is shared.
     simulation
         A simulation, the name of one that comes with the study, or a Python file.
     test_records
@@ -85,13 +83,13 @@ def diagnose(
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     units = own.input_unit, own.output_unit
     rng = generator(settings.seed, settings.name, "diagnose")
-    samples = signals_of(record, own)
+    records = [signals_of(each, own) for each in _listed(record)]
     others = {name: signals_of(other, own) for name, other in (test_records or {}).items()}
     offered = _offered(settings.effects)
-    budget = settings.budget.of(samples.u.size)
+    budget = settings.budget.of(sum(each.u.size for each in records))
 
     # Split the record, and fit the simulation alone.
-    problem, parts, bare = _prepare(samples, own, settings)
+    problem, parts, bare = prepare(records, own, settings)
     nominal = fit_nominal(problem, bare, budget.starts, rng, workers)
     near = fit_near_prior(problem, nominal)
 
@@ -108,21 +106,26 @@ def diagnose(
         )
     pool = pool_of(rounds)
     floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
+    floor = max(floor, quantisation(problem.y))
 
     # Collect evidence.
     length = max(problem.u.size / settings.blocks, parts.gap)
     blocks = parts.blocks(problem.seen, length)
-    nominal_error = problem.seen_rmse(nominal.residual)
-    evidence = Evidence(
-        problem, HeldOut(problem), blocks, nominal_error, floor, own.accuracy, rules, rng
-    )
+    evidence = Evidence(problem, nominal, HeldOut(problem), blocks, floor, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)
+    weighed, error = _weighed(evidence, pool, len(offered), workers)
     proven = proven_alone(rounds, gained, rules)
     chosen = best_extension(evidence, rounds, proven)
     unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
 
     # Decide.
-    decision = confirmed(decide(evidence, chosen, pool, proven, unexplained), evidence, nominal)
+    decided = decide(evidence, chosen, pool, proven, nominal.residual, weighed)
+    left_out = (
+        leave_one_out(problem, nominal, decided.answer.fit)
+        if decided.answer and len(records) > 1
+        else {}
+    )
+    decision = confirmed(decided, evidence, nominal, transfers(left_out))
     final = decision.answer.fit if decision.answer else nominal
 
     # Describe, and certify.
@@ -137,6 +140,8 @@ def diagnose(
         split=parts,
         nominal=nominal,
         extended=final,
+        final=on_whole_record(problem, final) if decision.answer else final,
+        spread=evidence.held_out.spread(final),
         singles=Singles(singles, gained, tuple(visibility(noisy, nominal, c.fit) for c in singles)),
         pool=tuple(pool),
         decision=decision,
@@ -145,29 +150,19 @@ def diagnose(
         unexplained=unexplained,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
         experiment=_experiment(noisy, decision, settings.seed),
-        certificate=certify(problem, nominal, final, others),
+        certificate=certify(problem, nominal, final, others, left_out if decision.answer else {}),
         floor=floor,
+        presence=weighed,
+        error=error,
+        share=_share(evidence, final) if decision.answer else None,
         rules=rules,
     )
 
 
-def signals_of(record: "xr.Dataset", simulation: Simulation) -> Samples:
-    """Return the signals of a record, whose units must be the simulation's."""
-    from dea.store import signals
+def _listed(record: "xr.Dataset | Sequence[xr.Dataset]") -> "list[xr.Dataset]":
+    import xarray as xr
 
-    found = signals(record)
-    for role, unit, expected in (
-        ("input", found.u_units, simulation.input_unit),
-        ("output", found.y_units, simulation.output_unit),
-    ):
-        if unit != expected:
-            raise InputError(
-                f"the record's {role} is in {unit!r}, the simulation {simulation.name} "
-                f"expects {expected!r}",
-                field=role,
-                remedy="Convert the record, or use a simulation in its units",
-            )
-    return Samples(found.u, found.y, 1.0 / found.sampling_rate)
+    return [record] if isinstance(record, xr.Dataset) else list(record)
 
 
 def _offered(names: Sequence[str]) -> list[Effect]:
@@ -181,32 +176,6 @@ def _offered(names: Sequence[str]) -> list[Effect]:
     return [effect for name, effect in catalogue().items() if not names or name in names]
 
 
-def _prepare(
-    samples: Samples, simulation: Simulation, settings: Settings
-) -> tuple[Problem, Split, ExtendedSimulation]:
-    """Split the record, estimate its noise, and choose the integration step to match."""
-    u, y, interval = samples.u, samples.y, samples.interval
-    noise = white_level(y, [slice(0, y.size)])
-    tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
-    extended = prepared(simulation, u, interval, tolerance)
-    slowest = settings.slowest_time
-    if slowest is None:
-        slowest = slowest_time(extended, u)
-    parts = split(u, interval, slowest, min(settings.warm_up, 0.02 * u.size * interval))
-    problem = Problem(
-        u,
-        y,
-        interval,
-        parts.fit,
-        parts.select,
-        parts.certify,
-        settings.noise_margin * noise,
-        tolerance,
-        _SHORTER * extended.substeps,
-    )
-    return problem, parts, extended
-
-
 def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], workers: int) -> Gains:
     """Return the gains of the single effects on held-out blocks, and that of chance."""
     problem, held_out, blocks = evidence.problem, evidence.held_out, evidence.blocks
@@ -216,6 +185,26 @@ def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], worke
         lambda c: held_out.residual(c.fit) if c.finished else c.fit.residual, singles, workers
     )
     return gains(held_out.residual(nominal), after, blocks, null, evidence.rng)
+
+
+def _share(evidence: Evidence, final: Fit) -> Share:
+    """Return the part of the held-out misfit that the final extension removes."""
+    before, after = (evidence.held_out.residual(each) for each in (evidence.nominal, final))
+    return share_removed(before, after, evidence.blocks, evidence.floor, evidence.rng)
+
+
+def _weighed(
+    evidence: Evidence, pool: Sequence[Candidate], offered: int, workers: int
+) -> tuple[Presence, ModelError]:
+    """Return the weights of the leading candidates, and the error that the best of them leaves."""
+    leading = [c for c in pool if c.finished][:_WEIGHED]
+    held_out = in_parallel(lambda c: evidence.held_out.residual(c.fit), leading, workers)
+    before = evidence.held_out.residual(evidence.nominal)
+    seen = evidence.problem.seen
+    best = min((before, *held_out), key=evidence.problem.seen_rmse)
+    error = model_error(before[seen], best[seen], evidence.floor, evidence.rules.law_error)
+    weighed = presence(before, leading, held_out, evidence.blocks, error, offered, evidence.rng)
+    return weighed, error
 
 
 def _rivals_to_show(

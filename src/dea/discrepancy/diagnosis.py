@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from dea.discrepancy.decision import Decision
 from dea.discrepancy.evidence.bootstrap import Gains
 from dea.discrepancy.evidence.certificate import Certificate
@@ -11,6 +13,8 @@ from dea.discrepancy.evidence.contributions import Contribution, Rung
 from dea.discrepancy.evidence.experiment import Experiment
 from dea.discrepancy.evidence.identifiability import Visibility
 from dea.discrepancy.evidence.localisation import Localisation
+from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.evidence.presence import Presence, Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.fit import Fit
@@ -63,12 +67,21 @@ class Diagnosis:
         The best candidate of every effect set tried, best first.
     floor
         Noise floor in the output's unit.
+    presence, error
+        How sure it is that each effect is part of the answer, and what the best answer leaves.
+    final, spread
+        The extended simulation estimated again on the whole record, and the standard deviations
+        of its coordinates from fits to parts of the record.
+    share
+        Part of the held-out misfit that the extension removes; none where nothing is attached.
     """
 
     problem: Problem
     split: Split
     nominal: Fit
     extended: Fit
+    final: Fit
+    spread: np.ndarray
     singles: Singles
     pool: tuple[Candidate, ...]
     decision: Decision
@@ -79,6 +92,9 @@ class Diagnosis:
     experiment: Experiment | None
     certificate: Certificate
     floor: float
+    presence: Presence
+    error: ModelError
+    share: Share | None
     rules: Rules
 
     @cached_property

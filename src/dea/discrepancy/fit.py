@@ -12,11 +12,14 @@ from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import sensitivities
 from dea.least_squares import Damping, Model, Point, minimise
 from dea.simulation import ExtendedSimulation
+from dea.simulation.extended import TIMING_OFFSET
 
 # Iterations after which slowly changing columns of the Jacobian are computed anew.
 _REFRESH = 3
 # From the least damping, nine increases lead to one at which a step is steepest descent.
 _DAMPING = Damping(fall=5.0, least=1e-6, tries=9)
+# Difference of costs below which two fits are as good: the 95 % quantile of chi-squared.
+_AS_GOOD = 3.84
 # Prior spreads that a coordinate may move in one step.
 _LONGEST_STEP = 3.0
 
@@ -54,6 +57,12 @@ class Fit:
     def values(self) -> np.ndarray:
         """All parameter values."""
         return self.extended.values(self.coordinates)
+
+    def freedom(self, samples: np.ndarray, noise: float) -> float:
+        """Return the trace of the matrix that maps the record to its fit, given the noise."""
+        J = self.jacobian[samples] / noise
+        told = np.maximum(np.linalg.eigvalsh(J.T @ J), 0.0)
+        return float(np.sum(told / (1.0 + told)))
 
     def covariance(self, samples: np.ndarray, variance: float) -> np.ndarray:
         """Return the covariance of the coordinates given white noise of ``variance``."""
@@ -122,6 +131,23 @@ def fit(
     task = _FreeRun(problem, extended, columns or Columns())
     point = minimise(task, start, _DAMPING, iterations=iterations, tolerance=tolerance)
     return Fit(extended, point.x, point.value, task.jacobian, point.cost)
+
+
+def on_whole_record(problem: Problem, fitted: Fit) -> Fit:
+    """Return a fit estimated again on all samples, the certified ones too.
+
+    Where an effect explains the record as well without a timing offset, there is none: a delay or
+    a lag then counts in full.
+    """
+    whole = problem.whole()
+    free = fit(whole, fitted.extended, fitted.coordinates)
+    names = [fitted.extended.names[i] for i in fitted.extended.free]
+    if TIMING_OFFSET not in names:
+        return free
+    timing = np.array([name == TIMING_OFFSET for name in names])
+    start = np.where(timing, 0.0, free.coordinates)
+    held = fit(whole, fitted.extended, start, columns=Columns(held=timing))
+    return held if held.cost <= free.cost + _AS_GOOD else free
 
 
 class _FreeRun:

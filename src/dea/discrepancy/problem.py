@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from dea.discrepancy.evidence.period import period_of
 from dea.simulation import ExtendedSimulation
 
 
@@ -48,6 +49,11 @@ class Problem(Samples):
         return np.arange(self.u.size) * self.interval
 
     @cached_property
+    def period(self) -> int:
+        """Period of the input in samples; zero where it does not repeat."""
+        return period_of(self.u)
+
+    @cached_property
     def seen(self) -> np.ndarray:
         """Samples that a fit sees, shape (n,)."""
         result: np.ndarray = self.fit | self.select
@@ -80,6 +86,12 @@ class Problem(Samples):
     def seeing(self, samples: np.ndarray) -> "Problem":
         """Return the same record with only some ``samples`` (n, bool) for fits to see."""
         return replace(self, fit=self.fit & samples, select=self.select & samples)
+
+    def whole(self) -> "Problem":
+        """Return the same record with all samples for fits to see, but those before the first."""
+        used = self.seen | self.certify
+        everything = np.arange(self.u.size) >= int(np.argmax(used))
+        return replace(self, fit=everything, select=everything & False)
 
     def with_noise(self, noise: float) -> "Problem":
         """Return the same record with another noise level."""

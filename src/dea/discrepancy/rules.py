@@ -40,6 +40,15 @@ class Rules:
     near
         Candidates with an error up to this factor of the chosen one's are compared with it on
         blocks that neither was fitted to.
+    law_error
+        Part of the misfit of the simulation alone that the law of a right effect may leave.
+    certain
+        Presence from which an effect, or a family of effects, is certain.
+    part
+        Part of the held-out misfit that certain effects must remove to be named where something
+        else remains, at the lower end of its interval.
+    ahead
+        Such effects must leave less misfit than any explanation without them by this part.
     detectable
         An effect is not identifiable from a record if its sensitivity that the simulation's own
         parameters cannot absorb is below this many noise deviations.
@@ -56,6 +65,10 @@ class Rules:
     noise_like: float = 1.5
     negligible: float = 0.05
     near: float = 2.5
+    law_error: float = 0.05
+    certain: float = 0.9
+    part: float = 0.5
+    ahead: float = 0.35
     detectable: float = 0.2
 
     @property

@@ -31,11 +31,16 @@ class Certificate:
 
 
 def certify(
-    problem: Problem, nominal: Fit, extended: Fit, others: Mapping[str, Samples]
+    problem: Problem,
+    nominal: Fit,
+    extended: Fit,
+    others: Mapping[str, Samples],
+    left_out: "Mapping[str, Certified]",
 ) -> Certificate:
     """Compare both simulations on the certified block, and on other records.
 
     An extension that describes what happened during this record says nothing about others.
+    ``left_out`` are the comparisons on records of a joint diagnosis that were left out in turn.
     """
     block = Certified(
         rmse(nominal.residual, problem.certify),
@@ -43,7 +48,8 @@ def certify(
         int(problem.certify.sum()),
     )
     transfers = transferable(extended.extended)
-    return Certificate(block, certify_elsewhere(others if transfers else {}, nominal, extended))
+    elsewhere = certify_elsewhere(others if transfers else {}, nominal, extended)
+    return Certificate(block, {**left_out, **elsewhere})
 
 
 def transferable(extended: ExtendedSimulation) -> bool:
@@ -71,9 +77,10 @@ def _error_on(other: Samples, fitted: Fit) -> float:
 
 
 def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
-    extended = fitted.extended
+    extended = fitted.extended.alone
+    values = fitted.extended.of_record(fitted.values, 0)
     if not extended.at_start.any():
-        return extended.simulate(fitted.values, other.u, other.interval)
+        return extended.simulate(values, other.u, other.interval)
     head = np.arange(other.u.size) < max(10, round(_HEAD * other.u.size))
     nothing = np.zeros_like(head)
     problem = Problem(
@@ -86,5 +93,5 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
         max(rmse(fitted.residual, np.isfinite(fitted.residual)), 1e-12),
     )
     held = Columns(held=~extended.at_start)
-    own = fit(problem, extended, fitted.coordinates, iterations=10, columns=held)
+    own = fit(problem, extended, extended.coordinates(values), iterations=10, columns=held)
     return extended.simulate(own.values, other.u, other.interval)

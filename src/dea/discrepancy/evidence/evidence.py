@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from dea.discrepancy.evidence.held_out import HeldOut
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
 
@@ -16,12 +18,12 @@ class Evidence:
 
     Parameters
     ----------
+    nominal
+        The simulation alone, refitted.
     held_out
         Residuals on blocks that the parameters were not fitted to.
     blocks
         Blocks of the seen samples, which are resampled.
-    nominal_error
-        RMS residual of the simulation alone.
     noise
         Noise floor, down to which rivals are told apart.
     accuracy
@@ -31,13 +33,18 @@ class Evidence:
     """
 
     problem: Problem
+    nominal: Fit
     held_out: HeldOut
     blocks: Sequence[slice]
-    nominal_error: float
     noise: float
     accuracy: float
     rules: Rules
     rng: np.random.Generator
+
+    @cached_property
+    def nominal_error(self) -> float:
+        """RMS residual of the simulation alone."""
+        return self.problem.seen_rmse(self.nominal.residual)
 
     @property
     def floor(self) -> float:

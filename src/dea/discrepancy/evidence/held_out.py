@@ -6,9 +6,9 @@ from dea.discrepancy.evidence.split import runs
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem
 
-# Parts of the blocks that are held out in turn, and steps of the fit to the others, from where the
-# fit to all of them ended.
-_FOLDS, _ITERATIONS = 6, 6
+# Parts of the blocks that are held out in turn, and at least; steps of the fit to the others, from
+# where the fit to all of them ended.
+_FOLDS, _LEAST_FOLDS, _ITERATIONS = 6, 3, 6
 
 
 class HeldOut:
@@ -16,11 +16,13 @@ class HeldOut:
 
     The blocks are dealt into folds, and each is predicted by a fit to all others (Geisser 1975,
     cross-validation). The parameters change so little that the Jacobian of the fit to all is used.
+    The state at the start stays that of the fit to all: without the first block nothing tells it.
     """
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         self._found: dict[Fit, np.ndarray] = {}
+        self._spread: dict[Fit, np.ndarray] = {}
 
     def residual(self, fitted: Fit) -> np.ndarray:
         """Return the held-out residual of a fit, shape (n,)."""
@@ -28,31 +30,61 @@ class HeldOut:
             self._found[fitted] = self._cross_validated(fitted)
         return self._found[fitted]
 
+    def spread(self, fitted: Fit) -> np.ndarray:
+        """Return standard deviations (k,) of the coordinates by the jackknife over the folds.
+
+        They hold whatever the colour of the residual, and where the law is not quite right
+        (Tukey 1958, Annals of Mathematical Statistics 29:614).
+        """
+        self.residual(fitted)
+        return self._spread[fitted]
+
     def rmse(self, fitted: Fit) -> float:
         """Return its root mean square over the seen samples."""
         return self._problem.seen_rmse(self.residual(fitted))
 
     def _cross_validated(self, fitted: Fit) -> np.ndarray:
         result = fitted.residual.copy()
+        estimates = []
         for fold in folds(self._problem):
             again = fit(
                 self._problem.seeing(~fold),
                 fitted.extended,
                 fitted.coordinates,
                 iterations=_ITERATIONS,
-                columns=Columns(kept=fitted.jacobian),
+                columns=Columns(held=fitted.extended.at_start, kept=fitted.jacobian),
             )
             result[fold] = again.residual[fold]
+            estimates.append(again.coordinates)
+        self._spread[fitted] = np.sqrt(max(len(estimates) - 1, 0)) * np.std(estimates, axis=0)
         return result
 
 
 def folds(problem: Problem) -> list[np.ndarray]:
-    """Return masks (n, bool) to which the contiguous seen blocks are dealt in turn."""
+    """Return masks (n, bool) to which the contiguous seen blocks are dealt in turn.
+
+    Neighbouring blocks that a period of the input spans are dealt together: a law that only
+    repeats what the other periods show would otherwise be predicted from them.
+    """
     blocks = runs(problem.seen)
+    groups = _spanning(blocks, problem.period)
+    count = min(_FOLDS, len(groups))
     result = []
-    for first in range(min(_FOLDS, len(blocks))):
+    for first in range(count):
         mask = np.zeros(problem.u.size, bool)
-        for block in blocks[first::_FOLDS]:
+        for block in (block for group in groups[first::count] for block in group):
             mask[block] = True
         result.append(mask)
     return result
+
+
+def _spanning(blocks: list[slice], samples: int) -> list[list[slice]]:
+    """Return consecutive blocks in groups that span so many samples, but in three at least."""
+    samples = min(samples, (blocks[-1].stop - blocks[0].start) // _LEAST_FOLDS)
+    groups: list[list[slice]] = []
+    for block in blocks:
+        if groups and groups[-1][-1].stop - groups[-1][0].start < samples:
+            groups[-1].append(block)
+        else:
+            groups.append([block])
+    return groups

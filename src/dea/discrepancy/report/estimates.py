@@ -2,26 +2,31 @@
 
 import numpy as np
 
+from dea.discrepancy.evidence.model_error import ModelError, memory_of
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.verdict import Estimate
 
 
-def estimates(problem: Problem, fit: Fit, index: int) -> dict[str, Estimate]:
+def estimates(
+    problem: Problem, fit: Fit, index: int, spread: np.ndarray, error: ModelError
+) -> dict[str, Estimate]:
     """Return the free parameters of the attached effect ``index`` with 95 % intervals.
 
     Those that the record determines best (relative to the prior) come first, those that only
     shape the law last.
 
-    The autocorrelation of the residual widens the intervals: its variance is multiplied by the
-    sum of its autocorrelation.
+    ``spread`` (k,) is the standard deviation of all coordinates from fits to parts of the record.
+    The larger of it and of what the curvature of the cost gives counts, where the ``error`` of the
+    law and the autocorrelation of the residual take part in the variance.
     """
     extended = fit.extended
     where = extended.effect_slices[index]
     parameters = extended.attached[index].parameters
     residual = fit.residual[problem.seen]
-    variance = float(np.mean(residual**2)) * _inflation(residual)
+    variance = max(float(np.mean(residual**2)) * memory_of(residual), error.density)
     deviation = np.sqrt(np.diag(fit.covariance(problem.seen, variance)))
+    deviation = np.maximum(deviation, spread)
     values = fit.values
     own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
     result = {}
@@ -35,12 +40,3 @@ def estimates(problem: Problem, fit: Fit, index: int) -> dict[str, Estimate]:
         value = float(values[i])
         result[parameter.name] = Estimate(value, parameter.unit, min(ends), max(ends))
     return result
-
-
-def _inflation(residual: np.ndarray) -> float:
-    """Return the sum of the autocorrelation, up to its first zero crossing (Geyer 1992)."""
-    spectrum = np.abs(np.fft.rfft(residual - residual.mean(), 2 * residual.size)) ** 2
-    correlation = np.fft.irfft(spectrum)[: residual.size // 4]
-    correlation /= correlation[0] or 1.0
-    crossing = int(np.argmax(correlation <= 0)) or correlation.size
-    return 1.0 + 2.0 * float(np.sum(correlation[1:crossing]))

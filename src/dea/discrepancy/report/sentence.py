@@ -21,6 +21,9 @@ _PHRASES: Mapping[str, str] = {
     "direction": "while the output is {direction}",
     "reversal": "{low:.3g} to {high:.3g} s after a reversal of the motion",
 }
+# Presence from which an effect is said to be likely, and certified error, in noise floors, from
+# which a law is said to be too poor.
+_LIKELY, _POOR = 0.6, 1.3
 _DIRECTIONS = ("falling", "still", "rising")
 
 
@@ -46,25 +49,32 @@ def where_sentence(found: Localisation) -> str:
     )
 
 
-def verdict_sentence(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
-    """Say what a diagnosis found; ``effects`` are those that are named."""
+def verdict_sentence(
+    found: "Diagnosis", effects: Sequence["NamedEffect"], notes: Sequence[str] = ()
+) -> str:
+    """Say what a diagnosis found, the finding first; ``effects`` are those that are named."""
+    return " ".join([_finding(found, effects), *notes])
+
+
+def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     unit, floor = found.units[1], found.floor
     decision, block, unexplained = found.decision, found.certificate.block, found.unexplained
     place = where_sentence(found.where.before)
     place = place[0].upper() + place[1:]
+    noise = f"noise floor {floor:.3g} {unit}"
     proof = (
         f"the error on the certified samples falls from {block.before:.3g} to "
-        f"{block.after:.3g} {unit}, noise floor {floor:.3g} {unit}"
+        f"{block.after:.3g} {unit}, {noise}"
     )
     if decision.status is Status.NONE:
         return (
             f"Nothing is missing that this record could show: {decision.reason} "
-            f"(error {block.before:.3g} {unit}, noise floor {floor:.3g} {unit})."
+            f"(error {block.before:.3g} {unit}, {noise})."
         )
     if decision.status is Status.UNKNOWN:
         return (
-            f"{place}. Something is missing, but {decision.reason}: error {block.before:.3g} "
-            f"{unit}, noise floor {floor:.3g} {unit}. The best equation for the residual: "
+            f"Something is missing, but {decision.reason}: error {block.before:.3g} {unit}, "
+            f"{noise}.{_nearest(found)} {place}. The best equation for the residual: "
             f"{unexplained.equation} (explains {100 * unexplained.explained:.0f} %)."
         )
     extended = found.extended.extended
@@ -81,9 +91,45 @@ def verdict_sentence(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> st
             if experiment
             else ""
         )
-        return f"{place}. It is {laws}, or {rivals}: {proof}.{advice}"
-    doubt = f" (in this record {rivals} of its class would do as well)" if rivals else ""
-    return f"{place}: {laws}{doubt}; {proof}."
+        return f"It is {laws}, or {rivals}: {proof}. {place}.{advice}"
+    removed = f"{laws} {'removes' if len(effects) == 1 else 'remove'} {_share(found)} of the gap"
+    if not decision.whole:
+        return f"Certain, but not all: {removed}; {proof}. {_further(found)} {place}."
+    doubt = f" In this record {rivals} of its class would do as well." if rivals else ""
+    return f"{removed}: {proof}.{doubt}{_form(found)} {place}."
+
+
+def _share(found: "Diagnosis") -> str:
+    share = found.share
+    if share is None:
+        return "part"
+    return f"{100 * share.value:.0f} % ({100 * share.low:.0f} to {100 * share.high:.0f} %)"
+
+
+def _further(found: "Diagnosis") -> str:
+    """Say what else is likely."""
+    named = {str(a.effect.family) for a in found.extended.extended.attached}
+    likely = [
+        family
+        for family, value in found.presence.families.items()
+        if value >= _LIKELY and family not in named
+    ]
+    hint = f" ({likely[0]} is likely)" if likely else ""
+    return f"What remains is not named{hint}."
+
+
+def _nearest(found: "Diagnosis") -> str:
+    """Name the effect that most of the explanations hold, where one is likely."""
+    likely = [name for name, value in found.presence.effects.items() if value >= _LIKELY]
+    return f" Most explanations hold `{likely[0]}`." if likely else ""
+
+
+def _form(found: "Diagnosis") -> str:
+    """Say that the law of what is named is too poor, where its certified error shows it."""
+    block, floor = found.certificate.block, found.floor
+    if block.after <= _POOR * floor:
+        return ""
+    return f" Its law is too poor here: {block.after / floor:.2g} noise floors remain."
 
 
 def rivals_in_words(found: "Diagnosis") -> list[str]:

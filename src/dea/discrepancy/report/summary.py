@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from dea.discrepancy.decision import Status
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.report.estimates import estimates
+from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import verdict_sentence, where_sentence
 from dea.discrepancy.report.verdict import NamedEffect, Verdict
 
@@ -22,10 +23,11 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         "nominal" if rung.label is None else f"+ {rung.label}": rmse(rung.residual, seen)
         for rung in found.ladder.rungs
     }
-    unknown = found.decision.status is Status.UNKNOWN
+    unfinished = found.decision.status is Status.UNKNOWN or not found.decision.whole
+    notes = remarks(found)
     return Verdict(
         status=str(found.decision.status),
-        sentence=verdict_sentence(found, effects),
+        sentence=verdict_sentence(found, effects, notes),
         effects=effects,
         where={
             "before": where_sentence(where.before),
@@ -43,15 +45,20 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         unit=found.units[1],
         ladder=rungs | {"noise floor": found.floor},
         experiment=asdict(found.experiment) if found.experiment else None,
-        equation=found.unexplained.equation if unknown else None,
+        equation=found.unexplained.equation if unfinished else None,
         not_identifiable=tuple(
             label
             for candidate, visible in zip(
                 found.singles.candidates, found.singles.visibility, strict=True
             )
-            if visible.size < found.rules.detectable
+            if candidate.finished and visible.size < found.rules.detectable
             for label in candidate.labels
         ),
+        whole=found.decision.whole,
+        share=asdict(found.share) if found.share else None,
+        presence={"effects": found.presence.effects, "families": found.presence.families},
+        model_error=asdict(found.error) | {"level": found.error.level},
+        remarks=notes,
     )
 
 
@@ -68,10 +75,11 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
                 name=attached.effect.name,
                 port=str(attached.effect.port),
                 family=str(attached.effect.family),
-                parameters=estimates(found.problem, found.extended, index),
+                parameters=estimates(found.problem, found.final, index, found.spread, found.error),
                 gap_before=part.before,
                 gap_after=part.after,
                 gain=(part.gain, part.low, part.high),
+                presence=found.presence.effects.get(attached.effect.name, 0.0),
                 rivals=rivals,
                 balance=port.name if port else None,
             )

@@ -37,6 +37,8 @@ class NamedEffect:
         The effects of each extension that this record cannot tell from it.
     balance
         Name of the force port it acts at, if the simulation has several.
+    presence
+        Probability that it is part of the answer, whatever else is.
     """
 
     name: str
@@ -48,11 +50,27 @@ class NamedEffect:
     gain: tuple[float, float, float]
     rivals: tuple[tuple[str, ...], ...] = ()
     balance: str | None = None
+    presence: float = 1.0
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """The outcome of a diagnosis; ``sentence`` says all of it in plain words."""
+    """The outcome of a diagnosis; ``sentence`` says all of it in plain words.
+
+    Parameters
+    ----------
+    whole
+        Whether the named effects are all of the answer, or a certain part of it.
+    share
+        Part of the misfit that they remove on held-out blocks: its value, low and high.
+    presence
+        Probability that each of the effects, and of the families, is part of the answer.
+    model_error
+        What the best explanation leaves: white level, coloured error, its memory in samples, and
+        both together.
+    remarks
+        What a reader must know besides, each a sentence.
+    """
 
     status: str
     sentence: str
@@ -65,6 +83,11 @@ class Verdict:
     experiment: dict[str, Any] | None = None
     equation: str | None = None
     not_identifiable: tuple[str, ...] = ()
+    whole: bool = True
+    share: dict[str, float] | None = None
+    presence: dict[str, dict[str, float]] = field(default_factory=dict)
+    model_error: dict[str, float] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -111,6 +134,7 @@ def read_verdict(path: str | Path) -> Verdict:
                 **content,
                 "effects": effects,
                 "not_identifiable": tuple(content["not_identifiable"]),
+                "remarks": tuple(content["remarks"]),
             }
         )
     except (KeyError, TypeError, ValueError) as error:

@@ -21,7 +21,9 @@ class Candidate:
     rmse
         RMS residual over all samples seen.
     error
-        The same with a charge for each parameter, to rank by.
+        The same with a charge for its freedom, to rank by.
+    freedom
+        Effective number of its parameters: what the record, and not their prior, determines.
     finished
         Whether it was fitted to the end, or only screened.
     """
@@ -29,6 +31,7 @@ class Candidate:
     fit: Fit
     rmse: float
     error: float
+    freedom: float
     finished: bool = True
 
     @cached_property
@@ -51,12 +54,15 @@ def judged(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
     """Return a fit as a candidate, with its errors over all samples seen.
 
     A law has a handful of parameters against thousands of samples, so that the samples it was
-    fitted to count, too; the charge is that of the Bayesian information criterion.
+    fitted to count, too; the charge is that of the Bayesian information criterion,
+    for the effective number of parameters (Hastie, Tibshirani and Friedman 2009, The Elements of
+    Statistical Learning, section 7.6).
     """
     count = int(problem.seen.sum())
-    charge = float(np.exp(0.5 * fit.coordinates.size * np.log(count) / count))
+    freedom = fit.freedom(problem.seen, problem.noise)
+    charge = float(np.exp(0.5 * freedom * np.log(count) / count))
     rmse = problem.seen_rmse(fit.residual)
-    return Candidate(fit, rmse, rmse * charge, finished)
+    return Candidate(fit, rmse, rmse * charge, freedom, finished)
 
 
 def best_of_each_set(candidates: Iterable[Candidate]) -> list[Candidate]:

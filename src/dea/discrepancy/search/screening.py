@@ -6,12 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from dea.discrepancy.fit import Columns, Fit, fit
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.sensitivity import unabsorbed
 from dea.simulation import Effect, ExtendedSimulation, Scales
 
 # Fits beyond the kept ones that go on after the cheap steps, which rank them only roughly.
 _MORE = 1
+# Change of the output, in noise deviations, up to which a law does nothing; and the distance from
+# the prior, in spreads, at which it is looked for where there is no bound.
+_NOTHING, _FAR = 0.3, 6.0
 
 
 @dataclass(frozen=True)
@@ -59,17 +62,19 @@ def screen(
     def error(candidate: Fit) -> float:
         return problem.seen_rmse(candidate.residual)
 
+    def first_steps(base: Base, start: np.ndarray) -> Fit:
+        kept_columns = Columns(held=held, kept=base.fit.jacobian)
+        return fit(problem, extended, start, iterations=steps, columns=kept_columns)
+
     cheap = [
-        fit(
-            problem,
-            extended,
-            start,
-            iterations=steps,
-            columns=Columns(held=held, kept=base.fit.jacobian),
-        )
+        first_steps(base, start)
         for base in bases
         for start in promising(problem, base, extended, starts)[: max(1, kept // 2)]
     ]
+    if min(map(error, cheap)) > error(bases[0].fit):
+        # A law contains the simulation without it: no fit needs to end worse.
+        start = where_it_does_nothing(problem, bases[0], extended, starts)
+        cheap += [] if start is None else [first_steps(bases[0], start)]
     cheap.sort(key=error)
     whole = [
         refine(problem, each, steps, held)
@@ -100,8 +105,41 @@ def promising(
         change = base.remainder((before - residual)[seen])
         return float(max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300))
 
-    placed = [extended.coordinates(np.concatenate([base.fit.values, start])) for start in starts]
+    law = extended.attached[-1]
+    placed = [
+        extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
+        for start in starts
+    ]
     return sorted(placed, key=explained, reverse=True)
+
+
+def where_it_does_nothing(
+    problem: Problem,
+    base: Base,
+    extended: ExtendedSimulation,
+    starts: Sequence[tuple[float, ...]],
+) -> np.ndarray | None:
+    """Return coordinates at which the last law attached changes least, if it then hardly does.
+
+    One parameter of a start at a time is put at its bounds, or far from its prior: a threshold at
+    zero, a limit beyond the range, a stiffness of nothing.
+    """
+    law = extended.attached[-1]
+    first = base.fit.coordinates.size
+    low, high = extended.bounds
+    seen, noise = problem.seen, problem.noise
+    least, found = _NOTHING * noise, None
+    for start in starts:
+        placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
+        for i in range(first, placed.size):
+            for end in (max(low[i], -_FAR), min(high[i], _FAR)):
+                moved = placed.copy()
+                moved[i] = end
+                change = problem.residual(extended, extended.values(moved)) - base.fit.residual
+                size = rmse(change, seen)
+                if size < least:
+                    least, found = size, moved
+    return found
 
 
 def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | None = None) -> Fit:

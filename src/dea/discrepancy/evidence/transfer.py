@@ -1,0 +1,46 @@
+"""Whether what is named in some records of a device serves on the one that was left out."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from dea.discrepancy.evidence.certificate import Certified
+from dea.discrepancy.fit import Columns, Fit, fit
+from dea.discrepancy.problem import Problem, rmse
+
+_ITERATIONS = 10
+
+
+def leave_one_out(problem: Problem, nominal: Fit, extended: Fit) -> dict[str, Certified]:
+    """Compare both simulations on each of several records, fitted to the others alone.
+
+    On the record that is left out only what is its own is fitted: its state at the start and the
+    course of what happens in one record alone. A single record leaves nothing to compare.
+    """
+    found = {}
+    lengths = nominal.extended.lengths
+    stops = np.cumsum(lengths)
+    for number, (stop, length) in enumerate(zip(stops, lengths, strict=True), 1):
+        record = np.zeros(problem.u.size, bool)
+        record[stop - length : stop] = True
+        before, after = (_on(problem, record, each) for each in (nominal, extended))
+        found[f"record_{number}"] = Certified(before, after, int((record & problem.seen).sum()))
+    return found
+
+
+def _on(problem: Problem, record: np.ndarray, fitted: Fit) -> float:
+    extended = fitted.extended
+    elsewhere = fit(problem.seeing(~record), extended, fitted.coordinates, iterations=_ITERATIONS)
+    own = fit(
+        problem.seeing(record),
+        extended,
+        elsewhere.coordinates,
+        iterations=_ITERATIONS,
+        columns=Columns(held=~extended.own_of_records),
+    )
+    return rmse(own.residual, record & problem.seen)
+
+
+def transfers(found: Mapping[str, Certified]) -> bool:
+    """Return whether the extension is better on at least half of the records left out."""
+    return 2 * sum(each.after < each.before for each in found.values()) >= len(found)

@@ -1,0 +1,118 @@
+"""The records of a diagnosis, joined: their signals, the roles of their samples, their noise."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dea.discrepancy.evidence.noise import quantisation, white_level
+from dea.discrepancy.evidence.split import Split, split
+from dea.discrepancy.problem import Problem, Samples
+from dea.discrepancy.settings import Settings
+from dea.errors import InputError
+from dea.simulation import ExtendedSimulation, Simulation, prepared, slowest_time
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Factor by which the integration steps of the simulation alone may be shortened for an effect; a
+# law with corners would be shortened without end.
+_SHORTER = 4
+# Part of the output's deviation that noise is taken for at least: a fit needs some.
+_LEAST = 1e-6
+# Part by which the sampling intervals of two records may differ.
+_SAME = 1e-6
+
+
+def signals_of(record: "xr.Dataset", simulation: Simulation) -> Samples:
+    """Return the signals of a record, whose units must be the simulation's.
+
+    Raises
+    ------
+    InputError
+        If they are not.
+    """
+    from dea.store import signals
+
+    found = signals(record)
+    for role, unit, expected in (
+        ("input", found.u_units, simulation.input_unit),
+        ("output", found.y_units, simulation.output_unit),
+    ):
+        if unit != expected:
+            raise InputError(
+                f"the record's {role} is in {unit!r}, the simulation {simulation.name} "
+                f"expects {expected!r}",
+                field=role,
+                remedy="Convert the record, or use a simulation in its units",
+            )
+    return Samples(found.u, found.y, 1.0 / found.sampling_rate)
+
+
+def prepare(
+    records: Sequence[Samples], simulation: Simulation, settings: Settings
+) -> tuple[Problem, Split, ExtendedSimulation]:
+    """Join and split records, estimate their noise, and choose the integration step to match.
+
+    Raises
+    ------
+    InputError
+        If there is no record, a record is too short for the split, or one is sampled otherwise
+        than the others.
+    """
+    joined = _joined(records)
+    u, y, interval = joined.u, joined.y, joined.interval
+    lengths = tuple(each.u.size for each in records)
+    white = white_level(y, _parts(lengths))
+    noise = max(white, quantisation(y), _LEAST * float(np.std(y)))
+    tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
+    extended = prepared(simulation, u, interval, tolerance, lengths)
+    slowest = settings.slowest_time
+    if slowest is None:
+        slowest = slowest_time(extended, u)
+    splits = [
+        split(each.u, interval, slowest, min(settings.warm_up, 0.02 * each.u.size * interval))
+        for each in records
+    ]
+    parts = Split(
+        np.concatenate([each.fit for each in splits]),
+        np.concatenate([each.select for each in splits]),
+        np.concatenate([each.certify for each in splits]),
+        max(each.gap for each in splits),
+    )
+    problem = Problem(
+        u,
+        y,
+        interval,
+        parts.fit,
+        parts.select,
+        parts.certify,
+        settings.noise_margin * noise,
+        tolerance,
+        _SHORTER * extended.substeps,
+    )
+    return problem, parts, extended
+
+
+def _joined(records: Sequence[Samples]) -> Samples:
+    if not records:
+        raise InputError("there is no record", field="record", remedy="Give at least one")
+    interval = records[0].interval
+    for number, each in enumerate(records[1:], 2):
+        if abs(each.interval - interval) > _SAME * interval:
+            raise InputError(
+                f"record {number} is sampled every {each.interval:g} s, the first one every "
+                f"{interval:g} s",
+                field="record",
+                remedy="Resample them to one interval",
+            )
+    return Samples(
+        np.concatenate([each.u for each in records]),
+        np.concatenate([each.y for each in records]),
+        interval,
+    )
+
+
+def _parts(lengths: Sequence[int]) -> list[slice]:
+    stops = np.cumsum(lengths)
+    return [slice(stop - size, stop) for stop, size in zip(stops, lengths, strict=True)]

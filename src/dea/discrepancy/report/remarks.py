@@ -1,0 +1,75 @@
+"""What a reader must know besides the verdict: timing, parameters at bounds, noise."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dea.simulation.extended import TIMING_OFFSET
+
+if TYPE_CHECKING:
+    from dea.discrepancy.diagnosis import Diagnosis
+
+# Sampling intervals from which a timing offset is worth a remark, and its standard deviations.
+_EARLY, _SURE = 0.1, 3.0
+# Distance from a bound, in prior spreads, at which a parameter is said to be there.
+_NEAR = 1e-3
+# Part of the white level from which a coloured error is said.
+_COLOURED = 0.5
+
+
+def remarks(found: "Diagnosis") -> tuple[str, ...]:
+    """Return the remarks on a diagnosis, each a sentence."""
+    texts = (_timing(found), _bounds(found), _noise(found))
+    return tuple(text for text in texts if text)
+
+
+def _timing(found: "Diagnosis") -> str:
+    """Say by how much the output is logged early or late."""
+    fitted, problem = found.extended, found.problem
+    names = [fitted.extended.names[i] for i in fitted.extended.free]
+    if TIMING_OFFSET not in names:
+        return ""
+    at = names.index(TIMING_OFFSET)
+    spread = fitted.extended.timing_spread
+    offset = float(fitted.coordinates[at]) * spread
+    variance = found.floor**2
+    deviation = float(np.sqrt(fitted.covariance(problem.seen, variance)[at, at])) * spread
+    if abs(offset) < max(_EARLY * problem.interval, _SURE * deviation):
+        return ""
+    side = "early" if offset < 0 else "late"
+    doubt = "" if offset < 0 else ", or the device has a lag this short"
+    return (
+        f"The output is logged {1e3 * abs(offset):.3g} ± {2e3 * deviation:.2g} ms {side} "
+        f"({abs(offset) / problem.interval:.2g} samples){doubt}."
+    )
+
+
+def _bounds(found: "Diagnosis") -> str:
+    """Name the simulation's own parameters that the record would have beyond their priors."""
+    fitted = found.extended
+    extended = fitted.extended
+    low, high = extended.bounds
+    own = len(extended.simulation.parameters)
+    away = [
+        extended.names[i].replace("_", " ")
+        for i, x, a, b in zip(extended.free, fitted.coordinates, low, high, strict=True)
+        if i < own and (x <= a + _NEAR or x >= b - _NEAR)
+    ]
+    if not away:
+        return ""
+    end = "is at its bound" if len(away) == 1 else "are at their bounds"
+    return (
+        f"Of the simulation's own parameters {' and '.join(away)} {end}: the declared priors "
+        "exclude what the record asks for."
+    )
+
+
+def _noise(found: "Diagnosis") -> str:
+    """Say what the best explanation leaves beyond white noise."""
+    error, unit = found.error, found.units[1]
+    if error.left <= _COLOURED * error.white:
+        return ""
+    return (
+        f"The best explanation leaves {error.left:.2g} {unit} (RMS) of coloured error beyond "
+        f"the white noise of {error.white:.2g} {unit}; `accuracy: {error.level:.2g}` states both."
+    )
