@@ -6,6 +6,12 @@ def test_records(wildcards):
     return [f"results/{wildcards.system}/test/{part}.nc" for part in parts]
 
 
+def further_records(wildcards):
+    """Records of the same device that are explained together with the first."""
+    parts = CASE.get(wildcards.system, {}).get("records", {})
+    return [f"results/{wildcards.system}/further/{part}.nc" for part in parts]
+
+
 def simulation_of(system):
     return CASE.get(system, {}).get("simulation", config["discrepancy"]["simulation"])
 

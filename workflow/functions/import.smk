@@ -1,6 +1,8 @@
 def record_settings(wildcards):
     case = CASE[wildcards.case]
-    part = wildcards.get("part")
+    part, further = wildcards.get("part"), wildcards.get("further")
+    if further:
+        return case["records"][further]
     return case["test_records"][part] if part else case["record"]
 
 

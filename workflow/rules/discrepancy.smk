@@ -12,6 +12,7 @@ CATALOGUE = [f"dea.simulation.effects.{name}" for name in EFFECTS] + [
 rule diagnose:
     input:
         record="results/{system}/record.nc",
+        further=further_records,
         tests=test_records,
         simulation=simulation_file,
         code=modules("dea.stages.diagnose", *CATALOGUE),
@@ -31,7 +32,7 @@ rule diagnose:
     shell:
         stage(
             "diagnose --threads {threads} --settings {params.settings:q}"
-            " --record {input.record:q}"
+            " --record {input.record:q} --further {input.further:q}"
             " --tests {input.tests:q} --localisation {output.localisation:q}"
             " --candidates {output.candidates:q} --verdict {output.verdict:q}"
             " --extended {output.extended:q} --certificate {output.certificate:q} 2> {log:q}"

@@ -31,3 +31,12 @@ use rule import_record as import_test_record with:
         "results/{case}/log/import_{part}.log",
     benchmark:
         "results/{case}/benchmark/import_{part}.tsv"
+
+
+use rule import_record as import_further_record with:
+    output:
+        record="results/{case}/further/{further}.nc",
+    log:
+        "results/{case}/log/import_further_{further}.log",
+    benchmark:
+        "results/{case}/benchmark/import_further_{further}.tsv"

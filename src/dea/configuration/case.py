@@ -30,6 +30,10 @@ class Case(Section):
     title: str = key("name of the system, for people")
     record: Record = key("the record to identify from")
     test_records: dict[Name, Record] = key("records that identification never sees", default={})
+    records: dict[Name, Record] = key(
+        "further records of the device, which the diagnosis explains together with the first",
+        default={},
+    )
     identification: Identification = key("keys of that section, for this case alone")
     orders: Orders = key("keys of that section, for this case alone")
     validation: Validation = key("keys of that section, for this case alone")

@@ -10,6 +10,7 @@ from dea.stages.command import run
 def diagnose(
     settings: Mapping[str, Any],
     record: Path,
+    further: list[Path],
     tests: list[Path],
     localisation: Path,
     candidates: Path,
@@ -18,7 +19,10 @@ def diagnose(
     certificate: Path,
     threads: int,
 ) -> None:
-    """Diagnose a record with the simulation the settings name, on so many ``threads``."""
+    """Diagnose records with the simulation the settings name, on so many ``threads``.
+
+    ``further`` records of the device are explained together with the first.
+    """
     from dea import store
     from dea.discrepancy import (
         Settings,
@@ -33,7 +37,7 @@ def diagnose(
     name = settings["system"]
     try:
         found = diagnose(
-            store.read_record(record),
+            [store.read_record(path) for path in (record, *further)],
             settings["simulation"],
             test_records={path.stem: store.read_record(path) for path in tests},
             settings=Settings.of(settings),
@@ -46,7 +50,11 @@ def diagnose(
             field=error.field,
             remedy=f"{error.remedy} (case {name})" if error.remedy else f"Case {name}",
         ) from error
-    inputs = {"record": record, **{f"test_{path.stem}": path for path in tests}}
+    inputs = {
+        "record": record,
+        **{f"further_{path.stem}": path for path in further},
+        **{f"test_{path.stem}": path for path in tests},
+    }
     for dataset, path, title in (
         (localisation_dataset(found), localisation, "Where simulation and record disagree"),
         (candidates_dataset(found), candidates, "Effects that could be missing"),
@@ -60,14 +68,16 @@ def diagnose(
             settings=settings,
             seed=settings["seed"],
         )
-    save_extended(found.extended.extended, found.extended.values, found.problem.interval, extended)
+    final = found.final.extended
+    values = final.of_record(found.final.values, 0)
+    save_extended(final.alone, values, found.problem.interval, extended)
     found.verdict.write(verdict)
 
 
 if __name__ == "__main__":
     run(
         diagnose,
-        inputs=("record", "tests*"),
+        inputs=("record", "further*", "tests*"),
         outputs=("localisation", "candidates", "verdict", "extended", "certificate"),
         numbers=("threads",),
     )
