@@ -57,14 +57,18 @@ def test_fig1_plots_input_and_output_over_time_and_against_each_other():
 
 
 @pytest.mark.parametrize(("panel", "kind"), [(0, "dynamic"), (1, "polynomial")])
-def test_fig2_plots_nmse_and_fpe_against_the_order_on_their_own_axes(panel, kind):
+def test_fig2_plots_nmse_and_fpe_against_the_order_over_their_least(panel, kind):
     orders = made.orders(1)
     choice = fig2(orders, made.validation(1), "dea1").subfigs[0]
-    left, right = choice.axes[panel], choice.axes[3 + panel]
+    ax = choice.axes[panel]
     order = orders[f"{kind}_order"].values
-    assert_line(left, style.BLUE, order, orders[f"{kind}_nmse"])
-    assert_line(right, style.VERMILION, order, orders[f"{kind}_fpe"])
-    assert (*labels(left), right.get_ylabel()) == (f"{kind} order", "nmse", "fpe (mm²)")
+    for criterion, colour in (("nmse", style.BLUE), ("fpe", style.VERMILION)):
+        values = orders[f"{kind}_{criterion}"].values
+        assert_line(ax, colour, order, values / values.min())
+    assert labels(ax) == (f"{kind} order", "error over the least")
+    shown = [text.get_text() for text in ax.get_legend().get_texts()]
+    least = float(orders[f"{kind}_fpe"].min())
+    assert shown[1] == f"fpe, least {least:#.3g} (mm²)"
 
 
 def test_orders_that_all_diverge_are_drawn_empty():

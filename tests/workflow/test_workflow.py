@@ -6,7 +6,9 @@ import pytest
 
 pytestmark = pytest.mark.slow
 
-PER_ACTUATOR = ["acquire", "orders", "select", "validate", "track", "gfrf"]
+PER_ACTUATOR = [
+    "acquire", "acquire_probed", "orders", "select", "validate", "forecast", "track", "gfrf", "confirm"
+]  # fmt: skip
 
 
 def edit(file):
@@ -62,7 +64,7 @@ def test_the_small_study_makes_every_figure_and_table(finished):
     for name in ["fig1", "fig2", "fig3", "fig3_phase", "fig4_h2", "tracked_parameters"]:
         assert (results / "figures" / f"{name}.png").stat().st_size > 5_000
         assert (results / "figures" / f"{name}.pdf").stat().st_size > 5_000
-    for name in ["table1", "validation", "recovery"]:
+    for name in ["table1", "validation", "residuals", "forecast", "confirmation", "recovery"]:
         for kind in ["csv", "md", "tex"]:
             assert (results / "tables" / f"{name}.{kind}").stat().st_size > 100
     assert not list(results.rglob("*.partial"))

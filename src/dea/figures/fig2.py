@@ -15,7 +15,6 @@ from dea.figures import style
 from dea.number_format import number
 from dea.store import Sources
 
-_HEADROOM = 1.45  # of the largest value, so that the legend fits above it
 _LOOK: dict[str, tuple[str, LineStyleType, str, str]] = {
     "forecast": (style.FORECAST, "-", "forecast", "forecast: parameters from before the window"),
     "fitted": (style.FITTED, (0, (4, 2)), "fitted", "fitted to the window by the same criterion"),
@@ -54,25 +53,28 @@ def fig2(orders: xr.Dataset, validation: xr.Dataset, name: str) -> Figure:
 
 
 def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
-    """Draw nmse on the left axis and fpe on the right one against an order."""
+    """Draw nmse and fpe against an order, each over its least, so that they part where they differ.
+
+    The fpe is the mean square error times a charge for terms. On one axis, scaled alike, the two
+    curves differ by that charge alone.
+    """
     order = orders[f"{kind}_order"]
-    right = ax.twinx()
-    right.spines["right"].set_visible(True)
-    lines = []
-    for side, criterion, colour, look in (
-        (ax, "nmse", style.BLUE, {"marker": "o"}),
-        (right, "fpe", style.VERMILION, {"marker": "s", "ms": 6, "mfc": "none", "ls": "--"}),
+    for criterion, colour, look in (
+        ("nmse", style.BLUE, {"marker": "o"}),
+        ("fpe", style.VERMILION, {"marker": "s", "ms": 6, "mfc": "none", "ls": "--"}),
     ):
         values = orders[f"{kind}_{criterion}"]
-        lines += side.plot(order, values, color=colour, label=criterion, **look)
-        side.set_ylabel(style.quantity(criterion, values.attrs["units"]), color=colour)
-        side.tick_params(axis="y", colors=colour)
-        largest = values.values.max(initial=0.0, where=np.isfinite(values.values))
-        if largest > 0:  # else every model has diverged, or none has an error
-            side.set_ylim(0, _HEADROOM * float(largest))
+        least = float(values.values.min())
+        label = style.quantity(f"{criterion}, least {number(least)}", values.attrs["units"])
+        # Where every model has diverged, or one has no error, there is no least to compare with.
+        scale = least if 0.0 < least < np.inf else 1.0
+        ax.plot(order, values / scale, color=colour, label=label, **look)
+    ax.set_yscale("log")
+    style.plain_log_ticks(ax.yaxis)
     ax.set_xticks(order.values)
     ax.set_xlabel(f"{kind} order")
-    ax.legend(handles=lines, loc="upper right")
+    ax.set_ylabel("error over the least")
+    ax.legend(loc="upper right")
 
 
 def _predicted(ax: Axes, validation: xr.Dataset) -> None:
