@@ -7,7 +7,8 @@ import pytest
 pytestmark = pytest.mark.slow
 
 PER_ACTUATOR = [
-    "acquire", "acquire_probed", "orders", "select", "validate", "forecast", "track", "gfrf", "confirm"
+    "acquire", "acquire_probed", "orders", "select", "validate", "forecast", "track", "gfrf",
+    "confirm",
 ]  # fmt: skip
 
 
