@@ -56,6 +56,7 @@ def main() -> None:
     )
     bad = sum(bool(verdict.broken) for verdict in verdicts)
     print(f"{bad} of {len(verdicts)} runs broke a law", dict(laws) or "")
+    print(f"the output was driven in {sum(verdict.driven for verdict in verdicts)} runs")
     statuses = collections.Counter(verdict.status for verdict in verdicts)
     print("exit status of the command:", dict(statuses))
     sys.exit(bad > 0)

@@ -24,6 +24,7 @@ class Verdict:
     schedule: Schedule
     broken: tuple[str, ...]
     status: int | None  # of the command
+    driven: bool  # whether the output has left zero
     seconds: float
 
 
@@ -86,13 +87,14 @@ class Campaign:
             if bench is not None:
                 self._benches.put_nowait(bench)
         laws = tuple(broken(outcome))
+        driven = any(entry.volts for entry in outcome.trace.applied)
         if laws and self._keep is not None:
             kept = self._keep / f"{number:04d}"
             shutil.copytree(folder, kept, dirs_exist_ok=True)
             (kept / "schedule.json").write_text(schedule.dumps() + "\n")
             (kept / "broken").write_text("\n".join(laws) + "\n")
         shutil.rmtree(folder)
-        return Verdict(schedule, laws, outcome.status, outcome.until - outcome.exit_time)
+        return Verdict(schedule, laws, outcome.status, driven, outcome.until - outcome.exit_time)
 
     async def _reduced(self, verdict: Verdict, scratch: Path) -> Verdict:
         """Leave out each fault in turn, for as long as some law stays broken without it."""

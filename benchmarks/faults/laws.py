@@ -26,6 +26,13 @@ def broken(outcome: Outcome) -> list[str]:
     return [sentence for law in LAWS for sentence in law(outcome)]
 
 
+def _works(outcome: Outcome) -> Iterator[str]:
+    """Without a fault the command plays its plan: laws that nothing puts to the test are kept."""
+    if not outcome.schedule.faults() and outcome.status != 0:
+        last = (outcome.printed.strip().splitlines() or ["nothing"])[-1]
+        yield f"does not work: status {outcome.status} without any fault: {last[-200:]}"
+
+
 def _within_range(outcome: Outcome) -> Iterator[str]:
     highest = max((entry.volts for entry in outcome.trace.applied), default=0.0)
     if highest > outcome.schedule.high + 2 * RESOLUTION:
@@ -201,6 +208,7 @@ def _after(outcome: Outcome, when: float) -> str:
 
 
 LAWS = (
+    _works,
     _within_range, _within_rate, _zero_in_time, _never_driven_after_exit, _no_wrong_sample,
     _no_record_lost,
 )  # fmt: skip
