@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from benchmarks.faults import laws
+from benchmarks.faults.campaign import Campaign
 from benchmarks.faults.client import Client, processes
 from benchmarks.faults.examples import examples
 from benchmarks.faults.modbus_frame import Frame, read_frame
@@ -253,3 +254,16 @@ def test_the_processes_of_a_run_are_found_by_their_mark(tmp_path):
         return found == [process.pid], processes(client)
 
     assert asyncio.run(start()) == (True, [])
+
+
+@pytest.mark.slow
+@pytest.mark.faults
+@pytest.mark.parametrize("victim", ["plain", "bench"])
+def test_the_command_keeps_the_laws_whatever_fails(victim, request):
+    """Short plans, short faults, many at a time; ``make faults`` takes its time."""
+    count = request.config.getoption("--fault-schedules") // 2
+    schedules = draw(victim, count, number=1, longest=1.0, duration=1.0)
+    verdicts = Campaign(at_a_time=16).judge(schedules)
+    broken = [(v.schedule.dumps(), *v.broken) for v in verdicts if v.broken]
+    assert not broken, "\n".join(map(str, broken))
+    assert sum(v.driven for v in verdicts) > 0.7 * count

@@ -85,7 +85,7 @@ class Client:
 
     def environment(self) -> dict[str, str]:
         """Return what the command finds in its environment."""
-        path = f"{Path(__file__).parent / 'interpreter'}:{ROOT}"
+        path = f"{Path(__file__).parent / 'interpreter'}:{ROOT}:{os.environ.get('PYTHONPATH', '')}"
         return {
             MARK: self.mark, "PYTHONPATH": path, "COLUMNS": "200",
             SLOW_SYNC: str(self.folder / "slow_sync"),

@@ -32,6 +32,7 @@ endpoint: {{host: 127.0.0.1, port: {port}}}
 unit_id: 1
 sampling_rate: 50
 read_write_multiple: {both}
+quarantine: {quarantine}
 registers:
   output: {{address: 0, table: holding, range: [0, 10], unit: V, limits: [0, 3.76],
            access: read_write}}

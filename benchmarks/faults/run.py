@@ -109,7 +109,9 @@ def _arguments(schedule: Schedule, folder: Path, port: int, bench: BenchVictim |
     if bench is None:
         description = folder / "module.yaml"
         description.write_text(
-            plain_module.DESCRIPTION.format(port=port, both=str(schedule.both).lower())
+            plain_module.DESCRIPTION.format(
+                port=port, both=str(schedule.both).lower(), quarantine=schedule.quarantine
+            )
         )
     else:
         description = MAP

@@ -65,6 +65,7 @@ class Schedule:
     ramp_rate: float = 10.0  # V/s
     duration: float = 2.5  # s
     seed: int = 1
+    quarantine: float = 5.0  # s for which the plain module is watched: no write is held longer
     both: bool = False  # whether the plain module answers function code 23
     stuck_terminal: bool = False  # nobody reads what the command prints
     as_command: bool = False  # an interpreter of its own; else a fork of one that has imported

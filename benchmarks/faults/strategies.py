@@ -10,16 +10,15 @@ ENDING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGKILL")
 STOPPING = ("SIGSTOP", "SIGTSTP")
 FROM_TERMINAL = ("SIGINT", "SIGQUIT", "SIGHUP", "SIGTSTP")  # these go to the whole group
 EXCEPTIONS = (4, 5, 6, 10, 11)
-DURATION = 2.5  # s of every plan
 
 
 def _times(longest: float) -> st.SearchStrategy[float]:
     return st.integers(0, round(longest * 20)).map(lambda twentieth: twentieth / 20)
 
 
-def link_faults(longest: float) -> st.SearchStrategy[LinkFault]:
+def link_faults(duration: float, longest: float) -> st.SearchStrategy[LinkFault]:
     """Return faults of the network and the gateway, of at most ``longest`` s."""
-    start = _times(DURATION + 0.7)
+    start = _times(duration + 0.7)
     length = _times(longest).map(lambda seconds: max(seconds, 0.1))
     return st.one_of(
         st.builds(LinkFault, st.just("hold"), start, length),
@@ -32,9 +31,9 @@ def link_faults(longest: float) -> st.SearchStrategy[LinkFault]:
     )  # fmt: skip
 
 
-def host_faults(longest: float) -> st.SearchStrategy[HostFault]:
+def host_faults(duration: float, longest: float) -> st.SearchStrategy[HostFault]:
     """Return signals, a slow or full disk and a stepped clock."""
-    start = _times(DURATION + 0.5)
+    start = _times(duration + 0.5)
     length = _times(longest).map(lambda seconds: max(seconds, 0.1))
 
     def signals(names: tuple[str, ...], length: st.SearchStrategy[float]):  # type: ignore[no-untyped-def]
@@ -69,25 +68,28 @@ def _seldom(lies: st.SearchStrategy[ReadBack]) -> st.SearchStrategy[ReadBack]:
     return st.integers(0, 3).flatmap(lambda n: lies if n == 3 else st.just(ReadBack()))
 
 
-def schedules(victim: str, longest: float) -> st.SearchStrategy[Schedule]:
-    """Return runs with none to three faults, of at most ``longest`` s each."""
+def schedules(victim: str, duration: float, longest: float) -> st.SearchStrategy[Schedule]:
+    """Return runs of ``duration`` s with none to five faults, of at most ``longest`` s each."""
     plain = victim == "plain"
     return st.builds(
         Schedule,
         victim=st.just(victim),
         mode=st.just("polled") if plain else st.sampled_from(["polled", "buffered"]),
-        duration=st.just(DURATION),
+        duration=st.just(duration),
         seed=st.integers(1, 1000),
+        quarantine=st.just(longest + 0.5),
         both=st.booleans(),
         stuck_terminal=st.integers(0, 9).map(lambda n: n == 9),
         as_command=st.integers(0, 19).map(lambda n: n == 19),
         read_back=_seldom(read_backs()) if plain else st.just(ReadBack()),
-        link=st.lists(link_faults(longest), max_size=2).map(tuple),
-        host=st.lists(host_faults(longest), max_size=1).map(tuple),
+        link=st.lists(link_faults(duration, longest), max_size=2).map(tuple),
+        host=st.lists(host_faults(duration, longest), max_size=1).map(tuple),
     )
 
 
-def draw(victim: str, count: int, number: int, longest: float) -> list[Schedule]:
+def draw(
+    victim: str, count: int, number: int, longest: float, duration: float = 2.5
+) -> list[Schedule]:
     """Return ``count`` schedules; the same for the same seed ``number``."""
     drawn: list[Schedule] = []
 
@@ -96,7 +98,7 @@ def draw(victim: str, count: int, number: int, longest: float) -> list[Schedule]
         max_examples=count, phases=[Phase.generate], database=None, deadline=None,
         suppress_health_check=list(HealthCheck),
     )  # fmt: skip
-    @given(schedules(victim, longest))
+    @given(schedules(victim, duration, longest))
     def collect(schedule: Schedule) -> None:
         drawn.append(schedule)
 
