@@ -14,7 +14,7 @@ from benchmarks.faults.modbus_frame import Frame, read_frame
 from benchmarks.faults.plain_module import PlainModule, ReadBack, tag, to_counts
 from benchmarks.faults.proxy import FaultProxy
 from benchmarks.faults.run import Outcome
-from benchmarks.faults.schedule import HostFault, LinkFault, Schedule, loads
+from benchmarks.faults.schedule import DeviceFault, HostFault, LinkFault, Schedule, loads
 from benchmarks.faults.strategies import draw
 from benchmarks.faults.trace import Applied, Trace
 
@@ -234,6 +234,31 @@ def test_a_cut_link_loses_frames_or_delivers_them_late(executed):
     assert through_proxy(fault, wait=0.1) == ("none", expected)
 
 
+def test_the_module_answers_its_safety_registers():
+    module = PlainModule(ReadBack(), seed=1)
+    ask = struct.Struct(">BHH").pack
+    module.answer(write_output(1000).pdu)
+    assert module.answer(ask(2, 0, 1)) == bytes([2, 1, 1])
+    assert module.answer(ask(4, 2, 1)) == struct.pack(">BBH", 4, 2, 0)
+    assert module.answer(ask(5, 0, 0xFF00)) == ask(5, 0, 0xFF00)
+    assert module.answer(ask(1, 0, 1)) == bytes([1, 1, 1])
+    assert module.answer(ask(4, 2, 1)) == struct.pack(">BBH", 4, 2, 800)
+    module.faults |= {"interlock", "monitor", "current"}
+    assert module.answer(ask(2, 0, 1)) == bytes([2, 1, 0])
+    assert module.answer(ask(4, 2, 2)) == struct.pack(">BBHH", 4, 4, 400, to_counts(2.0))
+
+
+def test_a_trip_that_does_not_latch_is_noticed(tmp_path):
+    opened = DeviceFault("interlock", 0.5)
+    schedule = Schedule("plain", low=1.0, high=3.0, duration=1.0, safety=True, device=(opened,))
+    outcome = ran(tmp_path, plan(), schedule)
+    outcome.again = 1
+    assert laws.broken(outcome) == []
+    outcome.again = 0
+    (sentence,) = laws.broken(outcome)
+    assert sentence.startswith("does not latch")
+
+
 def test_schedules_are_the_same_for_the_same_seed_and_can_be_run_again():
     drawn = draw("plain", 20, 5, 2.0)
     assert drawn == draw("plain", 20, 5, 2.0)
@@ -256,8 +281,7 @@ def test_the_processes_of_a_run_are_found_by_their_mark(tmp_path):
     assert asyncio.run(start()) == (True, [])
 
 
-@pytest.mark.slow
-@pytest.mark.faults
+@pytest.mark.campaign
 @pytest.mark.parametrize("victim", ["plain", "bench"])
 def test_the_command_keeps_the_laws_whatever_fails(victim, request):
     """Short plans, short faults, many at a time; ``make faults`` takes its time."""

@@ -56,6 +56,10 @@ class Campaign:
         on_bench = sum(schedule.victim == "bench" for schedule in schedules)
         benches = [BenchVictim() for _ in range(min(on_bench, max(1, self._at_a_time // 2)))]
         gate = asyncio.Semaphore(self._at_a_time)
+        errors: list[str] = []  # of the proxy and the devices, which must not pass for a fault
+        asyncio.get_running_loop().set_exception_handler(
+            lambda _, context: errors.append(str(context.get("exception", context["message"])))
+        )
         with tempfile.TemporaryDirectory() as scratch:
             try:
                 await asyncio.gather(self._launcher.start(), *(b.start() for b in benches))
@@ -71,7 +75,10 @@ class Campaign:
                     return verdict
 
                 runs = (one(number, schedule) for number, schedule in enumerate(schedules))
-                return await asyncio.gather(*runs)
+                verdicts = await asyncio.gather(*runs)
+                if errors:
+                    raise RuntimeError(f"the campaign itself fails: {errors[0]}")
+                return verdicts
             finally:
                 for bench in benches:
                     await bench.stop()
@@ -114,6 +121,8 @@ def _smaller(schedule: Schedule) -> list[Schedule]:
     ]
     if schedule.host:
         candidates.append(replace(schedule, host=()))
+    if schedule.device:
+        candidates.append(replace(schedule, device=()))
     if schedule.stuck_terminal:
         candidates.append(replace(schedule, stuck_terminal=False))
     if schedule.read_back != ReadBack():

@@ -87,7 +87,10 @@ class Client:
         """Return what the command finds in its environment."""
         path = f"{Path(__file__).parent / 'interpreter'}:{ROOT}:{os.environ.get('PYTHONPATH', '')}"
         return {
-            MARK: self.mark, "PYTHONPATH": path, "COLUMNS": "200",
+            MARK: self.mark,
+            # Locks and latches belong to an address; ports are used again by other runs.
+            "TMPDIR": str(self.folder),
+            "XDG_STATE_HOME": str(self.folder / "state"), "PYTHONPATH": path, "COLUMNS": "200",
             SLOW_SYNC: str(self.folder / "slow_sync"),
             CLOCK_STEP: str(self.folder / "clock_step"),
         }  # fmt: skip

@@ -1,7 +1,7 @@
 """Runs with one fault each: the failures that are known of such programs, by name."""
 
 from benchmarks.faults.plain_module import ReadBack
-from benchmarks.faults.schedule import HostFault, LinkFault, Schedule
+from benchmarks.faults.schedule import DeviceFault, HostFault, LinkFault, Schedule
 
 STOP = 2.9  # s after the first write: in the ramp to zero, or about to begin it
 
@@ -46,6 +46,13 @@ LIES = {
     "read-back with noise of 5 mV": ReadBack("noisy", 0.005),
 }
 
+DEVICE = {
+    "an interlock that opens": DeviceFault("interlock", 1.0),
+    "a current that is too large": DeviceFault("current", 1.0),
+    "a high voltage that is not what was asked for": DeviceFault("monitor", 1.0),
+    "an interlock that opens in the ramp": DeviceFault("interlock", 0.05),
+}
+
 
 def examples() -> dict[str, Schedule]:
     """Return every run by the name of its device and its fault."""
@@ -59,5 +66,8 @@ def examples() -> dict[str, Schedule]:
         runs[f"bench: {name}"] = Schedule("bench", "buffered", host=(host,))
     for name, lie in LIES.items():
         runs[f"plain: {name}"] = Schedule("plain", read_back=lie)
+    runs["plain, safety: no fault"] = Schedule("plain", safety=True)
+    for name, device in DEVICE.items():
+        runs[f"plain, safety: {name}"] = Schedule("plain", safety=True, device=(device,))
     runs["plain: a terminal that nobody reads"] = Schedule("plain", stuck_terminal=True)
     return runs

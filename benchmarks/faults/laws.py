@@ -78,6 +78,7 @@ def _zero_in_time(outcome: Outcome) -> Iterator[str]:
         (outcome.origin + fault.start, _name(fault)) for fault in schedule.host
         if fault.ends_the_run
     ]  # fmt: skip
+    reasons += [(outcome.origin + f.start, f"a fault of the {f.kind}") for f in schedule.device]
     reasons.append((outcome.exit_time, f"the command had ended with status {outcome.status}"))
     for when, reason in reasons:
         limit = _link_is_back(outcome, when) + schedule.stopping
@@ -111,6 +112,17 @@ def _never_driven_after_exit(outcome: Outcome) -> Iterator[str]:
                 f"{max(start - outcome.over, 0):.1f} s after the end{said}"
             )
             return
+
+
+def _trips_latch(outcome: Outcome) -> Iterator[str]:
+    """After a trip the film stays at zero, mended or not, until a person has acknowledged it."""
+    if outcome.again is None or not any(
+        fault.start < outcome.exit_time - (outcome.origin or 0) for fault in outcome.schedule.device
+    ):
+        return
+    driven = any(e.time > outcome.until and e.volts for e in outcome.trace.applied)
+    if driven or outcome.again == 0:
+        yield f"does not latch: driven again with status {outcome.again} after a trip"
 
 
 def _no_wrong_sample(outcome: Outcome) -> Iterator[str]:
@@ -209,6 +221,11 @@ def _after(outcome: Outcome, when: float) -> str:
 
 LAWS = (
     _works,
-    _within_range, _within_rate, _zero_in_time, _never_driven_after_exit, _no_wrong_sample,
+    _within_range,
+    _within_rate,
+    _zero_in_time,
+    _never_driven_after_exit,
+    _trips_latch,
+    _no_wrong_sample,
     _no_record_lost,
-)  # fmt: skip
+)

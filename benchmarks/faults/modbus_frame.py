@@ -4,6 +4,7 @@ import asyncio
 import struct
 from dataclasses import dataclass
 
+READ_COILS, READ_DISCRETE, WRITE_COIL = 1, 2, 5
 READ_HOLDING, READ_INPUT, WRITE_SINGLE, WRITE_MULTIPLE, READ_WRITE = 3, 4, 6, 16, 23
 WRITES = (WRITE_SINGLE, WRITE_MULTIPLE, READ_WRITE)
 

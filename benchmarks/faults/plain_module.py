@@ -1,9 +1,11 @@
 """A plain analogue module on Modbus/TCP: sockets alone, no watchdog, no owner, no buffer.
 
 Holding register 0 is the output. Input register 0 is the displacement, and input register 1 reads
-the output back. The module remembers every output it has applied, and when. The displacement is a
-tag: it names the write that was in effect when it was read, so that a recorded sample tells which
-output it belongs to.
+the output back. Registers 2 and 3 measure the high voltage and the current behind it, discrete
+input 0 is an interlock, coil 0 enables the high voltage, holding register 1 is a sign of life; only
+a description with ``SAFETY`` names them. The module remembers every output it has applied, and
+when. The displacement is a tag: it names the write that was in effect when it was read, so that a
+recorded sample tells which output it belongs to.
 """
 
 import asyncio
@@ -13,18 +15,21 @@ import time
 from dataclasses import dataclass
 
 from benchmarks.faults.modbus_frame import (
+    READ_COILS,
+    READ_DISCRETE,
     READ_HOLDING,
     READ_INPUT,
     READ_WRITE,
+    WRITE_COIL,
     WRITES,
     Frame,
     read_frame,
     written,
-)  # fmt: skip
+)
 from benchmarks.faults.trace import Applied, Trace
 
 FULL_SCALE = 10.0  # V of 65535 counts
-OUTPUT = 0  # holding register
+OUTPUT, HEARTBEAT = 0, 1  # holding registers
 TAG_FIRST, TAG_STEP, TAGS = 5000, 7, 7000  # counts of the displacement
 DESCRIPTION = """\
 name: plain module
@@ -39,6 +44,22 @@ registers:
   displacement: {{address: 0, table: input, range: [0, 10], unit: mm}}
   applied_output: {{address: 1, table: input, range: [0, 10], unit: V}}
 """
+SAFETY = """\
+  monitor: {address: 2, table: input, range: [0, 10], unit: kV}
+  current: {address: 3, table: input, range: [0, 10], unit: mA}
+  interlock: {address: 0, table: discrete, type: bool}
+  enable: {address: 0, table: coil, type: bool, access: read_write}
+  heartbeat: {address: 1, table: holding, access: read_write}
+safety:
+  max_rate: 15
+  monitor: {name: monitor, gain: 0.8, tolerance: 0.1}
+  current: {name: current, limit: 1.0}
+  interlocks: {door: {name: interlock}}
+  enable: {name: enable}
+  heartbeat: {name: heartbeat, period: 0.5}
+"""
+MONITOR_GAIN = 0.8  # kV/V
+CURRENT, TOO_MUCH = 0.2, 2.0  # mA
 
 
 def tag(serial: int) -> int:
@@ -81,6 +102,9 @@ class PlainModule:
     def __init__(self, read_back: ReadBack, seed: int) -> None:
         self.read_back = read_back
         self.trace = Trace()
+        self.faults: set[str] = set()  # kinds of DeviceFault that have begun
+        self._enabled = 0
+        self._heartbeat = 0
         self._rng = random.Random(seed)
         self._counts = 0
         self._serial = 0
@@ -115,12 +139,17 @@ class PlainModule:
     def answer(self, pdu: bytes) -> bytes:
         """Execute one request and return the reply's protocol data unit."""
         function = pdu[0]
+        if function in (READ_COILS, READ_DISCRETE, WRITE_COIL):
+            return self._answer_bits(pdu)
         if function not in (READ_HOLDING, READ_INPUT, *WRITES):
             return bytes([function | 0x80, 1])
         for address, value in written(pdu).items():
-            if address != OUTPUT:
+            if address == OUTPUT:
+                self._write(value)
+            elif address == HEARTBEAT:
+                self._heartbeat = value
+            else:
                 return bytes([function | 0x80, 2])
-            self._write(value)
         if function in (READ_HOLDING, READ_INPUT, READ_WRITE):
             address, count = struct.unpack(">HH", pdu[1:5])
             table = self._holding() if function != READ_INPUT else self._input()
@@ -130,11 +159,26 @@ class PlainModule:
             return struct.pack(f">BB{count}H", function, 2 * count, *values)
         return pdu[:5]
 
+    def _answer_bits(self, pdu: bytes) -> bytes:
+        function, address, value = struct.unpack(">BHH", pdu[:5])
+        if address != 0 or (function != WRITE_COIL and value != 1):
+            return bytes([function | 0x80, 2])
+        if function == WRITE_COIL:
+            self._enabled = int(value == 0xFF00)
+            return pdu[:5]
+        closed = int("interlock" not in self.faults)
+        return bytes([function, 1, self._enabled if function == READ_COILS else closed])
+
     def _holding(self) -> list[int]:
-        return [self._counts]
+        return [self._counts, self._heartbeat]
 
     def _input(self) -> list[int]:
-        return [tag(self._serial), self.read_back.reads(self._counts, self._rng)]
+        read_back = self.read_back.reads(self._counts, self._rng)
+        high_voltage = round(self._counts * MONITOR_GAIN * self._enabled)
+        if "monitor" in self.faults:
+            high_voltage //= 2
+        current = to_counts(TOO_MUCH if "current" in self.faults else CURRENT)
+        return [tag(self._serial), read_back, high_voltage, current]
 
     def _write(self, value: int) -> None:
         self._serial += 1

@@ -7,6 +7,7 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from benchmarks.faults import plain_module
 from benchmarks.faults.bench_victim import MAP, BenchVictim
@@ -35,6 +36,7 @@ class Outcome:
     until: float  # how long the device was watched
     printed: str = ""
     left: list[int] = field(default_factory=list)  # processes that did not end
+    again: int | None = None  # exit status of a second run after a fault of the device
     recovered: int | None = None  # exit status of `recover`, None where it was not needed
 
 
@@ -60,6 +62,9 @@ async def run(
         suffering.extend(
             loop.create_task(client.suffer(fault, proxy.origin)) for fault in schedule.host
         )
+        for fault in schedule.device:
+            assert device is not None
+            loop.call_later(fault.start, device.faults.add, fault.kind)
 
     proxy = FaultProxy(port, schedule.link, begin)
     try:
@@ -85,6 +90,10 @@ async def run(
         while trace.applied and trace.applied[-1].volts and time.monotonic() < last:
             await asyncio.sleep(0.1)
         until = time.monotonic()
+        again = None
+        if device is not None and schedule.device and not left:
+            device.faults.clear()
+            again = await _again(folder, launcher, request)
         for process in left:
             with suppress(ProcessLookupError):
                 os.kill(process, signal.SIGCONT)
@@ -98,7 +107,7 @@ async def run(
     printed = (folder / "printed").read_text() if (folder / "printed").exists() else ""
     outcome = Outcome(
         schedule, trace, folder, proxy.requests, proxy.origin, exit_time, status, over, until,
-        printed, left,
+        printed, left, again,
     )  # fmt: skip
     if status != 0:
         outcome.recovered = await _recover(folder, launcher, client, arguments)
@@ -112,6 +121,7 @@ def _arguments(schedule: Schedule, folder: Path, port: int, bench: BenchVictim |
             plain_module.DESCRIPTION.format(
                 port=port, both=str(schedule.both).lower(), quarantine=schedule.quarantine
             )
+            + (plain_module.SAFETY if schedule.safety else "")
         )
     else:
         description = MAP
@@ -122,6 +132,8 @@ def _arguments(schedule: Schedule, folder: Path, port: int, bench: BenchVictim |
         "--high", str(schedule.high), "--ramp-rate", str(schedule.ramp_rate),
         "--seed", str(schedule.seed),
     ]  # fmt: skip
+    if schedule.safety:
+        arguments += ["--arm", "campaign"]
     return [*arguments, "--reset"] if bench is not None and bench.latched else arguments
 
 
@@ -131,6 +143,17 @@ def _last_fault(schedule: Schedule, proxy: FaultProxy) -> float:
         return 0.0
     held = sum(fault.length for fault in schedule.link if fault.kind == "hold")
     return proxy.origin + max((fault.end for fault in schedule.link), default=0.0) + held
+
+
+async def _again(folder: Path, launcher: Launcher, request: dict[str, Any]) -> int:
+    """Run the same command once more, the fault of the device mended, and return its status."""
+    arguments = [
+        str(folder / "again.nc") if argument == str(folder / "record.nc") else argument
+        for argument in request["arguments"]
+    ]
+    request |= {"arguments": arguments, "printed": str(folder / "again_printed")}
+    _, ended = await launcher.launch(**request)
+    return await ended
 
 
 async def _gone(client: Client, patience: float) -> list[int]:

@@ -55,6 +55,14 @@ class HostFault:
 
 
 @dataclass(frozen=True)
+class DeviceFault:
+    """What goes wrong behind the module, ``start`` s after the first write, and stays so."""
+
+    kind: str  # interlock, current, monitor
+    start: float
+
+
+@dataclass(frozen=True)
 class Schedule:
     """A run: what is played, on which device, and what goes wrong."""
 
@@ -72,6 +80,8 @@ class Schedule:
     read_back: ReadBack = field(default_factory=ReadBack)
     link: tuple[LinkFault, ...] = ()
     host: tuple[HostFault, ...] = ()
+    safety: bool = False  # whether the plain module has a monitor, an interlock and so on
+    device: tuple[DeviceFault, ...] = ()  # only with ``safety``
 
     @property
     def band(self) -> float:
@@ -95,7 +105,11 @@ class Schedule:
     def faults(self) -> int:
         """Return how many things go wrong."""
         return (
-            len(self.link) + len(self.host) + self.stuck_terminal + (self.read_back.kind != "true")
+            len(self.link)
+            + len(self.host)
+            + len(self.device)
+            + self.stuck_terminal
+            + (self.read_back.kind != "true")
         )
 
 
@@ -104,5 +118,6 @@ def loads(text: str) -> Schedule:
     raw = json.loads(text)
     raw["read_back"] = ReadBack(**raw.get("read_back", {}))
     raw["link"] = tuple(LinkFault(**fault) for fault in raw.get("link", ()))
+    raw["device"] = tuple(DeviceFault(**fault) for fault in raw.get("device", ()))
     raw["host"] = tuple(HostFault(**fault) for fault in raw.get("host", ()))
     return Schedule(**raw)

@@ -1,10 +1,12 @@
 """Random schedules, drawn by hypothesis."""
 
+from dataclasses import replace
+
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
 from benchmarks.faults.plain_module import ReadBack
-from benchmarks.faults.schedule import HostFault, LinkFault, Schedule
+from benchmarks.faults.schedule import DeviceFault, HostFault, LinkFault, Schedule
 
 ENDING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGKILL")
 STOPPING = ("SIGSTOP", "SIGTSTP")
@@ -82,9 +84,19 @@ def schedules(victim: str, duration: float, longest: float) -> st.SearchStrategy
         stuck_terminal=st.integers(0, 9).map(lambda n: n == 9),
         as_command=st.integers(0, 19).map(lambda n: n == 19),
         read_back=_seldom(read_backs()) if plain else st.just(ReadBack()),
+        safety=st.booleans() if plain else st.just(False),
         link=st.lists(link_faults(duration, longest), max_size=2).map(tuple),
         host=st.lists(host_faults(duration, longest), max_size=1).map(tuple),
-    )
+    ).flatmap(lambda schedule: _with_device_fault(schedule, duration))
+
+
+def _with_device_fault(schedule: Schedule, duration: float) -> st.SearchStrategy[Schedule]:
+    """Let something behind the module fail in half of the runs that watch it."""
+    if not schedule.safety:
+        return st.just(schedule)
+    kinds = st.sampled_from(["none", "none", "none", "interlock", "current", "monitor"])
+    fault = st.builds(DeviceFault, kinds, _times(duration))
+    return fault.map(lambda f: schedule if f.kind == "none" else replace(schedule, device=(f,)))
 
 
 def draw(
