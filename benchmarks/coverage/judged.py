@@ -82,6 +82,9 @@ def judge_track(plant: Plant, u: Array, y: Array, true: Array, tracker: str) -> 
     model = refine(estimate(terms(plant), u, y, scaling=Scaling()), u, y)
     track = dea.track_parameters(model, u, y, method=tracker, sampling_rate=1.0)
     followed = with_constant(model)
+    if "instant" not in track:
+        nothing = np.full(INSTANTS * len(followed.terms), np.nan)
+        return Judged({"parameters": nothing}, f"a track of {tracker} holds no intervals")
     columns = {term: true[:, j] for j, term in enumerate(terms(plant))}
     instants = track["instant"].values
     # The first quarter is where a recursion still learns; smoothers are judged there alike.
