@@ -36,15 +36,34 @@ def parameters():
     return np.column_stack([0.1 + t, 1.0 + 2.0 * t, 0.5 - t, 0.2 + t**2])
 
 
+STD = np.array([0.01, 0.02, 0.03, 0.04])  # of each parameter, growing with time
+
+
+def track_of(withheld=""):
+    """A covariance at every sample: independent parameters, of variance STD^2 (1 + t)."""
+    covariance = np.diag(STD**2) * (1.0 + times())[:, None, None]
+    return xr.Dataset(
+        {
+            "parameter": (("time", "term"), parameters()),
+            "covariance": (("instant", "term", "term_2"), covariance),
+        },
+        coords={
+            "time": times(),
+            "instant": times(),
+            "term": [str(term) for term in MODEL.terms],
+        },
+        attrs={"estimator": "output_error", "withheld": withheld},
+    )
+
+
+def responses(withheld=""):
+    u = np.random.default_rng(0).standard_normal(SAMPLES)
+    return response_over_time(MODEL, track_of(withheld), u, RATE, grid=GRID)
+
+
 @pytest.fixture(scope="module")
 def found():
-    track = xr.DataArray(
-        parameters(),
-        dims=("time", "term"),
-        coords={"time": times(), "term": [str(term) for term in MODEL.terms]},
-    )
-    u = np.random.default_rng(0).standard_normal(SAMPLES)
-    return response_over_time(MODEL, track, u, RATE, grid=GRID)
+    return responses()
 
 
 def complex_of(response):
@@ -95,7 +114,39 @@ def test_the_rest_is_the_constant_in_output_units(found):
     np.testing.assert_allclose(found["y0"], exact, rtol=1e-10)
 
 
+def test_the_band_of_the_gain_has_the_closed_form_at_its_times(found):
+    """|H1| is the parameter of u(t-1) in physical units; its logarithm has the band."""
+    time = found["time"].values
+    gain = np.abs(parameter_at(time, 1))
+    deviation = STD[1] * np.sqrt(1.0 + time) * 0.4 / 1.5
+    reach = np.exp(1.959964 * deviation / gain)[:, None] * np.ones(5)
+    np.testing.assert_allclose(found["gain_high"] / gain[:, None], reach, rtol=1e-6)
+    np.testing.assert_allclose(gain[:, None] / found["gain_low"], reach, rtol=1e-6)
+    np.testing.assert_allclose(found["phase_high"] - found["phase_low"], 0.0, atol=1e-9)
+
+
+def test_the_band_of_the_rest_is_that_of_the_constant(found):
+    reach = 1.959964 * 0.4 * STD[0] * np.sqrt(1.0 + found["time"].values)
+    np.testing.assert_allclose(found["y0_high"] - found["y0"], reach, rtol=1e-6)
+    np.testing.assert_allclose(found["y0"] - found["y0_low"], reach, rtol=1e-6)
+
+
+def test_h2_lies_within_its_band(found):
+    gain = np.abs(complex_of(found["H2"]))
+    assert np.all(found["H2_gain_low"] < gain)
+    assert np.all(gain < found["H2_gain_high"])
+    assert found["H2_phase_low"].dims == ("time_h2", "frequency_1", "frequency_2")
+
+
+def test_what_the_track_withholds_has_no_band_and_says_why():
+    found = responses("biased")
+    assert found.attrs["withheld"] == "biased"
+    assert np.isfinite(found["H1"]).all()
+    for name in ("gain_low", "phase_high", "H2_gain_high", "H2_phase_low", "y0_low"):
+        assert np.isnan(found[name]).all()
+
+
 def test_parameters_of_other_terms_are_refused():
-    track = xr.DataArray(np.ones((3, 1)), dims=("time", "term"), coords={"term": ["y(t-1)"]})
+    track = track_of().assign_coords(term=["y(t-1)", "y(t-2)", "y(t-3)", "y(t-4)"])
     with pytest.raises(InputError, match="parameters"):
         response_over_time(MODEL, track, np.ones(3), RATE)

@@ -13,7 +13,10 @@ from dea.tracking.random_walk import RandomWalk
 def standing(theta: np.ndarray, samples: int) -> Smoothed:
     """Parameters that stand still."""
     rows = np.tile(theta, (samples, 1))
-    return Smoothed(rows, np.ones_like(rows), rows, np.zeros(samples), np.zeros(theta.size), 1.0)
+    none = np.empty((0, theta.size, theta.size))
+    return Smoothed(
+        rows, np.ones_like(rows), none, rows, np.zeros(samples), np.zeros(theta.size), 1.0
+    )
 
 
 def test_standing_parameters_are_those_of_the_least_free_run_error():
@@ -25,7 +28,7 @@ def test_standing_parameters_are_those_of_the_least_free_run_error():
     start = np.array([0.6, 1.5])
     walk = RandomWalk(np.zeros(2), prior_variance=1e9)
     model = plant.with_parameters(start)
-    found = smooth_simulation(model, standing(start, u.size - 1), u, y, walk)
+    found = smooth_simulation(model, standing(start, u.size - 1), u, y, walk).smoothed
     best = least_squares(lambda theta: simulate(plant.terms, theta, u, y[:1]) - y, plant.parameters)
     np.testing.assert_allclose(found.theta, np.tile(best.x, (u.size - 1, 1)), rtol=2e-3)
 
@@ -38,7 +41,8 @@ def test_where_no_step_lowers_the_error_the_result_is_the_start_itself():
     start = standing(model.parameters, 49)
     # Without any prior variance the smoother returns its start: a step of length zero.
     walk = RandomWalk(np.zeros(1), prior_variance=0.0)
-    assert smooth_simulation(model, start, u, y, walk) is start
+    found = smooth_simulation(model, start, u, y, walk)
+    np.testing.assert_array_equal(found.smoothed.theta, start.theta)
 
 
 def test_where_tracked_parameters_diverge_the_models_own_are_the_start():

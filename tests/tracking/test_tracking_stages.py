@@ -28,6 +28,7 @@ SETTINGS = {
             "rls": {"forgetting": 0.999, "leakage": 1e-4},
             "output_error": {"thinning": 10},
         },
+        "instants": 60,
         "frozen_window": 500,
     },
     "gfrf": {"tracker": "output_error", "instants": 12, "count": 20, "plane_count": 8},

@@ -20,6 +20,7 @@ QUICK = {
     "orders": {"dynamic": 2, "polynomial": 2, "length": 10},
     "validation": {"windows": [[20, 40]], "before": 20, "max_lag": 20},
     "tracking": {
+        "instants": 40,
         "frozen_window": 100,
         "trackers": {"rls": {"forgetting": 1, "leakage": 0, "delta": 1}},
     },

@@ -45,6 +45,7 @@ class Tracking(Section):
     """Parameters that change with time (docs/method/tracking.md)."""
 
     trackers: Trackers = key("the trackers to run")
+    instants: Count = key("number of times at which the covariance and the bands are kept")
     frozen_window: Count = key(
         "length of the stretches simulated with constant parameters", unit="samples"
     )

@@ -2,15 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
+from dea.gfrf.bands import frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
-from dea.gfrf.response import frequency_response, zero_input_response
+from dea.gfrf.response import frequency_response
 from dea.narx import NarxModel
+
+Array = NDArray[np.float64]
+Rows: TypeAlias = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -45,7 +50,7 @@ _GRID = Grid()
 
 def response_over_time(
     model: NarxModel,
-    parameters: xr.DataArray,
+    track: xr.Dataset,
     u: ArrayLike,
     sampling_rate: float,
     *,
@@ -56,8 +61,12 @@ def response_over_time(
 
     Parameters
     ----------
-    parameters
-        Over (time, term), as a tracker gives them.
+    model
+        With the terms of the track: :func:`dea.tracking.with_constant` of the model tracked.
+    track
+        Of :func:`dea.track_parameters`: ``parameter(time, term)``, ``covariance(instant, term,
+        term_2)`` and the attributes ``estimator`` and ``withheld``. Responses are taken at those of
+        its instants that are nearest to the times of the grid.
     u, sampling_rate
         The excitation the parameters were tracked with, in physical units, and its rate in Hz.
     grid
@@ -71,83 +80,159 @@ def response_over_time(
     xarray.Dataset
         ``H1(time, frequency, part)``, ``H2`` and ``H3(time_h2, frequency_1, frequency_2, part)``,
         ``y0(time)``, ``input_spectrum(frequency)``, ``excited(frequency)`` and
-        ``excited_h2(frequency_1, frequency_2)``. Missing where the model of that time does not
-        come to rest and has no steady-state response.
+        ``excited_h2(frequency_1, frequency_2)``. The ends of the 95 % intervals are ``gain_low``,
+        ``gain_high``, ``phase_low``, ``phase_high`` (degrees) of H1, the same with ``H2_`` of H2,
+        ``y0_low`` and ``y0_high``. Missing where the model of that time does not come to rest and
+        has no steady-state response; the intervals also where the track withholds them.
     """
     terms = list(map(str, model.terms))
-    if parameters["term"].values.tolist() != terms:
+    if track["term"].values.tolist() != terms:
         raise InputError(
-            f"they are of the terms {parameters['term'].values.tolist()}",
+            f"they are of the terms {track['term'].values.tolist()}",
             field="parameters",
             remedy=f"The model's terms are {terms}",
         )
-    samples = parameters.sizes["time"]
-    at = np.arange(min(grid.instants, samples))
-    at = at * samples // at.size + samples // (2 * at.size)
-    at_plane = np.rint(np.asarray(grid.plane_times) * (samples - 1)).astype(int)
+    rows = _Rows(model, track, sampling_rate)
+    at, at_plane = rows.spread(grid.instants), rows.nearest(grid.plane_times)
     f = sampling_rate * np.geomspace(grid.lowest, grid.highest, grid.count)
     steps = np.arange(1, grid.plane_count + 1)
     plane = sampling_rate * grid.plane_highest * steps / grid.plane_count
     f1, f2 = plane[:, None], plane[None, :]
     f3 = sampling_rate * grid.third_frequency
-    theta = parameters.transpose("time", "term").values.astype(float)
-
-    def response(order: int, rows: NDArray[np.int64], *frequencies: ArrayLike) -> np.ndarray:
-        H = frequency_response(
-            model, order, frequencies, sampling_rate, parameters=theta[rows], allow_missing=True
-        )
-        return np.stack([H.real, H.imag], axis=-1)
-
-    y0 = zero_input_response(model, parameters=theta[at], allow_missing=True)
-    density, density_plane = (input_spectrum(u, sampling_rate, x) for x in (f, plane))
-    largest = max(density.max(), density_plane.max())
-    on_plane = excited(density_plane, excited_above * largest)
-    planes = ("time_h2", "frequency_1", "frequency_2", "part")
+    over, planes = ("time", "frequency"), ("time_h2", "frequency_1", "frequency_2")
+    H3 = frequency_response(
+        model, 3, (f1, f2, f3), sampling_rate, parameters=rows.theta[at_plane], allow_missing=True
+    )
     hertz = {"units": "Hz"}
     return xr.Dataset(
-        {
-            "H1": (
-                ("time", "frequency", "part"),
-                response(1, at, f),
-                {"long_name": "first-order frequency response"},
-            ),
-            "H2": (
-                planes,
-                response(2, at_plane, f1, f2),
-                {"long_name": "second-order frequency response"},
-            ),
+        rows.response(1, at, f, "H1", over, prefix="")
+        | rows.response(2, at_plane, (f1, f2), "H2", planes, prefix="H2_")
+        | rows.rest(at)
+        | {
             "H3": (
-                planes,
-                response(3, at_plane, f1, f2, f3),
+                (*planes, "part"),
+                np.stack([H3.real, H3.imag], axis=-1),
                 {"long_name": "third-order frequency response at (f1, f2, frequency_3)"},
-            ),
-            "y0": ("time", y0, {"long_name": "output at rest at the middle input"}),
-            "input_spectrum": (
-                "frequency",
-                density,
-                {"long_name": "power spectral density of the excitation"},
-            ),
-            "excited": (
-                "frequency",
-                excited(density, excited_above * largest).astype(np.int8),
-                {"units": "1", "long_name": "1 where the excitation holds power"},
-            ),
-            "excited_h2": (
-                ("frequency_1", "frequency_2"),
-                (on_plane[:, None] & on_plane).astype(np.int8),
-                {
-                    "units": "1",
-                    "long_name": "1 where both frequencies hold power and so reach their sum",
-                },
-            ),
-        },
+            )
+        }
+        | _excitation(u, sampling_rate, f, plane, excited_above),
         coords={
-            "time": ("time", parameters["time"].values[at], parameters["time"].attrs),
+            "time": ("time", rows.time[at], track["instant"].attrs),
             "frequency": ("frequency", f, hertz | {"long_name": "frequency"}),
-            "time_h2": ("time_h2", parameters["time"].values[at_plane], parameters["time"].attrs),
+            "time_h2": ("time_h2", rows.time[at_plane], track["instant"].attrs),
             "frequency_1": ("frequency_1", plane, hertz | {"long_name": "first frequency"}),
             "frequency_2": ("frequency_2", plane, hertz | {"long_name": "second frequency"}),
             "frequency_3": ((), f3, hertz | {"long_name": "third frequency of H3"}),
             "part": ("part", ["real", "imag"], {"units": "1", "long_name": "part"}),
         },
+        attrs={name: track.attrs[name] for name in ("estimator", "withheld")},
     )
+
+
+class _Rows:
+    """The parameters of a track, with their covariances, at its instants."""
+
+    def __init__(self, model: NarxModel, track: xr.Dataset, sampling_rate: float) -> None:
+        self._model, self._rate = model, sampling_rate
+        self.time = track["instant"].values
+        self._end = float(track["time"].values[-1])
+        parameter = track["parameter"].sel(time=self.time, method="nearest")
+        self.theta = parameter.transpose("time", "term").values.astype(float)
+        self._covariance = track["covariance"].transpose("instant", "term", "term_2").values
+        if track.attrs["withheld"]:
+            self._covariance = np.full_like(self._covariance, np.nan)
+
+    def spread(self, count: int) -> Rows:
+        """Return ``count`` rows, evenly spread; every one of fewer."""
+        at = np.arange(min(count, self.time.size))
+        return at * self.time.size // at.size + self.time.size // (2 * at.size)
+
+    def nearest(self, shares: Sequence[float]) -> Rows:
+        """Return the rows nearest to times given as shares of the record."""
+        wanted = np.asarray(shares)[:, None] * self._end
+        return np.asarray(np.argmin(np.abs(self.time - wanted), axis=1))
+
+    def response(
+        self,
+        order: int,
+        at: Rows,
+        frequencies: Any,
+        name: str,
+        dims: tuple[str, ...],
+        prefix: str,
+    ) -> dict[str, Any]:
+        """Return a response, and the ends of its intervals under names that begin with prefix."""
+        band = frequency_response_band(
+            self._model,
+            order,
+            frequencies,
+            self._rate,
+            parameters=self.theta[at],
+            covariance=self._covariance[at],
+            allow_missing=True,
+        )
+        words = "first" if order == 1 else "second"
+        H = band.response
+        found = {
+            name: (
+                (*dims, "part"),
+                np.stack([H.real, H.imag], axis=-1),
+                {"long_name": f"{words}-order frequency response"},
+            )
+        }
+        for quantity in ("gain", "phase"):
+            for end, word in (("low", "lower"), ("high", "upper")):
+                label = {
+                    "long_name": f"{word} end of the 95 % interval of the {quantity} of {name}"
+                }
+                if quantity == "phase":
+                    label["units"] = "degree"
+                values = getattr(band, f"{quantity}_{end}")
+                found[f"{prefix}{quantity}_{end}"] = (dims, values, label)
+        return found
+
+    def rest(self, at: Rows) -> dict[str, Any]:
+        """Return the rest and the ends of its interval."""
+        y0, low, high = zero_input_interval(
+            self._model,
+            parameters=self.theta[at],
+            covariance=self._covariance[at],
+            allow_missing=True,
+        )
+        what = "output at rest at the middle input"
+        return {
+            "y0": ("time", y0, {"long_name": what}),
+            "y0_low": ("time", low, {"long_name": f"lower end of the 95 % interval of the {what}"}),
+            "y0_high": (
+                "time", high, {"long_name": f"upper end of the 95 % interval of the {what}"}
+            ),
+        }  # fmt: skip
+
+
+def _excitation(
+    u: ArrayLike, sampling_rate: float, f: Array, plane: Array, excited_above: float
+) -> dict[str, Any]:
+    """Return the spectrum of the excitation, and where it holds power."""
+    density, density_plane = (input_spectrum(u, sampling_rate, x) for x in (f, plane))
+    largest = max(density.max(), density_plane.max())
+    on_plane = excited(density_plane, excited_above * largest)
+    return {
+        "input_spectrum": (
+            "frequency",
+            density,
+            {"long_name": "power spectral density of the excitation"},
+        ),
+        "excited": (
+            "frequency",
+            excited(density, excited_above * largest).astype(np.int8),
+            {"units": "1", "long_name": "1 where the excitation holds power"},
+        ),
+        "excited_h2": (
+            ("frequency_1", "frequency_2"),
+            (on_plane[:, None] & on_plane).astype(np.int8),
+            {
+                "units": "1",
+                "long_name": "1 where both frequencies hold power and so reach their sum",
+            },
+        ),
+    }

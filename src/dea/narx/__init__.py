@@ -1,8 +1,9 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
+from dea.narx.autoregression import fit_autoregression
 from dea.narx.baselines import baselines
 from dea.narx.candidate_terms import candidate_terms, linear_terms
-from dea.narx.estimation import estimate, scaling_of
+from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
 from dea.narx.forecast import ForecastPlan, forecast_errors
 from dea.narx.held_out import held_out_error
 from dea.narx.inclusion import inclusion_frequency
@@ -17,6 +18,7 @@ from dea.narx.intervals import (
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
+from dea.narx.parameter_covariance import FreeRun, feedback_slope, noise_model, whitened
 from dea.narx.published import load_published
 from dea.narx.refinement import estimate_refined, refine
 from dea.narx.regressors import regressor_matrix
@@ -28,7 +30,9 @@ from dea.narx.validation import Windows, validate
 
 __all__ = [
     "LEVEL",
+    "NOT_WHITE",
     "ForecastPlan",
+    "FreeRun",
     "Interval",
     "NarxModel",
     "Scaling",
@@ -40,7 +44,9 @@ __all__ = [
     "covariance_of",
     "estimate",
     "estimate_refined",
+    "feedback_slope",
     "fit",
+    "fit_autoregression",
     "forecast_errors",
     "fpe",
     "held_out_error",
@@ -49,6 +55,7 @@ __all__ = [
     "linear_terms",
     "load_published",
     "nmse",
+    "noise_model",
     "parameter_interval",
     "quantile",
     "refine",
@@ -60,4 +67,5 @@ __all__ = [
     "simulate_varying",
     "simulation_interval",
     "validate",
+    "whitened",
 ]

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dea.narx.autoregression import Autoregression, fit_autoregression, noise_energy
+from dea.narx.autoregression import Autoregression, fit_autoregression, noise_energy, whiten
 from dea.narx.checks import Array
 from dea.narx.regressors import regressor_matrix
 from dea.terms import Term, max_lag
@@ -61,6 +61,15 @@ def covariance_of_free_runs(terms: Sequence[Term], theta: Array, runs: Sequence[
     freedom = count / max(count - norms.size, 1)
     found: Array = freedom * (inverse @ energy @ inverse) / np.outer(norms, norms)
     return found
+
+
+def whitened(feedback: Array, noise: Autoregression, signal: Array) -> Array:
+    """Return what drives a signal (samples, ...) through the noise model: white for an error."""
+    driving = signal.copy()
+    for lag in range(1, feedback.shape[1]):
+        weights = feedback[lag:, lag].reshape(-1, *[1] * (signal.ndim - 1))
+        driving[lag:] -= weights * signal[:-lag]
+    return whiten(noise, driving)
 
 
 def noise_model(

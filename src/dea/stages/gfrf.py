@@ -18,7 +18,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
 
     chosen = settings["gfrf"]
     signals = store.signals(store.read_record(record))
-    tracked = store.read(track)["parameter"]
+    tracked = store.read(track)
     if chosen["tracker"] not in tracked["tracker"]:
         raise InputError(
             f"{chosen['tracker']!r} has not tracked this record",
@@ -26,19 +26,24 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
             field="gfrf.tracker",
             remedy=f"Choose {' or '.join(tracked['tracker'].values)}, or add it to the trackers",
         )
+    of_tracker = tracked.sel(tracker=chosen["tracker"])
+    of_tracker.attrs = {name: str(of_tracker[name].values) for name in ("estimator", "withheld")}
     options = {name: value for name, value in chosen.items() if name != "tracker"}
     of_grid = {each.name for each in fields(Grid)} & options.keys()
     result = response_over_time(
         with_constant(NarxModel.load(model)),
-        tracked.sel(tracker=chosen["tracker"]),
+        of_tracker,
         signals.u,
         signals.sampling_rate,
         grid=Grid(**{name: options.pop(name) for name in of_grid}),
         **options,
     )
     y, u = signals.y_units, signals.u_units
-    units = {"y0": y, "input_spectrum": f"{u}^2/Hz", "H1": f"{y}/{u}", "H2": f"{y}/{u}^2"}
-    for name, unit in (units | {"H3": f"{y}/{u}^3"}).items():
+    units = {"y0": y, "H1": f"{y}/{u}", "H2": f"{y}/{u}^2", "H3": f"{y}/{u}^3"}
+    units |= {"input_spectrum": f"{u}^2/Hz"}
+    for end in ("low", "high"):
+        units |= {f"y0_{end}": y, f"gain_{end}": units["H1"], f"H2_gain_{end}": units["H2"]}
+    for name, unit in units.items():
         result[name].attrs["units"] = unit
     store.write(
         result,

@@ -24,26 +24,36 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
             signals.u,
             signals.y,
             method=method,
+            instants=chosen["instants"],
             sampling_rate=signals.sampling_rate,
             **chosen["trackers"][method],
         )
         for method in METHODS
         if method in chosen["trackers"]
     }
-    runs = compare_free_runs(narx, tracks, signals.u, signals.y, window=chosen["frozen_window"])
+    free_runs = compare_free_runs(
+        narx, tracks, signals.u, signals.y, window=chosen["frozen_window"]
+    )
+    words = {"estimator": "method that the estimate is of", "withheld": "why no interval holds"}
     together = xr.concat(
-        [found.assign_coords(tracker=method) for method, found in tracks.items()],
+        [
+            found.assign_coords(tracker=method).assign(
+                {name: ((), found.attrs[name], _plain(label)) for name, label in words.items()}
+            )
+            for method, found in tracks.items()
+        ],
         dim="tracker",
         join="exact",
         combine_attrs="drop_conflicts",
         data_vars="all",
     )
-    result = xr.merge([together.drop_attrs(deep=False), runs], join="exact")
+    result = xr.merge([together.drop_attrs(deep=False), free_runs], join="exact")
     result["tracker"].attrs = {"units": "1", "long_name": "method of tracking"}
-    for name in ("innovation", "simulated", "rmse"):
+    runs = ("simulated", "simulated_low", "simulated_high")
+    for name in ("innovation", *runs, "rmse"):
         result[name].attrs["units"] = signals.y_units
     # Seven digits exceed what any tracker knows and halve the file.
-    narrow = ("parameter", "parameter_std", "innovation", "simulated")
+    narrow = ("parameter", "parameter_std", "innovation", *runs)
     store.write(
         result.assign({name: result[name].astype("float32") for name in narrow}),
         track,
@@ -51,6 +61,10 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
         inputs={"record": record, "model": model},
         settings=settings,
     )
+
+
+def _plain(name: str) -> dict[str, str]:
+    return {"units": "1", "long_name": name}
 
 
 if __name__ == "__main__":

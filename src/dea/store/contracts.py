@@ -61,6 +61,7 @@ def _plain(*dims: str, units: str | None = None) -> Variable:
 
 
 _METRIC = ("model", "approach", "window")
+_ENDS = [(part, end) for part in ("gain", "phase") for end in ("low", "high")]
 _RECOVERY = ("plant", "excitation", "search")
 _RECOVERY_SCORES = ("nmse", "h1_error", "h2_error", "terms_common", "terms_foreign")
 _TRIAL_TEXTS = ("hidden", "kind", "excitation", "status", "said", "rivals", "outcome")
@@ -159,8 +160,15 @@ CONTRACTS: Mapping[str, Contract] = {
         required={
             "parameter": _plain("tracker", "time", "term", units="1"),
             "parameter_std": _plain("tracker", "time", "term", units="1"),
+            "covariance": _plain("tracker", "instant", "term", "term_2", units="1"),
+            "band_low": _plain("tracker", "instant", "term", units="1"),
+            "band_high": _plain("tracker", "instant", "term", units="1"),
+            "estimator": _plain("tracker", units="1"),
+            "withheld": _plain("tracker", units="1"),
             "innovation": _plain("tracker", "time"),
             "simulated": _plain("simulation", "time"),
+            "simulated_low": _plain("simulation", "time"),
+            "simulated_high": _plain("simulation", "time"),
             "nmse": _plain("simulation", units="1"),
             "rmse": _plain("simulation"),
         },
@@ -173,7 +181,14 @@ CONTRACTS: Mapping[str, Contract] = {
         required={
             "H1": _plain("time", "frequency", "part"),
             "H2": _plain("time_h2", "frequency_1", "frequency_2", "part"),
+            **{f"{part}_{end}": _plain("time", "frequency") for part, end in _ENDS},
+            **{
+                f"H2_{part}_{end}": _plain("time_h2", "frequency_1", "frequency_2")
+                for part, end in _ENDS
+            },
             "y0": _plain("time"),
+            "y0_low": _plain("time"),
+            "y0_high": _plain("time"),
             "input_spectrum": _plain("frequency"),
             "excited": _plain("frequency", units="1"),
             "excited_h2": _plain("frequency_1", "frequency_2", units="1"),

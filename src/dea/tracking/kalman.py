@@ -22,18 +22,21 @@ from dea.errors import InputError
 from dea.tracking.kalman_passes import run_filter, run_smoother, score
 
 Array = NDArray[np.float64]
+NOWHERE = np.empty(0, dtype=np.int64)
 
 
 class Smoothed(NamedTuple):
     """What the smoother finds in n samples of p regressors.
 
     ``theta`` and ``variance`` (n, p) are means and variances given the whole record,
-    ``filtered`` (n, p) the means given the record up to each sample, ``innovation`` (n,) the
-    one-step prediction errors, ``noise_ratio`` (p,) the q used and ``noise_variance`` sigma^2.
+    ``covariance`` (k, p, p) the whole covariances at the samples asked for, ``filtered`` (n, p) the
+    means given the record up to each sample, ``innovation`` (n,) the one-step prediction errors,
+    ``noise_ratio`` (p,) the q used and ``noise_variance`` sigma^2.
     """
 
     theta: Array
     variance: Array
+    covariance: Array
     filtered: Array
     innovation: Array
     noise_ratio: Array
@@ -41,7 +44,13 @@ class Smoothed(NamedTuple):
 
 
 def smooth(
-    Phi: Array, y: Array, noise_ratio: Array, *, theta_0: Array, prior_variance: Array | float
+    Phi: Array,
+    y: Array,
+    noise_ratio: Array,
+    *,
+    theta_0: Array,
+    prior_variance: Array | float,
+    at: NDArray[np.int64] = NOWHERE,
 ) -> Smoothed:
     """Estimate parameters that walk randomly, at every sample from the whole record.
 
@@ -54,14 +63,16 @@ def smooth(
     theta_0, prior_variance
         Mean (p,) and variance (p,) of the parameters before the first sample; the variance in
         units of sigma^2.
+    at
+        Samples, ascending, at which the whole covariance is kept.
     """
     Phi, y, q, theta_0, prior = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
     passes = run_filter(Phi, y, q, theta_0, prior, True)
     gain, innovation, S, predicted, _ = passes
     _, sigma2 = _concentrated(innovation, S)
-    theta, variance = run_smoother(Phi, *passes)
+    theta, variance, covariance = run_smoother(Phi, *passes, np.asarray(at, dtype=np.int64))
     filtered = predicted + gain * np.nan_to_num(innovation)[:, None]
-    return Smoothed(theta, sigma2 * variance, filtered, innovation, q, sigma2)
+    return Smoothed(theta, sigma2 * variance, sigma2 * covariance, filtered, innovation, q, sigma2)
 
 
 def log_likelihood(
@@ -103,8 +114,17 @@ def fit_noise_ratio(
 
     Other parameters are those of :func:`smooth`.
     """
-    from scipy.optimize import minimize, minimize_scalar
+    from scipy.optimize import minimize
 
+    common = fit_common_ratio(
+        Phi,
+        y,
+        theta_0=theta_0,
+        prior_variance=prior_variance,
+        thinning=thinning,
+        lowest=lowest,
+        highest=highest,
+    )
     # A parameter takes `thinning` steps between the samples that are used.
     Phi, y = np.ascontiguousarray(Phi[::thinning]), np.ascontiguousarray(y[::thinning])
     p, count = Phi.shape[1], y.size
@@ -114,16 +134,10 @@ def fit_noise_ratio(
         value, gradient = log_likelihood(Phi, y, q, theta_0=theta_0, prior_variance=prior_variance)
         return -value / count, -gradient * q / count
 
-    def common_cost(log_q: float) -> float:
-        arrays = _arrays(Phi, y, np.full(p, np.exp(log_q)), theta_0, prior_variance)
-        _, innovation, S, _, _ = run_filter(*arrays, False)
-        return -_concentrated(innovation, S)[0] / count
-
     bounds = (np.log(thinning * lowest), np.log(thinning * highest))
-    common = minimize_scalar(common_cost, bounds=bounds, method="bounded", options={"xatol": 0.3})
     found = minimize(
         cost,
-        np.full(p, common.x),
+        np.full(p, np.log(common * thinning)),
         jac=True,
         bounds=[bounds] * p,
         method="L-BFGS-B",
@@ -131,6 +145,34 @@ def fit_noise_ratio(
     )
     ratios: Array = np.exp(found.x) / thinning
     return ratios
+
+
+def fit_common_ratio(
+    Phi: Array,
+    y: Array,
+    *,
+    theta_0: Array,
+    prior_variance: Array | float,
+    thinning: int = 1,
+    lowest: float = 1e-14,
+    highest: float = 1e-2,
+) -> float:
+    """Return the one noise ratio of all parameters that has the largest likelihood.
+
+    Parameters are those of :func:`fit_noise_ratio`.
+    """
+    from scipy.optimize import minimize_scalar
+
+    Phi, y = np.ascontiguousarray(Phi[::thinning]), np.ascontiguousarray(y[::thinning])
+
+    def cost(log_q: float) -> float:
+        arrays = _arrays(Phi, y, np.full(Phi.shape[1], np.exp(log_q)), theta_0, prior_variance)
+        _, innovation, S, _, _ = run_filter(*arrays, False)
+        return -_concentrated(innovation, S)[0] / y.size
+
+    bounds = (np.log(thinning * lowest), np.log(thinning * highest))
+    found = minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 0.3})
+    return float(np.exp(found.x)) / thinning
 
 
 def _concentrated(innovation: Array, S: Array) -> tuple[float, float]:

@@ -94,12 +94,27 @@ def _adjoint_step(
 
 @njit(cache=True)
 def run_smoother(
-    Phi: Array, gain: Array, innovation: Array, S: Array, predicted: Array, P: Array
-) -> tuple[Array, Array]:
-    """theta_{t|N} = theta_{t|t-1} + P r and var_{t|N} = diag(P - P N P), P = P_{t|t-1}."""
+    Phi: Array,
+    gain: Array,
+    innovation: Array,
+    S: Array,
+    predicted: Array,
+    P: Array,
+    at: NDArray[np.int64],
+) -> tuple[Array, Array, Array]:
+    """theta_{t|N} = theta_{t|t-1} + P r and P_{t|N} = P - P N P, P = P_{t|t-1}.
+
+    Returns
+    -------
+    tuple
+        Means (n, p), variances (n, p), and the whole covariances (len(at), p, p) at the samples
+        ``at``, which ascend: those of all samples would be large.
+    """
     n, p = Phi.shape
     theta, variance = np.empty((n, p)), np.empty((n, p))
+    covariance = np.empty((at.size, p, p))
     r, N, NK = np.zeros(p), np.zeros((p, p)), np.empty(p)
+    wanted = at.size - 1
     for t in range(n - 1, -1, -1):
         _adjoint_step(Phi[t], gain[t], innovation[t], S[t], r, N, NK)
         for i in range(p):
@@ -112,7 +127,11 @@ def run_smoother(
                 fall += P[t, i, k] * total
             theta[t, i] = predicted[t, i] + shift
             variance[t, i] = P[t, i, i] - fall
-    return theta, variance
+        if wanted >= 0 and at[wanted] == t:
+            found = P[t] - P[t] @ N @ P[t]
+            covariance[wanted] = 0.5 * (found + found.T)
+            wanted -= 1
+    return theta, variance, covariance
 
 
 @njit(cache=True)

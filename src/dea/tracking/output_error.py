@@ -11,16 +11,25 @@ around its own result this is the Gauss-Newton iteration for the parameters whos
 closest to the measured output, with a penalty on their rate of change: an iterated Kalman smoother,
 B. M. Bell, SIAM Journal on Optimization 4 (1994).
 
+The smoother takes e_t for white. What remains of the free run tells how the noise is correlated
+(:func:`dea.narx.noise_model`); passed through the inverse of that model, z and psi make a
+regression with white noise, of the same parameters as long as these change slowly. This is smoothed
+until no parameter moves by a notable part of its standard deviation: the likelihood of the noise
+ratios, the estimate and its covariance then hold for the noise that the record has.
+
 psi_t assumes that theta was theta_t throughout the memory of the system. Where a pole is so close
 to one that parameters change within that time, the step does not lower the error of the free run;
 only steps that do are taken, so the result is then the start itself.
 """
 
+from dataclasses import replace
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.narx import NarxModel, simulate_varying
-from dea.tracking.kalman import Smoothed
+from dea.narx import FreeRun, NarxModel, noise_model, simulate_varying, whitened
+from dea.tracking.kalman import NOWHERE, Smoothed
 from dea.tracking.random_walk import RandomWalk, lead_in
 from dea.tracking.sensitivity import sensitivity
 
@@ -29,11 +38,33 @@ Array = NDArray[np.float64]
 _ITERATIONS = 5
 _SMALLEST_STEP = 1.0 / 64.0
 _SMALLEST_FALL = 0.01  # share of the squared error; a smaller fall ends the iteration
+_WHITENINGS = 10
+_NOISE_FITS = 2  # of them that fit noise model and ratios anew
+_LARGEST_RISE = 1.01  # of the squared error over that of a start that no step improved
+_SETTLED = 0.1  # standard deviations; where no parameter moves further the iteration ends
+
+
+class Tracked(NamedTuple):
+    """Parameters whose free run fits the record, of the samples after the largest lag.
+
+    ``reached`` says whether they are a minimum of the free run's error, and not the start because
+    every step away from it raised that error; ``white`` whether the covariance is that of the
+    noise that the record has.
+    """
+
+    smoothed: Smoothed
+    reached: bool
+    white: bool
 
 
 def smooth_simulation(
-    model: NarxModel, start: Smoothed, u: Array, y: Array, walk: RandomWalk
-) -> Smoothed:
+    model: NarxModel,
+    start: Smoothed,
+    u: Array,
+    y: Array,
+    walk: RandomWalk,
+    at: NDArray[np.int64] = NOWHERE,
+) -> Tracked:
     """Return the parameters whose free run fits the record.
 
     Parameters
@@ -45,18 +76,14 @@ def smooth_simulation(
         Normalised record, shape (samples,).
     walk
         Random-walk model of the parameters; ratios it does not give are fitted in each iteration.
-
-    Returns
-    -------
-    Smoothed
-        Of the samples after the largest lag.
+    at
+        Samples after the largest lag at which the whole covariance is kept.
     """
-    best, lag = start, model.max_lag
+    best = start
     run, error = free_run(model, best.theta, u, y)
     for _ in range(_ITERATIONS):
-        psi = sensitivity(model.terms, lead_in(best.theta, lag), u, run)
-        z = y[lag:] - run[lag:] + np.sum(psi * best.theta, axis=1)
-        found = walk.smooth(psi, z, model.parameters)
+        psi, z = _linearised(model, best.theta, u, y, run)
+        found = walk.smooth(psi, z, model.parameters, at)
         step, before = 1.0, error
         while step >= _SMALLEST_STEP:
             moved = best.theta + step * (found.theta - best.theta)
@@ -65,11 +92,56 @@ def smooth_simulation(
                 break
             step /= 2.0
         else:
-            return best
+            error = before
+            break
         best, run = found._replace(theta=moved), moved_run
         if error > (1.0 - _SMALLEST_FALL) * before:
             break
-    return best
+    return _smooth_whitened(model, best, u, y, walk, at, best is not start)
+
+
+def _smooth_whitened(
+    model: NarxModel,
+    start: Smoothed,
+    u: Array,
+    y: Array,
+    walk: RandomWalk,
+    at: NDArray[np.int64],
+    moved: bool,
+) -> Tracked:
+    """Smooth around ``start`` with the noise that its free run leaves made white."""
+    best, white, lag = start, False, model.max_lag
+    run, error = free_run(model, best.theta, u, y)
+    largest = np.inf if moved else _LARGEST_RISE * error
+    for iteration in range(_WHITENINGS):
+        psi, z = _linearised(model, best.theta, u, y, run)
+        if iteration < _NOISE_FITS:
+            left = FreeRun(u, run, y - run, psi)
+            feedback, noise = noise_model(model.terms, lead_in(best.theta, lag), [left])
+        whole = np.concatenate([np.zeros((lag, psi.shape[1])), psi])
+        white_psi = whitened(feedback[0], noise, whole)[lag:]
+        white_z = whitened(feedback[0], noise, np.concatenate([np.zeros(lag), z]))[lag:]
+        found = walk.smooth(white_psi, white_z, model.parameters, at)
+        found_run, found_error = free_run(model, found.theta, u, y)
+        if not found_error < largest:
+            break
+        near = _SETTLED * np.sqrt(np.maximum(found.variance, 0.0))
+        settled = np.all(np.abs(found.theta - best.theta) <= near)
+        best, run, white = found, found_run, True
+        if iteration == _NOISE_FITS - 1 and walk.noise_ratio is None:
+            walk = replace(walk, noise_ratio=found.noise_ratio)
+        elif iteration >= _NOISE_FITS and settled:
+            break
+    return Tracked(best, moved or white, white)
+
+
+def _linearised(
+    model: NarxModel, theta: Array, u: Array, y: Array, run: Array
+) -> tuple[Array, Array]:
+    """Return psi and z around a trajectory and its free run."""
+    lag = model.max_lag
+    psi = sensitivity(model.terms, lead_in(theta, lag), u, run)
+    return psi, y[lag:] - run[lag:] + np.sum(psi * theta, axis=1)
 
 
 def free_run(model: NarxModel, theta: Array, u: Array, y: Array) -> tuple[Array, float]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.tracking.kalman import Smoothed, fit_noise_ratio, smooth
+from dea.tracking.kalman import NOWHERE, Smoothed, fit_noise_ratio, smooth
 
 Array = NDArray[np.float64]
 
@@ -29,8 +29,13 @@ class RandomWalk:
     prior_variance: float = 1.0
     thinning: int = 10
 
-    def smooth(self, Phi: Array, y: Array, theta_0: Array) -> Smoothed:
-        """Smooth ``y = Phi theta_t`` around ``theta_0``; the result is for the unscaled ``Phi``."""
+    def smooth(
+        self, Phi: Array, y: Array, theta_0: Array, at: NDArray[np.int64] = NOWHERE
+    ) -> Smoothed:
+        """Smooth ``y = Phi theta_t`` around ``theta_0``; the result is for the unscaled ``Phi``.
+
+        The whole covariance is kept at the samples ``at``.
+        """
         scale = root_mean_square(Phi)
         Phi = Phi / scale
         theta_0 = theta_0 * scale
@@ -43,11 +48,12 @@ class RandomWalk:
                 prior_variance=self.prior_variance,
                 thinning=self.thinning,
             )
-        found = smooth(Phi, y, q, theta_0=theta_0, prior_variance=self.prior_variance)
+        found = smooth(Phi, y, q, theta_0=theta_0, prior_variance=self.prior_variance, at=at)
         return found._replace(
             theta=found.theta / scale,
             filtered=found.filtered / scale,
             variance=found.variance / scale**2,
+            covariance=found.covariance / np.outer(scale, scale),
         )
 
 

@@ -90,6 +90,69 @@ def recursive_least_squares(
     return RlsTrack(theta, variance, innovation, V.T @ V)
 
 
+def recursion_covariance(
+    Phi: Array,
+    found: RlsTrack,
+    at: NDArray[np.int64],
+    *,
+    forgetting: float,
+    leakage: float,
+    delta: float,
+    target_covariance: Array,
+    walk: Array,
+) -> Array:
+    """Return the covariance (k, p, p) of the estimates after the samples ``at``.
+
+    sigma^2 P_n, which weighs old samples less, is not it. With white noise of variance sigma^2, an
+    error of the target of covariance C_0 and parameters whose steps have the covariance W,
+
+        P (sigma^2 sum_t lambda^(2(n-t)) phi_t phi_t^T + c^2 C_0) P + W/(1 - lambda^2),
+
+    where c is the weight of leakage and prior. The last holds for steps that go on through the
+    memory of the recursion; without forgetting it is their sum.
+
+    Parameters
+    ----------
+    Phi, forgetting, leakage, delta
+        As given to :func:`recursive_least_squares`, whose result is ``found``.
+    target_covariance
+        C_0, shape (p, p).
+    walk
+        Variances of the steps of each parameter in one sample, shape (p,).
+    """
+    information, squares = _weighted_squares(Phi, forgetting, at)
+    covariance = np.empty_like(information)
+    for i, n in enumerate(at):
+        fade = forgetting ** (n + 1.0)
+        weight = n + 1.0 if forgetting == 1.0 else (1.0 - fade) / (1.0 - forgetting)
+        pull = leakage * weight + delta * fade
+        P = np.linalg.inv(information[i] + pull * np.eye(Phi.shape[1]))
+        noise_variance = found.variance[n, 0] / P[0, 0]
+        spread = noise_variance * squares[i] + pull**2 * target_covariance
+        steps = n + 1.0 if forgetting == 1.0 else 1.0 / (1.0 - forgetting**2)
+        covariance[i] = P @ spread @ P + np.diag(steps * walk)
+    return covariance
+
+
+@njit(cache=True)
+def _weighted_squares(Phi: Array, forgetting: float, at: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Sum of phi phi^T with the weights lambda^(n-t), and with their squares, for each n of at."""
+    p = Phi.shape[1]
+    once, twice = np.zeros((p, p)), np.zeros((p, p))
+    first, second = np.empty((at.size, p, p)), np.empty((at.size, p, p))
+    wanted = 0
+    for t in range(Phi.shape[0]):
+        for i in range(p):
+            for k in range(p):
+                product = Phi[t, i] * Phi[t, k]
+                once[i, k] = forgetting * once[i, k] + product
+                twice[i, k] = forgetting * forgetting * twice[i, k] + product
+        if wanted < at.size and at[wanted] == t:
+            first[wanted], second[wanted] = once, twice
+            wanted += 1
+    return first, second
+
+
 def _require(holds: bool, field: str, value: float, remedy: str) -> None:
     if not holds:
         raise InputError(f"it is {value:g}", field=field, remedy=remedy)

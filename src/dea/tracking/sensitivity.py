@@ -1,12 +1,10 @@
 """Derivatives of a free run by its parameters when these change with time."""
 
-from collections import Counter
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.narx import regressor_matrix
+from dea.narx import feedback_slope, regressor_matrix
 from dea.terms import Term, max_lag
 
 Array = NDArray[np.float64]
@@ -30,14 +28,7 @@ def sensitivity(terms: tuple[Term, ...], theta: Array, u: Array, y: Array) -> Ar
     ndarray
         Shape (samples - largest lag, terms).
     """
-    start = max_lag(terms)
-    feedback = np.zeros((y.size - start, start + 1))  # df/dy_{t-l} in column l
-    for j, term in enumerate(terms):
-        for lag, power in Counter(term.y_lags).items():
-            others = list(term.y_lags)
-            others.remove(lag)
-            slope = regressor_matrix((Term(tuple(others), term.u_lags),), u, y, start)[:, 0]
-            feedback[:, lag] += theta[start:, j] * power * slope
+    feedback = feedback_slope(terms, theta, u, y)[max_lag(terms) :]
     psi = np.ascontiguousarray(regressor_matrix(terms, u, y))
     _accumulate(feedback, psi)
     return psi

@@ -14,6 +14,14 @@ def with_constant(model: NarxModel) -> NarxModel:
     """
     if Term() in model.terms:
         return model
+    covariance = None
+    if model.covariance is not None:
+        covariance = np.zeros((len(model.terms) + 1, len(model.terms) + 1))
+        covariance[1:, 1:] = model.covariance
     return NarxModel(
-        (Term(), *model.terms), np.concatenate([[0.0], model.parameters]), model.scaling
+        (Term(), *model.terms),
+        np.concatenate([[0.0], model.parameters]),
+        model.scaling,
+        covariance,
+        withheld=model.withheld,
     )

@@ -7,7 +7,8 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
-from dea.narx import NarxModel, simulate, simulate_varying
+from dea.narx import LEVEL, NarxModel, covariance_of, quantile, simulate, simulate_varying
+from dea.tracking.sensitivity import sensitivity
 from dea.tracking.structure import with_constant
 
 Array = NDArray[np.float64]
@@ -41,7 +42,9 @@ def compare_free_runs(
     Returns
     -------
     xarray.Dataset
-        ``simulated(simulation, time)`` and ``rmse(simulation)`` in output units,
+        ``simulated(simulation, time)`` with ``simulated_low`` and ``simulated_high``, the 95 %
+        interval that the uncertainty of the parameters gives the free run, missing where the
+        parameters' own is withheld; ``rmse(simulation)`` in output units,
         ``nmse(simulation)`` and ``nmse_frozen(simulation)``, where nmse is the squared error over
         that of the mean. A run that diverges is ``inf`` from there on and so is its error.
     """
@@ -67,12 +70,31 @@ def compare_free_runs(
     spread = np.var(outputs)
     error = np.array([np.mean((run - outputs) ** 2) for run in runs])
     simulated = model.scaling.restore_output(np.stack(runs))
+    unknown = np.full((len(tracked.terms), len(tracked.terms)), np.nan)
+    own = unknown if tracked.covariance is None else covariance_of(tracked)
+    spreads = {FIXED: own[None]} | {name: _covariance_of(track) for name, track in tracks.items()}
+    reach = np.stack(
+        [
+            _reach(tracked, theta, inputs, run, spreads[name])
+            for (name, theta), run in zip(trajectories.items(), runs, strict=True)
+        ]
+    )
     return xr.Dataset(
         {
             "simulated": (
                 ("simulation", "time"),
                 simulated,
                 {"long_name": "free-run simulation of the output"},
+            ),
+            "simulated_low": (
+                ("simulation", "time"),
+                simulated - reach,
+                {"long_name": "lower end of the 95 % interval of the free run"},
+            ),
+            "simulated_high": (
+                ("simulation", "time"),
+                simulated + reach,
+                {"long_name": "upper end of the 95 % interval of the free run"},
             ),
             "nmse": (
                 "simulation",
@@ -116,6 +138,37 @@ def normalised_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> tuple[Arr
         model.scaling.normalise_input(np.asarray(u, dtype=float)),
         model.scaling.normalise_output(np.asarray(y, dtype=float)),
     )
+
+
+def _covariance_of(track: xr.Dataset) -> Array:
+    """Return the covariances of a track at its instants, (k, terms, terms); NaN if withheld."""
+    if "covariance" not in track:
+        return np.full((1, track.sizes["term"], track.sizes["term"]), np.nan)
+    found: Array = track["covariance"].values
+    return np.full_like(found, np.nan) if track.attrs["withheld"] else found
+
+
+def _reach(model: NarxModel, theta: Array, u: Array, run: Array, covariance: Array) -> Array:
+    """Return half the 95 % interval of a free run, in output units, shape (samples,).
+
+    Each sample takes the covariance of the part of the record that it lies in, of as many equal
+    parts as there are covariances. A run that diverges has no interval.
+    """
+    if not np.isfinite(run[-1]) or not np.isfinite(covariance).all():
+        return np.full(run.size, np.nan)
+    psi = np.concatenate(
+        [
+            np.zeros((model.max_lag, len(model.terms))),
+            sensitivity(model.terms, theta, u, run),
+        ]
+    )
+    part = np.arange(run.size) * covariance.shape[0] // run.size
+    variance = np.empty(run.size)
+    for i, C in enumerate(covariance):
+        here = part == i
+        variance[here] = np.einsum("ij,jk,ik->i", psi[here], C, psi[here])
+    reach: Array = quantile(LEVEL) * model.scaling.y_scale * np.sqrt(np.maximum(variance, 0.0))
+    return reach
 
 
 def _frozen_error(model: NarxModel, theta: Array, u: Array, y: Array, window: int) -> float:

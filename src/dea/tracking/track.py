@@ -7,18 +7,28 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
-from dea.narx import NarxModel, regressor_matrix
-from dea.tracking.kalman import Smoothed
+from dea.narx import LEVEL, NarxModel, quantile, regressor_matrix
+from dea.tracking.bands import (
+    NOT_MOVED,
+    NOT_WHITENED,
+    TARGET_UNKNOWN,
+    Estimate,
+    reason_of_innovations,
+)
+from dea.tracking.bands import instants as instants_of
+from dea.tracking.kalman import Smoothed, fit_common_ratio
 from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
-from dea.tracking.rls import recursive_least_squares
+from dea.tracking.rls import recursion_covariance, recursive_least_squares
 from dea.tracking.structure import with_constant
 from dea.tracking.success import normalised_record
 
 Array = NDArray[np.float64]
-_SMOOTHER = {"delta": 1.0, "noise_ratio": None, "thinning": 10}
+_THINNING = 10
+_SMOOTHER = {"delta": 1e-4, "noise_ratio": None, "thinning": _THINNING, "instants": 360}
+_NAMES = {"kalman": "Kalman smoother", "fixed": "model's own parameters"}
 _DEFAULTS: dict[str, dict[str, Any]] = {
-    "rls": {"forgetting": 0.999, "leakage": 1e-4, "delta": 1.0},
+    "rls": {"forgetting": 0.999, "leakage": 1e-4, "delta": 1.0, "instants": 360},
     "kalman": _SMOOTHER,
     "output_error": _SMOOTHER,
 }
@@ -36,6 +46,7 @@ def track_parameters(
     delta: float | None = None,
     noise_ratio: ArrayLike | None = None,
     thinning: int | None = None,
+    instants: int | None = None,
     sampling_rate: float = 1.0,
 ) -> xr.Dataset:
     """Track the parameters of ``model`` through a record, (10).
@@ -65,15 +76,23 @@ def track_parameters(
     thinning
         For the other two, of the samples that the likelihood is taken over, by default 10; about
         the number of samples over which one-step prediction errors are correlated.
+    instants
+        At how many times, evenly spread, the whole covariance and the intervals are given; by
+        default 360, at every sample of a shorter record.
     sampling_rate
         In Hz; only labels the time.
 
     Returns
     -------
     xarray.Dataset
-        ``parameter(time, term)`` and ``parameter_std`` in the model's normalised units,
-        ``innovation(time)`` in output units, missing for the first ``model.max_lag`` samples, and
-        for the smoothers ``noise_ratio(term)``.
+        ``parameter(time, term)`` in the model's normalised units; its ``parameter_std`` as the
+        recursion itself has it, which takes the noise for white and the prior for known;
+        ``covariance(instant, term, term_2)`` and the 95 % interval ``band_low`` and
+        ``band_high(instant, term)``; ``innovation(time)`` in output units, missing for the first
+        ``model.max_lag`` samples; for the smoothers ``noise_ratio(term)``. Its attribute
+        ``estimator`` names the method that the estimate is of, which differs from ``method`` where
+        that fell back on another; ``withheld`` says why no interval can be given, and the
+        intervals are then missing (docs/method/bands.md).
 
     Raises
     ------
@@ -88,52 +107,90 @@ def track_parameters(
         delta=delta,
         noise_ratio=noise_ratio,
         thinning=thinning,
+        instants=instants,
     )
     model = with_constant(model)
-    inputs, outputs = normalised_record(model, u, y)
-    Phi = regressor_matrix(model.terms, inputs, outputs)
-    target = outputs[model.max_lag :]
-    if method == "rls":
-        scale = root_mean_square(Phi)
-        found = recursive_least_squares(
-            Phi / scale,
-            target,
-            theta_0=model.parameters * scale,
-            **chosen,
-        )
-        return _labelled(
-            model,
-            found.theta / scale,
-            np.sqrt(found.variance) / scale,
-            found.innovation,
-            sampling_rate,
-            {"method": method, **chosen},
-        )
+    record = normalised_record(model, u, y)
+    at = np.maximum(instants_of(record[0].size, chosen.pop("instants")), model.max_lag)
+    tracker = _recursive if method == "rls" else _smoothed
+    found = tracker(model, record, at - model.max_lag, method, chosen)
+    return _labelled(model, found, at, sampling_rate, {"method": method, **chosen})
+
+
+def _recursive(
+    model: NarxModel,
+    record: tuple[Array, Array],
+    at: NDArray[np.int64],
+    method: str,
+    settings: dict[str, Any],
+) -> Estimate:
+    """Track by recursive least squares."""
+    Phi = regressor_matrix(model.terms, *record)
+    scale = root_mean_square(Phi)
+    Phi, target = Phi / scale, record[1][model.max_lag :]
+    centre = model.parameters * scale
+    found = recursive_least_squares(Phi, target, theta_0=centre, **settings)
+    known = model.covariance is not None
+    own = np.zeros((scale.size, scale.size)) if model.covariance is None else model.covariance
+    ratio = fit_common_ratio(Phi, target, theta_0=centre, prior_variance=1.0, thinning=_THINNING)
+    covariance = recursion_covariance(
+        Phi,
+        found,
+        at,
+        target_covariance=own * np.outer(scale, scale),
+        walk=np.full(scale.size, ratio * np.var(found.innovation)),
+        **settings,
+    )
+    withheld = reason_of_innovations(found.innovation)
+    if settings["leakage"] and not known:
+        withheld = withheld or TARGET_UNKNOWN
+    return Estimate(
+        found.theta / scale,
+        np.sqrt(found.variance) / scale,
+        found.innovation,
+        covariance / np.outer(scale, scale),
+        method,
+        withheld,
+    )
+
+
+def _smoothed(
+    model: NarxModel,
+    record: tuple[Array, Array],
+    at: NDArray[np.int64],
+    method: str,
+    settings: dict[str, Any],
+) -> Estimate:
+    """Track by a smoother, of the one-step prediction or of the free run."""
+    Phi, target = regressor_matrix(model.terms, *record), record[1][model.max_lag :]
+    ratio = settings["noise_ratio"]
     walk = RandomWalk(
-        None if noise_ratio is None else np.asarray(noise_ratio, dtype=float),
-        prior_variance=1.0 / chosen["delta"],
-        thinning=chosen["thinning"],
+        None if ratio is None else np.asarray(ratio, dtype=float),
+        prior_variance=1.0 / settings["delta"],
+        thinning=settings["thinning"],
     )
-    smoothed = walk.smooth(Phi, target, model.parameters)
+    by_prediction = walk.smooth(Phi, target, model.parameters, at)
+    estimator, withheld = "kalman", reason_of_innovations(by_prediction.innovation)
+    smoothed = by_prediction
     if method == "output_error":
-        fixed = RandomWalk(np.zeros(len(model.terms)), prior_variance=0.0)
-        starts = [smoothed, fixed.smooth(Phi, target, model.parameters)]
-        start = _bounded(model, starts, inputs, outputs)
-        smoothed = smooth_simulation(model, start, inputs, outputs, walk)
-    track = _labelled(
-        model,
+        standing = RandomWalk(np.zeros(len(model.terms)), prior_variance=0.0)
+        starts = [by_prediction, standing.smooth(Phi, target, model.parameters, at)]
+        names = ("kalman", "fixed")
+        best = _bounded(model, starts, *record)
+        tracked = smooth_simulation(model, starts[best], *record, walk, at)
+        smoothed = tracked.smoothed
+        if tracked.reached:
+            estimator, withheld = method, "" if tracked.white else NOT_WHITENED
+        else:
+            estimator, withheld = names[best], NOT_MOVED.format(_NAMES[names[best]])
+    return Estimate(
         smoothed.theta,
-        np.sqrt(smoothed.variance),
+        np.sqrt(np.maximum(smoothed.variance, 0.0)),
         smoothed.innovation,
-        sampling_rate,
-        {"method": method, "delta": chosen["delta"], "thinning": chosen["thinning"]},
-    )
-    return track.assign(
-        noise_ratio=(
-            "term",
-            smoothed.noise_ratio,
-            {"units": "1", "long_name": "variance of a step over that of the noise, per sample"},
-        )
+        smoothed.covariance,
+        estimator,
+        withheld,
+        smoothed.noise_ratio,
     )
 
 
@@ -158,8 +215,8 @@ def _settings(method: str, **given: Any) -> dict[str, Any]:
     return chosen
 
 
-def _bounded(model: NarxModel, starts: list[Smoothed], u: Array, y: Array) -> Smoothed:
-    """Return the one of ``starts`` with the smallest free-run error."""
+def _bounded(model: NarxModel, starts: list[Smoothed], u: Array, y: Array) -> int:
+    """Return which of ``starts`` has the smallest free-run error."""
     errors = [free_run(model, start.theta, u, y)[1] for start in starts]
     best = int(np.argmin(errors))
     if not np.isfinite(errors[best]):
@@ -168,46 +225,70 @@ def _bounded(model: NarxModel, starts: list[Smoothed], u: Array, y: Array) -> Sm
             field="model",
             remedy="Take a model that is stable on this record, or another method",
         )
-    return starts[best]
+    return best
 
 
 def _labelled(
     model: NarxModel,
-    theta: Array,
-    std: Array,
-    innovation: Array,
+    found: Estimate,
+    at: NDArray[np.int64],
     sampling_rate: float,
-    attrs: dict[str, Any],
+    settings: dict[str, Any],
 ) -> xr.Dataset:
     lag = model.max_lag
-    before = np.full(lag, np.nan)
-    innovations = np.concatenate([before, innovation * model.scaling.y_scale])
-    plain = {"units": "1"}
-    return xr.Dataset(
+    theta = lead_in(found.theta, lag)
+    innovation = np.concatenate([np.full(lag, np.nan), found.innovation * model.scaling.y_scale])
+    deviation = np.sqrt(np.maximum(np.einsum("kii->ki", found.covariance), 0.0))
+    reach = np.full_like(deviation, np.nan) if found.withheld else quantile(LEVEL) * deviation
+    plain, seconds = {"units": "1"}, {"units": "s"}
+    over, at_instants = ("time", "term"), ("instant", "term")
+    normalised = "of the parameter, normalised signals"
+    attrs = {name: value for name, value in settings.items() if name != "noise_ratio"}
+    track = xr.Dataset(
         {
             "parameter": (
-                ("time", "term"),
-                lead_in(theta, lag),
-                plain | {"long_name": "parameter of the term, normalised signals"},
+                over, theta, plain | {"long_name": "parameter of the term, normalised signals"}
             ),
             "parameter_std": (
-                ("time", "term"),
-                lead_in(std, lag),
-                plain | {"long_name": "standard deviation of the parameter"},
+                over,
+                lead_in(found.std, lag),
+                plain | {"long_name": f"standard deviation {normalised}, for white noise"},
+            ),
+            "covariance": (
+                ("instant", "term", "term_2"),
+                found.covariance,
+                plain | {"long_name": "covariance of the parameters"},
+            ),
+            "band_low": (
+                at_instants,
+                theta[at] - reach,
+                plain | {"long_name": f"lower end of the 95 % interval {normalised}"},
+            ),
+            "band_high": (
+                at_instants,
+                theta[at] + reach,
+                plain | {"long_name": f"upper end of the 95 % interval {normalised}"},
             ),
             "innovation": (
                 "time",
-                innovations,
-                {"long_name": "one-step prediction error, missing until all lags are known"},
+                innovation,
+                {"long_name": "prediction error of the tracker, missing until all lags are known"},
             ),
         },
         coords={
             "time": (
                 "time",
-                np.arange(innovations.size) / sampling_rate,
-                {"units": "s", "long_name": "time since the start"},
+                np.arange(innovation.size) / sampling_rate,
+                seconds | {"long_name": "time since the start"},
+            ),
+            "instant": (
+                "instant", at / sampling_rate, seconds | {"long_name": "time of a covariance"}
             ),
             "term": ("term", list(map(str, model.terms)), plain | {"long_name": "term"}),
         },
-        attrs=attrs,
-    )
+        attrs=attrs | {"estimator": found.estimator, "withheld": found.withheld},
+    )  # fmt: skip
+    if found.noise_ratio is not None:
+        label = {"long_name": "variance of a step over that of the noise, per sample"}
+        track["noise_ratio"] = ("term", found.noise_ratio, plain | label)
+    return track
