@@ -147,13 +147,25 @@ def track(seed: int) -> xr.Dataset:
             {
                 "parameter": over(("tracker", "time", "term"), theta),
                 "parameter_std": over(("tracker", "time", "term"), np.full_like(theta, 0.03)),
+                "covariance": over(
+                    ("tracker", "instant", "term", "term_2"),
+                    np.broadcast_to(9e-4 * np.eye(found["term"].size),
+                                    (3, t[::40].size, found["term"].size, found["term"].size)),
+                ),
+                "band_low": over(("tracker", "instant", "term"), theta[:, ::40] - 0.06),
+                "band_high": over(("tracker", "instant", "term"), theta[:, ::40] + 0.06),
+                "estimator": over("tracker", np.array(TRACKERS, dtype=object)),
+                "withheld": over("tracker", np.array(["", "", ""], dtype=object)),
                 "innovation": over(("tracker", "time"), rng.standard_normal((3, t.size)), "mm"),
                 "simulated": over(("simulation", "time"), y + spread * np.sin(t), "mm"),
+                "simulated_low": over(("simulation", "time"), y + spread * np.sin(t) - 0.01, "mm"),
+                "simulated_high": over(("simulation", "time"), y + spread * np.sin(t) + 0.01, "mm"),
                 "nmse": over("simulation", [0.4, 0.02, 0.01, 0.005]),
                 "rmse": over("simulation", [0.2, 0.02, 0.01, 0.007], "mm"),
             },
             coords={
                 "time": over("time", t, "s"), "term": found["term"],
+                "instant": over("instant", t[::40], "s"),
                 "tracker": TRACKERS, "simulation": ["fixed", *TRACKERS],
             },
         ),
@@ -173,12 +185,26 @@ def gfrf(seed: int) -> xr.Dataset:
     def parts(values):
         return np.stack([values.real, values.imag], axis=-1)
 
+    def ends(prefix, dims, response, units):
+        """Bands of 3 % and 2 degrees."""
+        gain, phase = np.abs(response), np.degrees(np.angle(response))
+        return {
+            f"{prefix}gain_low": over(dims, 0.97 * gain, units),
+            f"{prefix}gain_high": over(dims, 1.03 * gain, units),
+            f"{prefix}phase_low": over(dims, phase - 2.0, "degree"),
+            f"{prefix}phase_high": over(dims, phase + 2.0, "degree"),
+        }
+
     return checked(
         xr.Dataset(
             {
                 "H1": over(("time", "frequency", "part"), parts(h1), "mm/V"),
                 "H2": over(("time_h2", "frequency_1", "frequency_2", "part"), parts(h2), "mm/V^2"),
+                **ends("", ("time", "frequency"), h1, "mm/V"),
+                **ends("H2_", ("time_h2", "frequency_1", "frequency_2"), h2, "mm/V^2"),
                 "y0": over("time", 1 + 0.1 * t / 1800, "mm"),
+                "y0_low": over("time", 0.99 + 0.1 * t / 1800, "mm"),
+                "y0_high": over("time", 1.01 + 0.1 * t / 1800, "mm"),
                 "input_spectrum": over("frequency", spectrum, "V^2/Hz"),
                 "excited": over("frequency", (f <= 1.0).astype(np.int8)),
                 "excited_h2": over(
@@ -193,6 +219,7 @@ def gfrf(seed: int) -> xr.Dataset:
                 "frequency_2": over("frequency_2", f2, "Hz"),
                 "part": ["real", "imag"],
             },
+            attrs={"tracker": "output_error", "estimator": "output_error", "withheld": ""},
         ),
         "gfrf",
     )  # fmt: skip

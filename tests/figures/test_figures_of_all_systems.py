@@ -50,18 +50,16 @@ def test_maps_of_h1_lie_below_their_own_record_over_time_and_frequency(draw):
     assert len(drawn) == len(EACH)
     for (ax, mesh), (name, response) in zip(drawn, responses.items(), strict=True):
         h1 = as_complex(response["H1"]).values
-        expected = np.abs(h1) if draw is fig3 else np.degrees(np.angle(h1))
+        if draw is fig3:
+            expected = np.abs(h1) / np.abs(h1)[90, 0]  # own gain at half time
+        else:
+            expected = np.degrees(np.angle(h1)) + 360.0 * 0.1 * response["frequency"].values
         np.testing.assert_allclose(mesh.get_array().reshape(expected.T.shape), expected.T)
         time, frequency = centres(mesh)
         np.testing.assert_allclose(time, response["time"])
         np.testing.assert_allclose(frequency, response["frequency"])
         position = ax.get_subplotspec()
-        [series] = [
-            other
-            for other in figure.axes
-            if other.get_title() == name and other.get_subplotspec().is_last_col() ==
-            position.is_last_col()
-        ]  # fmt: skip
+        [series] = [other for other in figure.axes if other.get_title() == name]
         assert series.get_subplotspec().rowspan.start == position.rowspan.start - 1
         x, y = series.lines[0].get_data()
         np.testing.assert_array_equal(x, records[name]["time"])
@@ -77,7 +75,8 @@ def test_fig4_has_a_column_for_each_system_a_row_for_each_time_and_f1_along_x():
         spec = ax.get_subplotspec()
         name, instant = list(EACH)[spec.colspan.start], spec.rowspan.start
         h2 = abs(as_complex(responses[name]["H2"])).isel(time_h2=instant)
-        expected = h2.transpose("frequency_2", "frequency_1").values
+        middle = abs(as_complex(responses[name]["H2"])).values[1, 0, 0]
+        expected = h2.transpose("frequency_2", "frequency_1").values / middle
         np.testing.assert_allclose(mesh.get_array().reshape(expected.shape), expected)
         for drawn, axis in zip(centres(mesh), ("frequency_1", "frequency_2"), strict=True):
             np.testing.assert_allclose(drawn, responses[name][axis])
@@ -85,10 +84,49 @@ def test_fig4_has_a_column_for_each_system_a_row_for_each_time_and_f1_along_x():
             assert ax.get_title() == name
         if spec.is_first_col():
             assert ax.get_ylabel() == f"at {(5, 15, 25)[instant]} min\n$f_2$ (Hz)"
-        if spec.is_last_row():
+        if instant == 2:
             assert ax.get_xlabel() == "$f_1$ (Hz)"
     bar = next(ax for ax in figure.axes if ax.get_label() == "<colorbar>")
-    assert bar.get_ylabel() == "$|H_2(f_1, f_2)|$ (mm/V²)"
+    assert bar.get_ylabel() == "$|H_2(f_1, f_2)|$ / own at lowest $f$, middle time"
+
+
+def test_curves_of_h1_lie_within_their_bands_at_three_times():
+    response = made.gfrf(1)
+    figure = fig3({"dea1": made.record(1)}, {"dea1": response})
+    ax = next(ax for ax in figure.axes if ax.get_ylabel() == "gain $|H_1|$ (mm/V)")
+    gain = np.abs(as_complex(response["H1"]).values)
+    silent = response["excited"].values == 0
+    for row, line, band in zip((9, 90, 171), ax.lines[::2], ax.collections, strict=True):
+        np.testing.assert_allclose(line.get_ydata()[~silent], gain[row][~silent])
+        assert np.isnan(line.get_ydata()[silent]).all()
+        points = {tuple(point) for path in band.get_paths() for point in path.vertices}
+        for end in ("gain_low", "gain_high"):
+            ends = response[end].values[row][~silent]
+            assert points >= set(zip(response["frequency"].values[~silent], ends, strict=True))
+
+
+def test_the_last_row_of_fig4_is_the_diagonal_with_its_band():
+    response = made.gfrf(1)
+    figure = fig4_h2({"dea1": response})
+    ax = next(ax for ax in figure.axes if ax.get_ylabel() == "$|H_2(f, f)|$ (mm/V²)")
+    excited = np.diagonal(response["excited_h2"].values) == 1
+    f = response["frequency_1"].values[excited]
+    for row, (line, band) in enumerate(zip(ax.lines, ax.collections, strict=True)):
+        size = np.diagonal(np.abs(as_complex(response["H2"]).values[row]))[excited]
+        np.testing.assert_allclose(line.get_xydata(), np.column_stack([f, size]))
+        points = {tuple(point) for path in band.get_paths() for point in path.vertices}
+        low = np.diagonal(response["H2_gain_low"].values[row])[excited]
+        assert points >= set(zip(f, low, strict=True))
+
+
+@pytest.mark.parametrize("draw", [fig3, fig3_phase])
+def test_what_has_no_band_or_another_estimate_is_said_below(draw):
+    responses = {name: made.gfrf(seed) for name, seed in EACH.items()}
+    responses["dea1"].attrs["withheld"] = "biased"
+    responses["dea2"].attrs["estimator"] = "kalman"
+    figure = draw({name: made.record(1) for name in EACH}, responses)
+    said = figure.legends[0].get_title().get_text()
+    assert said == "dea1: no 95 % band: biased\ndea2: parameters of kalman, not output_error"
 
 
 def test_link_plots_the_round_trips_and_the_lateness_of_each_system():

@@ -149,19 +149,31 @@ def test_tracked_parameters_plot_what_each_simulation_leaves():
 
 def test_tracked_parameters_plot_each_parameter_with_its_95_percent_band():
     track = made.track(1)
-    track["parameter_std"].values[:] = 0.01 * np.arange(1, 4)[:, None, None]
     axes = tracked_parameters(made.record(1), track, "dea1").subfigs[1].axes
     thin = track.isel(time=slice(None, None, 3))
     for ax, term in zip(axes, track["term"].values, strict=False):
         assert ax.get_title() == Term.parse(term).mathematics()
         for band, tracker in zip(ax.collections, made.TRACKERS, strict=True):
-            theta = thin["parameter"].sel(tracker=tracker, term=term).values
-            reach = 1.96 * thin["parameter_std"].sel(tracker=tracker, term=term).values
-            assert_line(ax, COLOURS[tracker], thin["time"], theta)
+            of = {"tracker": tracker, "term": term}
+            assert_line(ax, COLOURS[tracker], thin["time"], thin["parameter"].sel(of).values)
             assert same_color(band.get_facecolor()[0][:3], COLOURS[tracker])
             edges = {tuple(point) for point in band.get_paths()[0].vertices}
-            for edge in (theta - reach, theta + reach):
-                assert edges >= set(zip(thin["time"].values, edge, strict=True))
+            for end in ("band_low", "band_high"):
+                expected = track[end].sel(of).values
+                assert edges >= set(zip(track["instant"].values, expected, strict=True))
+
+
+def test_a_withheld_band_is_not_drawn_and_the_figure_says_why():
+    track = made.track(1)
+    track["withheld"] = track["withheld"].copy(data=np.array(["", "biased", ""], dtype=object))
+    track["estimator"] = track["estimator"].copy(
+        data=np.array(["rls", "kalman", "kalman"], dtype=object)
+    )
+    lower = tracked_parameters(made.record(1), track, "dea1").subfigs[1]
+    assert len(lower.axes[0].collections) == 2
+    said = lower.legends[0].get_title().get_text()
+    assert "Kalman smoother: no 95 % band, biased" in said
+    assert "output-error smoother: parameters of kalman" in said
 
 
 @pytest.mark.parametrize(("panel", "name"), [(0, "nmse"), (1, "h1_error"), (2, "h2_error")])

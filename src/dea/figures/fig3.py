@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from dea.figures import style
 from dea.figures.frequency_maps import as_complex, magnitude_scale
-from dea.figures.h1_over_time import Scale, excited_values, h1_over_time
+from dea.figures.h1_over_time import Quantity, excited_values, h1_over_time
 from dea.store import Sources
 
 
@@ -18,9 +19,34 @@ def draw(sources: Sources) -> Figure:
 
 @style.styled
 def fig3(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset]) -> Figure:
-    """Draw the gain of H1(f, t) (contracts ``record`` and ``gfrf``, by the systems' names)."""
-    maps = {name: abs(as_complex(response["H1"])) for name, response in responses.items()}
+    """Draw the gain of H1(f, t) (contracts ``record`` and ``gfrf``, by the systems' names).
+
+    The maps show it relative to the system's own gain at the lowest frequency in the middle of the
+    record, so that one colour scale suits systems of different size; the curves in physical units.
+    """
+    gains = {name: abs(as_complex(response["H1"])) for name, response in responses.items()}
+    relative = {name: gain / _reference(gain) for name, gain in gains.items()}
     units = next(iter(responses.values()))["H1"].attrs["units"]
-    label = style.quantity(r"gain $|H_1(f, t)|$", units)
-    scale = Scale(magnitude_scale(excited_values(maps, responses)), style.GAIN_MAP, label)
-    return h1_over_time(records, responses, maps, scale)
+    shown = Quantity(
+        relative,
+        magnitude_scale(excited_values(relative, responses)),
+        style.GAIN_MAP,
+        r"$|H_1(f, t)|$ / $|H_1|$ at the lowest $f$ and half time",
+        gains,
+        "gain_low",
+        "gain_high",
+        style.quantity(r"gain $|H_1|$", units),
+    )
+    return h1_over_time(records, responses, shown)
+
+
+def _reference(gain: xr.DataArray) -> float:
+    """Return the gain at the lowest frequency, at the time with a steady state nearest the middle.
+
+    Without any such time it is missing.
+    """
+    slow = gain.isel(frequency=0).values
+    known = np.flatnonzero(np.isfinite(slow))
+    if not known.size:
+        return float("nan")
+    return float(slow[known[np.argmin(np.abs(known - slow.size // 2))]])

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from dea.figures import style
 from dea.figures.frequency_maps import as_complex
-from dea.figures.h1_over_time import Scale, excited_values, h1_over_time
-from dea.store import Sources
+from dea.figures.h1_over_time import Quantity, excited_values, h1_over_time
+from dea.store import Sources, signals
 
 
 def draw(sources: Sources) -> Figure:
@@ -21,18 +21,40 @@ def draw(sources: Sources) -> Figure:
 
 @style.styled
 def fig3_phase(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset]) -> Figure:
-    """Draw the phase of H1(f, t) (contracts ``record`` and ``gfrf``, by the systems' names)."""
-    maps = {name: _degrees(response) for name, response in responses.items()}
-    norm = _range(excited_values(maps, responses))
-    label = r"phase $\angle H_1(f, t)$ (degrees)"
-    return h1_over_time(records, responses, maps, Scale(norm, style.PHASE_MAP, label))
+    """Draw the phase of H1(f, t) (contracts ``record`` and ``gfrf``, by the systems' names).
+
+    The delay of one sample, which lies between an input and the first output that it can move, is
+    taken off; that of the instruments is not.
+    """
+    without = {
+        name: _without_delay(response, records[name]) for name, response in responses.items()
+    }
+    maps = {name: response["phase"] for name, response in without.items()}
+    shown = Quantity(
+        maps,
+        _range(excited_values(maps, responses)),
+        style.PHASE_MAP,
+        "phase of $H_1(f, t)$ without the delay of one sample (degrees)",
+        maps,
+        "phase_low",
+        "phase_high",
+        "phase of $H_1$ (degrees)",
+    )
+    return h1_over_time(records, without, shown)
 
 
-def _degrees(response: xr.Dataset) -> xr.DataArray:
-    """Return the phase (degrees), unwrapped along the frequencies."""
+def _without_delay(response: xr.Dataset, record: xr.Dataset) -> xr.Dataset:
+    """Return the response with phase and band (degrees), unwrapped, less the delay of a sample."""
+    time = signals(record).time
+    sample = (time[-1] - time[0]) / (time.size - 1)
+    delay = 360.0 * sample * response["frequency"]
     h1 = as_complex(response["H1"])
-    unwrapped = np.unwrap(np.angle(h1), axis=h1.get_axis_num("frequency"))
-    return h1.copy(data=np.degrees(unwrapped))
+    wrapped = np.degrees(np.angle(h1))
+    unwrapped = np.unwrap(wrapped, axis=h1.get_axis_num("frequency"), period=360.0)
+    turns = h1.copy(data=unwrapped - wrapped)
+    ends = {name: response[name] + turns + delay for name in ("phase_low", "phase_high")}
+    found = response.assign(phase=h1.copy(data=unwrapped) + delay, **ends)
+    return found.transpose(*response.dims)
 
 
 def _range(phases: NDArray[np.float64]) -> Normalize:

@@ -9,19 +9,32 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex, colour_bar, explain, hatch, magnitude_scale
+from dea.figures.frequency_maps import (
+    as_complex,
+    colour_bar,
+    hatch,
+    magnitude_scale,
+    missing_handles,
+    reservations,
+    veil_handle,
+)
 from dea.store import Sources
 
 Array = NDArray[np.float64]
-_MARGIN, _LARGEST_PANEL = 36.0, 52.0  # mm
+_MARGIN, _LARGEST_PANEL = 36.0, 44.0  # mm
+_CURVES = 34.0  # mm, height of the last row
+_PALENESS = 0.3
 _CONTOURS = 3
 _FLAT = 0.01  # of the largest value; a map that varies less gets no contours
 _BEYOND = 1.4  # upper limit of the axes over the highest excited frequency
 _LABELLED = 0.6  # of the way from the middle to the edge: a label further out would be cut
-_APART = 0.75  # of the way from the middle to the edge, between labels
+_APART = 0.85  # of the way from the middle to the edge, between labels
 
 
 def draw(sources: Sources) -> Figure:
@@ -31,25 +44,76 @@ def draw(sources: Sources) -> Figure:
 
 @style.styled
 def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
-    """Draw |H2| (contract ``gfrf``): a column per actuator, a row per time, one colour scale."""
-    maps = {name: abs(as_complex(response["H2"])) for name, response in responses.items()}
+    """Draw |H2| (contract ``gfrf``): a column per actuator, a row per time, one colour scale.
+
+    The maps show it relative to the actuator's own at the lowest frequencies and the middle time;
+    the last row shows |H2(f, f)| in physical units, at each time with its band.
+    """
+    sizes = {name: abs(as_complex(response["H2"])) for name, response in responses.items()}
+    maps = {name: size / _reference(size) for name, size in sizes.items()}
     times = next(iter(maps.values()))["time_h2"].values
     unit, unit_name = style.clock(times)
     panel = min((style.FULL_WIDTH - _MARGIN) / len(maps), _LARGEST_PANEL)
-    figure = style.page_figure(panel * len(maps) + _MARGIN, panel * times.size + _MARGIN / 2)
-    axes = figure.subplots(times.size, len(maps), squeeze=False, sharex=True, sharey=True)
+    height = panel * times.size + _CURVES + _MARGIN
+    figure = style.page_figure(panel * len(maps) + _MARGIN, min(height, style.PAGE_HEIGHT))
+    ratios = [*[panel] * times.size, _CURVES]
+    axes = figure.subplots(times.size + 1, len(maps), squeeze=False, height_ratios=ratios)
     norm = _scale(maps, responses)
     for column, (name, values) in enumerate(maps.items()):
         for row, time in enumerate(times):
-            mesh = _panel(axes[row, column], responses[name], values.isel(time_h2=row), norm)
+            ax = axes[row, column]
+            mesh = _panel(ax, responses[name], values.isel(time_h2=row), norm)
+            ax.tick_params(labelleft=column == 0, labelbottom=row == times.size - 1)
             axes[row, 0].set_ylabel(f"at {time / unit:.3g} {unit_name}\n$f_2$ (Hz)")
         axes[0, column].set_title(name)
-        axes[-1, column].set_xlabel("$f_1$ (Hz)")
+        axes[-2, column].set_xlabel("$f_1$ (Hz)")
+        _diagonal(axes[-1, column], responses[name], sizes[name])
     units = next(iter(responses.values()))["H2"].attrs["units"]
-    label = style.quantity(r"$|H_2(f_1, f_2)|$", units)
-    colour_bar(figure, mesh, axes, label)
-    explain(figure, maps)
+    axes[-1, 0].set_ylabel(style.quantity("$|H_2(f, f)|$", units))
+    colour_bar(figure, mesh, axes[:-1], r"$|H_2(f_1, f_2)|$ / own at lowest $f$, middle time")
+    handles = [veil_handle(), *_curve_handles(times), *missing_handles(maps)]
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=min(3, len(maps)),
+        title=reservations(responses), title_fontsize=6,
+    )  # fmt: skip
     return figure
+
+
+def _reference(size: xr.DataArray) -> float:
+    """Return |H2| at the lowest frequencies at the time with a steady state nearest the middle."""
+    slow = size.isel(frequency_1=0, frequency_2=0).values
+    known = np.flatnonzero(np.isfinite(slow) & (slow > 0.0))
+    if not known.size:
+        return float("nan")
+    return float(slow[known[np.argmin(np.abs(known - slow.size // 2))]])
+
+
+def _diagonal(ax: Axes, response: xr.Dataset, sizes: xr.DataArray) -> None:
+    """Draw |H2(f, f)| where f is excited, at each time with its band."""
+    f = response["frequency_1"].values
+    order = ("time_h2", "frequency_1", "frequency_2")
+    known = np.flatnonzero(np.diagonal(response["excited_h2"].values))
+    for row in range(sizes["time_h2"].size):
+        colour = style.THREE[row % len(style.THREE)]
+        low, high, size = (
+            np.diagonal(each.transpose(*order).values[row])[known]
+            for each in (response["H2_gain_low"], response["H2_gain_high"], sizes)
+        )
+        ax.fill_between(f[known], low, high, color=colour, alpha=_PALENESS, lw=0)
+        ax.plot(f[known], size, color=colour, lw=0.9)
+    ax.xaxis.set_major_locator(MaxNLocator(3))
+    ax.yaxis.set_major_locator(MaxNLocator(3))
+    ax.set_xlabel("$f$ (Hz)")
+
+
+def _curve_handles(times: Array) -> list[Line2D | Patch]:
+    unit, name = style.clock(times)
+    lines: list[Line2D | Patch] = [
+        Line2D([], [], color=style.THREE[row % len(style.THREE)], lw=0.9,
+               label=f"at {time / unit:.3g} {name}")
+        for row, time in enumerate(times)
+    ]  # fmt: skip
+    return [*lines, Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band")]
 
 
 def _doubtful(response: xr.Dataset) -> NDArray[np.bool_]:

@@ -1,6 +1,7 @@
 """What the maps of frequency responses share: complex values, hatching, colours."""
 
 from collections.abc import Mapping
+from textwrap import wrap
 
 import numpy as np
 import xarray as xr
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from dea.figures import style
 
 Array = NDArray[np.float64]
+_LINE = 130  # characters of a note below the maps
 _DECADE = 10.0
 _VEIL, _VEIL_ALPHA = "#C9C9C9", 0.65
 
@@ -35,20 +37,38 @@ def hatch(ax: Axes, x: Array, y: Array, where: NDArray[np.bool_]) -> None:
         ax.contour(x, y, cells, [0.5], colors=[style.BLACK], linewidths=0.6)
 
 
-def explain(figure: Figure, maps: Mapping[str, xr.DataArray]) -> None:
-    """Add a legend of what :func:`hatch` marks and, if there are any, of missing values."""
-    handles = [
-        Patch(
-            facecolor=_VEIL, edgecolor=style.BLACK, hatch="////", lw=0.4,
-            label="no excitation here: the model extrapolates",
-        )
+def veil_handle() -> Patch:
+    """Return the legend's entry for what :func:`hatch` marks."""
+    return Patch(
+        facecolor=_VEIL, edgecolor=style.BLACK, hatch="////", lw=0.4,
+        label="no excitation here: the model extrapolates",
+    )  # fmt: skip
+
+
+def missing_handles(maps: Mapping[str, xr.DataArray]) -> list[Patch]:
+    """Return the legend's entry for missing values, if there are any."""
+    if not any(bool(values.isnull().any()) for values in maps.values()):
+        return []
+    return [
+        Patch(facecolor="white", edgecolor=style.BLACK, lw=0.4,
+              label="the model of that time has no steady state")
     ]  # fmt: skip
-    if any(bool(values.isnull().any()) for values in maps.values()):
-        handles.append(
-            Patch(facecolor="white", edgecolor=style.BLACK, lw=0.4,
-                  label="the model of that time has no steady state")
-        )  # fmt: skip
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+
+
+def reservations(responses: Mapping[str, xr.Dataset]) -> str:
+    """Return which systems have no band and why, and whose estimate is another than asked for."""
+    reasons: dict[str, list[str]] = {}
+    for name, response in responses.items():
+        if response.attrs["withheld"]:
+            reasons.setdefault(f"no 95 % band: {response.attrs['withheld']}", []).append(name)
+        elif response.attrs["estimator"] != response.attrs["tracker"]:
+            said = f"parameters of {response.attrs['estimator']}, not {response.attrs['tracker']}"
+            reasons.setdefault(said, []).append(name)
+    return "\n".join(
+        line
+        for reason, names in reasons.items()
+        for line in wrap(f"{', '.join(names)}: {reason}", _LINE)
+    )
 
 
 def magnitude_scale(trusted: Array) -> Normalize:

@@ -1,4 +1,4 @@
-"""Maps of the first-order frequency response over time, each below its system's raw output."""
+"""The first-order frequency response over time: output, map, and curves at several times."""
 
 from collections.abc import Mapping
 from math import ceil
@@ -10,60 +10,72 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.figures.frequency_maps import colour_bar, explain, hatch
+from dea.figures.frequency_maps import colour_bar, hatch, missing_handles, reservations, veil_handle
 from dea.store import signals
 
 _COLUMNS = 2
+_TIMES = (0.05, 0.5, 0.95)  # of the record, at which curves are drawn
+_PALENESS = 0.3
+_BEYOND = 2.0  # highest frequency shown over the highest excited one
 
 
-class Scale(NamedTuple):
-    """The colour scale of all maps: range, name of the colour map, label of the colour bar."""
+class Quantity(NamedTuple):
+    """What is shown of H1.
 
+    ``maps`` over ``time`` and ``frequency`` on the colour scale ``norm``; ``curves`` likewise, in
+    the units of the variables ``low`` and ``high`` of the response, the ends of their bands.
+    """
+
+    maps: Mapping[str, xr.DataArray]
     norm: Normalize
     colours: str
-    label: str
+    map_label: str
+    curves: Mapping[str, xr.DataArray]
+    low: str
+    high: str
+    curve_label: str
 
 
 def h1_over_time(
-    records: Mapping[str, xr.Dataset],
-    responses: Mapping[str, xr.Dataset],
-    maps: Mapping[str, xr.DataArray],
-    scale: Scale,
+    records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset], shown: Quantity
 ) -> Figure:
-    """Draw the map of each system, all on one colour scale.
+    """Draw for each system its output, its map below, and curves with their bands beside them.
 
     Parameters
     ----------
     records, responses
         Contracts ``record`` and ``gfrf``, by the systems' names.
-    maps
-        What is shown of each response, over ``time`` and ``frequency``.
     """
     columns = min(_COLUMNS, len(records))
     rows = ceil(len(records) / columns)
-    figure = style.page_figure(style.FULL_WIDTH, 22 + 66 * rows)
-    axes = figure.subplots(
-        2 * rows, columns, squeeze=False, sharex=True, height_ratios=[1, 2] * rows
+    figure = style.page_figure(style.FULL_WIDTH, min(30 + 64 * rows, style.PAGE_HEIGHT))
+    grid = figure.add_gridspec(
+        2 * rows, 2 * columns, height_ratios=[1, 2.6] * rows, width_ratios=[1.25, 1] * columns
     )
-    for number, name in enumerate(records):
+    for number, (name, response) in enumerate(responses.items()):
         row, column = divmod(number, columns)
-        series, panel = axes[2 * row, column], axes[2 * row + 1, column]
+        panel = figure.add_subplot(grid[2 * row + 1, 2 * column])
+        series = figure.add_subplot(grid[2 * row, 2 * column], sharex=panel)
+        curves = figure.add_subplot(grid[2 * row : 2 * row + 2, 2 * column + 1])
         _series(series, records[name])
-        mesh = _panel(panel, responses[name], maps[name], scale)
         series.set_title(name)
-        panel.set_ylabel("frequency (Hz)" if column == 0 else "")
-        if number + columns >= len(records):  # the lowest of its column
-            style.time_axis(panel, signals(records[name]).time)
-            panel.tick_params(labelbottom=True)
-    for number in range(len(records), rows * columns):
-        row, column = divmod(number, columns)
-        axes[2 * row, column].set_visible(False)
-        axes[2 * row + 1, column].set_visible(False)
-    colour_bar(figure, mesh, axes, scale.label)
-    explain(figure, maps)
+        mesh = _map(panel, response, shown.maps[name], shown)
+        style.time_axis(panel, signals(records[name]).time)
+        panel.set_ylabel("frequency (Hz)")
+        _curves(curves, response, shown.curves[name], shown)
+    colour_bar(figure, mesh, np.array(figure.axes), shown.map_label)
+    time = next(iter(responses.values()))["time"].values
+    handles = [veil_handle(), *_curve_handles(time), *missing_handles(shown.maps)]
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=3,
+        title=reservations(responses), title_fontsize=6,
+    )  # fmt: skip
     return figure
 
 
@@ -83,23 +95,74 @@ def _excited(response: xr.Dataset) -> NDArray[np.bool_]:
     return response["excited"].values.astype(np.bool_)
 
 
+def _highest(response: xr.Dataset) -> float:
+    """Return the highest frequency shown: a little beyond the highest excited one."""
+    frequency = response["frequency"].values
+    known = frequency[_excited(response)].max(initial=frequency[0])
+    return float(min(frequency[-1], max(_BEYOND * known, frequency[1])))
+
+
 def _series(ax: Axes, record: xr.Dataset) -> None:
     whole = signals(record)
     ax.plot(whole.time, whole.y, lw=0.15, color=style.BLACK, rasterized=True)
     ax.set_ylabel(style.quantity("$y$", whole.y_units))
-    ax.set_xlim(whole.time[0], whole.time[-1])
+    ax.yaxis.set_major_locator(MaxNLocator(2))
+    ax.tick_params(labelbottom=False)
 
 
-def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, scale: Scale) -> QuadMesh:
+def _map(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantity) -> QuadMesh:
     time, frequency = values["time"].values, values["frequency"].values
     mesh = ax.pcolormesh(
         time, frequency, values.transpose("frequency", "time").values,
-        norm=scale.norm, cmap=scale.colours, shading="nearest", rasterized=True,
+        norm=shown.norm, cmap=shown.colours, shading="nearest", rasterized=True,
     )  # fmt: skip
-    if frequency[0] > 0 and frequency[-1] > 30 * frequency[0]:
-        ax.set_yscale("log")
-        ax.yaxis.set_major_formatter("{x:g}")
-    ax.set_ylim(frequency[0], frequency[-1])
+    ax.set_ylim(frequency[0], _highest(response))
+    _log_if_wide(ax, "y")
     doubtful = ~_excited(response)
     hatch(ax, np.array(ax.get_xlim()), frequency, np.column_stack([doubtful, doubtful]))
     return mesh
+
+
+def _curves(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantity) -> None:
+    frequency, excited = values["frequency"].values, _excited(response)
+    for share, colour in zip(_TIMES, style.THREE, strict=True):
+        row = round(share * (values["time"].size - 1))
+        curve = values.isel(time=row).values
+        low, high = (response[end].isel(time=row).values for end in (shown.low, shown.high))
+        ax.fill_between(
+            frequency, np.where(excited, low, np.nan), np.where(excited, high, np.nan),
+            color=colour, alpha=_PALENESS, lw=0,
+        )  # fmt: skip
+        ax.plot(frequency, np.where(excited, curve, np.nan), color=colour, lw=0.9)
+        ax.plot(frequency, curve, color=colour, lw=0.6, ls=":")
+    ax.set_xlim(frequency[0], _highest(response))
+    _log_if_wide(ax, "x")
+    near = frequency <= _highest(response)
+    rows = [round(share * (values["time"].size - 1)) for share in _TIMES]
+    seen = values.isel(time=rows, frequency=near).values
+    seen = seen[np.isfinite(seen)]
+    if seen.size and np.ptp(seen) > 0.0:
+        margin = 0.08 * np.ptp(seen)
+        ax.set_ylim(seen.min() - margin, seen.max() + margin)
+    ax.yaxis.set_major_locator(MaxNLocator(4))
+    ax.set_xlabel("frequency (Hz)")
+    ax.set_ylabel(shown.curve_label)
+
+
+def _log_if_wide(ax: Axes, which: str) -> None:
+    low, high = ax.get_ylim() if which == "y" else ax.get_xlim()
+    if low > 0 and high > 20 * low:
+        axis = ax.yaxis if which == "y" else ax.xaxis
+        ax.set(**{f"{which}scale": "log"})
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("")
+
+
+def _curve_handles(time: NDArray[np.float64]) -> list[Line2D | Patch]:
+    unit, name = style.clock(time)
+    at = [time[round(share * (time.size - 1))] / unit for share in _TIMES]
+    lines: list[Line2D | Patch] = [
+        Line2D([], [], color=colour, lw=0.9, label=f"at {each:.3g} {name}")
+        for each, colour in zip(at, style.THREE, strict=True)
+    ]
+    return [*lines, Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band")]

@@ -1,6 +1,7 @@
 """Tracked parameters with their bands, and the residuals of free-run simulation with them."""
 
 from math import ceil
+from textwrap import wrap
 
 import numpy as np
 import xarray as xr
@@ -16,7 +17,7 @@ from dea.terms import Term
 
 _COLUMNS = 3
 _POINTS = 1200  # a panel is 600 pixels wide
-_BAND = 1.96  # standard deviations either side of the estimate: 95 %
+_LINE = 120  # characters of a note
 _PALENESS = 0.22
 _TRACKER = {
     "rls": ("recursive least squares", style.BLUE, "-"),
@@ -68,8 +69,22 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     lower.legend(
         [*handles, band], [*labels, band.get_label()],
         loc="outside upper center", ncols=len(handles) + 1,
+        title=_reservations(track), title_fontsize=6,
     )  # fmt: skip
     return figure
+
+
+def _reservations(track: xr.Dataset) -> str:
+    """Return which trackers have no band, and which fell back on another."""
+    notes = []
+    for tracker in _in_order(track["tracker"]):
+        chosen = track.sel(tracker=tracker)
+        withheld, estimator = (str(chosen[name].values) for name in ("withheld", "estimator"))
+        if withheld:
+            notes += wrap(f"{_TRACKER[tracker][0]}: no 95 % band, {withheld}", _LINE)
+        elif estimator != tracker:
+            notes += wrap(f"{_TRACKER[tracker][0]}: parameters of {estimator}", _LINE)
+    return "\n".join(notes)
 
 
 def _in_order(names: xr.DataArray) -> list[str]:
@@ -104,11 +119,11 @@ def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
     time = track["time"].values
     for tracker in _in_order(track["tracker"]):
         label, colour, dashes = _TRACKER[tracker]
-        theta = track["parameter"].sel(tracker=tracker).values
-        reach = _BAND * track["parameter_std"].sel(tracker=tracker).values
-        ax.plot(time, theta, color=colour, ls=dashes, lw=0.8, label=label)
-        ax.fill_between(
-            time, theta - reach, theta + reach, color=colour, alpha=_PALENESS, lw=0,
-            rasterized=True,
-        )  # fmt: skip
+        chosen = track.sel(tracker=tracker)
+        ax.plot(time, chosen["parameter"].values, color=colour, ls=dashes, lw=0.8, label=label)
+        if not str(chosen["withheld"].values):
+            ax.fill_between(
+                chosen["instant"].values, chosen["band_low"].values, chosen["band_high"].values,
+                color=colour, alpha=_PALENESS, lw=0, rasterized=True,
+            )  # fmt: skip
     ax.set_title(Term.parse(term).mathematics())
