@@ -1,6 +1,6 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
-from dea.narx.autoregression import fit_autoregression
+from dea.narx.autoregression import fit_autoregression, whiten
 from dea.narx.baselines import baselines
 from dea.narx.candidate_terms import candidate_terms, linear_terms
 from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
@@ -18,7 +18,7 @@ from dea.narx.intervals import (
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
-from dea.narx.parameter_covariance import FreeRun, feedback_slope, noise_model, whitened
+from dea.narx.parameter_covariance import FreeRun, feedback_slope, noise_model, remove_feedback
 from dea.narx.published import load_published
 from dea.narx.refinement import estimate_refined, refine
 from dea.narx.regressors import regressor_matrix
@@ -60,6 +60,7 @@ __all__ = [
     "quantile",
     "refine",
     "regressor_matrix",
+    "remove_feedback",
     "rmse",
     "scaling_of",
     "select_terms",
@@ -67,5 +68,5 @@ __all__ = [
     "simulate_varying",
     "simulation_interval",
     "validate",
-    "whitened",
+    "whiten",
 ]

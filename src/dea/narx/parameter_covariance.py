@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from dea.narx.autoregression import Autoregression, fit_autoregression, noise_energy, whiten
+from dea.narx.autoregression import Autoregression, fit_autoregression, noise_energy
 from dea.narx.checks import Array
 from dea.narx.regressors import regressor_matrix
 from dea.terms import Term, max_lag
@@ -63,15 +63,6 @@ def covariance_of_free_runs(terms: Sequence[Term], theta: Array, runs: Sequence[
     return found
 
 
-def whitened(feedback: Array, noise: Autoregression, signal: Array) -> Array:
-    """Return what drives a signal (samples, ...) through the noise model: white for an error."""
-    driving = signal.copy()
-    for lag in range(1, feedback.shape[1]):
-        weights = feedback[lag:, lag].reshape(-1, *[1] * (signal.ndim - 1))
-        driving[lag:] -= weights * signal[:-lag]
-    return whiten(noise, driving)
-
-
 def noise_model(
     terms: Sequence[Term], theta: Array, runs: Sequence[FreeRun]
 ) -> tuple[list[Array], Autoregression]:
@@ -85,7 +76,7 @@ def noise_model(
     fits = []
     for feedback in (directly, through):
         driving = [
-            run.residual - _fed_back(slopes, run.residual)
+            remove_feedback(slopes, run.residual)
             for run, slopes in zip(runs, feedback, strict=True)
         ]
         fits.append((fit_autoregression(driving), feedback))
@@ -116,12 +107,12 @@ def column_norms(matrix: Array) -> Array:
     return np.where(norms > 0.0, norms, 1.0)
 
 
-def _fed_back(feedback: Array, error: Array) -> Array:
-    """Return sum_l feedback[t, l] error[t - l]."""
-    total = np.zeros_like(error)
+def remove_feedback(feedback: Array, error: Array) -> Array:
+    """Return error_t - sum_l feedback[t, l] error_{t-l}, what noise in the equation was."""
+    driving = error.copy()
     for lag in range(1, feedback.shape[1]):
-        total[lag:] += feedback[lag:, lag] * error[:-lag]
-    return total
+        driving[lag:] -= feedback[lag:, lag] * error[:-lag]
+    return driving
 
 
 @njit(cache=True)

@@ -38,6 +38,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
         grid=Grid(**{name: options.pop(name) for name in of_grid}),
         **options,
     )
+    result.attrs["tracker"] = chosen["tracker"]
     y, u = signals.y_units, signals.u_units
     units = {"y0": y, "H1": f"{y}/{u}", "H2": f"{y}/{u}^2", "H3": f"{y}/{u}^3"}
     units |= {"input_spectrum": f"{u}^2/Hz"}

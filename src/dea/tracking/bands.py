@@ -13,8 +13,9 @@ NOT_MOVED = (
     "no step of the free-run smoother lowered the error of the free run, so that this is the "
     "estimate of the {} instead"
 )
-NOT_WHITENED = (
-    "the free run diverges with parameters that allow for the noise's correlation in time"
+NOT_SETTLED = (
+    "the iteration over free runs did not settle: the parameters change too fast for its "
+    "linearisation, or the record tells too little of them"
 )
 TARGET_UNKNOWN = "leakage pulls towards parameters whose own covariance is not known"
 

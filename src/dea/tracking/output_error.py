@@ -17,6 +17,9 @@ regression with white noise, of the same parameters as long as these change slow
 until no parameter moves by a notable part of its standard deviation: the likelihood of the noise
 ratios, the estimate and its covariance then hold for the noise that the record has.
 
+Where the free run loses by that, its error is more than noise: the structure lacks something, and
+the parameters that fit the free run best are kept, without a covariance that holds.
+
 psi_t assumes that theta was theta_t throughout the memory of the system. Where a pole is so close
 to one that parameters change within that time, the step does not lower the error of the free run;
 only steps that do are taken, so the result is then the start itself.
@@ -28,7 +31,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.narx import FreeRun, NarxModel, noise_model, simulate_varying, whitened
+from dea.narx import (
+    FreeRun,
+    NarxModel,
+    feedback_slope,
+    noise_model,
+    regressor_matrix,
+    remove_feedback,
+    simulate_varying,
+    whiten,
+)
 from dea.tracking.kalman import NOWHERE, Smoothed
 from dea.tracking.random_walk import RandomWalk, lead_in
 from dea.tracking.sensitivity import sensitivity
@@ -40,7 +52,7 @@ _SMALLEST_STEP = 1.0 / 64.0
 _SMALLEST_FALL = 0.01  # share of the squared error; a smaller fall ends the iteration
 _WHITENINGS = 10
 _NOISE_FITS = 2  # of them that fit noise model and ratios anew
-_LARGEST_RISE = 1.01  # of the squared error over that of a start that no step improved
+_LARGEST_RISE = 1.1  # of the squared error, for what a step fitted to the noise's correlation
 _SETTLED = 0.1  # standard deviations; where no parameter moves further the iteration ends
 
 
@@ -48,13 +60,13 @@ class Tracked(NamedTuple):
     """Parameters whose free run fits the record, of the samples after the largest lag.
 
     ``reached`` says whether they are a minimum of the free run's error, and not the start because
-    every step away from it raised that error; ``white`` whether the covariance is that of the
-    noise that the record has.
+    every step away from it raised that error; ``settled`` whether the covariance is that of the
+    noise that the record has, at parameters that further iterations leave where they are.
     """
 
     smoothed: Smoothed
     reached: bool
-    white: bool
+    settled: bool
 
 
 def smooth_simulation(
@@ -110,38 +122,46 @@ def _smooth_whitened(
     moved: bool,
 ) -> Tracked:
     """Smooth around ``start`` with the noise that its free run leaves made white."""
-    best, white, lag = start, False, model.max_lag
+    best, settled, lag = start, False, model.max_lag
     run, error = free_run(model, best.theta, u, y)
-    largest = np.inf if moved else _LARGEST_RISE * error
+    largest = _LARGEST_RISE * error
     for iteration in range(_WHITENINGS):
-        psi, z = _linearised(model, best.theta, u, y, run)
         if iteration < _NOISE_FITS:
-            left = FreeRun(u, run, y - run, psi)
-            feedback, noise = noise_model(model.terms, lead_in(best.theta, lag), [left])
-        whole = np.concatenate([np.zeros((lag, psi.shape[1])), psi])
-        white_psi = whitened(feedback[0], noise, whole)[lag:]
-        white_z = whitened(feedback[0], noise, np.concatenate([np.zeros(lag), z]))[lag:]
-        found = walk.smooth(white_psi, white_z, model.parameters, at)
+            left = FreeRun(u, run, y - run, np.empty((0, 0)))
+            (feedback,), noise = noise_model(model.terms, lead_in(best.theta, lag), [left])
+        in_equation = bool(np.any(feedback))
+        psi, z = _linearised(model, best.theta, u, y, run, in_equation)
+        found = walk.smooth(whiten(noise, psi), whiten(noise, z), model.parameters, at)
         found_run, found_error = free_run(model, found.theta, u, y)
         if not found_error < largest:
             break
         near = _SETTLED * np.sqrt(np.maximum(found.variance, 0.0))
-        settled = np.all(np.abs(found.theta - best.theta) <= near)
-        best, run, white = found, found_run, True
+        close = bool(np.all(np.abs(found.theta - best.theta) <= near))
+        best, run = found, found_run
         if iteration == _NOISE_FITS - 1 and walk.noise_ratio is None:
             walk = replace(walk, noise_ratio=found.noise_ratio)
-        elif iteration >= _NOISE_FITS and settled:
+        elif iteration >= _NOISE_FITS and close:
+            settled = True
             break
-    return Tracked(best, moved or white, white)
+    return Tracked(best, moved or best is not start, settled)
 
 
 def _linearised(
-    model: NarxModel, theta: Array, u: Array, y: Array, run: Array
+    model: NarxModel, theta: Array, u: Array, y: Array, run: Array, in_equation: bool = False
 ) -> tuple[Array, Array]:
-    """Return psi and z around a trajectory and its free run."""
+    """Return psi and z around a trajectory and its free run.
+
+    With noise in the equation both are passed back through the feedback of the run, which leaves
+    its regressors in the place of their sensitivities: exact however fast the parameters change.
+    """
     lag = model.max_lag
-    psi = sensitivity(model.terms, lead_in(theta, lag), u, run)
-    return psi, y[lag:] - run[lag:] + np.sum(psi * theta, axis=1)
+    whole, error = lead_in(theta, lag), y - run
+    if in_equation:
+        psi = np.ascontiguousarray(regressor_matrix(model.terms, u, run))
+        error = remove_feedback(feedback_slope(model.terms, whole, u, run), error)
+    else:
+        psi = sensitivity(model.terms, whole, u, run)
+    return psi, error[lag:] + np.sum(psi * theta, axis=1)
 
 
 def free_run(model: NarxModel, theta: Array, u: Array, y: Array) -> tuple[Array, float]:

@@ -10,7 +10,7 @@ from dea.errors import InputError
 from dea.narx import LEVEL, NarxModel, quantile, regressor_matrix
 from dea.tracking.bands import (
     NOT_MOVED,
-    NOT_WHITENED,
+    NOT_SETTLED,
     TARGET_UNKNOWN,
     Estimate,
     reason_of_innovations,
@@ -180,7 +180,7 @@ def _smoothed(
         tracked = smooth_simulation(model, starts[best], *record, walk, at)
         smoothed = tracked.smoothed
         if tracked.reached:
-            estimator, withheld = method, "" if tracked.white else NOT_WHITENED
+            estimator, withheld = method, "" if tracked.settled else NOT_SETTLED
         else:
             estimator, withheld = names[best], NOT_MOVED.format(_NAMES[names[best]])
     return Estimate(
