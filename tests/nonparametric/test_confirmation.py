@@ -139,7 +139,8 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     assert measured["response"].attrs["units"] == "mm/V"
     H1, H2 = responses(found[0].lines)
     band = Band(np.full(H1.size, 0.01), np.full(H1.size, 0.01))
-    whole = confirmation(measured, found, [Modelled(H1, band, H2, 0.1)] * 2, 1.0)
+    wide = Band(np.full(H2.shape, 0.1), np.full(H2.shape, 0.1))
+    whole = confirmation(measured, found, [Modelled(H1, band, H2, wide)] * 2, 1.0)
     store.write(whole, tmp_path / "confirmation.nc", title="Confirmation")
     back = store.read(tmp_path / "confirmation.nc")
     assert back["inside"].values.all()
@@ -147,6 +148,16 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     np.testing.assert_allclose(back["model_gain_high"][0], 1.01 * np.abs(H1))
     judged = back["even_in_band"].values > 0.9
     assert np.mean(back["even_inside"].values[judged]) > 0.9
+
+
+def test_a_band_around_a_response_has_its_half_widths():
+    response = 2.0 * np.exp(1j * np.array([0.3, 3.0]))
+    band = Band.around(response, np.array([2.2, 2.1]), np.degrees(np.array([0.35, 3.2])))
+    np.testing.assert_allclose(band.gain, [0.1, 0.05])
+    np.testing.assert_allclose(band.phase, [0.05, 0.2])
+    # The disc of equal errors of gain and phase: 2.45 standard deviations, not 1.96.
+    equal = Band(np.array([1.96]), np.array([1.96]))
+    np.testing.assert_allclose(equal.radius(), 2.4477, rtol=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 """Whether a measured and a modelled response agree within the bands of both."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,20 @@ _BOTH = float(np.sqrt(5.991464547107979 / 3.841458820694124))
 
 
 class Band(NamedTuple):
-    """Half-widths of the 95 % band of a modelled response, (lines,)."""
+    """Half-widths of the 95 % band of a modelled response, of its shape."""
 
     gain: Array  # relative to the gain
     phase: Array  # rad
+
+    @classmethod
+    def around(cls, response: Complex, gain_high: Array, phase_high: Array) -> Self:
+        """Return the band whose upper ends, in output units and degrees, are given."""
+        phase = np.radians(phase_high) - np.angle(response)
+        return cls(gain_high / np.abs(response) - 1.0, phase)
+
+    def radius(self) -> Array:
+        """Return the radius, relative to the gain, of the disc that stands for the band."""
+        return np.asarray(_BOTH * np.sqrt(0.5 * (self.gain**2 + self.phase**2)))
 
 
 class Agreement(NamedTuple):

@@ -4,24 +4,32 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from dea.nonparametric.agreement import Band, compare_intermodulation, compare_response
 from dea.nonparametric.best_linear import BestLinear
-from dea.nonparametric.intermodulation import Complex, intermodulation
+from dea.nonparametric.intermodulation import Complex, intermodulation, signed
 from dea.nonparametric.periods import Array
 
 
 class Modelled(NamedTuple):
-    """The responses of a model at the time of a stretch.
+    """The responses of a model at the time of a stretch, with their bands.
 
-    ``H1`` (lines,) with its ``band``, ``H2`` at all pairs of signed lines, ``H2_radius`` of its
-    95 % disc relative to it.
+    ``H1`` (lines,), and ``H2`` at all pairs of signed lines.
     """
 
     H1: Complex
     band: Band
     H2: Complex
-    H2_radius: float
+    H2_band: Band
+
+    def radius(self, inside: NDArray[np.bool_]) -> float:
+        """Return the radius of the disc of an even line's prediction, relative to it.
+
+        The errors of H2 at all pairs have one cause, the parameters, and so hardly cancel: it is
+        that of the median pair of signed lines ``inside`` the band.
+        """
+        return float(np.median(self.H2_band.radius()[np.ix_(inside, inside)]))
 
 
 def confirmation(
@@ -45,13 +53,13 @@ def confirmation(
     """
     frequency = measured["frequency"].values
     step = frequency[0] / found[0].lines[0]
+    last = int(highest / step + 1e-9)
     agreements = [
         compare_response(each, model.H1, model.band)
         for each, model in zip(found, modelled, strict=True)
     ]
     even = [
-        intermodulation(each, model.H2, int(highest / step + 1e-9))
-        for each, model in zip(found, modelled, strict=True)
+        intermodulation(each, model.H2, last) for each, model in zip(found, modelled, strict=True)
     ]
     units = measured["response"].attrs["units"]
     output_units = measured["output_level"].attrs["units"]
@@ -110,7 +118,8 @@ def confirmation(
     ):
         label = f"even line, {name}, root mean square over realisations"
         variables[f"even_{name}"] = (at_even, np.stack(levels), output_units, label)
-    radius = np.stack([np.full(even[0].lines.size, model.H2_radius) for model in modelled])
+    inside = np.abs(signed(found[0].lines)) <= last
+    radius = np.stack([np.full(even[0].lines.size, model.radius(inside)) for model in modelled])
     variables["ratio_radius"] = (
         at_even,
         np.hypot(np.stack([lines.radius for lines in even]), radius),

@@ -49,7 +49,8 @@ def confirm(
         )
         H1, H2 = response(1, f), response(2, (pairs[:, None], pairs[None, :]))
         band = _band(responses.sel(time=stretch.time, method="nearest"), f)
-        modelled.append(nonparametric.Modelled(H1, band, H2, 0.0))
+        exact = nonparametric.Band(np.zeros(H2.shape), np.zeros(H2.shape))
+        modelled.append(nonparametric.Modelled(H1, band, H2, exact))
     excited = responses["frequency"].values[responses["excited"].values == 1]
     store.write(
         nonparametric.confirmation(measured, found, modelled, float(excited.max())),
