@@ -2,20 +2,22 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
 from dea.narx.checks import Array, as_record
 from dea.narx.estimation import Segment, least_squares, normalised
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise, squared_error
+from dea.narx.simulation import simulate
 from dea.terms import Term
 
 LAST_VALUE = "last value"
+_LEEWAY = 3.0  # times the largest measured output, normalised, that a run over the past may reach
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,8 @@ def forecast_errors(
     """Forecast a record from many times on, and compare structures and the last value.
 
     At each time the parameters of every structure, with a constant where it has none, are those
-    that minimise the simulated error over the window before; then the future input alone is given,
+    that minimise the simulated error over the window before, among those with which the model stays
+    in range on all inputs until then; then the future input alone is given,
     and the model runs freely from the last measured outputs. ``last value`` keeps the last output.
 
     Parameters
@@ -132,7 +135,7 @@ def forecast_errors(
 
 
 def _forecasts(
-    model: NarxModel, u: Array, y: Array, origins: np.ndarray, window: int, reach: int
+    model: NarxModel, u: Array, y: Array, origins: NDArray[np.int64], window: int, reach: int
 ) -> list[Array]:
     """Return the free run of ``reach`` samples from each origin, in physical units."""
     terms = model.terms if Term() in model.terms else (Term(), *model.terms)
@@ -140,22 +143,36 @@ def _forecasts(
     lag = fitted.max_lag
     runs = []
     for origin in origins:
-        past = slice(origin - window, origin)
-        [segment] = normalised([(u[past], y[past])], model.scaling)
-        fitted = fitted.with_parameters(_estimate(terms, fitted.parameters, segment))
+        [past] = normalised([(u[:origin], y[:origin])], model.scaling)
+        fitted = fitted.with_parameters(_estimate(terms, fitted.parameters, past, window))
         ahead = slice(origin - lag, origin + reach)
         runs.append(fitted.simulate(u[ahead], y[origin - lag : origin])[lag:])
     return runs
 
 
-def _estimate(terms: tuple[Term, ...], before: Array, segment: Segment) -> Array:
-    """Return the parameters of least simulated error, from the better of two starts.
+def _estimate(terms: tuple[Term, ...], before: Array, past: Segment, window: int) -> Array:
+    """Return the parameters of least simulated error over the last ``window`` samples of the past.
 
-    The starts are the parameters of the window before and the least-squares ones.
+    The search starts from the parameters of the window before or from the least-squares ones,
+    whichever simulate the window better. Parameters with which the model leaves the range of the
+    outputs on any input played until then are not taken while others do not.
     """
+    segment = past[0][-window:], past[1][-window:]
     starts = [before, least_squares(terms, [segment])[0]]
-    errors = [squared_error(terms, start, [segment]) for start in starts]
-    return minimise(terms, starts[int(np.argmin(errors))], [segment]).parameters
+    starts.sort(key=lambda start: squared_error(terms, start, [segment]))
+    searched = (minimise(terms, start, [segment]).parameters for start in starts)
+    found = []
+    for candidate in chain(searched, starts):
+        found.append(candidate)
+        if _stays_in_range(terms, candidate, past):
+            return candidate
+    return found[0]
+
+
+def _stays_in_range(terms: tuple[Term, ...], theta: Array, past: Segment) -> bool:
+    u, y = past
+    run = simulate(terms, theta, u, y, bound=_LEEWAY * float(np.abs(y).max()))
+    return bool(np.isfinite(run[-1]))
 
 
 def _errors(forecast: Array, measured: Array, reaches: Sequence[int]) -> list[float]:

@@ -100,7 +100,8 @@ def verdict(p_value: Array, explained: Array, rms: float, spread: float, units: 
             f"{size}; it is {colour}, and past inputs explain nothing of it"
             f" (p {_below(joint.min())})."
         )
-    what = " and of ".join(shown)
+    *first, final = shown
+    what = f"{', '.join(first)} and {final}" if first else final
     return (
         f"{size}; it is {colour}, and past values of {what} still explain some of what is new in"
         f" it (p {_below(joint.min())})."
