@@ -3,12 +3,14 @@
 import asyncio
 import shutil
 import tempfile
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from benchmarks.faults.bench_victim import BenchVictim
 from benchmarks.faults.client import Launcher
+from benchmarks.faults.lag import Lag
 from benchmarks.faults.laws import broken
 from benchmarks.faults.plain_module import ReadBack
 from benchmarks.faults.run import run
@@ -36,6 +38,7 @@ class Campaign:
         self._keep = keep
         self._number = 0
         self._launcher = Launcher()
+        self._lag = Lag()
         self._benches: asyncio.Queue[BenchVictim] = asyncio.Queue()
 
     def judge(
@@ -62,6 +65,7 @@ class Campaign:
         )
         with tempfile.TemporaryDirectory() as scratch:
             try:
+                self._lag.start()
                 await asyncio.gather(self._launcher.start(), *(b.start() for b in benches))
                 for bench in benches:
                     self._benches.put_nowait(bench)
@@ -83,16 +87,19 @@ class Campaign:
                 for bench in benches:
                     await bench.stop()
                 await self._launcher.stop()
+                self._lag.stop()
 
     async def _once(self, schedule: Schedule, scratch: Path) -> Verdict:
         self._number += 1
         number, folder = self._number, scratch / str(self._number)
+        began = time.monotonic()
         bench = await self._benches.get() if schedule.victim == "bench" else None
         try:
             outcome = await run(schedule, number, folder, self._launcher, bench)
         finally:
             if bench is not None:
                 self._benches.put_nowait(bench)
+        outcome.lag = self._lag.worst(began)
         laws = tuple(broken(outcome))
         driven = any(entry.volts for entry in outcome.trace.applied)
         if laws and self._keep is not None:

@@ -13,6 +13,7 @@ import xarray as xr
 from benchmarks.faults.run import Outcome
 from benchmarks.faults.schedule import LIMIT, STOPPING, TIMEOUT, HostFault
 
+LAGS = 10  # times that a stop may be kept waiting by a busy host
 JITTER = 0.1  # s by which two writes may be closer on a busy host than they were meant
 RATE = 50  # Hz
 SYNCED = 25  # samples that a killed recorder may not have written yet
@@ -51,11 +52,12 @@ def _within_rate(outcome: Outcome) -> Iterator[str]:
     rate = max(schedule.ramp_rate, 2 * math.pi * schedule.band * amplitude)
     asked = [(when, registers[0] / 6553.5) for when, registers in outcome.requests
              if 0 in registers]  # fmt: skip
+    jitter = JITTER + outcome.lag
     times = np.array([when for when, _ in asked])
     volts = np.array([value for _, value in asked])
     for start in range(len(asked)):
         near = slice(start + 1, int(np.searchsorted(times, times[start] + 0.5)) + 1)
-        excess = np.abs(volts[near] - volts[start]) - rate * (times[near] - times[start] + JITTER)
+        excess = np.abs(volts[near] - volts[start]) - rate * (times[near] - times[start] + jitter)
         if excess.size and excess.max() > 0:
             end = start + 1 + int(excess.argmax())
             yield (
@@ -81,7 +83,7 @@ def _zero_in_time(outcome: Outcome) -> Iterator[str]:
     reasons += [(outcome.origin + f.start, f"a fault of the {f.kind}") for f in schedule.device]
     reasons.append((outcome.exit_time, f"the command had ended with status {outcome.status}"))
     for when, reason in reasons:
-        limit = _link_is_back(outcome, when) + schedule.stopping
+        limit = _link_is_back(outcome, when) + schedule.stopping + LAGS * outcome.lag
         driven = [
             (max(start, limit), end, volts)
             for start, end, volts in outcome.trace.spans(outcome.until)

@@ -17,7 +17,7 @@ from benchmarks.faults.proxy import FaultProxy
 from benchmarks.faults.schedule import Schedule
 from benchmarks.faults.trace import Trace
 
-PATIENCE = 40.0  # s beyond the plan and its faults until the command is held to hang
+PATIENCE = 90.0  # s beyond the plan and its faults until the command is held to hang
 WATCHED = 1.0  # s of zero after the last process and the last held write
 
 
@@ -36,6 +36,7 @@ class Outcome:
     until: float  # how long the device was watched
     printed: str = ""
     left: list[int] = field(default_factory=list)  # processes that did not end
+    lag: float = 0.0  # s, the longest for which the host kept this process waiting
     again: int | None = None  # exit status of a second run after a fault of the device
     recovered: int | None = None  # exit status of `recover`, None where it was not needed
 
@@ -86,7 +87,7 @@ async def run(
         over = time.monotonic()
         quiet = max(over, _last_fault(schedule, proxy)) + WATCHED
         await asyncio.sleep(quiet - over)
-        last = quiet + schedule.stopping  # nothing is allowed to be driven longer
+        last = quiet + schedule.stopping + WATCHED  # nothing is allowed to be driven longer
         while trace.applied and trace.applied[-1].volts and time.monotonic() < last:
             await asyncio.sleep(0.1)
         until = time.monotonic()
