@@ -6,16 +6,17 @@ from functools import cached_property
 import numpy as np
 
 from dea.errors import InputError
-from dea.simulation.arguments import Course, Equations, ForceLaw, Forces, Values
+from dea.simulation.arguments import Course, Values
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
 from dea.simulation.force_port import ForcePort
+from dea.simulation.force_slots import ForceSlots
 from dea.simulation.integrate import integrate
 from dea.simulation.interpolation import at_steps
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
-from dea.simulation.signatures import MEMORY, SLOTS, first_class, no_force, no_update
+from dea.simulation.signatures import SLOTS
 from dea.simulation.simulation import Simulation
 from dea.simulation.timing import shifted
 
@@ -214,7 +215,7 @@ class ExtendedSimulation:
         v, drive_scale = (np.concatenate([np.full(lead, x[0]), x]) for x in (v, drive_scale))
         substeps = self.substeps * max([1, *(a.effect.refine for a, _ in self._pushing)])
         result: np.ndarray = integrate(
-            self._equations(),
+            self._slots.equations([a for a, _ in self._pushing]),
             Values(
                 parameters=values[:p_count].copy(),
                 initial=values[p_count : p_count + x_count].copy(),
@@ -228,7 +229,7 @@ class ExtendedSimulation:
                 interval=interval,
                 substeps=substeps,
             ),
-            self._forces(values),
+            self._slots.forces([(a, values[own]) for a, own in self._pushing]),
         )[:, lead:]
         return result
 
@@ -267,46 +268,6 @@ class ExtendedSimulation:
         pairs = zip(self.attached, self.effect_slices, strict=True)
         return tuple((a, own) for a, own in pairs if a.effect.force is not None)
 
-    def _equations(self) -> Equations:
-        """Return the compiled functions of the simulation and of the forces attached."""
-        own = self.simulation
-        laws = [
-            ForceLaw(first_class(a.effect.force), first_class(a.effect.update))
-            for a, _ in self._pushing
-        ]
-        empty = ForceLaw(first_class(no_force), first_class(no_update))
-        return Equations(
-            first_class(own.compiled_derivative),
-            first_class(own.compiled_output),
-            *laws,
-            *[empty] * (SLOTS - len(laws)),
-        )
-
-    def _forces(self, values: np.ndarray) -> Forces:
-        """Return where the forces attached act, and their numbers."""
-        ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
-        memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
-        if self.simulation.force_ports:
-            ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
-        for slot, (a, own) in enumerate(self._pushing):
-            q = values[own]
-            ports[slot], frames[slot] = self._ports[a.force_port], self._frames[a.force_port]
-            parameters[slot, : q.size] = q
-            if a.effect.memory is not None:
-                memory[slot] = a.effect.memory(q)
-        return Forces(len(self._pushing), ports, frames, memory, parameters)
-
     @cached_property
-    def _ports(self) -> np.ndarray:
-        names = (None, *self.simulation.state_names)
-        return np.array(
-            [
-                [names.index(name) - 1 for name in (b.equation, b.position, b.velocity, b.reaction)]
-                for b in self.simulation.force_ports
-            ]
-        )
-
-    @cached_property
-    def _frames(self) -> np.ndarray:
-        found = self.normalisations or (Normalisation(),) * len(self.simulation.force_ports)
-        return np.array([[each.rest, each.scale, each.unit_force] for each in found])
+    def _slots(self) -> ForceSlots:
+        return ForceSlots(self.simulation, self.normalisations)
