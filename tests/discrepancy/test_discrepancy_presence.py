@@ -19,8 +19,8 @@ BLOCKS = [slice(k, k + 50) for k in range(0, 5000, 50)]
 WHITE = ModelError(1.0, 0.0, 0.0, 1.0)
 
 
-def candidate(*names):
-    return SimpleNamespace(names=names, effects=frozenset(names))
+def candidate(*names, at_bounds=()):
+    return SimpleNamespace(names=names, effects=frozenset(names), at_bounds=at_bounds)
 
 
 def weights(before, *residuals, names="abc", error=WHITE, offered=1):
@@ -59,6 +59,15 @@ def test_a_model_error_takes_the_sureness_from_small_differences():
     # Their sums of squares differ by 202, and the density is 101.
     assert unsure["a"] == pytest.approx(1.0 / (1.0 + np.e), rel=1e-3)
     assert unsure["b"] == pytest.approx(1.0 / (1.0 + 1.0 / np.e), rel=1e-3)
+
+
+def test_a_parameter_at_its_bound_counts_against_its_law():
+    unit = np.ones(5000)
+    candidates = [candidate("a"), candidate("b", at_bounds=("b.rate",))]
+    rng = np.random.default_rng(0)
+    found = presence(9.0 * unit, candidates, [unit, unit], BLOCKS, WHITE, 2, rng)
+    assert found.candidates[0] is candidates[0]
+    assert found.weights[0] / found.weights[1] == pytest.approx(np.exp(3.0))
 
 
 def test_of_many_effects_offered_each_is_less_likely():

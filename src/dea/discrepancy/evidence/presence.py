@@ -17,6 +17,8 @@ from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 
 _DRAWS = 1000
+# Log-odds that a parameter at its bound costs.
+_AT_BOUND = 3.0
 
 
 @dataclass(frozen=True)
@@ -73,11 +75,13 @@ def presence(
     """Weigh candidates by their ``held_out`` residuals, each (n,), against the one ``before``.
 
     A set of k of the ``offered`` effects has the prior probability that all sets of its size
-    share. Blocks get weights of a flat Dirichlet distribution (the Bayesian bootstrap).
+    share; a parameter at its bound counts against the law it belongs to. Blocks get weights of a
+    flat Dirichlet distribution (the Bayesian bootstrap).
     """
     sums = np.array([energies(residual, blocks) for residual in (before, *held_out)])
     sizes = [0, *(len(c.effects) for c in candidates)]
     prior = -np.array([log(comb(max(offered, 1), min(size, offered))) for size in sizes])
+    prior[1:] -= _AT_BOUND * np.array([len(c.at_bounds) for c in candidates])
     shares = rng.dirichlet(np.ones(len(blocks)), _DRAWS) * len(blocks)
     odds = prior - 0.5 * (shares @ sums.T) / max(error.density, 1e-300)
     odds -= odds.max(axis=1, keepdims=True)

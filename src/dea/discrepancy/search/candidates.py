@@ -10,6 +10,8 @@ from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 
 EffectSet = frozenset[str]
+# Distance from a bound, in prior spreads, at which a parameter is there.
+_NEAR = 1e-3
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,20 @@ class Candidate:
     def labels(self) -> tuple[str, ...]:
         """The same with the force port of each where the simulation has several."""
         return tuple(self.fit.extended.label(a) for a in self.fit.extended.attached)
+
+    @cached_property
+    def at_bounds(self) -> tuple[str, ...]:
+        """Parameters of the effects that the record would have beyond their bounds.
+
+        Those that only shape a law, or belong to the start, do not count: many laws have bounds at
+        which one part of them vanishes.
+        """
+        extended = self.fit.extended
+        low, high = extended.bounds
+        first = min((part.start for part in extended.effect_slices), default=len(extended.names))
+        own = (extended.free >= first) & ~extended.shapes & ~extended.at_start
+        near = (self.fit.coordinates <= low + _NEAR) | (self.fit.coordinates >= high - _NEAR)
+        return tuple(extended.names[i] for i in extended.free[own & near])
 
     @cached_property
     def effects(self) -> EffectSet:
