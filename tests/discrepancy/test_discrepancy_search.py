@@ -133,3 +133,41 @@ def test_a_held_out_gap_is_found_once():
     held_out = HeldOut(problem)
     assert held_out.residual(fitted) is held_out.residual(fitted)
     assert held_out.rmse(fitted) == problem.seen_rmse(held_out.residual(fitted))
+
+
+@pytest.mark.parametrize(
+    ("without", "left", "named"),
+    [(3.0, 1.5, ("dead_zone",)), (1.7, 1.5, None), (3.0, 6.0, None)],
+)
+def test_the_certain_part_of_an_answer_is_named(without, left, named):
+    """A dead zone is in both good answers; what is beside it is not known."""
+    problem, extended = hidden("dead_zone")
+    plain = at(problem, extended, np.zeros(extended.free.size))
+    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    u = problem.u / problem.u.std()
+    noise = NOISE * np.random.default_rng(4).standard_normal(u.size)
+
+    def candidate(size, *names):
+        longer = extended
+        for name in names:
+            longer = longer.attach(catalogue()[name], told)
+        residual = noise + NOISE * np.sqrt(size**2 - 1.0) * u**3 / (u**3).std()
+        fitted = Fit(longer, np.zeros(longer.free.size), residual, plain.jacobian, 0.0)
+        return Candidate(fitted, problem.seen_rmse(residual), problem.seen_rmse(residual), 9.0)
+
+    alone = candidate(left, "dead_zone")
+    pairs = [candidate(1.4, "dead_zone", "sensor_lag"), candidate(1.42, "dead_zone", "slew_limit")]
+    others = [candidate(without, "sensor_lag"), candidate(without, "slew_limit")]
+    nominal = candidate(9.0).fit
+    evidence = Evidence(
+        problem, nominal, SimpleNamespace(residual=lambda fitted: fitted.residual),
+        [slice(k, k + 100) for k in range(0, 1500, 100)], NOISE, 0.0, Rules(misfit=1e-3),
+        np.random.default_rng(5),
+    )  # fmt: skip
+    pool = [*pairs, alone, *others]
+    weighed = Presence(tuple(pairs), np.array([0.5, 0.5]))
+    found = decide(evidence, pairs[0], pool, [alone], nominal.residual, weighed)
+    if named is None:
+        assert found.status != "named"
+    else:
+        assert (found.status, found.answer.names, found.whole) == ("named", named, False)

@@ -9,7 +9,7 @@ import numpy as np
 from dea.discrepancy.evidence.bootstrap import Gains, beaten
 from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.evidence.presence import Presence, share_removed
+from dea.discrepancy.evidence.presence import Presence, Share, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
@@ -170,32 +170,31 @@ def _certain_part(
 ) -> Candidate | None:
     """Return the candidate made of effects that are certain alone, if it explains most of the gap.
 
-    Whatever else the answer holds, these effects are in it. A candidate without any of them must
-    leave much more of the misfit, since an effect that the catalogue lacks is often half explained
-    by several.
+    Whatever else the answer holds, these effects are in it. The best explanation without any of
+    them must leave much more of the misfit than the best one with them, since an effect that the
+    catalogue lacks is often half explained by several.
     """
-    rules, held_out, floor = evidence.rules, evidence.held_out, evidence.floor
+    rules, floor = evidence.rules, evidence.floor
     sure = {name for name, value in weighed.effects.items() if value >= rules.certain}
-    made = [c for c in pool if c.finished and c.effects and c.effects <= sure]
-    if not made:
-        return None
-    part = min(made, key=lambda c: (-len(c.effects), c.error))
-    alone = [c for c in made if len(c.effects) == 1]
-    if len(part.effects) > 1 and alone:
-        # As for a whole answer, a law that is only nearly right must not bring a second effect.
-        first = min(alone, key=lambda c: c.error)
-        if misfit(part.rmse, floor) > (1.0 - rules.second) * misfit(first.rmse, floor):
-            part = first
+    finished = [c for c in pool if c.finished]
+    made = [c for c in finished if c.effects <= sure]
+    singles = sorted((c for c in made if len(c.names) == 1), key=lambda c: c.error)
+    # As for a whole answer, a law that is only nearly right must not bring a second effect.
+    least = (1.0 - rules.second) * misfit(singles[0].rmse, floor) if singles else np.inf
+    larger = [c for c in made if len(c.names) > 1 and misfit(c.rmse, floor) <= least]
+    for part in [*sorted(larger, key=lambda c: c.error), *singles]:
+        within = min(c.rmse for c in finished if c.effects >= part.effects)
+        without = min((c.rmse for c in finished if not c.effects & part.effects), default=np.inf)
+        ahead = misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
+        if ahead and _share_of(evidence, part).low >= rules.part:
+            return part
+    return None
+
+
+def _share_of(evidence: Evidence, part: Candidate) -> Share:
+    held_out = evidence.held_out
     before, after = held_out.residual(evidence.nominal), held_out.residual(part.fit)
-    share = share_removed(before, after, evidence.blocks, floor, evidence.rng)
-    others = [
-        c.rmse
-        for c in pool
-        if c.finished and len(c.names) <= len(part.names) and not c.effects & part.effects
-    ]
-    left = misfit(part.rmse, floor)
-    ahead = left <= (1.0 - rules.ahead) * misfit(min(others, default=np.inf), floor)
-    return part if ahead and share.low >= rules.part else None
+    return share_removed(before, after, evidence.blocks, evidence.floor, evidence.rng)
 
 
 def confirmed(

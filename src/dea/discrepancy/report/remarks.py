@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dea.discrepancy.decision import Status
 from dea.simulation.extended import TIMING_OFFSET
 
 if TYPE_CHECKING:
@@ -19,13 +20,16 @@ _COLOURED = 0.5
 
 def remarks(found: "Diagnosis") -> tuple[str, ...]:
     """Return the remarks on a diagnosis, each a sentence."""
-    texts = (_timing(found), _bounds(found), _noise(found))
+    texts = (_timing(found), _bounds(found), _laws(found), _noise(found))
     return tuple(text for text in texts if text)
 
 
 def _timing(found: "Diagnosis") -> str:
     """Say by how much the output is logged early or late."""
-    fitted, problem = found.extended, found.problem
+    fitted, problem = found.final, found.problem
+    if found.decision.status not in (Status.NAMED, Status.NONE):
+        # What is missing may pass for a wrong instant.
+        return ""
     names = [fitted.extended.names[i] for i in fitted.extended.free]
     if TIMING_OFFSET not in names:
         return ""
@@ -57,11 +61,24 @@ def _bounds(found: "Diagnosis") -> str:
     ]
     if not away:
         return ""
-    end = "is at its bound" if len(away) == 1 else "are at their bounds"
     return (
-        f"Of the simulation's own parameters {' and '.join(away)} {end}: the declared priors "
-        "exclude what the record asks for."
+        f"Of the simulation's own parameters {_at_bounds(away)}: the declared priors exclude what "
+        "the record asks for."
     )
+
+
+def _laws(found: "Diagnosis") -> str:
+    """Name the parameters of the named laws that are at their bounds."""
+    answer = found.decision.answer
+    away = (
+        [name.replace("_", " ").replace(".", ": ") for name in answer.at_bounds] if answer else []
+    )
+    return f"Of the named laws {_at_bounds(away)}, which counts against them." if away else ""
+
+
+def _at_bounds(names: list[str]) -> str:
+    end = "is at its bound" if len(names) == 1 else "are at their bounds"
+    return f"{' and '.join(names)} {end}"
 
 
 def _noise(found: "Diagnosis") -> str:

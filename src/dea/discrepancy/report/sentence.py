@@ -115,7 +115,7 @@ def _further(found: "Diagnosis") -> str:
         if value >= _LIKELY and family not in named
     ]
     hint = f" ({likely[0]} is likely)" if likely else ""
-    return f"What remains is not named{hint}."
+    return f"What remains is not named{hint}: {where_sentence(found.where.after)}."
 
 
 def _nearest(found: "Diagnosis") -> str:
