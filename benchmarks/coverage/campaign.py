@@ -42,7 +42,7 @@ class Settings:
     cores: int = 1
     plants: Sequence[str] = ("DEA1", "DEA3", "DEA5", "wei_billings", "two_poles")
     drifting: Sequence[str] = ("DEA2", "two_poles")
-    share_drifting: int = 4  # one in so many of ``count``
+    share_drifting: int = 5  # one in so many of ``count``
 
 
 @dataclass(frozen=True)

@@ -80,11 +80,12 @@ def judge(plant: Plant, kind: str, u: Array, y: Array, refined: bool) -> Judged:
 def judge_track(plant: Plant, u: Array, y: Array, true: Array, tracker: str) -> Judged:
     """Track the parameters of the plant's structure; ``true`` is (samples, terms)."""
     model = refine(estimate(terms(plant), u, y, scaling=Scaling()), u, y)
-    track = dea.track_parameters(model, u, y, method=tracker, sampling_rate=1.0)
     followed = with_constant(model)
-    if "instant" not in track:
+    try:
+        track = dea.track_parameters(model, u, y, method=tracker, sampling_rate=1.0)
+    except (InputError, np.linalg.LinAlgError) as error:
         nothing = np.full(INSTANTS * len(followed.terms), np.nan)
-        return Judged({"parameters": nothing}, f"a track of {tracker} holds no intervals")
+        return Judged({"parameters": nothing}, f"fails: {error}")
     columns = {term: true[:, j] for j, term in enumerate(terms(plant))}
     instants = track["instant"].values
     # The first quarter is where a recursion still learns; smoothers are judged there alike.
