@@ -37,14 +37,15 @@ SUBSTEP = 1e-3  # s
 WHOLE, PULLED_IN, BROKEN_DOWN = 0, 1, 2
 
 # Places in FilmState.scalars.
-Y, V, FILM_VOLTAGE, TIME, FAULT, X = range(6)
+Y, V, FILM_VOLTAGE, TIME, FAULT, X, STIFFNESS = range(7)
 
 
 class FilmState(NamedTuple):
     """What a film carries from sub-step to sub-step; the arrays change in place.
 
-    ``scalars``, shape (6,), holds displacement (m), velocity (m/s), film voltage (V), time (s),
-    fault and in-plane stretch at the places Y to X. ``branches`` holds q = 1/ξ² of every Maxwell
+    ``scalars``, shape (7,), holds displacement (m), velocity (m/s), film voltage (V), time (s),
+    fault, in-plane stretch and vertical stiffness (N/m; 0 where it is not known yet) at the places
+    Y to STIFFNESS. ``branches`` holds q = 1/ξ² of every Maxwell
     branch, ``slopes`` its derivative in the middle of the last sub-step, ``middle`` is room for its
     value there; all three have the shape (branches, ZONES, 2).
     """
@@ -77,12 +78,15 @@ def stretch(film: Film, table: Array, state: FilmState, supply: float, dt: float
     disc in tension.
     """
     scalars, branches, slopes, middle = state
+    source = sourced(film, scalars, supply, 0.5 * dt)
+    elastic = branches.shape[0] == 0 and film.stiffness_ageing == 0.0
+    if elastic and scalars[FILM_VOLTAGE] == source.settled and scalars[STIFFNESS] > 0.0:
+        return scalars[STIFFNESS]  # nothing has changed
     for i in range(branches.shape[0]):
         for k in range(ZONES):
             middle[i, k, 0] = branches[i, k, 0] + 0.5 * dt * slopes[i, k, 0]
             middle[i, k, 1] = branches[i, k, 1] + 0.5 * dt * slopes[i, k, 1]
     stiffening = 1.0 + film.stiffness_ageing * scalars[TIME] / 3600.0
-    source = sourced(film, scalars, supply, 0.5 * dt)
     x, stiffness = settle(film, table, middle, scalars[X], source, stiffening)
     if not stiffness > 0.0:
         return np.nan
@@ -94,7 +98,7 @@ def stretch(film: Film, table: Array, state: FilmState, supply: float, dt: float
     load = capacitance(film, x)
     left = np.exp(-2.0 * source.passed / load)
     scalars[FILM_VOLTAGE] = source.settled * (1.0 - left) + source.charge / load * left
-    scalars[X] = x
+    scalars[X], scalars[STIFFNESS] = x, stiffness
     return stiffness
 
 
@@ -160,7 +164,7 @@ def advance(
 @njit(cache=True, error_model="numpy")
 def _short(scalars: Array, fault: int) -> None:
     """Latch a fault and take the voltage away; the film is sought near where it was clamped."""
-    scalars[FAULT], scalars[FILM_VOLTAGE], scalars[X] = fault, 0.0, 1.0
+    scalars[FAULT], scalars[FILM_VOLTAGE], scalars[X], scalars[STIFFNESS] = fault, 0.0, 1.0, 0.0
 
 
 def vertical_stiffness(film: Film) -> float:
@@ -195,7 +199,7 @@ def rest(film: Film, duration: float) -> FilmState:
         branches[i] = elastic / film.prestretch**2
     table = zones(film)
     relaxation(film, table, branches, 1.0, slopes)
-    scalars = np.zeros(6)
+    scalars = np.zeros(7)
     scalars[X] = 1.0
     stiffness = settle(film, table, branches, 1.0, held(0.0), 1.0)[1]
     scalars[Y] = film.mass * GRAVITY / stiffness
