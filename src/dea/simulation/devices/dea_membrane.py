@@ -26,69 +26,74 @@ GRAVITY = 9.80665
 INTERVALS = 4
 BOOLE = (14.0 / 45.0, 64.0 / 45.0, 24.0 / 45.0, 64.0 / 45.0, 14.0 / 45.0)
 TRIES = 40
-CLOSE = 1e-9
+CLOSE = 1e-7
 
 
 @njit(cache=True, error_model="numpy")
 def work(x: float, u: float, p: np.ndarray) -> tuple[float, float]:
-    """Return the virtual work that resists dx, in N/m, and ∫ dr/(r N) in m/N.
+    """Return the virtual work that resists dx, in N m, and ∫ dr/(r N) in m/N; NaN if slack.
 
-    The work is over the undeformed thickness and 2π: a plane of true stress σ and stretches λ
-    contributes σ₁ δλ₁/λ₁ + σ₂ δλ₂/λ₂ per undeformed volume.
+    The work is over 2π. A film of true stress σ and stretches λ does the virtual work
+    σ₁ δλ₁/λ₁ + σ₂ δλ₂/λ₂ per volume; its tension is σ₁ times its thickness.
     """
     c10, c20, c30, prestretch, epsilon_r = p[2], p[3], p[4], p[5], p[6]
     frame_radius, electrode_radius, contact_radius = p[7], p[8], p[9]
-    thickness, gain = p[10], p[11]
-    permittivity = VACUUM_PERMITTIVITY * epsilon_r
-    grown = x - 1.0
-    ratio = frame_radius / electrode_radius
-    give = grown / (ratio * ratio - 1.0)
-
+    thickness, gain = p[10] / (prestretch * prestretch), p[11]
+    squared = (frame_radius / electrode_radius) ** 2
+    give = 1.0 / (squared - 1.0)
     square = prestretch * prestretch * x * x
     contraction = 1.0 / (square * square)
     invariant = 2.0 * square + contraction - 3.0
     W = c10 + invariant * (2.0 * c20 + 3.0 * c30 * invariant)
-    height = thickness / square
-    field = gain * u / height
-    sigma = 2.0 * W * (square - contraction) - permittivity * field * field
-    area = 0.5 * electrode_radius * electrode_radius / (prestretch * prestretch)
-    resisting = area * 2.0 * sigma / x
-    tension = sigma * height
-    compliance = log(electrode_radius * x / contact_radius) / tension
-    if not tension > 0.0:
+    field = gain * u * x * x / thickness
+    sigma = 2.0 * W * (square - contraction)
+    sigma -= VACUUM_PERMITTIVITY * epsilon_r * field * field
+    if not sigma > 0.0:
         return nan, nan
-    step = log(ratio) / INTERVALS
+    resisting = sigma / x
+    compliance = log(electrode_radius * x / contact_radius) * x * x / sigma
+    ratio = squared ** (1.0 / INTERVALS)
+    step = 0.5 * log(ratio)
     for k in range(INTERVALS + 1):
-        radius = electrode_radius * np.exp(k * step)
-        squeezed = (frame_radius / radius) ** 2
-        hoop, radial = give * (squeezed - 1.0), -give * (squeezed + 1.0)
-        square_1 = (prestretch * (1.0 + radial)) ** 2
-        square_2 = (prestretch * (1.0 + hoop)) ** 2
+        radial, hoop = (
+            1.0 - give * (squared + 1.0) * (x - 1.0),
+            1.0 + give * (squared - 1.0) * (x - 1.0),
+        )
+        square_1, square_2 = (prestretch * radial) ** 2, (prestretch * hoop) ** 2
         contraction = 1.0 / (square_1 * square_2)
         invariant = square_1 + square_2 + contraction - 3.0
         W = c10 + invariant * (2.0 * c20 + 3.0 * c30 * invariant)
         sigma_1, sigma_2 = 2.0 * W * (square_1 - contraction), 2.0 * W * (square_2 - contraction)
-        weight = BOOLE[k] * step
-        rate = (squeezed - 1.0) / (ratio * ratio - 1.0) * sigma_2 / (1.0 + hoop)
-        rate -= (squeezed + 1.0) / (ratio * ratio - 1.0) * sigma_1 / (1.0 + radial)
-        resisting += weight * radius * radius / (prestretch * prestretch) * rate
-        across = sigma_1 * thickness * (1.0 + hoop) / np.sqrt(square_1 * square_2)
-        compliance += weight * (1.0 + radial) / across
-    return resisting, compliance
+        # (R/a)² is b²/a² over the square of b/R.
+        annulus = BOOLE[k] * step * (1.0 + 1.0 / give) / squared
+        strained = (squared - 1.0) * sigma_2 / hoop - (squared + 1.0) * sigma_1 / radial
+        resisting += annulus * give * strained
+        compliance += BOOLE[k] * step * radial * radial / sigma_1
+        squared /= ratio
+    return electrode_radius * electrode_radius * thickness * resisting, compliance / thickness
 
 
 @njit(cache=True, error_model="numpy")
 def stiffness(u: float, p: np.ndarray) -> float:
-    """Return the vertical stiffness in N/m, NaN beyond pull-in: the secant method finds x."""
-    x, x_next = 1.0, 1.01
-    resisting, compliance = work(x, u, p)
+    """Return the vertical stiffness in N/m, NaN beyond pull-in.
+
+    x is found by inverse quadratic interpolation from three estimates below it: the work as a
+    function of x is concave, so that secants stay on this side of pull-in.
+    """
+    x_0, x_1 = 1.0, 1.005
+    work_0, _ = work(x_0, u, p)
+    work_1, compliance = work(x_1, u, p)
+    x_2 = x_1 - work_1 * (x_1 - x_0) / (work_1 - work_0)
     for _ in range(TRIES):
-        before, resisting_before = x, resisting
-        x = x_next
-        resisting, compliance = work(x, u, p)
-        x_next = x - resisting * (x - before) / (resisting - resisting_before)
-        if abs(x_next - x) < CLOSE:
+        work_2, compliance = work(x_2, u, p)
+        d_01, d_02, d_12 = work_0 - work_1, work_0 - work_2, work_1 - work_2
+        x_3 = x_0 * work_1 * work_2 / (d_01 * d_02)
+        x_3 -= x_1 * work_0 * work_2 / (d_01 * d_12)
+        x_3 += x_2 * work_0 * work_1 / (d_02 * d_12)
+        if abs(x_3 - x_2) < CLOSE:
             return 2.0 * pi / compliance
+        x_0, x_1, x_2 = x_1, x_2, x_3
+        work_0, work_1 = work_1, work_2
     return nan
 
 
