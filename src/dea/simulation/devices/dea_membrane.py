@@ -22,76 +22,82 @@ from dea.simulation.state import State
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 GRAVITY = 9.80665
-# Radii across the annulus, where the stresses are summed by Boole's rule in ln R.
-INTERVALS = 4
-BOOLE = (14.0 / 45.0, 64.0 / 45.0, 24.0 / 45.0, 64.0 / 45.0, 14.0 / 45.0)
+# Three Gauss-Legendre points in ln R across the annulus: the first, from 0 to 1, and the weights.
+POINT = 0.1127016653792583
+WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 TRIES = 40
 CLOSE = 1e-7
 
 
 @njit(cache=True, error_model="numpy")
-def work(x: float, u: float, p: np.ndarray) -> tuple[float, float]:
-    """Return the virtual work that resists dx, in N m, and ∫ dr/(r N) in m/N; NaN if slack.
+def work(
+    x: float, u: float, p: np.ndarray, squares: tuple[float, float, float, float, float]
+) -> tuple[float, float, float]:
+    """Return the virtual work that resists dx, the disc's stress, and the annulus's ∫ dr/(r N).
 
-    The work is over 2π. A film of true stress σ and stretches λ does the virtual work
+    The work, over 2π, a² and the thickness h of the prestretched film, and the stress are in Pa;
+    the integral is times h, in 1/Pa. ``squares`` are R²/a² at the points and at the frame, and
+    ln b/a. NaN where the disc is slack. A film of true stress σ and stretches λ does the work
     σ₁ δλ₁/λ₁ + σ₂ δλ₂/λ₂ per volume; its tension is σ₁ times its thickness.
     """
     c10, c20, c30, prestretch, epsilon_r = p[2], p[3], p[4], p[5], p[6]
-    frame_radius, electrode_radius, contact_radius = p[7], p[8], p[9]
-    thickness, gain = p[10] / (prestretch * prestretch), p[11]
-    squared = (frame_radius / electrode_radius) ** 2
-    give = 1.0 / (squared - 1.0)
-    square = prestretch * prestretch * x * x
+    thickness, gain = p[10], p[11]
+    outer = squares[3]
+    give = 1.0 / (outer - 1.0)
+    initial = prestretch * prestretch
+    square = initial * x * x
     contraction = 1.0 / (square * square)
     invariant = 2.0 * square + contraction - 3.0
     W = c10 + invariant * (2.0 * c20 + 3.0 * c30 * invariant)
-    field = gain * u * x * x / thickness
+    field = gain * u * square / thickness
     sigma = 2.0 * W * (square - contraction)
     sigma -= VACUUM_PERMITTIVITY * epsilon_r * field * field
     if not sigma > 0.0:
-        return nan, nan
-    resisting = sigma / x
-    compliance = log(electrode_radius * x / contact_radius) * x * x / sigma
-    ratio = squared ** (1.0 / INTERVALS)
-    step = 0.5 * log(ratio)
-    for k in range(INTERVALS + 1):
-        radial, hoop = (
-            1.0 - give * (squared + 1.0) * (x - 1.0),
-            1.0 + give * (squared - 1.0) * (x - 1.0),
-        )
-        square_1, square_2 = (prestretch * radial) ** 2, (prestretch * hoop) ** 2
+        return nan, nan, nan
+    resisting, compliance = sigma / x, 0.0
+    for k in range(3):
+        grown = squares[k]
+        squared = outer / grown
+        radial, hoop = -give * (squared + 1.0), give * (squared - 1.0)
+        along, around = 1.0 + radial * (x - 1.0), 1.0 + hoop * (x - 1.0)
+        square_1, square_2 = initial * along * along, initial * around * around
         contraction = 1.0 / (square_1 * square_2)
         invariant = square_1 + square_2 + contraction - 3.0
         W = c10 + invariant * (2.0 * c20 + 3.0 * c30 * invariant)
         sigma_1, sigma_2 = 2.0 * W * (square_1 - contraction), 2.0 * W * (square_2 - contraction)
-        # (R/a)² is b²/a² over the square of b/R.
-        annulus = BOOLE[k] * step * (1.0 + 1.0 / give) / squared
-        strained = (squared - 1.0) * sigma_2 / hoop - (squared + 1.0) * sigma_1 / radial
-        resisting += annulus * give * strained
-        compliance += BOOLE[k] * step * radial * radial / sigma_1
-        squared /= ratio
-    return electrode_radius * electrode_radius * thickness * resisting, compliance / thickness
+        weight = WEIGHTS[k] * squares[4]
+        resisting += weight * grown * (radial * sigma_1 / along + hoop * sigma_2 / around)
+        compliance += weight * along * along / sigma_1
+    return resisting, sigma, compliance
 
 
 @njit(cache=True, error_model="numpy")
 def stiffness(u: float, p: np.ndarray) -> float:
     """Return the vertical stiffness in N/m, NaN beyond pull-in.
 
-    x is found by inverse quadratic interpolation from three estimates below it: the work as a
-    function of x is concave, so that secants stay on this side of pull-in.
+    x is found by inverse quadratic interpolation from estimates below it, of which the first is
+    that of a neo-Hookean film: the work is concave in x, so that it stays on this side of pull-in.
     """
-    x_0, x_1 = 1.0, 1.005
-    work_0, _ = work(x_0, u, p)
-    work_1, compliance = work(x_1, u, p)
+    initial, outer = p[5] * p[5], (p[7] / p[8]) ** 2
+    inner = outer**POINT
+    squares = (inner, p[7] / p[8], outer / inner, outer, 0.5 * log(outer))
+    invariant = 2.0 * initial - 3.0
+    W = p[2] + invariant * (2.0 * p[3] + 3.0 * p[4] * invariant)
+    field = p[11] * u * initial / p[10]
+    pressure = VACUUM_PERMITTIVITY * p[6] * field * field
+    growth = pressure / (4.0 * W * initial * outer / (outer - 1.0)) + 1e-4
+    x_0, x_1 = 1.0, 1.0 + min(growth * (1.0 + 3.0 * growth), 0.2)
+    work_0, work_1 = -pressure, work(x_1, u, p, squares)[0]
     x_2 = x_1 - work_1 * (x_1 - x_0) / (work_1 - work_0)
     for _ in range(TRIES):
-        work_2, compliance = work(x_2, u, p)
+        work_2, sigma, compliance = work(x_2, u, p, squares)
         d_01, d_02, d_12 = work_0 - work_1, work_0 - work_2, work_1 - work_2
         x_3 = x_0 * work_1 * work_2 / (d_01 * d_02)
         x_3 -= x_1 * work_0 * work_2 / (d_01 * d_12)
         x_3 += x_2 * work_0 * work_1 / (d_02 * d_12)
         if abs(x_3 - x_2) < CLOSE:
-            return 2.0 * pi / compliance
+            compliance += log(p[8] * x_2 / p[9]) * x_2 * x_2 / sigma
+            return 2.0 * pi / compliance * p[10] / initial
         x_0, x_1, x_2 = x_1, x_2, x_3
         work_0, work_1 = work_1, work_2
     return nan
