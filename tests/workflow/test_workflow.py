@@ -33,6 +33,18 @@ def test_the_number_of_actuators_is_the_length_of_a_list(project):
     assert {rule: jobs[rule] for rule in PER_ACTUATOR} == dict.fromkeys(PER_ACTUATOR, 2)
 
 
+def test_a_seventh_actuator_goes_on_another_page(project):
+    config = project.folder / "config" / "config.yaml"
+    last = "  - {name: dea6, device: config/devices/virtual_bench.yaml, bench: dea6}\n"
+    seventh = last.replace("name: dea6", "name: x7")
+    config.write_text(config.read_text().replace(last, last + seventh))
+    page = "results/figures/fig3_page2.png"
+    jobs = project.planned("results/figures/fig3.png", page, small=False)
+    assert jobs["figures_responses"] == jobs["figures_responses_2"] == 1
+    assert jobs["gfrf"] == 7
+    assert project.planned(page, small=False)["gfrf"] == 1
+
+
 @pytest.mark.parametrize(
     ("right", "wrong", "named"),
     [

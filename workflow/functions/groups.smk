@@ -1,5 +1,6 @@
 # Groups of figures and tables. One job makes a group from the same files, so that Python starts and
 # the files are read once for all its members.
+import re
 from dataclasses import dataclass, field
 
 import yaml
@@ -46,12 +47,33 @@ class Group:
         return [f"dea.{room}.{name}" for name in self.members]
 
 
+def pages(name, datasets, path, systems, most):
+    """Groups of at most so many systems each: NAME, then NAME_2, whose paths end in _page2."""
+    starts = range(0, len(systems), most)
+    found = {}
+    for number, first in enumerate(starts, start=1):
+        shown = systems[first : first + most]
+        found[name if number == 1 else f"{name}_{number}"] = Group(
+            sources=expand(
+                "results/{system}/{dataset}.nc", system=shown, dataset=datasets
+            ),
+            path=path if number == 1 else f"{path}_page{number}",
+            system="all" if len(starts) == 1 else f"{shown[0]} to {shown[-1]}",
+        )
+    return found
+
+
 def filled(room, groups):
-    """The groups with their members, which the table of the room lists."""
+    """The groups with their members, which the table of the room lists.
+
+    A further page has the members of the first.
+    """
     table = Path(workflow.basedir, "workflow", f"{room}.yaml").read_text()
     for name, entry in yaml.safe_load(table).items():
         for group in entry["of"]:
-            groups[group].members[name] = entry
+            for page in groups:
+                if page == group or re.fullmatch(rf"{group}_\d+", page):
+                    groups[page].members[name] = entry
     return groups
 
 

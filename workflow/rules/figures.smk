@@ -1,6 +1,10 @@
 # Every figure as PNG and PDF: workflow/figures.yaml lists them, their groups are here. A group's job
 # depends on the modules of all its members: an edit of one draws the whole group again.
 FIRST = next(iter(ACTUATORS))
+# Responses of more than six actuators go on further pages.
+RESPONSES = pages(
+    "responses", ["record", "gfrf"], "results/figures/{name}", list(ACTUATORS), 6
+)
 FIGURES = filled(
     "figures",
     {
@@ -20,12 +24,7 @@ FIGURES = filled(
             path="results/figures/cases/{name}_{system}",
             system="{system}",
         ),
-        "responses": Group(
-            sources=of_every_actuator("results/{actuator}/record.nc")
-            + of_every_actuator("results/{actuator}/gfrf.nc"),
-            path="results/figures/{name}",
-            system="all",
-        ),
+        **RESPONSES,
         "confirmation": Group(
             sources="results/{system}/confirmation.nc",
             path="results/figures/actuators/{name}_{system}",
@@ -68,7 +67,7 @@ EVERY_FIGURE = (
         name=FIGURES["actuator"].members,
         kind=["png", "pdf"],
     )
-    + FIGURES["responses"].files("png", "pdf")
+    + [file for page in RESPONSES for file in FIGURES[page].files("png", "pdf")]
     + FIGURES["confirmation"].files("png", "pdf", system=CONFIRMED)
     + FIGURES["link"].files("png", "pdf")
     + FIGURES["recovery"].files("png", "pdf")
