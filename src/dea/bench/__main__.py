@@ -24,14 +24,23 @@ from dea.bench.player import OutputLimits, Player
 from dea.bench.server import WRITER, BenchServer, serve
 from dea.errors import InputError
 from dea.modbus import Device, limit_counts, read_device
-from dea.plant import SAMPLE_PERIOD, Converter, Parameters, Rig, Trial, read_parameters, read_plain
+from dea.plant import (
+    SAMPLE_PERIOD,
+    Converter,
+    Parameters,
+    Rig,
+    ServedRig,
+    Trial,
+    read_parameters,
+    read_plain,
+)
 
 RAMP_RATE = 5.0  # V/s, of the device's own ramp when it is stopped
 
 
 def build(
-    rig: Rig, parameters: Parameters, description: Device, *, virtual_clock: bool, watchdog: float,
-    actuator: str,
+    rig: Rig | ServedRig, parameters: Parameters, description: Device, *, virtual_clock: bool,
+    watchdog: float, actuator: str, sample_period: float = SAMPLE_PERIOD,
 ) -> BenchDevice:  # fmt: skip
     """Put a rig behind the register map of ``description``.
 
@@ -40,14 +49,14 @@ def build(
     InputError
         Where the description's sampling rate is not the rig's.
     """
-    if abs(description.sampling_rate * SAMPLE_PERIOD - 1) > 1e-9:
+    if abs(description.sampling_rate * sample_period - 1) > 1e-9:
         raise InputError(
             f"{description.sampling_rate:g} Hz", file=description.source, field="sampling_rate",
-            remedy=f"The bench samples at {1 / SAMPLE_PERIOD:g} Hz.",
+            remedy=f"The bench samples at {1 / sample_period:g} Hz.",
         )  # fmt: skip
     output, displacement = parameters.output_converter, parameters.displacement_converter
     low, high = limit_counts(description, "output")
-    ramp_step = max(1, int(RAMP_RATE * SAMPLE_PERIOD / (output.high - output.low) * 65535))
+    ramp_step = max(1, int(RAMP_RATE * sample_period / (output.high - output.low) * 65535))
     player = Player(rig, OutputLimits(low, high, rig.zero_count, ramp_step), watchdog_time=watchdog)
     limits = _volts(output, low), _volts(output, high)
     constants: dict[str, float | int | str] = {
@@ -55,7 +64,7 @@ def build(
         "version": 1,
         "actuator": actuator[:16],
         "boot": secrets.randbits(32),
-        "device_rate": 1 / SAMPLE_PERIOD,
+        "device_rate": 1 / sample_period,
         "output_range_low": output.low,
         "output_range_high": output.high,
         "output_low_limit": limits[0],
@@ -79,6 +88,9 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
     served = parser.add_mutually_exclusive_group(required=True)
     served.add_argument("--actuator", help="a name of the bench configuration")
     served.add_argument("--trial", type=Path, help="the sealed file of a blind trial")
+    parser.add_argument(
+        "--truth", type=Path, help="write a trial's readings without noise here when the bench ends"
+    )
     parser.add_argument("--config", type=Path, default=Path("config/bench.yaml"))
     parser.add_argument(
         "--device", type=Path, default=Path("config/devices/virtual_bench.yaml"),

@@ -1,16 +1,18 @@
 """The virtual actuators and their instruments: the only room that knows the truth."""
 
 from dea.plant.converter import Converter
-from dea.plant.hidden import Trial, draw_trial
+from dea.plant.hidden import EFFECTS, Trial, Use, draw_trial
 from dea.plant.parameters import Parameters, read_parameters, read_plain
 from dea.plant.rig import SAMPLE_PERIOD, Rig
 
 __all__ = [
+    "EFFECTS",
     "SAMPLE_PERIOD",
     "Converter",
     "Parameters",
     "Rig",
     "Trial",
+    "Use",
     "draw_trial",
     "read_parameters",
     "read_plain",

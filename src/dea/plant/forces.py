@@ -1,8 +1,9 @@
-"""Forces on the mass besides the film's own, evaluated inside its equation of motion.
+"""Forces on a moving mass besides its own device's, evaluated inside the equation of motion.
 
 A force law is a kind, a row of constants and a row of memory. Its force depends on displacement
 and velocity at constant memory, so that it can be evaluated within a Runge-Kutta step; its memory
-is updated once per sub-step. Forces are in N, positive where they oppose a growing displacement.
+is updated once per sub-step. Forces are in N, positive where they oppose a growing displacement;
+a rotating device has torques and angles in their place.
 """
 
 from typing import NamedTuple
@@ -12,20 +13,77 @@ from numba import njit
 from numpy.typing import NDArray
 
 from dea.plant.array import Array
+from dea.plant.force_laws.contact import (
+    air_cushion,
+    hertz_stop,
+    padded_stop,
+    rubber_stop,
+)
+from dea.plant.force_laws.damage import (
+    count_reversals,
+    cycle_damage,
+    pseudo_elastic_loss,
+    work_damage,
+)
+from dea.plant.force_laws.elastic import (
+    chain_force,
+    fung_force,
+    gent_force,
+    power_force,
+    snap_force,
+)
+from dea.plant.force_laws.friction import (
+    bristle_force,
+    carry_bristle,
+    carry_dahl,
+    composite_friction,
+    stribeck_friction,
+)
+from dea.plant.force_laws.hysteresis import (
+    carry_bouc_wen,
+    carry_duhem,
+    masing_force,
+    note_reversals,
+    preisach_force,
+)
+from dea.plant.force_laws.in_time import force_in_time, pulse_train, stiffness_in_time
+from dea.plant.force_laws.mode import carry_mode, mode_force
+from dea.plant.force_laws.viscoelastic import (
+    carry_eyring,
+    carry_spectrum,
+    spectrum_force,
+)
 
 WIDTH = 64  # length of a row of constants or memory
 
 (
-    POWER_LAW_CREEP,
-    MASING_HYSTERESIS,
-    LUGRE_FRICTION,
-    FUNG_STIFFENING,
-    PATH_SOFTENING,
-    ATTACHED_MASS,
-    HERTZ_STOP,
-    STIFFNESS_STEP,
+    SPECTRUM,
+    EYRING,
+    MASING,
+    PREISACH,
+    BOUC_WEN,
+    DUHEM,
+    LUGRE,
+    DAHL,
+    STRIBECK,
+    COMPOSITE,
+    FUNG,
+    GENT,
+    CHAIN,
+    POWER,
+    CYCLES,
+    PSEUDO_ELASTIC,
+    WORK,
+    MODE,
+    HERTZ,
+    PADDED,
+    RUBBER,
+    CUSHION,
+    STIFFNESS_COURSE,
+    FORCE_COURSE,
+    PULSES,
     SNAP_THROUGH,
-) = range(9)
+) = range(26)
 
 
 class Forces(NamedTuple):
@@ -59,28 +117,56 @@ def total_force(forces: Forces, y: float, v: float) -> float:
     total = 0.0
     for row in range(forces.kind.shape[0]):
         kind, c, m = forces.kind[row], forces.constants[row], forces.memory[row]
-        if kind == POWER_LAW_CREEP:
-            total += _creep_force(c, m, y)
-        elif kind == MASING_HYSTERESIS:
-            total += _hysteresis_force(c, m, y)
-        elif kind == LUGRE_FRICTION:
-            total += c[0] * m[0] + c[1] * (v - c[0] * abs(v) * m[0] / _stribeck(c, v))
-        elif kind == FUNG_STIFFENING:
-            stretch = (y - c[2]) / c[1]
-            total += c[0] * (np.exp(stretch) - 1.0 - stretch)
-        elif kind == PATH_SOFTENING:
-            total -= c[0] * y * c[1] * (1.0 - np.exp(-((m[0] / c[2]) ** c[3])))
-        elif kind == ATTACHED_MASS:
-            stretch = y - m[0]
-            total += c[1] * stretch * (1.0 + (stretch / c[3]) ** 2) + c[2] * (v - m[1])
-        elif kind == HERTZ_STOP:
-            depth = max(y - c[1], 0.0)
-            total += c[0] * depth**1.5 * max(1.0 + c[2] * v, 0.0)
-        elif kind == STIFFNESS_STEP:
-            total += c[0] * y / (1.0 + np.exp(-(m[0] - c[1]) / c[2]))
+        if kind == SPECTRUM:
+            total += spectrum_force(c, m, y)
+        elif kind == EYRING:
+            total += c[0] * (y - m[0])
+        elif kind == MASING:
+            total += masing_force(c, m, y)
+        elif kind == PREISACH:
+            total += preisach_force(c, m, y)
+        elif kind == BOUC_WEN:
+            total += c[0] * m[0]
+        elif kind in (DUHEM, DAHL):
+            total += m[0]
+        elif kind == LUGRE:
+            total += bristle_force(c, m, v)
+        elif kind == STRIBECK:
+            total += stribeck_friction(c, v)
+        elif kind == COMPOSITE:
+            total += composite_friction(c, v)
+        elif kind == FUNG:
+            total += fung_force(c, y)
+        elif kind == GENT:
+            total += gent_force(c, y)
+        elif kind == CHAIN:
+            total += chain_force(c, y)
+        elif kind == POWER:
+            total += power_force(c, y)
+        elif kind == CYCLES:
+            total -= c[0] * y * cycle_damage(c, m)
+        elif kind == PSEUDO_ELASTIC:
+            total -= c[0] * (y - c[4]) * pseudo_elastic_loss(c, m, y)
+        elif kind == WORK:
+            total -= c[0] * y * work_damage(c, m)
+        elif kind == MODE:
+            total += mode_force(c, m, y, v)
+        elif kind == HERTZ:
+            total += hertz_stop(c, y, v)
+        elif kind == PADDED:
+            total += padded_stop(c, y, v)
+        elif kind == RUBBER:
+            total += rubber_stop(c, y)
+        elif kind == CUSHION:
+            total += air_cushion(c, y)
+        elif kind == STIFFNESS_COURSE:
+            total += stiffness_in_time(c, m, y)
+        elif kind == FORCE_COURSE:
+            total += force_in_time(c, m)
+        elif kind == PULSES:
+            total += pulse_train(c, m)
         elif kind == SNAP_THROUGH:
-            place = (y - c[1]) / c[2]
-            total += c[0] * np.sin(2.0 * np.pi * place) * np.exp(-place * place)
+            total += snap_force(c, y)
     return total
 
 
@@ -89,75 +175,27 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
     """Carry every law's memory over ``dt`` seconds; ``y`` and ``v`` are the values at their end."""
     for row in range(forces.kind.shape[0]):
         kind, c, m = forces.kind[row], forces.constants[row], forces.memory[row]
-        if kind == POWER_LAW_CREEP:
-            for i in range(int(c[0])):
-                m[i] += c[2 + 2 * i] * (y - m[i])
-        elif kind == MASING_HYSTERESIS:
-            _note_reversals(m, y)
-        elif kind == LUGRE_FRICTION:
-            # Implicit in the bristle deflection, which is stiff at high speed.
-            m[0] = (m[0] + v * dt) / (1.0 + c[0] * abs(v) * dt / _stribeck(c, v))
-        elif kind == PATH_SOFTENING:
-            m[0] += abs(v) * dt
-        elif kind == ATTACHED_MASS:
-            stretch = y - m[0]
-            push = c[1] * stretch * (1.0 + (stretch / c[3]) ** 2) + c[2] * (v - m[1])
-            m[1] += dt * push / c[0]
-            m[0] += dt * m[1]
-        elif kind == STIFFNESS_STEP:
+        if kind == SPECTRUM:
+            carry_spectrum(c, m, y)
+        elif kind == EYRING:
+            carry_eyring(c, m, y, dt)
+        elif kind in (MASING, PREISACH):
+            note_reversals(m, y)
+        elif kind == BOUC_WEN:
+            carry_bouc_wen(c, m, y)
+        elif kind == DUHEM:
+            carry_duhem(c, m, y)
+        elif kind == LUGRE:
+            carry_bristle(c, m, v, dt)
+        elif kind == DAHL:
+            carry_dahl(c, m, y)
+        elif kind == CYCLES:
+            count_reversals(c, m, y)
+        elif kind == PSEUDO_ELASTIC:
+            m[0] = max(m[0], 0.5 * c[0] * (y - c[4]) ** 2)
+        elif kind == WORK:
+            m[0] += c[0] * abs((y - c[3]) * v) * dt
+        elif kind == MODE:
+            carry_mode(c, m, y, v, dt)
+        elif kind in (STIFFNESS_COURSE, FORCE_COURSE, PULSES):
             m[0] += dt
-
-
-@njit(cache=True, error_model="numpy")
-def _creep_force(c: Array, m: Array, y: float) -> float:
-    """Power-law relaxation as a dense spectrum of modes; c holds (stiffness, share) pairs."""
-    force = 0.0
-    for i in range(int(c[0])):
-        force += c[1 + 2 * i] * (y - m[i])
-    return force
-
-
-@njit(cache=True, error_model="numpy")
-def _stribeck(c: Array, v: float) -> float:
-    """Steady friction force of the LuGre model at velocity ``v``."""
-    force: float = c[2] + (c[3] - c[2]) * np.exp(-((v / c[4]) ** 2))
-    return force
-
-
-@njit(cache=True, error_model="numpy")
-def _branch(c: Array, start: float, end: float) -> float:
-    """Force gained along a monotonic path between two displacements, by Masing's rule.
-
-    The slope falls along the path, and is larger away from the middle of the travel.
-    """
-    length = abs(end - start)
-    middle = (0.5 * (start + end) - c[2]) / c[3]
-    gained: float = c[0] * length / (1.0 + length / c[1]) * (1.0 + middle * middle)
-    return gained if end > start else -gained
-
-
-@njit(cache=True, error_model="numpy")
-def _hysteresis_force(c: Array, m: Array, y: float) -> float:
-    """m[0] is the number of reversals in memory; they follow it, the start of the motion first."""
-    count = int(m[0])
-    end = y if count == 1 else m[2]
-    force = 0.5 * _branch(c, 2.0 * m[1] - end, end)  # the virgin curve, by Masing's rule
-    for i in range(2, count):
-        force += _branch(c, m[i], m[i + 1])
-    return force + _branch(c, m[count], y) if count > 1 else force
-
-
-@njit(cache=True, error_model="numpy")
-def _note_reversals(m: Array, y: float) -> None:
-    """Update the reversals that still act on the force; m[-1] is the latest displacement."""
-    count, latest = int(m[0]), m[-1]
-    turned = (y - latest) * (latest - m[count]) < 0.0
-    if turned and count < m.shape[0] - 3:
-        count += 1
-        m[count] = latest
-    # A larger swing erases the smaller ones.
-    while count >= 3 and (y - m[count - 1]) * (m[count - 1] - m[count]) > 0.0:
-        count -= 2
-    if count == 2 and abs(y - m[1]) > abs(m[2] - m[1]):
-        count = 1
-    m[0], m[m.shape[0] - 1] = count, y

@@ -1,7 +1,8 @@
-"""Blind trials: what can be wrong with an actuator and its instruments, drawn and sealed."""
+"""Blind trials: what can be wrong with a device and its instruments, drawn and sealed."""
 
 from dea.plant.hidden.catalogue import EFFECTS
 from dea.plant.hidden.draw import draw as draw_trial
+from dea.plant.hidden.effect import Use
 from dea.plant.hidden.trial import Trial
 
-__all__ = ["EFFECTS", "Trial", "draw_trial"]
+__all__ = ["EFFECTS", "Trial", "Use", "draw_trial"]

@@ -1,4 +1,4 @@
-"""The kind of a hidden effect: a port, a range of sizes, and a way to build its law."""
+"""The kind of a hidden effect: a port, a range of sizes, and the forms its law can take."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,10 @@ from typing import NamedTuple
 
 from numpy.random import Generator
 
-from dea.plant.rig import Law
+from dea.plant.forces import ForceLaw
+from dea.plant.signal_law import SignalLaw
+
+Law = SignalLaw | ForceLaw
 
 
 class Port(StrEnum):
@@ -20,12 +23,22 @@ class Port(StrEnum):
     OUTSIDE = "outside"  # anywhere; an effect that a catalogue of common effects does not hold
 
 
-class Conditions(NamedTuple):
-    """The plain actuator under the trial's excitation, from which laws take their sizes.
+class Use(StrEnum):
+    """Which trials a form may be drawn for."""
 
-    ``low`` and ``high`` bound the command (V), ``rest``, ``bottom``, ``median`` and ``top`` are
-    displacements (m) of the plain actuator without voltage and its least, median and largest
-    under the excitation, ``stiffness`` is the film's (N/m), ``duration`` in s.
+    TUNING = "tuning"  # the diagnosis may be improved on it
+    REPORTING = "reporting"  # the diagnosis is judged by it, and has never been tuned on it
+
+
+class Conditions(NamedTuple):
+    """The plain device under the trial's excitation, from which laws take their sizes.
+
+    ``low`` and ``high`` bound the command (V); ``rest``, ``bottom``, ``median`` and ``top`` are
+    outputs of the plain device without command and its least, median and largest under the
+    excitation, ``stiffness`` is its restoring force over displacement (0 where nothing moves),
+    ``duration`` and ``time`` (one over the band of the excitation) in s, ``cycles`` the number of
+    swings of at least a tenth of the travel, ``path`` the way travelled, ``power`` the exponent of
+    the command in what drives the device, and ``force`` whether forces can act on it.
     """
 
     low: float
@@ -36,16 +49,59 @@ class Conditions(NamedTuple):
     top: float
     stiffness: float
     duration: float
+    time: float
+    cycles: float
+    path: float
+    power: float
+    force: bool
 
     @property
     def travel(self) -> float:
-        """The range of the displacement in m."""
+        """The range of the output."""
         return self.top - self.bottom
+
+    @property
+    def span(self) -> float:
+        """The range of the command in V."""
+        return self.high - self.low
+
+
+class Built(NamedTuple):
+    """A law, and the values that define it and that a diagnosis may give, in V, s, Hz or output."""
+
+    law: Law
+    defining: dict[str, float]
+
+
+Builder = Callable[[float, Conditions, Generator], Built]
+
+
+@dataclass(frozen=True)
+class Form:
+    """One law of an effect.
+
+    Attributes
+    ----------
+    name, source
+        A short name and the publication of the law.
+    use
+        Which trials it is for.
+    build
+        Returns the law from size, conditions and a generator that draws the law's shape.
+    moving
+        Whether it needs a force balance.
+    """
+
+    name: str
+    source: str
+    use: Use
+    build: Builder
+    moving: bool
 
 
 @dataclass(frozen=True)
 class EffectKind:
-    """A kind of effect on the actuator or its instruments.
+    """A kind of effect on a device or its instruments.
 
     Attributes
     ----------
@@ -55,8 +111,8 @@ class EffectKind:
         Range of sizes, searched on a logarithmic scale.
     unit
         Of the size.
-    build
-        Returns the law, from size, conditions and a generator that draws the law's shape.
+    forms
+        Its laws.
     """
 
     name: str
@@ -64,4 +120,18 @@ class EffectKind:
     smallest: float
     largest: float
     unit: str
-    build: Callable[[float, Conditions, Generator], Law]
+    forms: tuple[Form, ...]
+
+    def form(self, name: str) -> Form:
+        """Return the form of that name."""
+        return next(form for form in self.forms if form.name == name)
+
+
+def tuning(source: str, *, moving: bool = False) -> Callable[[Builder], Form]:
+    """Make a builder a form for tuning; its function's name is the form's."""
+    return lambda build: Form(build.__name__, source, Use.TUNING, build, moving)
+
+
+def reporting(source: str, *, moving: bool = False) -> Callable[[Builder], Form]:
+    """Make a builder a form for reporting; its function's name is the form's."""
+    return lambda build: Form(build.__name__, source, Use.REPORTING, build, moving)

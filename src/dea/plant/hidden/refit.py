@@ -1,121 +1,122 @@
-"""The strength of a hidden effect: what a refitted plain actuator does not explain of it."""
-
-from dataclasses import replace
+"""The strength of a hidden effect: what a refitted plain device does not explain of it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dea.least_squares import Damping, Model, Point, minimise
 from dea.plant.array import Array
-from dea.plant.film import vertical_stiffness
-from dea.plant.hidden.effect import Conditions
-from dea.plant.parameters import Parameters
-from dea.plant.rig import SAMPLE_PERIOD, Law, Rig
+from dea.plant.hidden.devices import DeviceKind, Plain
+from dea.plant.hidden.effect import Conditions, Law
+from dea.plant.hidden.rig import TrialRig
 
-_FREE = ("permittivity", "yeoh_1", "damping")
 _STEP = 1e-3  # relative, of the finite differences
 _LONGEST = 0.7  # largest change of a parameter's logarithm in one Gauss-Newton step
-_UNCHANGED = np.zeros(len(_FREE))
-_ROUNDS = 8
-_DAMPING = Damping(first=1e-4, least=0.0, tries=_ROUNDS)  # of the squared sensitivities
+_ROUNDS = 6
+_DAMPING = Damping(first=1e-4, least=0.0, tries=4)  # of the squared sensitivities
 _ENOUGH = 0.02  # relative decrease of the residual below which the refit has converged
-_SETTLING = 100  # samples at the first value before the record begins
+_SWING = 0.1  # of the travel: a smaller one is no cycle
 
 
 class Yardstick:
-    """Measures the strength of effects on one actuator under one excitation.
+    """Measures the strength of effects on one device under one excitation.
 
     Parameters
     ----------
-    parameters
-        The plain actuator.
-    output_counts
-        The excitation, shape (samples,).
+    kind, plain
+        The device without effects.
+    commands, sampling_rate
+        The excitation, shape (samples,), in V, and its rate in Hz.
+    noise
+        RMS of the readings' noise, in the device's unit.
 
     Attributes
     ----------
-    plain
-        Reading of the plain actuator in m, shape (samples,).
+    response
+        Reading of the plain device, shape (samples,).
     basis
         What small changes of the free parameters, scale and offset add to it, by column.
     """
 
-    def __init__(self, parameters: Parameters, output_counts: NDArray[np.uint16]) -> None:
-        self._parameters = parameters
-        self._counts = np.concatenate([np.repeat(output_counts[:1], _SETTLING), output_counts])
-        self.plain = self.respond(_UNCHANGED)
-        self.basis = self.linearised(_UNCHANGED, self.plain)
+    def __init__(
+        self, kind: DeviceKind, plain: Plain, commands: Array, sampling_rate: float, noise: float
+    ) -> None:
+        self._kind, self._plain, self._rate, self._noise = kind, plain, sampling_rate, noise
+        self._settling = round(kind.settling * sampling_rate)
+        self._commands = np.concatenate([np.repeat(commands[:1], self._settling), commands])
+        self.size = len(kind.free)
+        self.unchanged = np.zeros(self.size)
+        self.response = self.respond(self.unchanged)
+        self.basis = self.linearised(self.unchanged, self.response)
 
     def conditions(self) -> Conditions:
-        """Return what the excitation does to the plain actuator."""
-        rest = float(Rig(self._parameters, seed=0).respond(np.zeros(1, np.uint16))[0])
-        command = self._parameters.output_converter.to_values(self._counts)
+        """Return what the excitation does to the plain device."""
+        rest, stiffness = self._plain.rest_and_stiffness()
+        plain = self.response
+        bottom, top = float(plain.min()), float(plain.max())
         return Conditions(
-            low=float(command.min()),
-            high=float(command.max()),
+            low=float(self._commands.min()),
+            high=float(self._commands.max()),
             rest=rest,
-            bottom=float(self.plain.min()),
-            median=float(np.median(self.plain)),
-            top=float(self.plain.max()),
-            stiffness=vertical_stiffness(self._parameters.film),
-            duration=self._counts.size * SAMPLE_PERIOD,
+            bottom=bottom,
+            median=float(np.median(plain)),
+            top=top,
+            stiffness=stiffness,
+            duration=self._commands.size / self._rate,
+            time=self._kind.time,
+            cycles=_cycles(plain, _SWING * (top - bottom)),
+            path=float(np.abs(np.diff(plain)).sum()),
+            power=self._kind.power,
+            force=self._kind.force,
         )
 
     def strength(self, laws: list[Law]) -> float:
-        """Return the RMS residual of the refitted plain actuator over the RMS noise.
+        """Return the RMS residual of the refitted plain device over the RMS noise.
 
-        Gain, stiffness and dashpot of the film, and scale and offset of the reading are free.
-        Infinite where the effect breaks the film or leaves the range of the sensor.
+        The free parameters, and scale and offset of the reading, are refitted. Infinite where the
+        effect breaks the device.
         """
         reading = self._disturbed(laws)
-        if reading is None:
-            return np.inf
-        return self.unexplained(reading) / self._parameters.sensor.noise
+        return np.inf if reading is None else self.unexplained(reading) / self._noise
 
     def unexplained(self, reading: Array) -> float:
-        """Return the RMS residual, m, of the plain actuator refitted to a reading."""
+        """Return the RMS residual of the plain device refitted to a reading."""
         refit = minimise(
-            _Refit(self, reading), _UNCHANGED, _DAMPING, iterations=_ROUNDS, tolerance=_ENOUGH
+            _Refit(self, reading), self.unchanged, _DAMPING, iterations=_ROUNDS, tolerance=_ENOUGH
         )
         return refit.cost
 
     def linear_strength(self, laws: list[Law], without: list[Law] | None = None) -> float:
         """Return :meth:`strength` for a refit by one linear step: fast, and rarely smaller.
 
-        ``without`` are laws that replace the plain actuator as the reference.
+        ``without`` are laws that replace the plain device as the reference.
         """
         reading = self._disturbed(laws)
-        reference = self.plain if without is None else self._disturbed(without)
+        reference = self.response if without is None else self._disturbed(without)
         if reading is None or reference is None:
             return np.inf
         _, residual = _project(self.basis, reading - reference)
-        return _rms(residual) / self._parameters.sensor.noise
+        return _rms(residual) / self._noise
 
     def _disturbed(self, laws: list[Law]) -> Array | None:
-        sensor = self._parameters.sensor
-        rig = Rig(self._parameters, seed=0, effects=laws)
-        reading = rig.respond(self._counts)[_SETTLING:]
-        inside = (reading > sensor.range_low) & (reading < sensor.range_high)
-        return reading if inside.all() and not rig.fault else None
+        rig = TrialRig(self._plain, laws, self._rate)
+        reading = rig.respond(self._commands)[self._settling :]
+        return reading if np.isfinite(reading).all() and not rig.broken else None
 
     def linearised(self, shift: Array, response: Array) -> Array:
         """Return what small changes of everything that is free add to ``response``, by column."""
         sensitivities = [
-            (self.respond(shift + _STEP * unit) - response) / _STEP for unit in np.eye(len(_FREE))
+            (self.respond(shift + _STEP * unit) - response) / _STEP for unit in np.eye(self.size)
         ]
         return np.column_stack([*sensitivities, response, np.ones_like(response)])
 
     def respond(self, shift: Array) -> Array:
         """Return the plain reading with the free parameters changed by factors exp(shift)."""
-        film = self._parameters.film
-        factors = dict(zip(_FREE, np.exp(shift), strict=True))
-        changed = {name: getattr(film, name) * factor for name, factor in factors.items()}
-        parameters = replace(self._parameters, film=film._replace(**changed))
-        return Rig(parameters, seed=0).respond(self._counts)[_SETTLING:]
+        factors = dict(zip(self._kind.free, np.exp(shift).tolist(), strict=True))
+        rig = TrialRig(self._plain.changed(factors), [], self._rate)
+        return rig.respond(self._commands)[self._settling :]
 
 
 class _Refit:
-    """The refit of the plain actuator to a disturbed reading, with scale and offset projected out.
+    """The refit of the plain device to a disturbed reading, with scale and offset projected out.
 
     Variable projection (Kaufman, BIT 15, 1975). Gain, stiffness and scale nearly replace one
     another, so that Gauss-Newton steps without damping diverge.
@@ -126,28 +127,35 @@ class _Refit:
 
     def evaluate(self, x: Array) -> Point[Array]:
         """Return the RMS residual at the changes ``x`` of the logarithms, and the response."""
-        response = self._yardstick.respond(x) if x.any() else self._yardstick.plain
+        response = self._yardstick.respond(x) if x.any() else self._yardstick.response
         linear = np.column_stack([response, np.ones_like(response)])
         return Point(x, _rms(_project(linear, self._reading)[1]), response)
 
     def linearise(self, point: Point[Array], iteration: int, exact: bool) -> Model:
-        """Return the model with scale and offset projected out, its steps limited in length."""
-        yardstick = self._yardstick
-        basis = yardstick.linearised(point.x, point.value) if iteration else yardstick.basis
-        linear = basis[:, len(_FREE) :]
+        """Return the model with scale and offset projected out, its steps limited in length.
+
+        The slopes are those of the plain device until they no longer help.
+        """
+        yardstick, size = self._yardstick, self._yardstick.size
+        here = exact or not iteration
+        basis = yardstick.basis
+        if exact and iteration:
+            basis = yardstick.linearised(point.x, point.value)
+        linear = np.column_stack([point.value, np.ones_like(point.value)])
         (scale, _), residual = _project(linear, self._reading)
-        slopes = scale * basis[:, : len(_FREE)]
+        slopes = scale * basis[:, :size]
         slopes = slopes - linear @ np.linalg.lstsq(linear, slopes, rcond=None)[0]
-        size = np.linalg.norm(slopes, axis=0)
-        normal = (slopes / size).T @ (slopes / size)
+        length = np.linalg.norm(slopes, axis=0)
+        unit = slopes / length
+        normal = unit.T @ unit
 
         def step(damping: float) -> Array:
-            damped = normal + damping * np.eye(len(_FREE))
-            change: Array = np.linalg.solve(damped, (slopes / size).T @ residual) / size
+            damped = normal + damping * np.eye(size)
+            change: Array = np.linalg.solve(damped, unit.T @ residual) / length
             change /= max(1.0, np.abs(change).max() / _LONGEST)
             return change
 
-        return Model(point.cost, step)
+        return Model(point.cost, step, exact=here)
 
 
 def _project(basis: Array, values: Array) -> tuple[Array, Array]:
@@ -160,3 +168,14 @@ def _project(basis: Array, values: Array) -> tuple[Array, Array]:
 
 def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
+
+
+def _cycles(signal: Array, swing: float) -> float:
+    """Return half the number of swings of at least ``swing``."""
+    count, extreme, direction = 0, float(signal[0]), 1.0
+    for value in signal.tolist():
+        if (value - extreme) * direction > 0.0:
+            extreme = value
+        elif abs(value - extreme) > swing:
+            count, extreme, direction = count + 1, value, -direction
+    return 0.5 * count

@@ -1,4 +1,4 @@
-"""One blind trial: its actuator with hidden effects, its excitation, and the sealed label."""
+"""One blind trial: its device with hidden effects, its excitation, and the sealed label."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -8,79 +8,121 @@ from typing import Any, Self
 import numpy as np
 
 from dea.errors import InputError
+from dea.plant.array import Array
 from dea.plant.hidden.catalogue import EFFECTS
-from dea.plant.hidden.effect import Conditions
+from dea.plant.hidden.devices import DEVICES, DeviceKind
+from dea.plant.hidden.effect import Built, Conditions
+from dea.plant.hidden.noise import Noise, NoiseKind, NoiseSource
+from dea.plant.hidden.rig import ServedRig, TrialRig
 from dea.plant.parameters import read_plain
-from dea.plant.rig import Law, Rig
 
 
 @dataclass(frozen=True)
 class HiddenEffect:
-    """An effect at a size (in the effect's own unit), with the seed of its law's shape.
+    """An effect in one form at a size (in the effect's own unit), with the seed of its shape.
 
-    ``strength`` is the RMS residual of the refitted plain actuator over the RMS noise with this
+    ``strength`` is the RMS residual of the refitted plain device over the RMS noise with this
     effect alone.
     """
 
     name: str
+    form: str
     size: float
     seed: int
     strength: float
 
-    def law(self, conditions: Conditions) -> Law:
-        """Return a new law with its initial memory."""
-        return EFFECTS[self.name].build(self.size, conditions, np.random.default_rng(self.seed))
+    def build(self, conditions: Conditions) -> Built:
+        """Return a new law with its initial memory, and the values that define it."""
+        form = EFFECTS[self.name].form(self.form)
+        return form.build(self.size, conditions, np.random.default_rng(self.seed))
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A plain actuator with hidden effects, and the excitation it is driven with.
+    """A plain device with hidden effects, and the excitation it is driven with.
 
     Attributes
     ----------
     name
         Of the trial; tells nothing of the effects.
-    film
-        Parameters of the film that replace the plain actuator's (SI units).
+    device
+        A name of the devices that trials run on.
+    factors
+        On the parameters of the plain device.
     excitation
         Arguments of :func:`dea.excitation.design`; the acquisition knows these alone.
     conditions
-        The actuator under the excitation without the effects.
+        The device under the excitation without the effects.
     effects
         None, one or two.
     strength
         Of all effects together, as of one.
+    noise
+        Of the readings.
     seed
-        Of the measurement noise.
+        Of the noise.
     """
 
     name: str
-    film: dict[str, float]
+    device: str
+    factors: dict[str, float]
     excitation: dict[str, Any]
     conditions: Conditions
     effects: tuple[HiddenEffect, ...]
     strength: float
+    noise: Noise
     seed: int
 
-    def rig(self, config: Path) -> Rig:
-        """Return the rig of this trial for the bench configuration at ``config``."""
-        return Rig(
-            read_plain(config, self.film),
-            self.seed,
-            effects=[effect.law(self.conditions) for effect in self.effects],
+    @property
+    def kind(self) -> DeviceKind:
+        """The device's kind."""
+        return DEVICES[self.device]
+
+    @property
+    def sampling_rate(self) -> float:
+        """In Hz."""
+        return float(self.excitation["sampling_rate"])
+
+    def rig(self, bench: Path) -> TrialRig:
+        """Return the device of this trial for the bench configuration at ``bench``."""
+        return TrialRig(
+            self.kind.plain(bench, self.factors),
+            [effect.build(self.conditions).law for effect in self.effects],
+            self.sampling_rate,
+            self.noise.shift,
         )
+
+    def served(self, bench: Path) -> ServedRig:
+        """Return the device behind the converters of the bench configuration at ``bench``."""
+        converters = read_plain(bench)
+        return ServedRig(
+            self.rig(bench), self.noise, self.seed,
+            converters.output_converter, converters.displacement_converter, self.kind.scale,
+        )  # fmt: skip
+
+    def readings(self, bench: Path, commands: Array) -> tuple[Array, Array]:
+        """Return readings with and without noise, in the unit of records, for commands in V."""
+        truth = self.rig(bench).respond(commands)
+        scale = self.kind.scale
+        return scale * NoiseSource(self.noise, self.seed).read(truth), scale * truth
 
     def label(self) -> dict[str, Any]:
         """Return the label that a verdict is scored against."""
         return {
             "name": self.name,
+            "device": self.device,
+            "noise": self.noise.kind,
+            "noise_rms": self.kind.scale * self.noise.rms,
             "effects": [
                 {
                     "name": effect.name,
+                    "form": effect.form,
+                    "use": EFFECTS[effect.name].form(effect.form).use,
                     "port": EFFECTS[effect.name].port,
                     "size": effect.size,
                     "unit": EFFECTS[effect.name].unit,
                     "strength": effect.strength,
+                    "defining": effect.build(self.conditions).defining,
                 }
                 for effect in self.effects
             ],
@@ -106,6 +148,8 @@ class Trial:
             content = json.loads(Path(path).read_text())
             content["conditions"] = Conditions(**content["conditions"])
             content["effects"] = tuple(HiddenEffect(**effect) for effect in content["effects"])
+            noise = content["noise"]
+            content["noise"] = Noise(**{**noise, "kind": NoiseKind(noise["kind"])})
             return cls(**content)
         except (OSError, ValueError, TypeError, KeyError) as error:
             raise InputError(

@@ -1,0 +1,53 @@
+"""An electric positioning drive: a motor turns a load against a return spring.
+
+With the armature's inductance neglected, torque over inertia (J. Chiasson, Modeling and
+High-Performance Control of Electric Machines, 2005)::
+
+    θ̈ = K u − d θ̇ − k θ − F
+
+θ in degrees, u in V, F the sum of the hidden forces (:mod:`dea.plant.forces`) over the inertia.
+"""
+
+from typing import NamedTuple
+
+from numba import njit
+
+from dea.plant.array import Array
+from dea.plant.film import SUBSTEP
+from dea.plant.forces import Forces, total_force, update_memory
+
+
+class Drive(NamedTuple):
+    """The parameters: gain K (°/(s² V)), damping d (1/s) and stiffness k (1/s²)."""
+
+    gain: float = 6000.0
+    damping: float = 18.0
+    stiffness: float = 600.0
+
+
+@njit(cache=True, error_model="numpy")
+def turn(drive: Drive, state: Array, forces: Forces, command: Array, angle: Array) -> None:
+    """Advance by one sub-step per element of ``command`` (V), filling ``angle`` (°), by RK4.
+
+    ``state`` holds angle and speed and changes in place; ``angle[k]`` is the value before
+    ``command[k]`` takes effect.
+    """
+    disturbed = forces.kind.shape[0] > 0
+    for k in range(command.shape[0]):
+        y, v = state[0], state[1]
+        angle[k] = y
+        sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
+        for stage in range(4):
+            push = drive.gain * command[k] - drive.damping * stage_v - drive.stiffness * stage_y
+            if disturbed:
+                push -= total_force(forces, stage_y, stage_v)
+            slope_y = stage_v
+            weight = 2.0 if stage in (1, 2) else 1.0
+            sum_y += weight * slope_y
+            sum_v += weight * push
+            ahead = SUBSTEP if stage == 2 else 0.5 * SUBSTEP
+            stage_y, stage_v = y + ahead * slope_y, v + ahead * push
+        state[0] = y + SUBSTEP / 6.0 * sum_y
+        state[1] = v + SUBSTEP / 6.0 * sum_v
+        if disturbed:
+            update_memory(forces, state[0], state[1], SUBSTEP)

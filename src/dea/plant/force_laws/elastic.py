@@ -1,0 +1,60 @@
+"""Elastic forces that are functions of the place alone."""
+
+import numpy as np
+from numba import njit
+
+from dea.plant.array import Array
+
+
+@njit(cache=True, error_model="numpy")
+def fung_force(c: Array, y: float) -> float:
+    """Return c[0] (exp(x) - 1 - x), x = (y - c[2])/c[1]: Y. C. Fung, Biomechanics, 1981."""
+    x = (y - c[2]) / c[1]
+    force: float = c[0] * (np.exp(x) - 1.0 - x)
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def gent_force(c: Array, y: float) -> float:
+    """Return what limited chains add to a spring: c[0] d (1/(1 - (d/c[1])²) - 1).
+
+    d = y - c[2] > 0. A. N. Gent, Rubber Chem. Technol. 69 (1996) 59.
+    Beyond 0.99 c[1] it goes on in a straight line.
+    """
+    x = max(y - c[2], 0.0) / c[1]
+    inside = min(x, 0.99)
+    stiff = 1.0 / (1.0 - inside * inside)
+    force: float = c[0] * c[1] * (inside * (stiff - 1.0))
+    value: float = force + c[0] * c[1] * (x - inside) * (
+        stiff * stiff * (1.0 + inside * inside) - 1.0
+    )
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def chain_force(c: Array, y: float) -> float:
+    """Return what a freely jointed chain adds to its own initial stiffness c[0].
+
+    The inverse Langevin function in Cohen's approximation x (3 - x²)/(1 - x²), less 3x, with
+    x = (y - c[2])/c[1] (A. Cohen, Rheol. Acta 30 (1991) 270; E. M. Arruda and M. C. Boyce, J. Mech.
+    Phys. Solids 41 (1993) 389).
+    """
+    x = min(max(y - c[2], 0.0) / c[1], 0.99)
+    force: float = c[0] * c[1] * (x * (3.0 - x * x) / (1.0 - x * x) / 3.0 - x)
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def power_force(c: Array, y: float) -> float:
+    """Return c[0] d^c[1] for d = (y - c[2])/c[3] > 0: one term of R. W. Ogden's series (1972)."""
+    d = max(y - c[2], 0.0) / c[3]
+    force: float = c[0] * d ** c[1]
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def snap_force(c: Array, y: float) -> float:
+    """Return the bistable force of a buckled strip around place c[1], of width c[2]."""
+    place = (y - c[1]) / c[2]
+    force: float = c[0] * np.sin(2.0 * np.pi * place) * np.exp(-place * place)
+    return force

@@ -1,0 +1,64 @@
+"""Dry friction: bristles, Dahl's solid friction, and forces that depend on the velocity alone."""
+
+import numpy as np
+from numba import njit
+
+from dea.plant.array import Array
+
+
+@njit(cache=True, error_model="numpy")
+def _sliding(c: Array, v: float) -> float:
+    """Return the steady force of sliding: c[2] when fast, c[3] when slow, around speed c[4]."""
+    force: float = c[2] + (c[3] - c[2]) * np.exp(-((v / c[4]) ** 2))
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def bristle_force(c: Array, m: Array, v: float) -> float:
+    """Return the LuGre force: c[0] z + c[1] z'.
+
+    C. Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419.
+    """
+    value: float = c[0] * m[0] + c[1] * (v - c[0] * abs(v) * m[0] / _sliding(c, v))
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_bristle(c: Array, m: Array, v: float, dt: float) -> None:
+    """Carry the bristle deflection, implicitly because it is stiff at high speed."""
+    m[0] = (m[0] + v * dt) / (1.0 + c[0] * abs(v) * dt / _sliding(c, v))
+
+
+@njit(cache=True, error_model="numpy")
+def carry_dahl(c: Array, m: Array, y: float) -> None:
+    """Carry Dahl's force: dF/dy = s (1 - F sign(dy)/F_c) with stiffness s, exactly for a step.
+
+    P. R. Dahl, Aerospace Corp. TOR-0158(3107-18), 1968. c: F_c and s; m: force and latest place.
+    """
+    step = y - m[1]
+    limit = c[0] if step > 0.0 else -c[0]
+    m[0] = limit + (m[0] - limit) * np.exp(-c[1] * abs(step) / c[0])
+    m[1] = y
+
+
+@njit(cache=True, error_model="numpy")
+def stribeck_friction(c: Array, v: float) -> float:
+    """Return friction that falls with speed: Stribeck's curve as Tustin's exponential.
+
+    B. Armstrong-Hélouvry et al., Automatica 30 (1994) 1083. c: sliding and static force, Stribeck
+    speed, speed of regularisation.
+    """
+    force: float = (c[0] + (c[1] - c[0]) * np.exp(-abs(v) / c[2])) * v / np.hypot(v, c[3])
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def composite_friction(c: Array, v: float) -> float:
+    """Return a smooth friction of three tanh terms, different in the two directions.
+
+    C. Makkar et al., IEEE/ASME AIM (2005) 600. c: static excess, its two steepnesses, sliding
+    force, its steepness, share by which the positive direction is stronger.
+    """
+    force = c[0] * (np.tanh(c[1] * v) - np.tanh(c[2] * v)) + c[3] * np.tanh(c[4] * v)
+    value: float = force * (1.0 + c[5] * np.tanh(c[4] * v))
+    return value

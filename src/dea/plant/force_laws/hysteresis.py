@@ -1,0 +1,96 @@
+"""Hysteresis that does not depend on rate: with a memory of reversals, and of the Duhem type."""
+
+import numpy as np
+from numba import njit
+
+from dea.plant.array import Array
+
+
+@njit(cache=True, error_model="numpy")
+def masing_force(c: Array, m: Array, y: float) -> float:
+    """Return the force by Masing's rule, from the reversals in memory.
+
+    m[0] is the number of reversals; they follow it, the start of the motion first.
+    """
+    count = int(m[0])
+    end = y if count == 1 else m[2]
+    force = 0.5 * _masing_branch(c, 2.0 * m[1] - end, end)  # the virgin curve
+    for i in range(2, count):
+        force += _masing_branch(c, m[i], m[i + 1])
+    return force + _masing_branch(c, m[count], y) if count > 1 else force
+
+
+@njit(cache=True, error_model="numpy")
+def _masing_branch(c: Array, start: float, end: float) -> float:
+    """Return the force gained on a monotonic path; its slope falls along it, less at the ends."""
+    length = abs(end - start)
+    middle = (0.5 * (start + end) - c[2]) / c[3]
+    gained: float = c[0] * length / (1.0 + length / c[1]) * (1.0 + middle * middle)
+    return gained if end > start else -gained
+
+
+@njit(cache=True, error_model="numpy")
+def preisach_force(c: Array, m: Array, y: float) -> float:
+    """Return the force of Preisach's model with the same memory of reversals.
+
+    A density that is a product of Lorentzians has the Everett function (Φ(a) - Φ(b))²/2 with Φ the
+    arcus tangent of the place (Biorci and Pescetti, Nuovo Cimento 7, 1958; Mayergoyz, Mathematical
+    Models of Hysteresis, 1991). c: height, middle and width of the density.
+    """
+    count = int(m[0])
+    end = y if count == 1 else m[2]
+    force = 0.5 * _everett(c, 2.0 * m[1] - end, end)
+    for i in range(2, count):
+        force += _everett(c, m[i], m[i + 1])
+    return force + _everett(c, m[count], y) if count > 1 else force
+
+
+@njit(cache=True, error_model="numpy")
+def _everett(c: Array, start: float, end: float) -> float:
+    difference = np.arctan((end - c[1]) / c[2]) - np.arctan((start - c[1]) / c[2])
+    value: float = 0.5 * c[0] * difference * abs(difference)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def note_reversals(m: Array, y: float) -> None:
+    """Update the reversals that still act on the force; m[-1] is the latest displacement."""
+    count, latest = int(m[0]), m[-1]
+    turned = (y - latest) * (latest - m[count]) < 0.0
+    if turned and count < m.shape[0] - 3:
+        count += 1
+        m[count] = latest
+    # A larger swing erases the smaller ones.
+    while count >= 3 and (y - m[count - 1]) * (m[count - 1] - m[count]) > 0.0:
+        count -= 2
+    if count == 2 and abs(y - m[1]) > abs(m[2] - m[1]):
+        count = 1
+    m[0], m[m.shape[0] - 1] = count, y
+
+
+@njit(cache=True, error_model="numpy")
+def carry_bouc_wen(c: Array, m: Array, y: float) -> None:
+    """Carry Wen's hysteretic deflection: dz = (1 - |z/Z|^n (b sign(z dy) + 1 - b)) dy.
+
+    Y. K. Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249. c: stiffness, Z, n, b; m: z and latest place.
+    Two half steps keep |z| within Z.
+    """
+    step = 0.5 * (y - m[1])
+    for _ in range(2):
+        ratio = min(abs(m[0]) / c[1], 1.0) ** c[2]
+        m[0] += step * (1.0 - ratio * (c[3] * np.sign(m[0] * step) + 1.0 - c[3]))
+    m[1] = y
+
+
+@njit(cache=True, error_model="numpy")
+def carry_duhem(c: Array, m: Array, y: float) -> None:
+    """Carry Coleman and Hodgdon's force: dF = a |dy| (b (y - y0) - F) + g dy, exactly for a step.
+
+    B. D. Coleman and M. L. Hodgdon, Int. J. Eng. Sci. 24 (1986) 897. c: a, b, g, y0; m: force and
+    latest place.
+    """
+    step = y - m[1]
+    share = -np.expm1(-c[0] * abs(step))
+    line = c[1] * (0.5 * (y + m[1]) - c[3])
+    m[0] += share * (line - m[0]) + c[2] * step
+    m[1] = y

@@ -1,0 +1,57 @@
+"""Forces that change with time, whatever the motion."""
+
+import numpy as np
+from numba import njit
+
+from dea.plant.array import Array
+
+POWER, EXPONENTIALS, LOGARITHM, PELEG, SIGMOID, SETTLING, INSTANT = range(7)
+
+
+@njit(cache=True, error_model="numpy")
+def course(shape: float, a: float, b: float, t: float) -> float:
+    """Return a change that begins at 0, over time ``t`` (s).
+
+    POWER: 1 - (1 + t/a)^-b; EXPONENTIALS: of time constants a and b, equal shares; LOGARITHM:
+    ln(1 + t/a)/ln(1 + b/a), 1 at time b; PELEG: t/(a + t) (M. Peleg, J. Food Sci. 44 (1979) 277);
+    SIGMOID: logistic at a of width b; SETTLING: exponential after a with time constant b;
+    INSTANT: at a.
+    """
+    value: float = 0.0
+    if shape == POWER:
+        value = 1.0 - (1.0 + t / a) ** -b
+    elif shape == EXPONENTIALS:
+        value = 1.0 - 0.5 * (np.exp(-t / a) + np.exp(-t / b))
+    elif shape == LOGARITHM:
+        value = np.log1p(t / a) / np.log1p(b / a)
+    elif shape == PELEG:
+        value = t / (a + t)
+    elif shape == SIGMOID:
+        value = 1.0 / (1.0 + np.exp(-min(max((t - a) / b, -500.0), 500.0)))
+    elif shape == SETTLING:
+        value = -np.expm1(-max(t - a, 0.0) / b)
+    elif shape == INSTANT:
+        value = 1.0 if t >= a else 0.0
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def stiffness_in_time(c: Array, m: Array, y: float) -> float:
+    """Return the force of a stiffness c[0] that comes (or goes, where negative) with time."""
+    value: float = c[0] * y * course(c[1], c[2], c[3], m[0])
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def force_in_time(c: Array, m: Array) -> float:
+    """Return a force of height c[0] that comes with time."""
+    value: float = c[0] * course(c[1], c[2], c[3], m[0])
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def pulse_train(c: Array, m: Array) -> float:
+    """Return equal pulses of mean 0: a von Mises bell of concentration c[3], c[1] a second."""
+    bell = np.exp(c[3] * (np.cos(2.0 * np.pi * c[1] * m[0] + c[2]) - 1.0))
+    force: float = c[0] * (bell - c[4])
+    return force

@@ -1,0 +1,35 @@
+"""A second mass that a spring couples to the first."""
+
+import numpy as np
+from numba import njit
+
+from dea.plant.array import Array
+
+HARDENING, PENDULUM = 0.0, 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def _spring(c: Array, stretch: float) -> float:
+    """Return the force of the spring c[1]: hardening, or the sine of a pendulum's angle."""
+    if c[5] == PENDULUM:
+        force: float = c[1] * c[4] * np.sin(stretch / c[4])
+        return force
+    value: float = c[1] * stretch * (1.0 + (stretch / c[4]) ** 2)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def mode_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force on the first mass; m holds place and velocity of the second.
+
+    c: mass, spring, dashpot between the masses, dashpot to ground, length, shape of the spring.
+    """
+    value: float = _spring(c, y - m[0]) + c[2] * (v - m[1])
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_mode(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry the second mass over a sub-step, by the symplectic Euler rule."""
+    m[1] += dt / c[0] * (mode_force(c, m, y, v) - c[3] * m[1])
+    m[0] += dt * m[1]

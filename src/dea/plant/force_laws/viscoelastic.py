@@ -1,0 +1,37 @@
+"""Forces that relax: spectra of Maxwell elements, and a thermally activated dashpot."""
+
+import numpy as np
+from numba import njit
+
+from dea.plant.array import Array
+
+
+@njit(cache=True, error_model="numpy")
+def spectrum_force(c: Array, m: Array, y: float) -> float:
+    """Return the force of c[0] Maxwell elements; (stiffness, share) pairs follow in ``c``.
+
+    The memory holds the dashpots' places; a share is what a dashpot relaxes in a sub-step.
+    """
+    force = 0.0
+    for i in range(int(c[0])):
+        force += c[1 + 2 * i] * (y - m[i])
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_spectrum(c: Array, m: Array, y: float) -> None:
+    """Relax every dashpot over a sub-step at a held place, exactly."""
+    for i in range(int(c[0])):
+        m[i] += c[2 + 2 * i] * (y - m[i])
+
+
+@njit(cache=True, error_model="numpy")
+def carry_eyring(c: Array, m: Array, y: float, dt: float) -> None:
+    """Carry a dashpot whose rate is c[1] sinh(stretch / c[2]), exactly at a held place.
+
+    H. Eyring, J. Chem. Phys. 4 (1936) 283. With z the stretch over c[2], z' = -(c[1]/c[2]) sinh z
+    has the solution tanh(z/2) = tanh(z0/2) exp(-c[1] t / c[2]).
+    """
+    z = (y - m[0]) / c[2]
+    z = 2.0 * np.arctanh(np.tanh(0.5 * min(max(z, -30.0), 30.0)) * np.exp(-c[1] / c[2] * dt))
+    m[0] = y - c[2] * z

@@ -1,0 +1,140 @@
+"""Kernels that several forms of laws on a signal share: curves, courses in time, linear filters."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numba import njit
+
+from dea.plant.array import Array
+from dea.plant.film import SUBSTEP
+from dea.plant.signal_law import SignalLaw
+
+_CURVE_POINTS, _COURSE_POINTS = 8001, 4001
+
+
+@njit(cache=True)
+def _between(table: Array, low: float, step: float, x: float) -> float:
+    """Interpolate in an evenly spaced table, and beyond its ends along its last pieces."""
+    last = table.shape[0] - 2
+    place = (x - low) / step
+    i = min(max(int(place), 0), last)
+    value: float = table[i] + (place - i) * (table[i + 1] - table[i])
+    return value
+
+
+@njit(cache=True)
+def _mapped(c: Array, m: Array, signal: Array) -> None:
+    for k in range(signal.shape[0]):
+        signal[k] = _between(c[2:], c[0], c[1], signal[k])
+
+
+def curve(
+    function: Callable[[Array], Array], low: float, high: float, *, output: bool = False
+) -> SignalLaw:
+    """Return the law that maps a signal by ``function``, tabulated from ``low`` to ``high``."""
+    places = np.linspace(low, high, _CURVE_POINTS)
+    constants = np.concatenate([[low, places[1] - places[0]], function(places)])
+    return SignalLaw(_mapped, constants, output=output)
+
+
+@njit(cache=True)
+def _scaled(c: Array, m: Array, signal: Array) -> None:
+    for k in range(signal.shape[0]):
+        signal[k] *= max(1.0 + _until_end(c, m[0]), 0.0) ** c[1]
+        m[0] += SUBSTEP
+
+
+@njit(cache=True)
+def _shifted(c: Array, m: Array, signal: Array) -> None:
+    for k in range(signal.shape[0]):
+        signal[k] += _until_end(c, m[0])
+        m[0] += SUBSTEP
+
+
+@njit(cache=True)
+def _until_end(c: Array, t: float) -> float:
+    """Return the course's value at time ``t``; it keeps its last value after its end."""
+    return _between(c[2:], 0.0, c[0], min(t, c[0] * (c.shape[0] - 3)))
+
+
+def gain_course(course: Callable[[Array], Array], duration: float, power: float) -> SignalLaw:
+    """Return the law that multiplies what drives the device by 1 + ``course(time)``.
+
+    The drive is the command to the ``power``.
+    """
+    times = np.linspace(0.0, duration, _COURSE_POINTS)
+    return SignalLaw(_scaled, np.concatenate([[times[1], 1.0 / power], course(times)]))
+
+
+def added_course(course: Callable[[Array], Array], duration: float, *, output: bool) -> SignalLaw:
+    """Return the law that adds ``course(time)`` to the reading or to the command."""
+    times = np.linspace(0.0, duration, _COURSE_POINTS)
+    constants = np.concatenate([[times[1], 1.0], course(times)])
+    return SignalLaw(_shifted, constants, output=output)
+
+
+@njit(cache=True)
+def _delayed(c: Array, m: Array, signal: Array) -> None:
+    """m holds place, whether the ring is filled, and a ring of past values."""
+    length = m.shape[0] - 2
+    if m[1] == 0.0:
+        m[1] = 1.0
+        m[2:] = signal[0]
+    place = int(m[0])
+    for k in range(signal.shape[0]):
+        m[2 + place], signal[k] = signal[k], m[2 + place]
+        place = (place + 1) % length
+    m[0] = place
+
+
+def delay(seconds: float, *, output: bool = False) -> SignalLaw:
+    """Return a pure delay, to a millisecond."""
+    ring = np.zeros(2 + max(round(seconds / SUBSTEP), 1))
+    return SignalLaw(_delayed, [0.0], ring, output=output)
+
+
+@njit(cache=True)
+def _cascaded(c: Array, m: Array, signal: Array) -> None:
+    """c holds the shares that the poles pass in a sub-step, m whether started and their values."""
+    if m[0] == 0.0:
+        m[0] = 1.0
+        m[1:] = signal[0]
+    for k in range(signal.shape[0]):
+        value = signal[k]
+        for i in range(c.shape[0]):
+            m[1 + i] += c[i] * (value - m[1 + i])
+            value = m[1 + i]
+        signal[k] = value
+
+
+def cascade(times: Array, *, output: bool = False) -> SignalLaw:
+    """Return first-order lags with time constants ``times`` (s), one after the other."""
+    shares = 1.0 - np.exp(-SUBSTEP / np.asarray(times))
+    return SignalLaw(_cascaded, shares, np.zeros(1 + shares.size), output=output)
+
+
+@njit(cache=True)
+def _parallel(c: Array, m: Array, signal: Array) -> None:
+    """c holds the direct share, then (weight, share per sub-step) of every pole."""
+    poles = m.shape[0] - 1
+    if m[0] == 0.0:
+        m[0] = 1.0
+        m[1:] = signal[0] if c[1] > 0.0 else 0.0
+    for k in range(signal.shape[0]):
+        value = c[0] * signal[k]
+        for i in range(poles):
+            m[1 + i] += c[3 + 2 * i] * (signal[k] - m[1 + i])
+            value += c[2 + 2 * i] * m[1 + i]
+        signal[k] = value
+
+
+def parallel(
+    direct: float, weights: Array, times: Array, *, settled: bool = True, output: bool = False
+) -> SignalLaw:
+    """Return ``direct`` times the signal plus weighted first-order lags of it, side by side.
+
+    ``settled`` lags start at the first value of the signal, others at 0.
+    """
+    poles = np.column_stack([weights, 1.0 - np.exp(-SUBSTEP / np.asarray(times))]).ravel()
+    constants = np.concatenate([[direct, float(settled)], poles])
+    return SignalLaw(_parallel, constants, np.zeros(1 + len(times)), output=output)

@@ -1,0 +1,79 @@
+"""Charge that leaks or is trapped: what a sustained voltage loses."""
+
+import numpy as np
+from numba import njit
+from numpy.random import Generator
+
+from dea.plant.array import Array
+from dea.plant.film import SUBSTEP
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.kernels import parallel
+from dea.plant.signal_law import SignalLaw
+
+OHMIC, SPACE_CHARGE, POOLE_FRENKEL, SCHOTTKY = range(4)
+
+
+@njit(cache=True)
+def _trapped(c: Array, m: Array, u: Array) -> None:
+    """A trapped charge screens the field: conduction fills the traps, and they empty again.
+
+    m[1] is the screening voltage, which approaches ``size`` times the voltage at the ceiling, by a
+    law of conduction c[3] with steepness c[4] relative to the field at the ceiling c[2].
+    """
+    size, time, ceiling, law, steep = c
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, 0.0
+    for k in range(u.shape[0]):
+        field = max(u[k] - m[1], 0.0)
+        x = field / ceiling
+        current = x
+        if law == SPACE_CHARGE:
+            current = x * x
+        elif law == POOLE_FRENKEL:
+            current = x * np.exp(steep * (np.sqrt(x) - 1.0))
+        elif law == SCHOTTKY:
+            current = np.expm1(steep * np.sqrt(x)) / np.expm1(steep)
+        m[1] += SUBSTEP / time * (size * ceiling * current - m[1])
+        u[k] = field
+
+
+def _trap(size: float, conditions: Conditions, rng: Generator, law: int, steep: float) -> Built:
+    time = conditions.time * np.exp(rng.uniform(np.log(1.0), np.log(8.0)))
+    constants = [size, time, conditions.high, law, steep]
+    return Built(SignalLaw(_trapped, constants, [0.0, 0.0]), {})
+
+
+@tuning("Lampert and Mark, Current Injection in Solids (1970): the square law of space charge")
+def space_charge(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Traps filled by a current that grows with the square of the field."""
+    return _trap(size, conditions, rng, SPACE_CHARGE, 0.0)
+
+
+@tuning("Simmons, J. Phys. D 4 (1971) 613: Schottky emission at the electrode")
+def schottky_emission(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Traps filled by a current exponential in the root of the field."""
+    return _trap(size, conditions, rng, SCHOTTKY, rng.uniform(3.0, 6.0))
+
+
+@reporting("Frenkel, Phys. Rev. 54 (1938) 647: conduction out of traps that the field lowers")
+def poole_frenkel(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Traps filled by a current proportional to the field times an exponential of its root."""
+    return _trap(size, conditions, rng, POOLE_FRENKEL, rng.uniform(1.5, 4.0))
+
+
+@reporting("Jonscher, J. Phys. D 32 (1999) R57: the Curie and von Schweidler law, t^-n")
+def curie_von_schweidler(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """An absorption current that falls as a power of time, as a spectrum from 0.3 to 300 s."""
+    exponent = rng.uniform(0.6, 0.95)
+    times = conditions.time * 0.3 * 10.0 ** np.linspace(0.0, 3.0, 10)
+    weights = times ** (1.0 - exponent)
+    weights *= -size / weights.sum()
+    return Built(parallel(1.0, weights, times, settled=False), {})
+
+
+EFFECTS = (
+    EffectKind(
+        "charge_leakage", Port.INPUT, 0.005, 0.7, "1",
+        (space_charge, schottky_emission, poole_frenkel, curie_von_schweidler),
+    ),
+)  # fmt: skip

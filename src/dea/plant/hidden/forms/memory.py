@@ -1,0 +1,223 @@
+"""Forces with memory: creep, relaxation, hysteresis and dry friction."""
+
+import numpy as np
+from numpy.random import Generator
+
+from dea.plant import forces
+from dea.plant.array import Array
+from dea.plant.film import SUBSTEP
+from dea.plant.force_laws import in_time
+from dea.plant.forces import ForceLaw
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+
+_TIMES = 0.03 * 10.0 ** (np.arange(18) / 3.0)  # of a spectrum, in band periods: three a decade
+
+
+def _spectrum(stiffnesses: Array, conditions: Conditions, size: float) -> Built:
+    """Return the spectrum whose force one band period after a step is ``size`` stiffnesses."""
+    times = _TIMES * conditions.time
+    at_one = stiffnesses @ np.exp(-1.0 / _TIMES)
+    stiffnesses = stiffnesses * (size * conditions.stiffness / at_one)
+    pairs = np.column_stack([stiffnesses, -np.expm1(-SUBSTEP / times)]).ravel()
+    constants = np.concatenate([[float(times.size)], pairs])
+    return Built(ForceLaw(forces.SPECTRUM, constants, np.full(times.size, conditions.rest)), {})
+
+
+@tuning("Scott Blair, J. Colloid Sci. 2 (1947) 21: a spring-pot, relaxing as a power of time")
+def spring_pot(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Relaxation as t^-n, by eighteen elements from 0.03 to 15 000 band periods."""
+    return _spectrum(_TIMES ** -rng.uniform(0.1, 0.35), conditions, size)
+
+
+@tuning("Kohlrausch 1854; Williams and Watts, Trans. Faraday Soc. 66 (1970) 80: exp(-(t/T)^b)")
+def stretched_exponential(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Relaxation as a stretched exponential, as the spectrum that fits it best."""
+    exponent, middle = rng.uniform(0.4, 0.7), np.exp(rng.uniform(np.log(3.0), np.log(30.0)))
+    from scipy.optimize import nnls
+
+    times = 0.02 * 10.0 ** (np.arange(120) / 20.0)
+    wanted = np.exp(-((times / middle) ** exponent))
+    stiffnesses, _ = nnls(np.exp(-times[:, None] / _TIMES), wanted)
+    return _spectrum(stiffnesses, conditions, size)
+
+
+@reporting("Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896: creep with the logarithm of time")
+def logarithmic_creep(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Relaxation with the logarithm of time: equal elements over two to three decades."""
+    first = int(rng.integers(2, 5))
+    box = np.zeros(_TIMES.size)
+    box[first : first + int(rng.integers(7, 10))] = 1.0
+    return _spectrum(box, conditions, size)
+
+
+@reporting("Eyring, J. Chem. Phys. 4 (1936) 283: a dashpot activated by its stress")
+def activated_dashpot(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A spring of four ``size`` stiffnesses on a dashpot whose rate is a sinh of its stretch."""
+    length = rng.uniform(0.08, 0.25) * conditions.travel
+    time = conditions.time * np.exp(rng.uniform(np.log(2.0), np.log(10.0)))
+    constants = np.array([4.0 * size * conditions.stiffness, length / time, length])
+    return Built(ForceLaw(forces.EYRING, constants, np.array([conditions.rest])), {})
+
+
+def _relaxing(size: float, conditions: Conditions, shape: int, a: float, b: float) -> Built:
+    """Return the loss with time of a share of the stiffness, ``size`` at the end."""
+    at_end = in_time.course(float(shape), a, b, conditions.duration)
+    lost = -size * conditions.stiffness / at_end
+    constants = np.array([lost, shape, a, b])
+    return Built(ForceLaw(forces.STIFFNESS_COURSE, constants, np.zeros(1)), {})
+
+
+@tuning("Nutting, J. Franklin Inst. 191 (1921) 679: a power of the time under load")
+def power_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The prestress relaxes as (1 + t/T)^-n."""
+    time = rng.uniform(0.02, 0.1) * conditions.duration
+    return _relaxing(size, conditions, in_time.POWER, time, rng.uniform(0.1, 0.5))
+
+
+@tuning("Tobolsky and Andrews, J. Chem. Phys. 13 (1945) 3: two relaxation times")
+def two_times(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The prestress relaxes with a short and a long time constant."""
+    short, long = rng.uniform(0.03, 0.1), rng.uniform(0.3, 0.8)
+    return _relaxing(
+        size, conditions, in_time.EXPONENTIALS, *(conditions.duration * np.array([short, long]))
+    )
+
+
+@reporting("Kubát, Nature 205 (1965) 378: stress relaxation with the logarithm of time")
+def logarithmic_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The prestress relaxes as ln(1 + t/T)."""
+    time = rng.uniform(0.003, 0.03) * conditions.duration
+    return _relaxing(size, conditions, in_time.LOGARITHM, time, conditions.duration)
+
+
+@reporting("Peleg, J. Food Sci. 44 (1979) 277: normalised relaxation, t/(T + t)")
+def hyperbolic_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The prestress relaxes as t/(T + t)."""
+    time = rng.uniform(0.08, 0.5) * conditions.duration
+    return _relaxing(size, conditions, in_time.PELEG, time, 1.0)
+
+
+def _reversals(conditions: Conditions) -> Array:
+    memory = np.zeros(forces.WIDTH)
+    memory[:2] = 1.0, conditions.rest
+    memory[-1] = conditions.rest
+    return memory
+
+
+@tuning("Masing, Proc. 2nd Int. Congr. Appl. Mech. (1926) 332, with loops stiffer at the ends")
+def masing_loops(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Branches that are hyperbolas of initial stiffness ``size``, by Masing's rule."""
+    constants = np.array(
+        [
+            size * conditions.stiffness,
+            rng.uniform(0.1, 0.4) * conditions.travel,
+            conditions.median,
+            rng.uniform(0.8, 2.0) * conditions.travel,
+        ]
+    )
+    return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
+
+
+@tuning("Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249, after Bouc")
+def bouc_wen(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Wen's hysteretic deflection on a spring of ``size`` stiffnesses."""
+    constants = np.array(
+        [
+            size * conditions.stiffness,
+            rng.uniform(0.08, 0.35) * conditions.travel,
+            rng.uniform(1.2, 3.0),
+            rng.uniform(0.55, 0.95),
+        ]
+    )
+    return Built(ForceLaw(forces.BOUC_WEN, constants, np.array([0.0, conditions.rest])), {})
+
+
+@reporting("Biorci and Pescetti, Nuovo Cimento 7 (1958) 829: Preisach's model, density a product")
+def preisach_product(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Preisach's relays with Lorentzian densities; the whole loop is ``size`` film forces high."""
+    width = rng.uniform(0.3, 0.8) * conditions.travel
+    middle = conditions.bottom + rng.uniform(0.3, 0.7) * conditions.travel
+    height = size * conditions.stiffness * conditions.travel
+    constants = np.array([height, middle, width])
+    return Built(ForceLaw(forces.PREISACH, constants, _reversals(conditions)), {})
+
+
+@reporting("Coleman and Hodgdon, Int. J. Eng. Sci. 24 (1986) 897: a model of Duhem's type")
+def coleman_hodgdon(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A force that follows a straight line, differently up and down."""
+    rate = 1.0 / (rng.uniform(0.15, 0.5) * conditions.travel)
+    slope = size * conditions.stiffness
+    constants = np.array([rate, slope, rng.uniform(0.0, 0.5) * slope, conditions.rest])
+    return Built(ForceLaw(forces.DUHEM, constants, np.array([0.0, conditions.rest])), {})
+
+
+def _sliding(size: float, conditions: Conditions) -> tuple[float, float]:
+    """Return the friction when sliding, and a speed typical of the motion."""
+    force = size * conditions.stiffness * conditions.travel
+    return force, conditions.path / conditions.duration
+
+
+@tuning("Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419: LuGre")
+def lugre(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Bristles that bend by a few thousandths of the travel, with static friction above sliding."""
+    sliding, speed = _sliding(size, conditions)
+    bend = rng.uniform(1e-3, 4e-3) * conditions.travel
+    constants = np.array(
+        [
+            sliding / bend,
+            0.0,
+            sliding,
+            sliding * rng.uniform(1.0, 1.4),
+            speed * rng.uniform(0.1, 0.4),
+        ]
+    )
+    return Built(ForceLaw(forces.LUGRE, constants, np.zeros(1)), {})
+
+
+@tuning("Armstrong-Hélouvry et al., Automatica 30 (1994) 1083: Tustin's exponential of the speed")
+def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that falls with the speed, regularised near standstill."""
+    sliding, speed = _sliding(size, conditions)
+    static = sliding * rng.uniform(1.1, 1.6)
+    constants = np.array([sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed])
+    return Built(ForceLaw(forces.STRIBECK, constants, np.zeros(1)), {})
+
+
+@reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
+def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Dahl's friction, which saturates within about two hundredths of the travel."""
+    sliding, _ = _sliding(size, conditions)
+    stiffness = sliding / (rng.uniform(0.008, 0.025) * conditions.travel)
+    constants = np.array([sliding, stiffness])
+    return Built(ForceLaw(forces.DAHL, constants, np.array([0.0, conditions.rest])), {})
+
+
+@reporting("Makkar et al., IEEE/ASME AIM (2005) 600: a continuous friction, stronger one way")
+def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Three tanh terms of the speed, and up to a fifth more friction in one direction."""
+    sliding, speed = _sliding(size, conditions)
+    excess = sliding * rng.uniform(0.1, 0.5)
+    steepness = np.array([rng.uniform(15.0, 25.0), rng.uniform(1.0, 3.0), 20.0]) / speed
+    uneven = rng.uniform(-0.2, 0.2)
+    constants = np.array([excess, steepness[0], steepness[1], sliding, steepness[2], uneven])
+    return Built(ForceLaw(forces.COMPOSITE, constants, np.zeros(1)), {})
+
+
+EFFECTS = (
+    EffectKind(
+        "viscoelastic_creep", Port.FORCE, 0.005, 1.5, "stiffnesses",
+        (spring_pot, stretched_exponential, logarithmic_creep, activated_dashpot),
+    ),
+    EffectKind(
+        "stress_relaxation", Port.FORCE, 0.001, 0.5, "1",
+        (power_relaxation, two_times, logarithmic_relaxation, hyperbolic_relaxation),
+    ),
+    EffectKind(
+        "rate_independent_hysteresis", Port.FORCE, 0.005, 4.0, "stiffnesses",
+        (masing_loops, bouc_wen, preisach_product, coleman_hodgdon),
+    ),
+    EffectKind(
+        "coulomb_friction", Port.FORCE, 0.002, 0.2, "device forces",
+        (lugre, stribeck_curve, dahl, makkar),
+    ),
+)  # fmt: skip
