@@ -1,16 +1,21 @@
 include: "../functions/trials.smk"
 
 
-# Blind trials: the bench hides an effect, the diagnosis names it from the record alone, and the
-# seals are opened when all verdicts exist. A job runs a batch of trials: for a single one, starting
-# Python would take longer than the work.
+# Blind trials: a device hides an effect, the diagnosis names it from the record alone, and the
+# seals are opened when all verdicts exist. The film is driven over Modbus; the other devices have
+# data loggers of their own. A job runs a batch of trials: for a single one, starting Python would
+# take longer than the work.
 TRIALS = config["trials"]
 COUNT, BATCH = TRIALS["count"], TRIALS["batch"]
+# What the devices with loggers are compared with, as a user of theirs would write it.
+SIMULATIONS_OF_TRIALS = sorted(
+    str(path) for path in Path("config/simulations").glob("*.py")
+)
 
 
 wildcard_constraints:
     set="|".join(TRIALS["seeds"]),
-    suffix="|_tuning",
+    suffix="|_tuning|_ambiguous|_ambiguous_tuning",
     first=r"\d{4}",
     last=r"\d{4}",
 
@@ -29,6 +34,7 @@ rule trial_draw:
     params:
         settings=lambda wildcards: json.dumps(
             {
+                "set": wildcards.set,
                 "seed": TRIALS["seeds"][wildcards.set],
                 "first": int(wildcards.first),
                 "last": int(wildcards.last),
@@ -50,6 +56,7 @@ rule trial_acquire:
         code=modules("dea.stages.trial_acquire", "dea.bench.__main__"),
     output:
         records=directory("results/trials/{set}/{first}-{last}/records"),
+        truth=directory("results/trials/{set}/{first}-{last}/truth"),
     log:
         "results/trials/{set}/{first}-{last}/log/acquire.log",
     benchmark:
@@ -66,13 +73,37 @@ rule trial_acquire:
         stage(
             "trial_acquire --settings {params.settings:q}"
             " --device {input.device:q} --bench {input.bench:q} --sealed {input.sealed:q}"
-            " --commitment {input.commitment:q} --records {output.records:q} 2> {log:q}"
+            " --commitment {input.commitment:q} --records {output.records:q}"
+            " --truth {output.truth:q} 2> {log:q}"
+        )
+
+
+rule trial_log:
+    input:
+        bench=BENCH,
+        sealed=rules.trial_draw.output.sealed,
+        commitment=rules.trial_draw.output.commitment,
+        code=modules("dea.stages.trial_log"),
+    output:
+        logs=directory("results/trials/{set}/{first}-{last}/logs"),
+        log_truth=directory("results/trials/{set}/{first}-{last}/log_truth"),
+    log:
+        "results/trials/{set}/{first}-{last}/log/log.log",
+    benchmark:
+        "results/trials/{set}/{first}-{last}/benchmark/log.tsv"
+    shell:
+        stage(
+            "trial_log --bench {input.bench:q} --sealed {input.sealed:q}"
+            " --commitment {input.commitment:q} --logs {output.logs:q}"
+            " --log-truth {output.log_truth:q} 2> {log:q}"
         )
 
 
 rule trial_diagnose:
     input:
         records=rules.trial_acquire.output.records,
+        logs=rules.trial_log.output.logs,
+        simulations=SIMULATIONS_OF_TRIALS,
         code=modules("dea.stages.trial_diagnose", *CATALOGUE),
     output:
         verdicts=directory("results/trials/{set}/{first}-{last}/verdicts"),
@@ -88,7 +119,8 @@ rule trial_diagnose:
     shell:
         stage(
             "trial_diagnose --settings {params.settings:q}"
-            " --records {input.records:q} --verdicts {output.verdicts:q} 2> {log:q}"
+            " --records {input.records:q} --logs {input.logs:q}"
+            " --verdicts {output.verdicts:q} 2> {log:q}"
         )
 
 
@@ -96,6 +128,9 @@ rule trial_score:
     input:
         commitment=every_batch("commitment.json"),
         sealed=every_batch("sealed"),
+        records=every_batch("records"),
+        truth=every_batch("truth"),
+        log_truth=every_batch("log_truth"),
         verdicts=every_batch("verdicts"),
         code=modules("dea.stages.trial_score", *CATALOGUE),
     output:
@@ -112,5 +147,7 @@ rule trial_score:
         stage(
             "trial_score --settings {params.settings:q}"
             " --commitment {input.commitment:q} --sealed {input.sealed:q}"
-            " --verdicts {input.verdicts:q} --scores {output.scores:q} 2> {log:q}"
+            " --records {input.records:q} --truth {input.truth:q}"
+            " --log-truth {input.log_truth:q} --verdicts {input.verdicts:q}"
+            " --scores {output.scores:q} 2> {log:q}"
         )

@@ -139,6 +139,10 @@ def main(arguments: list[str] | None = None) -> None:
     except OSError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(1) from None
+    finally:
+        plant = server.device.player.plant
+        if options.truth is not None and isinstance(plant, ServedRig):
+            np.save(options.truth, plant.truth)
 
 
 def _server(options: argparse.Namespace) -> BenchServer:
@@ -149,16 +153,18 @@ def _server(options: argparse.Namespace) -> BenchServer:
         description = replace(description, port=options.port)
     if options.trial is not None:
         trial = Trial.read(options.trial)
-        name, parameters = trial.name, read_plain(options.config, trial.film)
-        rig = trial.rig(options.config)
+        name, parameters = trial.name, read_plain(options.config)
+        rig: Rig | ServedRig = trial.served(options.config)
+        description = replace(description, sampling_rate=trial.sampling_rate)
     else:
         name, parameters = options.actuator, read_parameters(options.config, options.actuator)
         rig = Rig(parameters, options.seed)
     # Compiles what is not compiled yet, for which the first master would have to wait.
-    copy.deepcopy(rig).respond(np.array([rig.zero_count], np.uint16))
+    copy.deepcopy(rig).advance(np.array([rig.zero_count], np.uint16))
     device = build(
-        rig, parameters, description,
-        virtual_clock=options.clock == "virtual", watchdog=options.watchdog, actuator=name,
+        rig, parameters, description, virtual_clock=options.clock == "virtual",
+        watchdog=options.watchdog, actuator=name,
+        sample_period=SAMPLE_PERIOD if options.trial is None else 1.0 / trial.sampling_rate,
     )  # fmt: skip
     tls = _tls_context(options) if description.framing == "tls" else None
     return BenchServer(device, description.host, description.port, tls, options.writer)

@@ -1,7 +1,7 @@
 """The virtual actuators and their instruments: the only room that knows the truth."""
 
 from dea.plant.converter import Converter
-from dea.plant.hidden import EFFECTS, Trial, Use, draw_trial
+from dea.plant.hidden import EFFECTS, ServedRig, Trial, Use, draw_trial
 from dea.plant.parameters import Parameters, read_parameters, read_plain
 from dea.plant.rig import SAMPLE_PERIOD, Rig
 
@@ -11,6 +11,7 @@ __all__ = [
     "Converter",
     "Parameters",
     "Rig",
+    "ServedRig",
     "Trial",
     "Use",
     "draw_trial",

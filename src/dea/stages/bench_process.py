@@ -31,11 +31,15 @@ def bench_process(
 
 @contextmanager
 def trial_process(
-    sealed: Path, *, config: Path, device: Path, watchdog_time: float
+    sealed: Path, *, truth: Path, config: Path, device: Path, watchdog_time: float
 ) -> Iterator[int]:
-    """Yield the port at which the actuator of a blind trial answers, as :func:`bench_process`."""
+    """Yield the port at which the actuator of a blind trial answers, as :func:`bench_process`.
+
+    When it ends it writes its readings without noise to ``truth`` (NumPy, mm, since its start).
+    """
     name = f"the bench of trial {sealed.stem}"
-    with _serving(["--trial", str(sealed)], name, config, device, watchdog_time) as port:
+    served = ["--trial", str(sealed), "--truth", str(truth)]
+    with _serving(served, name, config, device, watchdog_time) as port:
         yield port
 
 

@@ -14,11 +14,13 @@ def trial_acquire(
     sealed: Path,
     commitment: Path,
     records: Path,
+    truth: Path,
 ) -> None:
-    """Write ``records/NNNN.nc`` for each trial.
+    """Write ``records/NNNN.nc`` for each trial of a film, and ``truth/NNNN.npy``.
 
-    The sealed files go to the bench's own process alone; this one knows the excitation.
-    ``settings`` holds ``acquisition`` and ``watchdog_time``.
+    The sealed files go to the bench's own process alone, which writes the truth: every reading
+    without noise since the bench's start (mm). This process knows the excitation. ``settings``
+    holds ``acquisition`` and ``watchdog_time``.
     """
     import json
     from dataclasses import replace
@@ -29,20 +31,30 @@ def trial_acquire(
 
     description = modbus.read_device(device)
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
-    records.mkdir(parents=True)
+    for folder in (records, truth):
+        folder.mkdir(parents=True)
     for name, trial in json.loads(commitment.read_text()).items():
+        if trial["device"] != "film":
+            continue
         volts = design(**trial["excitation"])
         partial = records / f"{name}.partial"
         with trial_process(
             sealed / f"{name}.json",
+            truth=truth / f"{name}.npy",
             config=bench,
             device=device,
             watchdog_time=settings["watchdog_time"],
         ) as port:
-            answering = replace(description, host="127.0.0.1", port=port, virtual=True)
+            answering = replace(
+                description,
+                host="127.0.0.1",
+                port=port,
+                virtual=True,
+                sampling_rate=trial["excitation"]["sampling_rate"],
+            )
             acquired = acquisition.acquire(answering, volts, partial, options)
         store.write(
-            acquired.record.assign_attrs(contract="record"),
+            acquired.record.assign_attrs(contract="record", simulation=trial["simulation"]),
             records / f"{name}.nc",
             title=f"Record of blind trial {name}",
             inputs={"device": device},
@@ -55,5 +67,5 @@ if __name__ == "__main__":
     run(
         trial_acquire,
         inputs=("device", "bench", "sealed", "commitment"),
-        outputs=("records",),
+        outputs=("records", "truth"),
     )

@@ -7,29 +7,37 @@ from typing import Any
 from dea.stages.command import run
 
 
-def trial_diagnose(settings: Mapping[str, Any], records: Path, verdicts: Path) -> None:
-    """Write ``verdicts/NNNN.json`` for each record, and all rankings to ``rankings.json``.
+def trial_diagnose(settings: Mapping[str, Any], records: Path, logs: Path, verdicts: Path) -> None:
+    """Write ``verdicts/NNNN.json`` and ``verdicts/NNNN.nc`` (its certificate) for each record.
 
-    ``settings`` holds ``seed`` and ``discrepancy``. A ranking lists the explanations by error, the
-    chosen one first, so that answers can be scored where none was given.
+    ``settings`` holds ``seed`` and ``discrepancy``; each record names its simulation.
+    ``rankings.json`` lists the explanations of each record by error, the chosen one first, so that
+    answers can be scored where none was given.
     """
     import json
 
     from dea import store
-    from dea.discrepancy import Settings, diagnose
+    from dea.discrepancy import Settings, certificate_dataset, diagnose
 
     verdicts.mkdir(parents=True)
     rankings = {}
-    for record in sorted(records.glob("*.nc")):
+    for file in sorted([*records.glob("*.nc"), *logs.glob("*.nc")], key=lambda path: path.stem):
+        record = store.read_record(file)
         diagnosis = diagnose(
-            store.read_record(record),
-            settings["discrepancy"]["simulation"],
-            settings=Settings.of({**settings, "system": record.stem}),
+            record,
+            record.attrs["simulation"],
+            settings=Settings.of({**settings, "system": file.stem}),
         )
-        diagnosis.verdict.write(verdicts / f"{record.stem}.json")
+        diagnosis.verdict.write(verdicts / f"{file.stem}.json")
+        store.write(
+            certificate_dataset(diagnosis),
+            verdicts / f"{file.stem}.nc",
+            title=f"Proof of the extension on unused samples: blind trial {file.stem}",
+            settings=settings,
+        )
         chosen = diagnosis.decision.chosen
         others = [c for c in diagnosis.pool if c.finished and c is not chosen]
-        rankings[record.stem] = [
+        rankings[file.stem] = [
             {"effects": candidate.names, "error": candidate.error}
             for candidate in ([chosen] if chosen else []) + others
         ]
@@ -37,4 +45,4 @@ def trial_diagnose(settings: Mapping[str, Any], records: Path, verdicts: Path) -
 
 
 if __name__ == "__main__":
-    run(trial_diagnose, inputs=("records",), outputs=("verdicts",))
+    run(trial_diagnose, inputs=("records", "logs"), outputs=("verdicts",))

@@ -2,15 +2,22 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dea.stages.command import run
+
+if TYPE_CHECKING:
+    from dea import trials
+    from dea.plant import Trial
 
 
 def trial_score(
     settings: Mapping[str, Any],
     commitment: list[Path],
     sealed: list[Path],
+    records: list[Path],
+    truth: list[Path],
+    log_truth: list[Path],
     verdicts: list[Path],
     scores: Path,
 ) -> None:
@@ -21,35 +28,25 @@ def trial_score(
     import json
 
     from dea import store, trials
-    from dea.discrepancy import read_verdict
     from dea.plant import Trial
     from dea.simulation import catalogue
 
     family = {name: str(effect.family) for name, effect in catalogue().items()}
     labels, said = {}, {}
-    for committed, labels_of, verdicts_of in zip(commitment, sealed, verdicts, strict=True):
+    batches = zip(commitment, sealed, records, truth, log_truth, verdicts, strict=True)
+    for committed, labels_of, records_of, truth_of, log_truth_of, verdicts_of in batches:
         rankings = json.loads((verdicts_of / "rankings.json").read_text())
-        for name, trial in json.loads(committed.read_text()).items():
+        for name, public in json.loads(committed.read_text()).items():
             file = labels_of / f"{name}.json"
-            trials.open_seal(file, trial["sha256"])
-            label = Trial.read(file).label()
-            labels[name] = trials.Label(
-                effects=frozenset(effect["name"] for effect in label["effects"]),
-                outside=any(effect["name"] not in family for effect in label["effects"]),
-                strength=label["strength"],
-                excitation=label["excitation"],
-            )
-            verdict = read_verdict(verdicts_of / f"{name}.json")
-            rivals = verdict.effects[0].rivals if verdict.effects else ()
-            said[name] = trials.Said(
-                status=verdict.status,
-                effects=frozenset(verdict.names),
-                rivals=tuple(frozenset(rival) for rival in rivals),
-                ranking=tuple((frozenset(r["effects"]), r["error"]) for r in rankings[name]),
-                error_before=verdict.certified["rmse_before"],
-                error_after=verdict.certified["rmse_after"],
-                noise_floor=verdict.noise_floor,
-            )
+            trials.open_seal(file, public["sha256"])
+            trial = Trial.read(file)
+            labels[name] = _label(trial)
+            if trial.device == "film":
+                first = int(store.read(records_of / f"{name}.nc")["device_index"][0])
+                true = truth_of / f"{name}.npy"
+            else:
+                first, true = 0, log_truth_of / f"{name}.npy"
+            said[name] = _said(trial, verdicts_of, rankings[name], true, first)
     store.write(
         trials.scores(labels, said, family).assign_attrs(contract="scores"),
         scores,
@@ -60,9 +57,64 @@ def trial_score(
     )
 
 
+def _label(trial: "Trial") -> "trials.Label":
+    from dea import trials
+
+    label = trial.label()
+    effects = label["effects"]
+    return trials.Label(
+        effects=frozenset(effect["name"] for effect in effects),
+        outside=any(effect["port"] == "outside" for effect in effects),
+        strength=label["strength"],
+        excitation=label["excitation"],
+        device=label["device"],
+        noise=str(label["noise"]),
+        forms={effect["name"]: effect["form"] for effect in effects},
+        defining={
+            (effect["name"], meaning): value
+            for effect in effects
+            for meaning, value in effect["defining"].items()
+        },
+    )
+
+
+def _said(
+    trial: "Trial", verdicts: Path, ranking: list[dict[str, Any]], truth: Path, first: int
+) -> "trials.Said":
+    """Return the verdict on a trial; its record begins at reading ``first`` of ``truth``."""
+    import numpy as np
+
+    from dea import store, trials
+    from dea.discrepancy import read_verdict
+
+    verdict = read_verdict(verdicts / f"{trial.name}.json")
+    certificate = store.read(verdicts / f"{trial.name}.nc")
+    certified = certificate["role"].values == CERTIFY
+    samples = np.rint(certificate["time"].values * trial.sampling_rate).astype(int)[certified]
+    wrong = certificate["extended"].values[certified] - np.load(truth)[first + samples]
+    rivals = verdict.effects[0].rivals if verdict.effects else ()
+    return trials.Said(
+        status=verdict.status,
+        effects=frozenset(verdict.names),
+        rivals=tuple(frozenset(rival) for rival in rivals),
+        ranking=tuple((frozenset(one["effects"]), one["error"]) for one in ranking),
+        error_before=verdict.certified["rmse_before"],
+        error_after=verdict.certified["rmse_after"],
+        noise_floor=verdict.noise_floor,
+        truth_error=float(np.sqrt(np.mean(wrong**2))) / trial.label()["noise_rms"],
+        intervals={
+            (effect.name, parameter): (estimate.low, estimate.high)
+            for effect in verdict.effects
+            for parameter, estimate in effect.parameters.items()
+        },
+    )
+
+
+CERTIFY = 3  # role of a sample in a certificate (docs/architecture.md)
+
 if __name__ == "__main__":
     run(
         trial_score,
-        inputs=("commitment*", "sealed*", "verdicts*"),
+        inputs=("commitment*", "sealed*", "records*", "truth*", "log_truth*", "verdicts*"),
         outputs=("scores",),
     )

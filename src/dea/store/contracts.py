@@ -64,7 +64,10 @@ _METRIC = ("model", "approach", "window")
 _ENDS = [(part, end) for part in ("gain", "phase") for end in ("low", "high")]
 _RECOVERY = ("plant", "excitation", "search")
 _RECOVERY_SCORES = ("nmse", "h1_error", "h2_error", "terms_common", "terms_foreign")
-_TRIAL_TEXTS = ("hidden", "kind", "excitation", "status", "said", "rivals", "outcome")
+_TRIAL_TEXTS = (
+    "hidden", "forms", "kind", "excitation", "device", "noise", "status", "said", "rivals",
+    "outcome",
+)  # fmt: skip
 
 CONTRACTS: Mapping[str, Contract] = {
     "record": Contract(
@@ -253,6 +256,7 @@ CONTRACTS: Mapping[str, Contract] = {
             **{name: _plain("trial", units="1") for name in _TRIAL_TEXTS},
             "strength": _plain("trial", units="1"),
             "confidence": _plain("trial", units="1"),
+            "truth_error": _plain("trial", units="1"),
             "error_before": _plain("trial"),
             "error_after": _plain("trial"),
             "noise_floor": _plain("trial"),
@@ -260,6 +264,9 @@ CONTRACTS: Mapping[str, Contract] = {
             "effect_outcomes": _plain("hidden_effect", "possible_outcome", units="1"),
             "strength_bin_outcomes": _plain("strength_bin", "possible_outcome", units="1"),
             "excitation_kind_outcomes": _plain("excitation_kind", "possible_outcome", units="1"),
+            "form_outcomes": _plain("form", "possible_outcome", units="1"),
+            "device_kind_outcomes": _plain("device_kind", "possible_outcome", units="1"),
+            "noise_kind_outcomes": _plain("noise_kind", "possible_outcome", units="1"),
             "rate": _plain("measure", units="1"),
             "coverage": _plain("rank", units="1"),
             "risk": _plain("rank", units="1"),

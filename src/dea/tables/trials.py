@@ -9,7 +9,7 @@ from dea.number_format import DASH
 from dea.store import Sources
 from dea.tables.table import Table
 
-_AT_MOST = {"name given on nothing", "name given on a foreign effect"}
+_AT_MOST = ("wrong name", "name given on nothing", "name given on a foreign effect")
 
 
 def tabulate(sources: Sources) -> Table:
@@ -40,4 +40,4 @@ def _percent(share: float) -> str:
 def _target(measure: str, share: float) -> str:
     if isnan(share):
         return DASH
-    return f"{'at most' if measure in _AT_MOST else 'at least'} {_percent(share)}"
+    return f"{'at most' if measure.startswith(_AT_MOST) else 'at least'} {_percent(share)}"

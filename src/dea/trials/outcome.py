@@ -1,7 +1,8 @@
 """The outcome of one verdict against the opened label."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import inf
 
 KINDS = ("single", "pair", "outside", "null")
 OUTCOMES = (
@@ -26,15 +27,24 @@ class Label:
     outside
         Whether the effect is none of the catalogue.
     strength
-        RMS residual of the refitted plain actuator over the RMS noise.
-    excitation
-        Its kind.
+        RMS residual of the refitted plain device over the RMS noise.
+    excitation, device, noise
+        Their kinds.
+    forms
+        The forms of the effects, by name.
+    defining
+        Values that define an effect, by its name and their meaning, in V, s, Hz or the output's
+        unit.
     """
 
     effects: frozenset[str]
     outside: bool
     strength: float
     excitation: str
+    device: str = "film"
+    noise: str = "white"
+    forms: Mapping[str, str] = field(default_factory=dict)
+    defining: Mapping[tuple[str, str], float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -53,6 +63,12 @@ class Said:
         Sets of names with their errors, the best explanation first, whatever the status.
     error_before, error_after, noise_floor
         Errors on the certified samples, in the output's unit.
+    whole
+        Whether a ``named`` verdict says that nothing further is missing.
+    truth_error
+        RMS error to the noise-free truth on the certified samples, over the RMS noise.
+    intervals
+        95 % intervals of parameters, by the effect's and the parameter's name.
     """
 
     status: str
@@ -62,6 +78,9 @@ class Said:
     error_before: float
     error_after: float
     noise_floor: float
+    whole: bool = True
+    truth_error: float = inf
+    intervals: Mapping[tuple[str, str], tuple[float, float]] = field(default_factory=dict)
 
 
 def kind_of(label: Label) -> str:
@@ -77,7 +96,8 @@ def outcome(label: Label, said: Said, family: Mapping[str, str]) -> str:
     """Return which of :data:`OUTCOMES` a verdict is.
 
     ``family`` gives the class of each effect of the catalogue. An ambiguous verdict whose every
-    alternative is of the right class has found the class; any other is an abstention.
+    alternative is of the right class has found the class; any other is an abstention. Names that
+    leave a rest unnamed are judged as the names that they are.
     """
     if said.status == "none":
         return "missed" if label.effects else "right none"
@@ -97,4 +117,7 @@ def outcome(label: Label, said: Said, family: Mapping[str, str]) -> str:
 def _same_class(label: Label, names: frozenset[str], family: Mapping[str, str]) -> bool:
     if label.outside or not label.effects:
         return False
-    return sorted(family[n] for n in names) == sorted(family[n] for n in label.effects)
+    # An effect that the catalogue lacks is in a class of its own.
+    return sorted(family.get(n, n) for n in names) == sorted(
+        family.get(n, n) for n in label.effects
+    )

@@ -1,35 +1,21 @@
 """The scores of a campaign as one dataset: every trial, and the rates over all trials."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dea.trials.confidence import acceptable, confidence, risk_coverage
+from dea.trials.measures import measures
+from dea.trials.opened import Opened
 from dea.trials.outcome import OUTCOMES, Label, Said, kind_of, outcome
-from dea.trials.proportion import Proportion, wilson
+from dea.trials.proportion import wilson
 
 STRENGTH_EDGES = (3.0, 5.3, 9.5, 17.0, 30.0)  # equal ratios
-CLOSED = 1.3  # noise floors; a held-out residual below counts as explained
 NO_SINGLE_NAME = ("two effects", "another pair", "none", "ambiguous", "unknown")
 Variable = tuple[str | tuple[str, ...], np.ndarray, dict[str, str]]
-
-
-class Opened(NamedTuple):
-    """A trial with its seal open."""
-
-    name: str
-    label: Label
-    said: Said
-    kind: str
-    outcome: str
-
-    @property
-    def ratio(self) -> float:
-        """The certified error with the verdict's extension, in noise floors."""
-        return self.said.error_after / self.said.noise_floor
 
 
 def scores(
@@ -56,12 +42,13 @@ def scores(
     return xr.merge(
         [
             _every_trial(trials),
-            _confusion(trials, sorted(family)),
+            _confusion(trials, sorted(set(family) | _hidden_names(trials))),
             _rates(trials),
+            _forms(trials),
             _groups(trials, "strength_bin", _strength_bin, _strength_bins()),
-            _groups(
-                trials, "excitation_kind", lambda t: t.label.excitation,
-                sorted({t.label.excitation for t in trials}),
+            *(
+                _groups(trials, f"{what}_kind", partial(_kind, what), _kinds(trials, what))
+                for what in ("excitation", "device", "noise")
             ),
             _risk_and_coverage(trials),
         ]
@@ -75,7 +62,10 @@ def _every_trial(trials: Sequence[Opened]) -> xr.Dataset:
     texts: dict[str, tuple[str, Callable[[Opened], str]]] = {
         "hidden": ("what was hidden", lambda t: names(t.label.effects) or "none"),
         "kind": ("whether one, two, no or a foreign effect was hidden", lambda t: t.kind),
+        "forms": ("forms of what was hidden", lambda t: names(frozenset(t.label.forms.values()))),
         "excitation": ("kind of excitation", lambda t: t.label.excitation),
+        "device": ("device", lambda t: t.label.device),
+        "noise": ("kind of noise", lambda t: t.label.noise),
         "status": ("status of the verdict", lambda t: t.said.status),
         "said": ("names given", lambda t: names(t.said.effects)),
         "rivals": ("names offered instead", lambda t: " or ".join(map(names, t.said.rivals))),
@@ -84,9 +74,10 @@ def _every_trial(trials: Sequence[Opened]) -> xr.Dataset:
     numbers: dict[str, tuple[str, str, Callable[[Opened], float]]] = {
         "strength": ("strength of what is hidden, in noise RMS", "1", lambda t: t.label.strength),
         "confidence": ("confidence in the best explanation", "1", lambda t: confidence(t.said)),
-        "error_before": ("certified error before", "mm", lambda t: t.said.error_before),
-        "error_after": ("certified error after", "mm", lambda t: t.said.error_after),
-        "noise_floor": ("noise floor", "mm", lambda t: t.said.noise_floor),
+        "truth_error": ("error to the truth, in noise RMS", "1", lambda t: t.said.truth_error),
+        "error_before": ("certified error before", "output", lambda t: t.said.error_before),
+        "error_after": ("certified error after", "output", lambda t: t.said.error_after),
+        "noise_floor": ("noise floor", "output", lambda t: t.said.noise_floor),
     }
     variables = {
         key: ("trial", [value(t) for t in trials], {"units": "1", "long_name": long})
@@ -133,39 +124,21 @@ def _confusion(trials: Sequence[Opened], catalogue: Sequence[str]) -> xr.Dataset
 
 
 def _rates(trials: Sequence[Opened]) -> xr.Dataset:
-    single, pair, outside, null = (
-        [t for t in trials if t.kind == kind] for kind in ("single", "pair", "outside", "null")
-    )
-    named = [t for t in trials if t.said.status == "named"]
-    right = [t for t in trials if t.outcome == "right name"]
-    of_single = {"right name"}
-    measures: dict[str, tuple[Proportion, float]] = {
-        "right name": (_share(single, of_single), 0.9),
-        "right class": (_share(single, of_single | {"right class"}), 0.97),
-        "wrong name": (_share(single, {"wrong name"}), np.nan),
-        "both of two": (_share(pair, {"right name"}), 0.8),
-        "name given on nothing": (_named(null), 0.05),
-        "no name on a foreign effect": (_share(outside, {"abstained"}), 0.8),
-        "name given on a foreign effect": (_named(outside), 0.1),
-        "names given that are right": (
-            wilson(sum(acceptable(t.label, t.said.effects) for t in named), len(named)), np.nan,
-        ),
-        "gap closed after a right name": (
-            wilson(sum(t.ratio <= CLOSED for t in right), len(right)), np.nan,
-        ),
-    }  # fmt: skip
-    found = [share for share, _ in measures.values()]
+    found = measures(trials)
+    shares = [measure.share for measure in found.values()]
+    right = [t.said.truth_error for t in trials if t.outcome == "right name"]
+    targets = [measure.target for measure in found.values()]
     return xr.Dataset(
         {
-            "rate": _share_of("measure", [p.value for p in found], "share of trials"),
-            "rate_low": _share_of("measure", [p.low for p in found], "lower end, 95 %"),
-            "rate_high": _share_of("measure", [p.high for p in found], "upper end, 95 %"),
-            "rate_trials": _counted(("measure",), [p.trials for p in found]),
-            "rate_target": _share_of("measure", [to for _, to in measures.values()], "target"),
-            "median_ratio": ((), float(np.median([t.ratio for t in right])) if right else np.nan,
-                {"units": "1", "long_name": "certified error in noise floors after a right name"}),
+            "rate": _share_of("measure", [p.value for p in shares], "share of trials"),
+            "rate_low": _share_of("measure", [p.low for p in shares], "lower end, 95 %"),
+            "rate_high": _share_of("measure", [p.high for p in shares], "upper end, 95 %"),
+            "rate_trials": _counted(("measure",), [p.trials for p in shares]),
+            "rate_target": _share_of("measure", targets, "target"),
+            "median_truth_error": ((), float(np.median(right)) if right else np.nan,
+                {"units": "1", "long_name": "error to the truth in noise RMS after a right name"}),
         },
-        coords={"measure": list(measures)},
+        coords={"measure": list(found)},
     )  # fmt: skip
 
 
@@ -186,6 +159,35 @@ def _groups(
             f"{dim}_right_high": _share_of(dim, [p.high for p in right], "upper end, 95 %"),
         },
         coords={dim: list(names), "possible_outcome": list(OUTCOMES)},
+    )
+
+
+def _hidden_names(trials: Sequence[Opened]) -> set[str]:
+    return {name for t in trials if not t.label.outside for name in t.label.effects}
+
+
+def _kind(what: str, trial: Opened) -> str:
+    return str(getattr(trial.label, what))
+
+
+def _kinds(trials: Sequence[Opened], what: str) -> list[str]:
+    return sorted({_kind(what, t) for t in trials})
+
+
+def _forms(trials: Sequence[Opened]) -> xr.Dataset:
+    """Count the outcomes of single and foreign effects by their form."""
+    alone = [t for t in trials if len(t.label.forms) == 1]
+    forms = sorted({form for t in alone for form in t.label.forms.items()})
+    counts = np.zeros((len(forms), len(OUTCOMES)), np.int64)
+    for t in alone:
+        counts[forms.index(next(iter(t.label.forms.items()))), OUTCOMES.index(t.outcome)] += 1
+    effects = [effect for effect, _ in forms]
+    return xr.Dataset(
+        {
+            "form_effect": ("form", effects, {"units": "1", "long_name": "effect of the form"}),
+            "form_outcomes": _counted(("form", "possible_outcome"), counts),
+        },
+        coords={"form": [form for _, form in forms], "possible_outcome": list(OUTCOMES)},
     )
 
 
@@ -213,14 +215,6 @@ def _strength_bins() -> list[str]:
 def _strength_bin(trial: Opened) -> str:
     place = int(np.searchsorted(STRENGTH_EDGES[1:-1], trial.label.strength, side="right"))
     return _strength_bins()[place]
-
-
-def _share(trials: Sequence[Opened], outcomes: set[str]) -> Proportion:
-    return wilson(sum(t.outcome in outcomes for t in trials), len(trials))
-
-
-def _named(trials: Sequence[Opened]) -> Proportion:
-    return wilson(sum(t.said.status == "named" for t in trials), len(trials))
 
 
 def _counted(dims: tuple[str, ...], counts: object) -> Variable:

@@ -10,9 +10,9 @@ import numpy as np
 from dea.plant.array import Array
 from dea.plant.chamber import ROOM, Chamber, heat
 from dea.plant.drive import Drive, turn
-from dea.plant.film import FAULT, FilmState, Y, tension
+from dea.plant.film import FAULT, Y, vertical_stiffness
 from dea.plant.film import advance as advance_film
-from dea.plant.film import rest as film_rest
+from dea.plant.film import rest as film_at_rest
 from dea.plant.forces import ForceLaw, stack
 from dea.plant.parameters import Parameters, read_plain
 
@@ -65,20 +65,15 @@ class PlainFilm:
     def rest_and_stiffness(self) -> tuple[float, float]:
         """Return the displacement (m) under the weight alone, and the film's stiffness (N/m)."""
         film = self.parameters.film
-        branches = np.ones((film.branch_modulus.size, 2))
-        rest = film_rest(film, branches, self.parameters.rest)
-        pulls = [tension(film, branches, rest + step, 0.0, 1.0) for step in (-1e-6, 1e-6)]
-        return rest, (pulls[1] - pulls[0]) / 2e-6
+        rest = float(film_at_rest(film, self.parameters.rest).scalars[Y])
+        return rest, vertical_stiffness(film)
 
 
 class _FilmMachine:
     def __init__(self, parameters: Parameters, laws: Sequence[ForceLaw]) -> None:
         self._film, self._amplifier = parameters.film, parameters.amplifier
         self._forces = stack(list(laws))
-        branches = np.ones((self._film.branch_modulus.size, 2))
-        start = film_rest(self._film, branches, parameters.rest)
-        self._state = FilmState(np.zeros(5), branches)
-        self._state.scalars[Y] = start
+        self._state = film_at_rest(self._film, parameters.rest)
 
     def advance(self, command: Array) -> Array:
         supply = np.clip(self._amplifier.gain * command, 0.0, self._amplifier.output_limit)
