@@ -35,7 +35,8 @@ def preisach_force(c: Array, m: Array, y: float) -> float:
 
     A density that is a product of Lorentzians has the Everett function (Φ(a) - Φ(b))²/2 with Φ the
     arcus tangent of the place (Biorci and Pescetti, Nuovo Cimento 7, 1958; Mayergoyz, Mathematical
-    Models of Hysteresis, 1991). c: height, middle and width of the density.
+    Models of Hysteresis, 1991). Relays that switch behind the place would add energy; here they
+    let go of the mass instead, which takes it. c: height, middle and width of the density.
     """
     count = int(m[0])
     end = y if count == 1 else m[2]
@@ -48,7 +49,7 @@ def preisach_force(c: Array, m: Array, y: float) -> float:
 @njit(cache=True, error_model="numpy")
 def _everett(c: Array, start: float, end: float) -> float:
     difference = np.arctan((end - c[1]) / c[2]) - np.arctan((start - c[1]) / c[2])
-    value: float = 0.5 * c[0] * difference * abs(difference)
+    value: float = -0.5 * c[0] * difference * abs(difference)
     return value
 
 
@@ -86,8 +87,8 @@ def carry_bouc_wen(c: Array, m: Array, y: float) -> None:
 def carry_duhem(c: Array, m: Array, y: float) -> None:
     """Carry Coleman and Hodgdon's force: dF = a |dy| (b (y - y0) - F) + g dy, exactly for a step.
 
-    B. D. Coleman and M. L. Hodgdon, Int. J. Eng. Sci. 24 (1986) 897. c: a, b, g, y0; m: force and
-    latest place.
+    B. D. Coleman and M. L. Hodgdon, Int. J. Eng. Sci. 24 (1986) 897. A loop takes energy where
+    g > b. c: a, b, g, y0; m: force and latest place.
     """
     step = y - m[1]
     share = -np.expm1(-c[0] * abs(step))

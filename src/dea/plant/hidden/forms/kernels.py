@@ -108,8 +108,11 @@ def _cascaded(c: Array, m: Array, signal: Array) -> None:
 
 
 def cascade(times: Array, *, output: bool = False) -> SignalLaw:
-    """Return first-order lags with time constants ``times`` (s), one after the other."""
-    shares = 1.0 - np.exp(-SUBSTEP / np.asarray(times))
+    """Return first-order lags with time constants ``times`` (s), one after the other.
+
+    Each is stepped so that its mean delay is its time constant exactly, however many there are.
+    """
+    shares = SUBSTEP / (np.asarray(times) + SUBSTEP)
     return SignalLaw(_cascaded, shares, np.zeros(1 + shares.size), output=output)
 
 

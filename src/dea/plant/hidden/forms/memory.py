@@ -144,10 +144,10 @@ def preisach_product(size: float, conditions: Conditions, rng: Generator) -> Bui
 
 @reporting("Coleman and Hodgdon, Int. J. Eng. Sci. 24 (1986) 897: a model of Duhem's type")
 def coleman_hodgdon(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A force that follows a straight line, differently up and down."""
+    """A force that turns with ``size`` stiffnesses and then follows a less steep line."""
     rate = 1.0 / (rng.uniform(0.15, 0.5) * conditions.travel)
-    slope = size * conditions.stiffness
-    constants = np.array([rate, slope, rng.uniform(0.0, 0.5) * slope, conditions.rest])
+    turning = size * conditions.stiffness
+    constants = np.array([rate, rng.uniform(0.0, 0.5) * turning, turning, conditions.rest])
     return Built(ForceLaw(forces.DUHEM, constants, np.array([0.0, conditions.rest])), {})
 
 

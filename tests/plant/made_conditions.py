@@ -1,0 +1,72 @@
+"""Conditions of a made-up device, and what a law does to signals and along paths."""
+
+from itertools import pairwise
+
+import numpy as np
+from numba import njit
+
+from dea.plant import forces
+from dea.plant.film import SUBSTEP
+from dea.plant.hidden import EFFECTS
+from dea.plant.hidden.effect import Conditions
+
+CONDITIONS = Conditions(
+    low=1.0, high=4.0, rest=0.0, bottom=1.0, median=6.0, top=11.0, stiffness=2.0, duration=60.0,
+    time=1.0, cycles=30.0, path=600.0, power=1.0, force=True,
+)  # fmt: skip
+
+
+def built(effect, form, size, seed=0, conditions=CONDITIONS):
+    """Return the form's law and the values that define it."""
+    kind = EFFECTS[effect].form(form)
+    return kind.build(size, conditions, np.random.default_rng(seed))
+
+
+def through(law, signal):
+    """Return the signal after a law that acts on signals."""
+    changed = np.array(signal, dtype=float)
+    law.advance(changed)
+    return changed
+
+
+def resist(law, path, seconds_each=SUBSTEP):
+    """Return the force along a path; each point is held for so many seconds."""
+    return _along(forces.stack([law]), np.asarray(path, float), round(seconds_each / SUBSTEP))
+
+
+def held(law, y, seconds):
+    """Return the force after each sub-step at a place held from the start."""
+    return _along(forces.stack([law]), np.full(round(seconds / SUBSTEP), float(y)), 1)
+
+
+@njit(cache=True)
+def _along(stacked, path, steps):
+    felt, last = np.zeros(path.size), path[0]
+    for k in range(path.size):
+        v = (path[k] - last) / SUBSTEP
+        for _ in range(steps):
+            forces.update_memory(stacked, path[k], v, SUBSTEP)
+            if steps > 1:
+                v = 0.0
+        felt[k] = forces.total_force(stacked, path[k], v)
+        last = path[k]
+    return felt
+
+
+def steady(law, speeds, seconds=0.0):
+    """Return the force at each of several speeds, kept for so many seconds."""
+    return np.array([_moving(forces.stack([law]), float(v), seconds) for v in speeds])
+
+
+@njit(cache=True)
+def _moving(stacked, speed, seconds):
+    for _ in range(round(seconds / SUBSTEP)):
+        forces.update_memory(stacked, 0.0, speed, SUBSTEP)
+    return forces.total_force(stacked, 0.0, speed)
+
+
+def sweep(*places, points=400, start=CONDITIONS.rest):
+    """Return a path from ``start`` through places, with straight pieces of so many points."""
+    ends = [start, *places]
+    pieces = [np.linspace(a, b, points, endpoint=False) for a, b in pairwise(ends)]
+    return np.concatenate([*pieces, [ends[-1]]])
