@@ -7,12 +7,14 @@ from dea.simulation import Parameter, Simulation, State
 
 
 def derivative(x, u, p, dx):
+    """Write the rates of the states to dx."""
     heating, exchange, uptake, loss = p[0], p[1], p[2], p[3]
     dx[0] = heating * u * u - exchange * (x[0] - x[1])
     dx[1] = uptake * (x[0] - x[1]) - loss * x[1]
 
 
 def output(x, u, p):
+    """Return the reading."""
     return 20.0 + x[1]
 
 

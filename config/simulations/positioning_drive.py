@@ -7,12 +7,14 @@ from dea.simulation import ForcePort, Parameter, Simulation, State
 
 
 def derivative(x, u, p, dx):
+    """Write the rates of the states to dx."""
     gain, damping, stiffness = p[0], p[1], p[2]
     dx[0] = x[1]
     dx[1] = gain * u - damping * x[1] - stiffness * x[0]
 
 
 def output(x, u, p):
+    """Return the reading."""
     return x[0]
 
 

@@ -25,8 +25,8 @@ def test_a_dead_zone_passes_little_below_and_everything_at_the_top(form, seed):
     assert defining.get("threshold", threshold) == pytest.approx(threshold)
     assert passed[-1] == pytest.approx(HIGH, rel=1e-3)
     assert (np.diff(passed) >= -1e-9).all()
-    assert passed[U < 0.6 * threshold].max() < 0.1 * HIGH
-    assert slope(passed, U)[U > threshold + 0.5 * (HIGH - threshold)].min() > 1.0
+    assert passed[0.6 * threshold > U].max() < 0.1 * HIGH
+    assert slope(passed, U)[threshold + 0.5 * (HIGH - threshold) < U].min() > 1.0
 
 
 def test_the_rounded_threshold_has_half_its_slope_there_and_a_logistic_slope_around():
@@ -71,7 +71,7 @@ def test_the_square_law_has_a_parabola_between_nothing_and_a_line():
     bend = np.diff(passed, 2) / (U[1] - U[0]) ** 2
     place = U[1:-1]
     threshold = defining["threshold"]
-    assert (np.abs(passed[U < threshold - 0.01]) < 1e-12).all()
+    assert (np.abs(passed[threshold - 0.01 > U]) < 1e-12).all()
     curved = bend > 0.5 * bend[(place > threshold + 0.05) & (place < threshold + 0.1)].mean()
     assert place[curved].min() == pytest.approx(threshold, abs=0.01)
     np.testing.assert_allclose(bend[place > place[curved].max() + 0.01], 0.0, atol=1e-6)

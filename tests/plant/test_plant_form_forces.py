@@ -202,7 +202,7 @@ def test_lugre_holds_more_than_it_slides_with():
 
 def test_stribeck_s_curve_falls_exponentially_to_sliding():
     law = built("coulomb_friction", "stribeck_curve", 0.05)[0]
-    sliding, static, speed, fine = law.constants
+    sliding, _, speed, fine = law.constants
     speeds = np.linspace(20 * fine, 5 * speed, 50)
     excess = steady(law, speeds) - sliding
     order = np.polyfit(speeds, np.log(excess + 1e-300), 1)

@@ -41,7 +41,7 @@ def test_a_lag_settles_and_its_mean_delay_is_as_stated(effect, form, seed):
 
 
 @pytest.mark.parametrize("cut", [1, 7, 500])
-@pytest.mark.parametrize(("effect", "form"), LAGS + [("slew_limit", "trapezoidal_speed")])
+@pytest.mark.parametrize(("effect", "form"), [*LAGS, ("slew_limit", "trapezoidal_speed")])
 def test_a_law_does_not_depend_on_how_the_signal_is_cut(effect, form, cut):
     signal = np.random.default_rng(1).random(2000)
     whole = through(built(effect, form, 0.2)[0], signal)

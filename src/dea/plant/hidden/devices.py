@@ -206,7 +206,7 @@ DEVICES = {
         DeviceKind(
             name="film", simulation="dea_membrane", unit="mm", scale=1e3, time=1.0, power=2.0,
             force=True, lows=(0.2, 1.1), highs=(3.4, 3.75), rates=(10, 20, 50, 100, 200),
-            durations=(20.0, 600.0), noise=(0.4e-6, 1.2e-6), settling=2.0,
+            durations=(20.0, 300.0), noise=(0.4e-6, 1.2e-6), settling=2.0,
             free=("permittivity", "yeoh_1", "damping"),
             spread={"prestretch": 0.015, "yeoh_1": 0.05, "damping": 0.3, "contact_radius": 0.05},
         ),
