@@ -8,73 +8,111 @@ import pytest
 
 from dea.errors import InputError
 from dea.excitation import design
-from dea.plant.hidden import EFFECTS
-from dea.plant.hidden.draw import ROUND, STRONGEST, WEAKEST, draw, schedule
+from dea.plant.hidden import EFFECTS, Use
+from dea.plant.hidden.devices import DEVICES
+from dea.plant.hidden.draw import FEWEST, MOST, STRONGEST, WEAKEST, draw
 from dea.plant.hidden.effect import Port
+from dea.plant.hidden.noise import NoiseKind
+from dea.plant.hidden.schedule import AMBIGUOUS, INSIDE, ROUND, ambiguous_plans, forms_of, plans
 from dea.plant.hidden.trial import Trial
-
-pytestmark = pytest.mark.slow
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 SEED = 41
 
 
-def test_a_campaign_is_balanced():
-    names = schedule(SEED, 10 * ROUND)
-    single = Counter(drawn[0] for drawn in names if len(drawn) == 1)
-    catalogue = [name for name, effect in EFFECTS.items() if effect.port is not Port.OUTSIDE]
-    assert all(single[name] == 10 for name in catalogue)
-    assert sum(single.values()) == 240
-    assert sum(not drawn for drawn in names) == 30
-    pairs = [drawn for drawn in names if len(drawn) == 2]
-    assert len(pairs) == 30
-    assert all(first != second for first, second in pairs)
-    assert not any(pair <= {"end_stop", "output_saturation"} for pair in map(set, pairs))
-    assert {name for pair in pairs for name in pair} <= set(catalogue)
+@pytest.mark.parametrize("use", Use)
+def test_a_campaign_is_balanced_and_of_one_use(use):
+    planned = plans(SEED, 6 * ROUND, use)
+    single = Counter(plan.hidden[0][0] for plan in planned if len(plan.hidden) == 1)
+    assert all(single[name] == 6 for name in INSIDE)
+    assert sum(not plan.hidden for plan in planned) == 36
+    assert sum(len(plan.hidden) == 2 for plan in planned) == 24
+    nulls = Counter(plan.noise for plan in planned if not plan.hidden)
+    assert nulls == dict.fromkeys(NoiseKind, 6)
+    for plan in planned:
+        for name, form in plan.hidden:
+            assert EFFECTS[name].form(form).use is use
+            assert EFFECTS[name].form(form) in forms_of(EFFECTS[name], DEVICES[plan.device], use)
+    assert {plan.device for plan in planned} == set(DEVICES)
+    assert {plan.noise for plan in planned} == set(NoiseKind)
 
 
-def test_the_schedule_of_a_trial_does_not_depend_on_how_many_follow():
-    assert schedule(SEED, 7) == schedule(SEED, 100)[:7]
-    assert schedule(SEED + 1, 100) != schedule(SEED, 100)
+def test_no_pair_holds_two_effects_that_act_alike():
+    pairs = [
+        {n for n, _ in p.hidden} for p in plans(SEED, 900, Use.REPORTING) if len(p.hidden) == 2
+    ]
+    assert all(len(pair) == 2 for pair in pairs)
+    assert not any(pair <= {"end_stop", "output_saturation"} for pair in pairs)
+    assert all(EFFECTS[n].port is not Port.OUTSIDE for pair in pairs for n in pair)
+
+
+def test_the_plan_of_a_trial_does_not_depend_on_how_many_follow():
+    assert plans(SEED, 7, Use.TUNING) == plans(SEED, 100, Use.TUNING)[:7]
+    assert plans(SEED + 1, 100, Use.TUNING) != plans(SEED, 100, Use.TUNING)
+
+
+def test_ambiguous_trials_take_their_groups_in_turn():
+    planned = ambiguous_plans(SEED, 50, Use.REPORTING)
+    for index, plan in enumerate(planned):
+        assert tuple(name for name, _ in plan.hidden) in AMBIGUOUS[index % len(AMBIGUOUS)]
+        assert plan.device == "film"
+    assert {tuple(n for n, _ in p.hidden) for p in planned} >= {("transport_delay",)}
 
 
 @pytest.fixture(scope="module")
 def trials():
-    return [draw(CONFIG, SEED, index) for index in range(6)]
+    return [draw(CONFIG, SEED, index, Use.REPORTING) for index in range(5)]
 
 
-def test_a_drawn_trial_hides_what_the_schedule_says_at_a_strength_in_range(trials):
-    for trial, names in zip(trials, schedule(SEED, 6), strict=True):
-        assert tuple(effect.name for effect in trial.effects) == names
+def test_a_drawn_trial_hides_what_its_plan_says_at_a_strength_in_range(trials):
+    for trial, plan in zip(trials, plans(SEED, 5, Use.REPORTING), strict=True):
+        assert [effect.name for effect in trial.effects] == [name for name, _ in plan.hidden]
+        assert trial.noise.kind is plan.noise
         for effect in trial.effects:
             known = EFFECTS[effect.name]
             assert WEAKEST <= effect.strength <= STRONGEST
             assert known.smallest <= effect.size <= known.largest
+        samples = design(**trial.excitation).size
+        assert FEWEST <= samples <= MOST
 
 
 def test_drawing_again_gives_the_same(trials):
-    assert draw(CONFIG, SEED, 2) == trials[2]
+    assert draw(CONFIG, SEED, 2, Use.REPORTING) == trials[2]
     assert len({trial.excitation["seed"] for trial in trials}) == len(trials)
 
 
-def test_a_trial_survives_its_file_and_runs_the_same(trials, tmp_path):
-    trial = trials[1]
-    path = tmp_path / "sealed.json"
-    trial.write(path)
-    again = Trial.read(path)
-    assert again == trial
-    counts = np.rint(design(**trial.excitation) * 65536 / 15).astype(np.uint16)
-    first, second = trial.rig(CONFIG), again.rig(CONFIG)
-    np.testing.assert_array_equal(first.advance(counts)[1], second.advance(counts)[1])
-    assert first.fault == 0
+def test_a_trial_survives_its_file_and_reads_the_same(trials, tmp_path):
+    for trial in trials[:2]:
+        path = tmp_path / "sealed.json"
+        trial.write(path)
+        again = Trial.read(path)
+        assert again == trial
+        volts = design(**trial.excitation)[:400]
+        for first, second in zip(
+            trial.readings(CONFIG, volts), again.readings(CONFIG, volts), strict=True
+        ):
+            np.testing.assert_array_equal(first, second)
+
+
+def test_a_served_trial_keeps_its_truth_whatever_the_cuts():
+    trial = draw(CONFIG, SEED, 0, Use.TUNING, ambiguous=True)
+    counts = np.rint(design(**trial.excitation)[:600] * 65536 / 15).astype(np.uint16)
+    whole, pieces = trial.served(CONFIG), trial.served(CONFIG)
+    applied, measured = whole.advance(counts)
+    np.testing.assert_array_equal(applied, counts)
+    parts = [pieces.advance(piece)[1] for piece in np.split(counts, [1, 13, 500])]
+    np.testing.assert_array_equal(measured, np.concatenate(parts))
+    np.testing.assert_array_equal(whole.truth, pieces.truth)
+    wrong = measured * 10.0 / 65536 - whole.truth
+    assert wrong.std() == pytest.approx(1e3 * trial.noise.rms, rel=0.15)
 
 
 def test_the_label_tells_what_the_excitation_does_not(trials):
     for trial in trials:
         label = trial.label()
         assert [effect["name"] for effect in label["effects"]] == [e.name for e in trial.effects]
+        assert all(effect["use"] is Use.REPORTING for effect in label["effects"])
         assert not any(name in repr(trial.excitation) for name in EFFECTS)
-        assert design(**trial.excitation).size == 50 * trial.excitation["duration"]
 
 
 def test_a_file_that_is_no_trial_is_refused(tmp_path):

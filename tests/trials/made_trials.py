@@ -13,19 +13,22 @@ FAMILY = {
 KINDS = ["gaussian", "staircase", "triangle"]
 
 
-def label(*effects, outside=False, strength=10.0, excitation="gaussian"):
-    return Label(frozenset(effects), outside, strength, excitation)
+def label(*effects, outside=False, strength=10.0, excitation="gaussian", **more):
+    return Label(frozenset(effects), outside, strength, excitation, **more)
 
 
-def said(status, *effects, rivals=(), ranking=None, before=0.02, after=0.0016, floor=0.0015):
+def said(
+    status, *effects, rivals=(), ranking=None, before=0.02, after=0.0016, floor=0.0015, **more
+):
     """Return a verdict; its ranking holds, by default, the names given and then all others."""
     if ranking is None:
         others = [name for name in FAMILY if name not in effects]
         sets = ([frozenset(effects)] if effects else []) + [frozenset({name}) for name in others]
         ranking = tuple((names, floor * (1 + 0.5 * i)) for i, names in enumerate(sets))
     return Said(
-        status, frozenset(effects), tuple(map(frozenset, rivals)), ranking, before, after, floor
-    )
+        status, frozenset(effects), tuple(map(frozenset, rivals)), ranking, before, after, floor,
+        **more,
+    )  # fmt: skip
 
 
 def campaign(trials, seed=0):
@@ -41,6 +44,8 @@ def campaign(trials, seed=0):
             outside=effects == ("sticking_sensor",),
             strength=float(np.exp(rng.uniform(np.log(3), np.log(30)))),
             excitation=str(rng.choice(KINDS)),
+            noise=str(rng.choice(["white", "drifting"])),
+            forms={name: f"{name}_form" for name in effects},
         )
         floor = 0.0015
         before = floor * labels[name].strength

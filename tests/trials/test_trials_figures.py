@@ -9,7 +9,7 @@ from dea.stages.figures import figures
 from dea.stages.tables import tables
 
 FIGURES = ["trials_confusion", "trials_risk_coverage", "trials_strength", "trials_gap"]
-TABLES = ["trials", "trials_effects"]
+TABLES = ["trials", "trials_effects", "trials_forms"]
 
 
 @pytest.fixture(params=[1, 60], ids=lambda n: f"{n} trials")
@@ -36,7 +36,8 @@ def test_the_tables_hold_the_scores(scores, tmp_path):
     }
     tables({"tables": TABLES}, sources=[scores], **paths)
     assert all(file.read_text().strip() for kind in paths.values() for file in kind)
-    rates, effects = map(pd.read_csv, paths["csv"])
+    rates, effects, forms = map(pd.read_csv, paths["csv"])
     dataset = store.read(scores)
     assert list(rates["rate_trials"]) == dataset["rate_trials"].values.tolist()
     assert effects["trials"].sum() == dataset.sizes["trial"]
+    assert forms["trials"].sum() == int(dataset["form_outcomes"].sum())

@@ -101,29 +101,99 @@ def test_the_dataset_counts_every_trial_once(count, seed):
     assert scores["effect_outcomes"].sel(possible_outcome="right name").sum() == right
 
 
+def rates(labels, verdicts):
+    scores = trials.scores(labels, verdicts, FAMILY)
+    measures = scores["measure"].values
+    return scores, {str(m): float(scores["rate"].sel(measure=m)) for m in measures}
+
+
 def test_rates_are_shares_of_their_own_kind():
     labels = {"0": SINGLE, "1": SINGLE, "2": NOTHING, "3": FOREIGN, "4": PAIR, "5": FOREIGN}
     verdicts = {
-        "0": said("named", "sensor_lag", after=0.0016),
+        "0": said("named", "sensor_lag", truth_error=0.3),
         "1": said("named", "electrode_lag"),
         "2": said("none"),
         "3": said("named", "end_stop"),
-        "4": said("named", "dead_zone", "end_stop", after=0.015),
+        "4": said("named", "dead_zone", "end_stop", truth_error=0.5),
         "5": said("ambiguous", "end_stop", rivals=[{"dead_zone"}]),
     }
-    scores = trials.scores(labels, verdicts, FAMILY)
-    rate = {str(m): float(scores["rate"].sel(measure=m)) for m in scores["measure"].values}
+    scores, rate = rates(labels, verdicts)
     assert rate["right name"] == 0.5
     assert rate["right class"] == 1.0
-    assert rate["both of two"] == 1.0
-    assert rate["name given on nothing"] == 0.0
-    assert rate["no name on a foreign effect"] == rate["name given on a foreign effect"] == 0.5
+    assert rate["wrong name"] == 0.0
+    assert rate["both of two"] == rate["one or both of two, nothing wrong"] == 1.0
+    assert rate["name given on nothing, white noise"] == 0.0
+    assert rate["name given on a foreign effect"] == 0.5
     assert rate["names given that are right"] == 0.5
-    assert rate["gap closed after a right name"] == 0.5
+    assert rate["close to the truth after a right name"] == 0.5
     pairs = scores["confusion"].sel(hidden_effect="two effects")
     assert int(pairs.sel(said_effect="two effects")) == int(pairs.sum()) == 1
     assert float(scores["risk_of_names"]) == 0.5
     assert float(scores["coverage_of_names"]) == pytest.approx(4 / 6)
+
+
+def test_a_name_that_leaves_a_rest_unnamed_is_a_name():
+    labels = {"0": SINGLE, "1": SINGLE, "2": PAIR, "3": NOTHING}
+    verdicts = {
+        "0": said("named", "sensor_lag", whole=False),
+        "1": said("named", "sensor_lag"),
+        "2": said("named", "dead_zone", whole=False),
+        "3": said("named", "dead_zone", whole=False),
+    }
+    _, rate = rates(labels, verdicts)
+    assert rate["right name"] == 1.0
+    assert rate["right name, and nothing further missing"] == 0.5
+    assert rate["both of two"] == 0.0
+    assert rate["one or both of two, nothing wrong"] == 1.0
+    assert rate["name given on nothing, white noise"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("noise", "measure"),
+    [
+        ("white", "white noise"),
+        ("coloured", "coloured noise"),
+        ("flicker", "coloured noise"),
+        ("drifting", "drifting readings"),
+        ("quantised", "quantised readings"),
+        ("shifted", "shifted readings"),
+    ],
+)
+def test_names_on_nothing_are_counted_by_the_kind_of_noise(noise, measure):
+    _, rate = rates({"0": label(noise=noise)}, {"0": said("named", "dead_zone")})
+    found = {name for name, value in rate.items() if "on nothing" in name and value == 1.0}
+    assert found == {f"name given on nothing, {measure}"}
+
+
+def test_an_effect_that_the_catalogue_lacks_is_still_of_no_other_class():
+    assert trials.outcome(label("stress_relaxation"), said("named", "end_stop"), FAMILY) == (
+        "wrong name"
+    )
+    scores, rate = rates({"0": label("stress_relaxation")}, {"0": said("unknown")})
+    assert rate["right name"] == 0.0
+    assert int(scores["confusion"].sel(hidden_effect="stress_relaxation").sum()) == 1
+
+
+def test_defining_parameters_with_a_counterpart_are_looked_for_in_their_intervals(monkeypatch):
+    known = {("sensor_lag", "lag"): "time_constant"}
+    monkeypatch.setattr("dea.trials.opened.COUNTERPARTS", known)
+    hidden = label("sensor_lag", defining={("sensor_lag", "lag"): 0.2, ("sensor_lag", "q"): 7.0})
+    inside = said("named", "sensor_lag", intervals={("sensor_lag", "time_constant"): (0.1, 0.3)})
+    outside = said("named", "sensor_lag", intervals={("sensor_lag", "time_constant"): (0.3, 0.4)})
+    scores, rate = rates({"0": hidden, "1": hidden}, {"0": inside, "1": outside})
+    assert rate["defining parameter within its interval"] == 0.5
+    measure = "defining parameter within its interval"
+    assert int(scores["rate_trials"].sel(measure=measure)) == 2
+
+
+def test_outcomes_are_counted_by_form_device_and_noise():
+    hidden = label("sensor_lag", forms={"sensor_lag": "bessel_filter"}, device="drive")
+    scores, _ = rates({"0": hidden}, {"0": said("named", "sensor_lag")})
+    assert scores["form"].values.tolist() == ["bessel_filter"]
+    assert scores["form_effect"].values.tolist() == ["sensor_lag"]
+    for counts in ("form_outcomes", "device_kind_outcomes", "noise_kind_outcomes"):
+        assert int(scores[counts].sel(possible_outcome="right name").sum()) == 1
+    assert scores["device_kind"].values.tolist() == ["drive"]
 
 
 def test_a_seal_opens_on_what_was_committed_to_and_nothing_else(tmp_path):

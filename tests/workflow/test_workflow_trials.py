@@ -33,15 +33,21 @@ def planned_jobs(project):
 
 def test_the_diagnosis_reads_records_and_its_own_code_alone(planned_jobs, project):
     config = (project.folder / "config" / "config.yaml").read_text()
-    seeds = re.search(r"seeds: \{tuning: (\d+), reporting: (\d+)\}", config).groups()
+    seeds = re.search(r"seeds: \{tuning: (\d+), reporting: (\d+),", config).groups()
     assert len(planned_jobs["trial_diagnose"]) == 2
     for inputs, command in planned_jobs["trial_diagnose"]:
         data = [name for name in inputs if not name.startswith("src/")]
-        assert data == [f"results/trials/tuning/{data[0].split('/')[3]}/records"]
+        batch = f"results/trials/tuning/{data[0].split('/')[3]}"
+        simulations = ["heated_chamber", "positioning_drive"]
+        assert data == [
+            f"{batch}/records",
+            f"{batch}/logs",
+            *(f"config/simulations/{name}.py" for name in simulations),
+        ]
         truth = ("src/dea/plant/", "src/dea/bench/")
         assert not [name for name in inputs if name.startswith(truth)]
         assert any(name.startswith("src/dea/discrepancy/") for name in inputs)
-        for secret in ("sealed", "commitment", *seeds):
+        for secret in ("sealed", "commitment", "truth", *seeds):
             assert secret not in command
 
 
@@ -52,7 +58,7 @@ def test_the_seals_are_opened_after_every_verdict_and_by_one_rule(planned_jobs):
         for inputs, _ in jobs
         if any(name.endswith("/sealed") for name in inputs)
     }
-    assert readers == {"trial_acquire", "trial_score"}
+    assert readers == {"trial_acquire", "trial_log", "trial_score"}
     [(inputs, _)] = planned_jobs["trial_score"]
     batches = [name.rsplit("/", 1)[0] for name in inputs if name.endswith("/sealed")]
     assert [f"{batch}/verdicts" in inputs for batch in batches] == [True, True]
@@ -79,10 +85,12 @@ def test_a_record_says_nothing_of_what_is_hidden(campaign):
     for batch in campaign.glob("*-*"):
         for sealed in (batch / "sealed").glob("*.json"):
             trial = json.loads(sealed.read_text())
-            record = store.read_record(batch / "records" / f"{sealed.stem}.nc")
+            folder = "records" if trial["device"] == "film" else "logs"
+            record = store.read_record(batch / folder / f"{sealed.stem}.nc")
             told = json.dumps({key: str(value) for key, value in record.attrs.items()})
             for effect in trial["effects"]:
                 assert effect["name"] not in told
+                assert effect["form"] not in told
                 assert str(effect["size"]) not in told
             assert str(trial["seed"]) not in told
 
@@ -98,6 +106,9 @@ def test_a_label_changed_after_the_verdict_is_refused(campaign, tmp_path):
                 {"set": "tuning", "seed": 1},
                 commitment=[batch / "commitment.json"],
                 sealed=[batch / "sealed"],
+                records=[batch / "records"],
+                truth=[batch / "truth"],
+                log_truth=[batch / "log_truth"],
                 verdicts=[batch / "verdicts"],
                 scores=tmp_path / "scores.nc",
             )

@@ -1,6 +1,5 @@
 """One actuator and its instruments, from output counts to displacement counts."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
@@ -12,15 +11,12 @@ from dea.plant.amplifier import amplify
 from dea.plant.array import Array
 from dea.plant.film import FAULT, SUBSTEP, Y, rest
 from dea.plant.film import advance as advance_film
-from dea.plant.forces import ForceLaw, stack
+from dea.plant.forces import stack
 from dea.plant.history import History
 from dea.plant.membrane import capacitance
 from dea.plant.parameters import Parameters, read_parameters
 from dea.plant.sensor import AntiAliasFilter
-from dea.plant.signal_law import SignalLaw
 from dea.seeds import generator
-
-Law = SignalLaw | ForceLaw
 
 SAMPLE_PERIOD = 0.02  # s
 SUBSTEPS = round(SAMPLE_PERIOD / SUBSTEP)
@@ -38,11 +34,9 @@ class Rig:
         Of the actuator and its instruments.
     seed
         Of the measurement noise.
-    effects
-        Laws that disturb the actuator or its instruments, in the order of the signal path.
     """
 
-    def __init__(self, parameters: Parameters, seed: int, effects: Sequence[Law] = ()) -> None:
+    def __init__(self, parameters: Parameters, seed: int) -> None:
         self._parameters = parameters
         self._noise = generator(seed, "bench", "noise")
         self._state = rest(parameters.film, parameters.rest)
@@ -53,10 +47,7 @@ class Rig:
                 field="film",
                 remedy="Lower the mass or stiffen the film.",
             )
-        self._forces = stack([law for law in effects if isinstance(law, ForceLaw)])
-        on_signals = [law for law in effects if isinstance(law, SignalLaw)]
-        self._input_laws = [law for law in on_signals if not law.output]
-        self._output_laws = [law for law in on_signals if law.output]
+        self._forces = stack([])
         self._output = np.zeros(1)
         self._load = capacitance(parameters.film, 1.0)
         cutoff = parameters.sensor.cutoff
@@ -126,8 +117,6 @@ class Rig:
         """Return displacement and film voltage at every sub-step, and a reading per sample."""
         parameters = self._parameters
         command = np.repeat(parameters.output_converter.to_values(applied), SUBSTEPS)
-        for law in self._input_laws:
-            law.advance(command)
         supply = np.empty_like(command)
         amplify(parameters.amplifier, self._output, self._load, command, supply)
         displacement = np.empty_like(supply)
@@ -141,12 +130,7 @@ class Rig:
             film_voltage,
         )
         sensor = parameters.sensor
-        reading = displacement
-        if self._output_laws:
-            reading = displacement.copy()
-            for law in self._output_laws:
-                law.advance(reading)
-        reading = np.clip(reading, sensor.range_low, sensor.range_high)
+        reading = np.clip(displacement, sensor.range_low, sensor.range_high)
         if self._filter is not None:
             reading = self._filter.advance(reading)
         return displacement, film_voltage, reading[::SUBSTEPS]

@@ -174,7 +174,8 @@ class DeviceKind:
     settling
         Seconds at the first command before a record begins, as the plant's clock counts.
     free, spread
-        Parameters that a refit changes; those that are drawn, by their range of the logarithm.
+        Parameters that a refit changes besides scale and offset of the reading, none of which
+        does what the scale does; those that are drawn, by their range of the logarithm.
     """
 
     name: str
@@ -214,7 +215,7 @@ DEVICES = {
             name="drive", simulation="config/simulations/positioning_drive.py", unit="deg",
             scale=1.0, time=0.5, power=1.0, force=True, lows=(0.3, 1.0), highs=(4.0, 5.0),
             rates=(25, 50, 100, 200), durations=(20.0, 300.0), noise=(0.02, 0.06), settling=0.0,
-            free=("gain", "damping", "stiffness"),
+            free=("damping", "stiffness"),
             spread={"gain": 0.15, "damping": 0.3, "stiffness": 0.15},
         ),
         DeviceKind(

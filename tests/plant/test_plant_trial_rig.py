@@ -1,0 +1,148 @@
+"""The plain devices of trials, their readings and the noise of each kind."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_conditions import CONDITIONS, built
+from scipy.integrate import solve_ivp
+
+from dea.plant.chamber import Chamber
+from dea.plant.drive import Drive
+from dea.plant.hidden.devices import DEVICES, PlainChamber, PlainDrive
+from dea.plant.hidden.noise import Noise, NoiseKind, NoiseSource
+from dea.plant.hidden.refit import Yardstick
+from dea.plant.hidden.rig import TrialRig
+
+BENCH = Path(__file__).parents[2] / "config" / "bench.yaml"
+
+
+def commands(samples=600, seed=0):
+    return np.repeat(np.random.default_rng(seed).uniform(1.0, 4.0, samples // 20), 20)
+
+
+def test_the_drive_solves_its_equation_of_motion():
+    drive, u = Drive(), commands()
+    solved = solve_ivp(
+        lambda t, x: [
+            x[1],
+            drive.gain * u[min(int(t * 50), u.size - 1)]
+            - drive.damping * x[1] - drive.stiffness * x[0],
+        ],
+        (0.0, 2.0), [0.0, 0.0], t_eval=np.arange(100) / 50, max_step=2e-3, rtol=1e-9, atol=1e-9,
+    )  # fmt: skip
+    read = TrialRig(PlainDrive(), [], 50.0).respond(u)[:100]
+    np.testing.assert_allclose(read, solved.y[0], atol=1e-3)
+
+
+def test_the_chamber_settles_where_heat_balances_and_follows_its_matrix():
+    from scipy.linalg import expm
+
+    c = Chamber()
+    read = TrialRig(PlainChamber(), [], 10.0).respond(np.full(6000, 3.0))
+    matrix = np.array([[-c.exchange, c.exchange], [c.uptake, -c.uptake - c.loss]])
+    settled = -np.linalg.solve(matrix, [c.heating * 9.0, 0.0])
+    for k in (0, 100, 1000, 5999):
+        state = settled - expm(0.1 * k * matrix) @ settled
+        assert read[k] == pytest.approx(20.0 + state[1], abs=1e-3)
+
+
+@pytest.mark.parametrize("rate", [10.0, 50.0, 200.0])
+def test_readings_do_not_depend_on_cuts_or_shifts_in_time_alone(rate):
+    u = commands(800)
+    laws = [built("electrode_lag", "two_stages", 0.1)[0] for _ in range(4)]
+    whole = TrialRig(PlainDrive(), laws[:1], rate, 0).respond(u)
+    rig = TrialRig(PlainDrive(), laws[1:2], rate, -3)
+    pieces = np.concatenate([rig.respond(piece) for piece in np.split(u, [1, 7, 300])])
+    early = TrialRig(PlainDrive(), laws[2:3], rate, -3).respond(u)
+    np.testing.assert_array_equal(pieces, early)
+    fine = TrialRig(PlainDrive(), laws[3:], 1000.0, 0).respond(np.repeat(u, round(1000 / rate)))
+    substeps = round(1000 / rate)
+    np.testing.assert_array_equal(whole, fine[::substeps])
+    np.testing.assert_array_equal(early[1:], fine[substeps - 3 :: substeps][: u.size - 1])
+    late = TrialRig(PlainDrive(), [built("electrode_lag", "two_stages", 0.1)[0]], rate, 3)
+    np.testing.assert_array_equal(late.respond(u), fine[3::substeps])
+
+
+@pytest.mark.parametrize("kind", NoiseKind)
+def test_every_noise_has_its_rms_and_does_not_depend_on_cuts(kind):
+    noise = Noise(kind, 2.0, correlation=8.0)
+    truth = 40.0 * np.sin(np.arange(200_000) / 7.0)
+    wrong = NoiseSource(noise, 5).read(truth) - truth
+    assert np.sqrt(np.mean(wrong**2)) == pytest.approx(2.0, rel=0.08)
+    source = NoiseSource(noise, 5)
+    pieces = [source.read(piece) for piece in np.split(truth[:5000], [1, 2, 900])]
+    np.testing.assert_array_equal(np.concatenate(pieces), (wrong + truth)[:5000])
+
+
+def spectrum(kind, **settings):
+    wrong = NoiseSource(Noise(kind, 1.0, **settings), 3).next(2**17)
+    power = np.abs(np.fft.rfft(wrong.reshape(64, -1))) ** 2
+    return np.fft.rfftfreq(2048), power.mean(axis=0)
+
+
+def test_noise_has_the_colour_of_its_kind():
+    _, white = spectrum(NoiseKind.WHITE)
+    assert white[5:200].mean() == pytest.approx(white[-200:].mean(), rel=0.1)
+    _, coloured = spectrum(NoiseKind.COLOURED, correlation=8.0)
+    assert coloured[5:20].mean() > 50.0 * coloured[-200:].mean()
+    frequency, flicker = spectrum(NoiseKind.FLICKER)
+    inside = (frequency > 0.004) & (frequency < 0.1)
+    order = np.polyfit(np.log(frequency[inside]), np.log(flicker[inside]), 1)[0]
+    assert order == pytest.approx(-1.0, abs=0.25)
+
+
+def test_quantised_readings_are_few_values():
+    noise = Noise(NoiseKind.QUANTISED, 1.0)
+    read = NoiseSource(noise, 0).read(np.linspace(0.0, 30.0, 1000))
+    np.testing.assert_allclose(read / noise.step, np.rint(read / noise.step), atol=1e-9)
+    assert np.unique(read).size < 15
+
+
+def test_the_refit_absorbs_what_its_parameters_can_and_nothing_else():
+    kind = DEVICES["drive"]
+    plain = kind.plain(BENCH, {})
+    u = commands(2000, seed=4)
+    yardstick = Yardstick(kind, plain, u, 50.0, 0.05)
+    changed = plain.changed({"damping": 1.2, "stiffness": 0.9})
+    reading = 1.1 * TrialRig(changed, [], 50.0).respond(u) + 3.0
+    assert yardstick.unexplained(reading) / 0.05 < 0.5
+    assert yardstick.strength([]) < 1e-6
+    assert yardstick.strength([built("transport_delay", "pure_delay", 0.1)[0]]) > 20.0
+
+
+def test_the_strength_agrees_with_an_independent_refit():
+    from scipy.optimize import least_squares
+
+    kind = DEVICES["drive"]
+    plain = kind.plain(BENCH, {})
+    u = commands(1000, seed=4)
+    conditions = Yardstick(kind, plain, u, 50.0, 0.05).conditions()
+
+    def laws():
+        return [built("end_stop", "rubber_bumper", 0.2, 0, conditions)[0]]
+
+    reading = TrialRig(plain, laws(), 50.0).respond(u)
+
+    def left(parameters):
+        factors = dict(zip(kind.free, np.exp(parameters), strict=True))
+        model = TrialRig(plain.changed(factors), [], 50.0).respond(u)
+        slope, offset = np.polyfit(model, reading, 1)
+        return reading - slope * model - offset
+
+    fit = least_squares(left, np.zeros(2), x_scale=0.1, max_nfev=25)
+    expected = np.sqrt(2.0 * fit.cost / reading.size) / 0.05
+    assert Yardstick(kind, plain, u, 50.0, 0.05).strength(laws()) == pytest.approx(
+        expected, rel=0.1
+    )
+
+
+def test_conditions_say_what_the_excitation_does():
+    kind = DEVICES["drive"]
+    u = np.tile(np.repeat([1.0, 4.0], 100), 5)
+    found = Yardstick(kind, kind.plain(BENCH, {}), u, 50.0, 0.05).conditions()
+    assert (found.low, found.high) == (1.0, 4.0)
+    assert found.duration == pytest.approx(20.0)
+    assert found.cycles == pytest.approx(5.0, abs=4.0)
+    assert found.stiffness == Drive().stiffness
+    assert type(found) is type(CONDITIONS)
