@@ -40,12 +40,12 @@ def trial_score(
             file = labels_of / f"{name}.json"
             trials.open_seal(file, public["sha256"])
             trial = Trial.read(file)
-            labels[name] = _label(trial)
             if trial.device == "film":
                 first = int(store.read(records_of / f"{name}.nc")["device_index"][0])
                 true = truth_of / f"{name}.npy"
             else:
                 first, true = 0, log_truth_of / f"{name}.npy"
+            labels[name] = _label(trial, first / trial.sampling_rate)
             said[name] = _said(trial, verdicts_of, rankings[name], true, first)
     store.write(
         trials.scores(labels, said, family).assign_attrs(contract="scores"),
@@ -57,7 +57,8 @@ def trial_score(
     )
 
 
-def _label(trial: "Trial") -> "trials.Label":
+def _label(trial: "Trial", start: float) -> "trials.Label":
+    """Return the label of a trial whose record begins ``start`` seconds after the device."""
     from dea import trials
 
     label = trial.label()
@@ -71,7 +72,7 @@ def _label(trial: "Trial") -> "trials.Label":
         noise=str(label["noise"]),
         forms={effect["name"]: effect["form"] for effect in effects},
         defining={
-            (effect["name"], meaning): value
+            (effect["name"], meaning): value - start if meaning == "time" else value
             for effect in effects
             for meaning, value in effect["defining"].items()
         },

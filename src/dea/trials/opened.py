@@ -4,8 +4,18 @@ from typing import NamedTuple
 
 from dea.trials.outcome import Label, Said
 
-# A hidden value of that meaning, and the parameter of a verdict that estimates the same.
-COUNTERPARTS: dict[tuple[str, str], str] = {}
+# The parameter of a verdict that estimates the hidden value of an effect and a meaning. Values
+# whose laws have no such parameter, or one that means something else, are not compared.
+COUNTERPARTS = {
+    ("dead_zone", "threshold"): "threshold",
+    ("input_saturation", "limit"): "limit",
+    ("output_saturation", "limit"): "upper_end",
+    ("slew_limit", "rate"): "rate",
+    ("transport_delay", "delay"): "delay",
+    ("second_mode", "frequency"): "frequency",
+    ("periodic_disturbance", "frequency"): "frequency",
+    ("step_fault", "time"): "instant",
+}
 
 
 class Opened(NamedTuple):

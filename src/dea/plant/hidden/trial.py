@@ -11,7 +11,7 @@ from dea.errors import InputError
 from dea.plant.array import Array
 from dea.plant.hidden.catalogue import EFFECTS
 from dea.plant.hidden.devices import DEVICES, DeviceKind
-from dea.plant.hidden.effect import Built, Conditions
+from dea.plant.hidden.effect import Built, Conditions, Port
 from dea.plant.hidden.noise import Noise, NoiseKind, NoiseSource
 from dea.plant.hidden.rig import ServedRig, TrialRig
 from dea.plant.parameters import read_plain
@@ -122,13 +122,20 @@ class Trial:
                     "size": effect.size,
                     "unit": EFFECTS[effect.name].unit,
                     "strength": effect.strength,
-                    "defining": effect.build(self.conditions).defining,
+                    "defining": self._defining(effect),
                 }
                 for effect in self.effects
             ],
             "strength": self.strength,
             "excitation": self.excitation["kind"],
         }
+
+    def _defining(self, effect: HiddenEffect) -> dict[str, float]:
+        """Return the values that define an effect, places of the output in the unit of records."""
+        values = effect.build(self.conditions).defining
+        if "limit" in values and EFFECTS[effect.name].port is not Port.INPUT:
+            values["limit"] *= self.kind.scale
+        return values
 
     def write(self, path: Path) -> None:
         """Write the whole trial, label and all, as JSON: a sealed file."""
