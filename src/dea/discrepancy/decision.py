@@ -35,6 +35,7 @@ class Reason(StrEnum):
 
     ACCURATE = "the simulation is as good as it is said to be"
     NOISE = "the residual is at the noise floor"
+    IRREDUCIBLE = "no effect and no flexible model reduces the residual"
     COLOURED = "the residual is coloured noise, which follows neither the input nor the motion"
     NO_EFFECT = "no effect of the catalogue reduces the residual"
     UNEXPLAINED = "the best effect leaves too much unexplained"
@@ -160,6 +161,8 @@ def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
     unpredictable = residual_model(evidence.problem, residual).ratio > 1.0 - rules.margin
     if unpredictable and evidence.nominal_error <= rules.clean * evidence.floor:
         return Decision(Status.NONE, None, reason=Reason.NOISE)
+    if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.floor:
+        return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
     if is_coloured_noise(evidence.problem, residual, evidence.blocks):
         return Decision(Status.NONE, None, reason=Reason.COLOURED)
     return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)
