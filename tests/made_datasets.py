@@ -85,8 +85,32 @@ def model(seed: int) -> xr.Dataset:
                 **scalars,
             },
             coords={"term": over("term", np.array(terms, dtype=object))},
+            attrs={"stability": ["stable", "slow"][seed % 2]},
         ),
         "model",
+    )
+
+
+def common_model(names) -> xr.Dataset:
+    rng = np.random.default_rng(0)
+    per_term, per_model = ("system", "term"), ("structure", "system")
+    size, pair = (len(names), len(TERMS)), (2, len(names))
+    return checked(
+        xr.Dataset(
+            {
+                "parameter": over(per_term, rng.standard_normal(size)),
+                "standard_error": over(per_term, rng.uniform(0.001, 0.1, size)),
+                "nmse": over(per_model, rng.uniform(1e-4, 1e-2, pair)),
+                "terms": over(per_model, np.full(pair, len(TERMS))),
+                "stability": over(per_model, np.full(pair, "stable")),
+            },
+            coords={
+                "system": over("system", np.array(names)),
+                "term": over("term", np.array(TERMS)),
+                "structure": over("structure", np.array(["own", "common"])),
+            },
+        ),
+        "common_model",
     )
 
 

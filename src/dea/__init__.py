@@ -12,7 +12,13 @@ from dea.declared_code import refuse_undeclared_code
 if TYPE_CHECKING:
     from dea.discrepancy import diagnose
     from dea.gfrf import frequency_response, frequency_response_band
-    from dea.narx import NarxModel, parameter_interval, select_terms, simulation_interval
+    from dea.narx import (
+        NarxModel,
+        parameter_interval,
+        select_common_terms,
+        select_terms,
+        simulation_interval,
+    )
     from dea.nonparametric import best_linear_approximation
     from dea.store import read_record
     from dea.tracking import track_parameters
@@ -25,6 +31,7 @@ __all__ = [
     "frequency_response_band",
     "parameter_interval",
     "read_record",
+    "select_common_terms",
     "select_terms",
     "simulation_interval",
     "track_parameters",
@@ -43,6 +50,7 @@ _ROOM_OF = {
     "frequency_response_band": "dea.gfrf",
     "parameter_interval": "dea.narx",
     "read_record": "dea.store",
+    "select_common_terms": "dea.narx",
     "select_terms": "dea.narx",
     "simulation_interval": "dea.narx",
     "track_parameters": "dea.tracking",

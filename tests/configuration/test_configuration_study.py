@@ -57,7 +57,7 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["identification", "degree"], True, "identification.degree", "whole number"),
         (["identification", "degree"], 2.5, "identification.degree", "whole number"),
         (["identification", "length"], 1801, "identification.length", "inside the record"),
-        (["identification", "refine"], "yes", "identification.refine", "true or false"),
+        (["identification", "search"], "best", "identification.search", "forward"),
         (["identification", "start"], float("nan"), "identification.start", "at least 0 s"),
         (["identification"], REMOVED, "identification", "missing"),
         (["seed"], None, "seed", "missing"),
@@ -78,7 +78,7 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["acquisition", "timeout"], 0, "acquisition.timeout", "at least 0.001 s"),
         (["bench", "watchdog_time"], 0, "bench.watchdog_time", "above 0 s"),
         (["identification", "u_lags"], [], "identification.u_lags", "at least 1"),
-        (["identification", "add_threshold"], 1.1, "identification.add_threshold", "from 0 to 1"),
+        (["identification", "threshold"], 1.1, "identification.threshold", "from 0 to 1"),
         (["orders", "length"], 1701, "orders.length", "ends at 1801 s, after the record"),
         (["validation", "windows"], [], "validation.windows", "list"),
         (["recovery", "excitation"], ["white"] * 2, "recovery.excitation", "'white'] names one"),
@@ -146,8 +146,8 @@ def test_nested_numbers_of_the_command_line_come_as_text():
 
 def test_a_number_that_yaml_reads_as_text_is_a_number():
     assert yaml.safe_load("1e-5") == "1e-5"
-    found = check_study(changed(STUDY, ["identification", "add_threshold"], "1e-5"))
-    assert found.identification.add_threshold == 1e-5
+    found = check_study(changed(STUDY, ["identification", "threshold"], "1e-5"))
+    assert found.identification.threshold == 1e-5
 
 
 MINE = {

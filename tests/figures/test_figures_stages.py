@@ -23,7 +23,8 @@ FIGURES = [
     (["recovery"], ["recovery"], 1),
 ]
 TABLES = [
-    (["table1", "validation", "tracking"], ["model", "validation", "track"], 2),
+    (["table1"], ["model", "validation", "track", "common_model"], 2),
+    (["validation", "tracking"], ["model", "validation", "track"], 2),
     (["recovery"], ["recovery"], 1),
 ]
 
@@ -35,6 +36,11 @@ def sources(tmp_path):
     def write(datasets, count):
         files = []
         for name in datasets:
+            if name == "common_model":
+                files.append(tmp_path / "common_model.nc")
+                systems = [f"dea{seed}" for seed in range(1, count + 1)]
+                store.write(made.common_model(systems), files[-1], title=name)
+                continue
             for seed in range(1, count + 1):
                 files.append(tmp_path / f"dea{seed}" / f"{name}.nc")
                 store.write(getattr(made, name)(seed), files[-1], title=name)

@@ -7,7 +7,10 @@ from narx_strategies import slow_simulation
 
 from dea.errors import InputError
 from dea.narx import (
+    Forward,
     NarxModel,
+    Orthogonal,
+    Refined,
     Scaling,
     candidate_terms,
     linear_terms,
@@ -15,7 +18,7 @@ from dea.narx import (
     select_terms,
 )
 from dea.narx.candidate_models import CandidateModels
-from dea.narx.selection import forward_and_prune
+from dea.narx.forward import forward_and_prune
 from dea.narx.trace import Trace
 
 # DEA2's column of Table 1 of the reference study.
@@ -140,7 +143,7 @@ def test_the_small_model_found_is_the_best_of_all_subsets():
     terms = {"y(t-1)": 0.5, "u(t-1)": 0.4, "u(t-1)^2": 0.3}
     _, u, y = record(terms, 200, noise=0.02)
     candidates = candidate_terms(1, 1, 2)
-    found = select_terms(u, y, y_lags=1, u_lags=1, degree=2, refine=False, scaling=Scaling())
+    found = select_terms(u, y, y_lags=1, u_lags=1, degree=2, search=Forward(), scaling=Scaling())
     size = len(found.terms)
     errors = {
         subset: slow_candidate(candidates, subset, u, y, 1)[0]
@@ -152,7 +155,7 @@ def test_the_small_model_found_is_the_best_of_all_subsets():
 
 def test_dea2_driven_by_white_noise_gives_its_ten_terms_back():
     model, u, y = record(DEA2, 5000, noise=1e-3)
-    found = select_terms(u, y, scaling=Scaling(), add_threshold=1e-6, prune_threshold=1e-6)
+    found = select_terms(u, y, scaling=Scaling(), search=Refined(1e-6))
     assert set(found.terms) == set(model.terms)
     order = [found.terms.index(term) for term in model.terms]
     np.testing.assert_allclose(found.parameters[order], model.parameters, atol=2e-4)
@@ -160,7 +163,7 @@ def test_dea2_driven_by_white_noise_gives_its_ten_terms_back():
 
 def test_refining_never_simulates_worse_than_the_forward_selection():
     _, u, y = record(SMALL, 800, noise=0.1)
-    plain, refined = (select_terms(u, y, refine=choice) for choice in (False, True))
+    plain, refined = (select_terms(u, y, search=each) for each in (Forward(), Refined(1e-5)))
     price = 1e-5 * np.mean(plain.scaling.normalise_output(y) ** 2)
     cost = {
         model: np.mean(((model.simulate(u, y) - y) / model.scaling.y_scale) ** 2)
@@ -174,7 +177,7 @@ def test_unstable_candidates_have_an_infinite_error_and_no_nan():
     rng = np.random.default_rng(0)
     u = rng.standard_normal(300)
     y = np.cumsum(u + 0.3 * rng.standard_normal(300))  # an integrator, on the edge
-    found = select_terms(u, y, refine=False)
+    found = select_terms(u, y, search=Forward())
     unstable = found.trace.trial_status == "unstable"
     assert unstable.any()
     assert np.isposinf(found.trace.trial_msse[unstable]).all()
@@ -183,21 +186,30 @@ def test_unstable_candidates_have_an_infinite_error_and_no_nan():
     assert not found.trace.trial_serr.isnull().any()
 
 
-def test_the_trace_retells_the_selection():
+def test_the_trace_retells_the_papers_selection():
     _, u, y = record(DEA2, 1500, noise=1e-2)
-    found = select_terms(u, y)
+    found = select_terms(u, y, search=Forward())
     linear = {str(term) for term in linear_terms(3, 3)}
     kept = set()
     trace = found.trace.to_dataframe()
     for term, status in zip(trace.trial_term, trace.trial_status, strict=True):
-        added, _, removed = term.partition(" for ")
         if status == "added":
             kept |= linear if term == "linear basis" else {term}
         elif status == "pruned":
             kept.remove(term)
-        elif status == "exchanged":
-            kept = (kept | {added}) - {removed}
     assert kept == {str(term) for term in found.terms}
+
+
+def test_the_trace_names_the_model_selected_among_all_tried():
+    _, u, y = record(DEA2, 1500, noise=1e-2)
+    found = select_terms(u, y)
+    trace = found.trace.to_dataframe()
+    (last,) = trace[trace.trial_status == "selected"].itertuples()
+    assert last.trial_term.split(", ") == [str(term) for term in found.terms]
+    scaled = found.scaling.normalise_output(y), found.scaling.normalise_output(found.simulate(u, y))
+    assert last.trial_msse == pytest.approx(np.mean((scaled[0] - scaled[1]) ** 2), rel=0.01)
+    assert 0.0 < float(found.trace["threshold"]) < 1e-2
+    assert set(trace.trial_phase) == {"orthogonal", "exchange", "final"}
 
 
 def test_refining_passes_over_models_that_only_their_own_record_keeps_bounded():
@@ -207,7 +219,9 @@ def test_refining_passes_over_models_that_only_their_own_record_keeps_bounded():
     u[10::100], u[16::100] = -0.9, 1.6
     y = plant.simulate(u) + 1e-4 * np.random.default_rng(0).standard_normal(1000)
     settings = {"y_lags": 1, "u_lags": 1, "degree": 3, "scaling": Scaling()}
-    plain, refined = (select_terms(u, y, refine=choice, **settings) for choice in (False, True))
+    plain, refined = (
+        select_terms(u, y, search=each, **settings) for each in (Forward(), Refined(1e-5))
+    )
     for model in (plain, refined):
         assert np.isfinite(model.simulate(u, y)).all()
     assert np.isinf(plain.simulate(u[::-1])).any()
@@ -216,10 +230,10 @@ def test_refining_passes_over_models_that_only_their_own_record_keeps_bounded():
 
 def test_no_model_exceeds_the_most_terms_asked_for():
     _, u, y = record(DEA2, 1500, noise=1e-2)
-    for refine in (False, True):
-        assert len(select_terms(u, y, refine=refine, max_terms=5).terms) <= 5
-    with pytest.raises(InputError, match="max_terms"):
-        select_terms(u, y, max_terms=0)
+    for search in (Forward, Orthogonal, Refined):
+        assert len(select_terms(u, y, search=search(max_terms=5)).terms) <= 5
+        with pytest.raises(InputError, match="max_terms"):
+            search(max_terms=0)
 
 
 def test_a_selected_model_is_stored_with_its_trace(tmp_path):

@@ -37,6 +37,27 @@ rule select:
         )
 
 
+# One structure for all actuators, each with its own parameters.
+rule select_common:
+    input:
+        records=of_every_actuator("results/{actuator}/record.nc"),
+        models=of_every_actuator("results/{actuator}/model.nc"),
+        code=modules("dea.stages.select_common"),
+    output:
+        common="results/common_model.nc",
+    log:
+        "results/log/select_common.log",
+    benchmark:
+        "results/benchmark/select_common.tsv"
+    params:
+        settings=settings("identification", "orders"),
+    shell:
+        stage(
+            "select_common --records {input.records:q} --models {input.models:q}"
+            " --settings {params.settings:q} --common {output.common:q} 2> {log:q}"
+        )
+
+
 rule validate:
     input:
         record="results/{system}/record.nc",

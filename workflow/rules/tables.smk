@@ -9,7 +9,8 @@ TABLES = filled(
                 file
                 for dataset in ("model", "validation", "track")
                 for file in of_every_actuator(f"results/{{actuator}}/{dataset}.nc")
-            ],
+            ]
+            + ["results/common_model.nc"],
             path="results/tables/{name}",
             system="all",
         ),

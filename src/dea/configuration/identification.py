@@ -1,6 +1,6 @@
 """Models from a record: ``identification``, ``orders``, ``validation``."""
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -35,14 +35,16 @@ class Identification(Section):
     )
     degree: Count = key("polynomial order")
     even_in_input: Truth = key("true where the system answers the input's negative alike")
-    add_threshold: Part = key(
-        "SERR below which no term is added, as a share of the output's energy"
+    search: Literal["refined", "forward", "orthogonal"] = key(
+        "refined: terms added, dropped and exchanged under parameters that minimise the simulated"
+        " error; forward: the paper's forward selection and pruning; orthogonal: FROLS"
     )
-    prune_threshold: Part = key(
-        "SERR below which a term is removed, as a share of the output's energy"
+    threshold: Part | None = key(
+        "share of the output's energy that a term explains; where it is not given, the refined"
+        " search takes it from the record, the forward one 1e-5",
+        default=None,
     )
-    rounds: WholeNotNegative = key("add-swap-prune rounds after the paper's single pass")
-    refine: Truth = key("true to minimise the simulated error of the chosen structure")
+    rounds: WholeNotNegative = key("largest number of steps of the refined search")
     resamples: WholeNotNegative = key(
         "block bootstrap selections behind the inclusion frequency; 0 for none"
     )
@@ -54,6 +56,9 @@ class Orders(Section):
     dynamic: Count = key("largest dynamic order compared")
     polynomial: Count = key("largest polynomial order compared")
     lags: Count = key("dynamic order while polynomial orders are compared")
+    threshold: Part = key(
+        "SERR of the paper's forward selection below which no term is added or kept"
+    )
     start: NotNegative | None = key(
         "where the independent data begin; after the segment where it is not given",
         unit="s",

@@ -3,6 +3,7 @@
 from dea.narx.autoregression import fit_autoregression, whiten
 from dea.narx.baselines import baselines
 from dea.narx.candidate_terms import candidate_terms, linear_terms
+from dea.narx.common import compare_structures
 from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
 from dea.narx.forecast import ForecastPlan, forecast_errors
 from dea.narx.held_out import held_out_error
@@ -24,22 +25,30 @@ from dea.narx.refinement import estimate_refined, refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
-from dea.narx.selection import select_terms
+from dea.narx.search import Forward, Orthogonal, Refined
+from dea.narx.selection import select_common_terms, select_terms
 from dea.narx.simulation import simulate, simulate_varying
+from dea.narx.stability import Stability, UnstableModel
 from dea.narx.validation import Windows, validate
 
 __all__ = [
     "LEVEL",
     "NOT_WHITE",
     "ForecastPlan",
+    "Forward",
     "FreeRun",
     "Interval",
     "NarxModel",
+    "Orthogonal",
+    "Refined",
     "Scaling",
+    "Stability",
+    "UnstableModel",
     "Windows",
     "baselines",
     "candidate_terms",
     "compare_orders",
+    "compare_structures",
     "correlation_tests",
     "covariance_of",
     "estimate",
@@ -63,6 +72,7 @@ __all__ = [
     "remove_feedback",
     "rmse",
     "scaling_of",
+    "select_common_terms",
     "select_terms",
     "simulate",
     "simulate_varying",

@@ -41,6 +41,13 @@ class CandidateModels:
     segments
         Normalised inputs and outputs. Each is simulated from its own first outputs; they share
         their parameters.
+
+    Attributes
+    ----------
+    triangle
+        The regressors and, in the last row, the output, compressed by QR; (terms + 1, rows).
+    power
+        Mean square of the normalised output.
     """
 
     def __init__(self, candidates: Sequence[Term], segments: Sequence[Segment]) -> None:
@@ -66,7 +73,8 @@ class CandidateModels:
         products = np.ones((len(terms), u.size))
         first = max((term.max_lag for term in terms), default=0)
         products[:, first:] = regressor_matrix(terms, u, y, first).T
-        self._record = Record(np.ascontiguousarray(triangle.T), products, y, ends)
+        self.triangle: Array = np.ascontiguousarray(triangle.T)
+        self._record = Record(self.triangle, products, y, ends)
         self._bound = _DIVERGED * float(np.abs(y).max())
         self._known: dict[Subset, Outcome] = {}
 

@@ -6,10 +6,13 @@ error, so that the right structure reaches the noise floor. To limit the number 
 derivative of the run by the parameter of *every* candidate term, projected orthogonally to those
 of the present terms, predicts the gain of each; only the best few are fitted. A step is taken if
 
-    MSSE / mean(y^2) + price * (number of terms)
+    MSSE / mean(y^2) + price * sum_j (1 + log2(max(1, size_j / 4)))
 
-falls; since this cost falls with every step, no structure is taken twice and the search ends. A
-model that stays bounded only on these records counts as unstable.
+falls, where size_j is the root mean square of the term's contribution over that of the output:
+each term has its price, and one that others cancel costs more. Since this falls with every step,
+no structure is taken twice and the search ends. A model that is stable only on these records
+counts as unstable. Several systems share the structure, and each has its own parameters; the error
+is then their mean.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,16 +23,39 @@ import numpy as np
 from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.parameter_covariance import column_norms
-from dea.narx.refinement import Refined, linearise, minimise
-from dea.narx.simulation import simulate
+from dea.narx.refinement import Linearised, linearise, minimise
+from dea.narx.stability import Trials, stays_in_range
 from dea.narx.trace import Trace, Tried, gain
 from dea.terms import Term
 
 _FITTED = 4  # additions, and removals, of best predicted gain that are fitted in a round
 _EFFORT = (8, 1e-4)  # iterations and relative tolerance of a candidate's fit
 _LEAST_FALL = 0.01  # share of the price by which the cost falls in an accepted step
-_LEEWAY = 3.0  # times the largest measured output that a run may reach on reversed inputs
+_AMPLE = 4.0  # contribution of a term, relative to the output, above which it costs more
+_DOUBT = 3.0  # prices by which a fit may turn out better than its prediction
 _DEPENDENT = 1e-10  # share of a slope's energy below which it is rounding
+
+
+class System(NamedTuple):
+    """What a search knows of one system."""
+
+    segments: Sequence[Segment]
+    power: float  # mean square of the normalised output
+    sizes: Array  # (candidates,) root mean square of each regressor over that of the output
+
+
+class Fit(NamedTuple):
+    """A structure with refined parameters of each system."""
+
+    parameters: tuple[Array, ...]  # of each system (terms,)
+    error: float  # mean over the systems of MSSE / mean(y^2); inf where one is not stable
+
+
+class Structure(NamedTuple):
+    """A subset of the candidate terms, and its fit."""
+
+    subset: Subset
+    fit: Fit
 
 
 class Move(NamedTuple):
@@ -38,140 +64,206 @@ class Move(NamedTuple):
     label: str
     status: str
     subset: Subset
-    start: Array
+    start: tuple[Array, ...]
+    predicted: float  # error of the fit
 
 
 class Exchange:
-    """Searches structures among ``candidates`` on normalised segments."""
+    """Searches structures among ``candidates`` for one system or several."""
 
-    def __init__(
-        self, candidates: Sequence[Term], segments: Sequence[Segment], power: float, price: float
-    ) -> None:
+    def __init__(self, candidates: Sequence[Term], systems: Sequence[System]) -> None:
         self._candidates = tuple(candidates)
-        self._segments = segments
-        self._power = power
-        self._price = price
-        self._fits: dict[Subset, Refined] = {}
+        self._systems = tuple(systems)
+        self.power = float(np.mean([system.power for system in systems]))
+        self._fits: dict[Subset, Fit] = {}
+        self._unsteady: dict[Subset, Fit] = {}  # with the errors on the records alone
+        self._trials: Sequence[Trials] = ()
 
     def search(
-        self, subset: Subset, start: Array, rounds: int, most: int, trace: Trace
-    ) -> tuple[Subset, Array]:
-        """Improve ``subset`` for at most ``rounds`` accepted steps and ``most`` terms.
+        self, start: Structure, price: float, rounds: int, most: int, trace: Trace
+    ) -> tuple[Structure, int]:
+        """Improve a structure for at most ``rounds`` accepted steps and ``most`` terms.
 
-        Returns the structure and parameters found; those given, refined, if none is better.
+        Returns the structure found, or the one given if none is better, and the steps taken.
         """
-        fit = self._fit(subset, start)
+        now = start
         for step in range(1, rounds + 1):
-            for moves in self._rounds(subset, fit, most):
-                fits = [self._fit(move.subset, move.start) for move in moves]
-                costs = [
-                    self._cost(move.subset, tried) for move, tried in zip(moves, fits, strict=True)
+            for moves in self._rounds(now, price, most):
+                found = [
+                    Structure(move.subset, self.fit(move.subset, move.start)) for move in moves
                 ]
+                costs = [self.cost(each, price) for each in found]
                 best = int(np.argmin(costs)) if costs else 0
-                fallen = self._cost(subset, fit) - min(costs, default=np.inf)
-                accepted = fallen > _LEAST_FALL * self._price
+                fallen = self.cost(now, price) - min(costs, default=np.inf)
+                accepted = fallen > _LEAST_FALL * price
                 trace.add(
                     "exchange",
                     step,
                     [
-                        Tried(move.label, tried.msse, gain(fit.msse, tried.msse, self._power))
-                        for move, tried in zip(moves, fits, strict=True)
+                        Tried(
+                            move.label,
+                            each.fit.error * self.power,
+                            gain(now.fit.error, each.fit.error, 1.0),
+                        )
+                        for move, each in zip(moves, found, strict=True)
                     ],
                     best if accepted else None,
                     moves[best].status if moves else "",
                 )
                 if accepted:
-                    subset, fit = moves[best].subset, fits[best]
+                    now = found[best]
                     break
             else:
-                break
-        return subset, fit.parameters
+                return now, step - 1
+        return now, rounds
 
-    def _rounds(self, subset: Subset, fit: Refined, most: int) -> Iterator[list[Move]]:
+    def cost(self, structure: Structure, price: float) -> float:
+        """Return the error and the price of the terms."""
+        subset, fit = structure
+        columns = list(subset)
+        sizes = np.mean(
+            [
+                system.sizes[columns] * np.abs(parameters)
+                for system, parameters in zip(self._systems, fit.parameters, strict=True)
+            ],
+            axis=0,
+        )
+        extra = np.log2(np.maximum(1.0, sizes / _AMPLE)).sum()
+        return float(fit.error + price * (len(subset) + extra))
+
+    def fit(self, subset: Subset, start: Sequence[Array]) -> Fit:
+        """Refine the parameters of each system, once for each structure."""
+        if subset not in self._fits:
+            terms = self._terms(subset)
+            fits = [
+                minimise(terms, first, system.segments, *_EFFORT)
+                for system, first in zip(self._systems, start, strict=True)
+            ]
+            shares = [fit.msse / each.power for fit, each in zip(fits, self._systems, strict=True)]
+            fit = Fit(tuple(each.parameters for each in fits), float(np.mean(shares)))
+            self._fits[subset] = self._checked(subset, fit) if np.isfinite(fit.error) else fit
+        return self._fits[subset]
+
+    def require(self, trials: Sequence[Trials]) -> None:
+        """From now on, count what does not pass the ``trials`` of its system as unstable."""
+        self._trials = tuple(trials)
+        for subset, fit in self._fits.items():
+            if np.isfinite(fit.error):
+                self._fits[subset] = self._checked(subset, fit)
+
+    def by_cost(self, price: float, most: int) -> Iterator[Structure]:
+        """Yield the structures tried, the least cost first, those that are not stable last."""
+        for fits in (self._fits, self._unsteady):
+            tried = [
+                Structure(subset, fit)
+                for subset, fit in fits.items()
+                if np.isfinite(fit.error) and len(subset) <= most
+            ]
+            yield from sorted(tried, key=lambda each: self.cost(each, price))
+
+    def _checked(self, subset: Subset, fit: Fit) -> Fit:
+        """Return the fit, its error infinite where it is not stable."""
+        terms = self._terms(subset)
+        stable = all(
+            stays_in_range(terms, parameters, system.segments)
+            for system, parameters in zip(self._systems, fit.parameters, strict=True)
+        ) and all(
+            trials.passes(terms, parameters)
+            for trials, parameters in zip(self._trials, fit.parameters, strict=False)
+        )
+        if stable:
+            return fit
+        self._unsteady[subset] = fit
+        return fit._replace(error=np.inf)
+
+    def _rounds(self, now: Structure, price: float, most: int) -> Iterator[list[Move]]:
         """Removals, then additions, then exchanges: in order of computing time."""
-        yield self._removals(subset, fit, "")
-        additions = self._additions(subset, fit)
-        if len(subset) < most:
+
+        def promising(moves: Sequence[Move]) -> list[Move]:
+            """The best few of those whose prediction is not too far above the present error."""
+            near = [each for each in moves if each.predicted <= now.fit.error + _DOUBT * price]
+            return sorted(near, key=lambda each: each.predicted)[:_FITTED]
+
+        # What is not stable has an infinite error, but may become so.
+        yield promising(self._removals(now, ""))
+        additions = self._additions(now)
+        if len(now.subset) < most:
             yield additions
         exchanges = []
         for move in additions:
-            tried = self._fit(move.subset, move.start)
-            if np.isfinite(tried.msse):
-                kept = set(move.subset) & set(subset)
+            tried = self.fit(move.subset, move.start)
+            if np.isfinite(tried.error):
+                kept = set(move.subset) & set(now.subset)
                 exchanges += [
                     swap
-                    for swap in self._removals(move.subset, tried, f"{move.label} for ")
+                    for swap in self._removals(Structure(move.subset, tried), f"{move.label} for ")
                     if not kept <= set(swap.subset)
                 ]
-        yield exchanges
+        yield promising(exchanges)
 
-    def _removals(self, subset: Subset, fit: Refined, prefix: str) -> list[Move]:
+    def _removals(self, now: Structure, prefix: str) -> list[Move]:
         """The terms whose removal raises the error least, by the quadratic model at the minimum."""
+        subset, fit = now
         if len(subset) == 1:
             return []
-        error, _, slope = linearise(self._terms(subset), fit.parameters, self._segments)
-        if not np.isfinite(error):
-            return []
-        norms = column_norms(slope)
-        inverse = np.linalg.pinv((slope / norms).T @ (slope / norms), hermitian=True)
-        scaled = fit.parameters * norms
-        rise = scaled**2 / np.maximum(np.diag(inverse), np.finfo(float).tiny)
+        rise = np.zeros(len(subset))
+        moved = []
+        for system, point, parameters in self._linearised(subset, fit.parameters):
+            if not np.isfinite(point.error):
+                return []
+            norms = column_norms(point.slope)
+            inverse = np.linalg.pinv(
+                (point.slope / norms).T @ (point.slope / norms), hermitian=True
+            )
+            scaled = parameters * norms
+            diagonal = np.maximum(np.diag(inverse), np.finfo(float).tiny)
+            rise += scaled**2 / diagonal / (system.power * point.residual.size)
+            # Column i: the parameters at the minimum of the quadratic model without term i.
+            moved.append((scaled[:, None] - inverse * (scaled / diagonal)) / norms[:, None])
         moves = []
         for i in np.argsort(rise, kind="stable")[:_FITTED]:
-            moved = (scaled - inverse[:, i] * scaled[i] / inverse[i, i]) / norms
             label = prefix + str(self._candidates[subset[i]])
             status = "exchanged" if prefix else "pruned"
             rest = tuple(j for j in subset if j != subset[i])
-            moves.append(Move(label, status, rest, np.delete(moved, i)))
+            start = tuple(np.delete(each[:, i], i) for each in moved)
+            moves.append(Move(label, status, rest, start, fit.error + float(rise[i])))
         return moves
 
-    def _additions(self, subset: Subset, fit: Refined) -> list[Move]:
+    def _additions(self, now: Structure) -> list[Move]:
         """The terms of largest predicted fall, by their slope orthogonal to the present slopes."""
-        full = np.zeros(len(self._candidates))
-        full[list(subset)] = fit.parameters
-        point = linearise(self._candidates, full, self._segments)
-        if not np.isfinite(point.error):
-            return []
-        present = point.slope[:, list(subset)]
-        basis, _ = np.linalg.qr(present / column_norms(present))
-        off = point.slope - basis @ (basis.T @ point.slope)
-        energy = np.sum(off**2, axis=0)
-        usable = energy > _DEPENDENT * np.sum(point.slope**2, axis=0)
-        usable[list(subset)] = False
-        fall = np.where(usable, (off.T @ point.residual) ** 2, 0.0)
-        fall /= np.where(usable, energy, 1.0)
+        present = list(now.subset)
+        everything = tuple(range(len(self._candidates)))
+        full = [np.zeros(len(everything)) for _ in self._systems]
+        for each, parameters in zip(full, now.fit.parameters, strict=True):
+            each[present] = parameters
+        fall = np.zeros(len(everything))
+        for system, point, _ in self._linearised(everything, full):
+            if not np.isfinite(point.error):
+                return []
+            slope = point.slope
+            basis, _ = np.linalg.qr(slope[:, present] / column_norms(slope[:, present]))
+            off = slope - basis @ (basis.T @ slope)
+            energy = np.einsum("ij,ij->j", off, off)
+            usable = energy > _DEPENDENT * np.einsum("ij,ij->j", slope, slope)
+            explained = np.where(usable, (off.T @ point.residual) ** 2, 0.0)
+            explained /= np.where(usable, energy, 1.0)
+            fall += explained / (system.power * point.residual.size)
+        fall[present] = 0.0
         moves = []
         for j in np.argsort(-fall, kind="stable")[:_FITTED]:
             if fall[j] > 0.0:
-                grown = tuple(sorted((*subset, int(j))))
-                label = str(self._candidates[j])
-                moves.append(Move(label, "added", grown, full[list(grown)]))
+                grown = tuple(sorted((*now.subset, int(j))))
+                start = tuple(each[list(grown)] for each in full)
+                predicted = now.fit.error - float(fall[j])
+                moves.append(Move(str(self._candidates[j]), "added", grown, start, predicted))
         return moves
 
-    def _fit(self, subset: Subset, start: Array) -> Refined:
-        if subset not in self._fits:
-            terms = self._terms(subset)
-            fit = minimise(terms, start, self._segments, *_EFFORT)
-            if not self._is_steady(terms, fit.parameters):
-                fit = Refined(fit.parameters, np.inf)
-            self._fits[subset] = fit
-        return self._fits[subset]
-
-    def _is_steady(self, terms: tuple[Term, ...], theta: Array) -> bool:
-        """Whether the model stays in range on the time-reversed inputs of the records.
-
-        These have the same amplitudes and spectrum, so that a model that leaves the measured range
-        by far on them is bounded on these records only.
-        """
-        for u, y in self._segments:
-            limit = _LEEWAY * float(np.abs(y).max())
-            run = simulate(terms, theta, np.ascontiguousarray(u[::-1]), y[::-1], bound=limit)
-            if not np.isfinite(run[-1]):
-                return False
-        return True
-
-    def _cost(self, subset: Subset, fit: Refined) -> float:
-        return fit.msse / self._power + self._price * len(subset)
+    def _linearised(
+        self, subset: Subset, parameters: Sequence[Array]
+    ) -> Iterator[tuple[System, Linearised, Array]]:
+        terms = self._terms(subset)
+        for system, theta in zip(self._systems, parameters, strict=True):
+            yield system, linearise(terms, theta, system.segments), theta
 
     def _terms(self, subset: Subset) -> tuple[Term, ...]:
         return tuple(self._candidates[j] for j in subset)

@@ -15,6 +15,7 @@ from dea.narx.checks import Array, as_record, as_signal
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import simulate
+from dea.narx.stability import Stability, Trials, assess
 from dea.terms import Term, max_lag
 
 
@@ -34,9 +35,11 @@ class NarxModel:
         Why intervals from the covariance cannot hold; empty where they can.
     trace
         Where the terms were selected, every candidate model tried; dimension ``trial``:
-        ``trial_phase`` (basis, forward, pruning, exchange), ``trial_step``, ``trial_term``,
-        ``trial_msse``, ``trial_serr`` and ``trial_status`` (added, pruned, exchanged, rejected,
-        unstable).
+        ``trial_phase`` (basis, forward, pruning; orthogonal, exchange, final), ``trial_step``,
+        ``trial_term``, ``trial_msse``, ``trial_serr`` and ``trial_status`` (added, pruned,
+        exchanged, rejected, unstable, selected). Where the record set it, ``threshold``.
+    checked
+        Where the terms were selected, the stability of the final parameters.
     """
 
     terms: tuple[Term, ...]
@@ -45,6 +48,7 @@ class NarxModel:
     covariance: Array | None = None
     trace: xr.Dataset | None = None
     withheld: str = ""
+    checked: Stability | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "terms", tuple(self.terms))
@@ -142,7 +146,38 @@ class NarxModel:
     ) -> Self:
         """Return the same structure with other parameters."""
         values = as_signal(parameters, "parameters")
-        return replace(self, parameters=values, covariance=covariance, withheld=withheld)
+        return replace(
+            self, parameters=values, covariance=covariance, withheld=withheld, checked=None
+        )
+
+    def stability(self, u: ArrayLike | None = None, y: ArrayLike | None = None) -> Stability:
+        """Try the model on inputs like those of a record.
+
+        Poles at rest over the whole input range, holds at twenty levels, a hundred long random
+        inputs with the values and the spectrum of the record's, and twenty phase-randomised ones.
+
+        Parameters
+        ----------
+        u, y
+            The record in physical units, shape (samples,). By default that of the selection, whose
+            report the model holds.
+
+        Raises
+        ------
+        InputError
+            Without a record, if the model does not come from a selection.
+        """
+        if u is None or y is None:
+            if self.checked is None:
+                raise InputError(
+                    "the model was not selected from a record",
+                    field="u, y",
+                    remedy="Give the input and output of a record that it is meant for.",
+                )
+            return self.checked
+        inputs, outputs = as_record(u, y, self.max_lag)
+        segment = self.scaling.normalise_input(inputs), self.scaling.normalise_output(outputs)
+        return assess(self.terms, self.parameters, self.scaling, Trials([segment]))
 
     def to_dataset(self, u_units: str = "1", y_units: str = "1") -> xr.Dataset:
         """Return the model and its trace as labelled data, as ``model.nc`` holds them."""
@@ -168,12 +203,16 @@ class NarxModel:
             dataset["covariance"] = (("term", "term_2"), self.covariance, label)
             label = _plain("standard error of the parameter")
             dataset["standard_error"] = ("term", self.standard_errors, label)
+        if self.checked is not None:
+            report = self.checked.to_dataset(u_units, y_units)
+            dataset = dataset.merge(report).assign_attrs(report.attrs)
         return dataset if self.trace is None else dataset.merge(self.trace)
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> "NarxModel":
         """Return the model that :meth:`to_dataset` described."""
         trace = [name for name, variable in dataset.items() if variable.dims == ("trial",)]
+        trace += ["threshold"] if "threshold" in dataset else []
         return NarxModel(
             tuple(map(Term.parse, dataset["term"].values.tolist())),
             dataset["parameter"].values,
@@ -181,6 +220,7 @@ class NarxModel:
             dataset["covariance"].values if "covariance" in dataset else None,
             dataset[trace].drop_attrs(deep=False) if trace else None,
             dataset.attrs.get("withheld", ""),
+            Stability.from_dataset(dataset) if "rest_pole" in dataset else None,
         )
 
     def save(self, path: str | Path, *, u_units: str = "1", y_units: str = "1") -> None:

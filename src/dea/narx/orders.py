@@ -50,7 +50,7 @@ def compare_orders(
     y_units
         Units of the output, for those of the final prediction error.
     selection
-        Further arguments of :func:`dea.narx.select_terms`.
+        Further arguments of :func:`dea.narx.select_terms`, ``search`` for instance.
 
     Returns
     -------

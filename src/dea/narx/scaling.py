@@ -37,6 +37,10 @@ class Scaling:
         """Return the output in the units of the equation."""
         return (y - self.y_offset) / self.y_scale
 
+    def restore_input(self, u: Array) -> Array:
+        """Return the equation's input in physical units."""
+        return u * self.u_scale + self.u_offset
+
     def restore_output(self, y: Array) -> Array:
         """Return the equation's output in physical units."""
         return y * self.y_scale + self.y_offset

@@ -1,12 +1,14 @@
-"""Term selection by simulated error reduction."""
+"""Selection of the terms of NARX models."""
 
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Sequence
 
 import numpy as np
 
 from dea.errors import InputError
-from dea.narx.candidate_models import CandidateModels, Subset
+from dea.narx.candidate_models import CandidateModels, Segment
 from dea.narx.candidate_terms import candidate_terms
+from dea.narx.descent import Descent
 from dea.narx.estimation import (
     Signals,
     as_segments,
@@ -15,12 +17,14 @@ from dea.narx.estimation import (
     reason_to_withhold,
     scaling_of,
 )
-from dea.narx.exchange import Exchange
+from dea.narx.forward import forward_and_prune
 from dea.narx.model import NarxModel
-from dea.narx.refinement import fit_free_runs
+from dea.narx.refined_search import FoundModel, every_run_diverges, find
 from dea.narx.scaling import Scaling
-from dea.narx.trace import Trace, Tried, gain
-from dea.terms import max_lag
+from dea.narx.search import Forward, Orthogonal, Refined, Search
+from dea.narx.stability import Trials, UnstableModel, assess
+from dea.narx.trace import Trace
+from dea.terms import Term, max_lag
 
 
 def select_terms(
@@ -31,21 +35,16 @@ def select_terms(
     u_lags: int | Sequence[int] = 3,
     degree: int = 3,
     even_in_input: bool = False,
-    add_threshold: float = 1e-5,
-    prune_threshold: float = 1e-5,
-    refine: bool = True,
-    rounds: int = 50,
-    max_terms: int | None = None,
+    search: Search | None = None,
     scaling: Scaling | None = None,
 ) -> NarxModel:
     """Select the terms of a NARX model by how well it simulates.
 
-    Starts from the linear basis and adds, one at a time, the term with the *largest* simulated
-    error reduction ratio SERR (5)-(9), then removes terms by the same ratio. Every candidate model
-    is re-estimated by least squares (4) and simulated freely over the whole record; an unstable one
-    has an infinite error. With ``refine``, the structure is then improved by adding, dropping and
-    exchanging terms while their parameters minimise the simulated error itself; models that leave
-    the measured range by far on the time-reversed inputs of the records are rejected.
+    Starts from what forward regression with orthogonal least squares proposes, then adds, drops
+    and exchanges terms while their parameters minimise the simulated error itself, as long as a
+    term explains more than a threshold that falls from step to step. It ends where the noise of
+    the record begins, or where the errors on parts left out no longer fall. Structures that are
+    not stable on inputs like the record's are passed over.
 
     Parameters
     ----------
@@ -60,113 +59,130 @@ def select_terms(
         Consider only terms with an even number of inputs, for a system whose response to the
         negated input is the same: measured by a sensor without a sign, or driven by a stress
         proportional to V^2. The input is then scaled about zero.
-    add_threshold
-        SERR below which no term is added; also the cost of a term while refining. SERR is a
-        share of the mean square of the normalised output.
-    prune_threshold
-        Terms are removed while the removal raises the error by less than this, as SERR.
-    refine
-        False gives the forward selection and pruning alone, with least-squares parameters.
-    rounds
-        Largest number of accepted steps of the refining search; 0 refines the parameters alone.
-    max_terms
-        The model has at most this many terms; pruning goes on until it does.
+    search
+        :class:`~dea.narx.Refined` (the default) with its settings;
+        :class:`~dea.narx.Forward`, the paper's; or :class:`~dea.narx.Orthogonal`.
     scaling
         By default mean and half-range of the records; ``Scaling()`` takes them as they are.
 
     Returns
     -------
     NarxModel
-        With covariance, scaling and the trace of all candidate models.
+        With covariance, scaling, the trace of all candidate models, and :meth:`NarxModel.stability`
+        of its final parameters.
+
+    Warns
+    -----
+    UnstableModel
+        If no structure found is stable; :attr:`Stability.status` of the model says so as well.
 
     Raises
     ------
     InputError
-        If the records are not usable or too short, or if no stable model is found.
+        If the records are not usable or too short, or if no model's run on them is bounded.
     """
+    candidates = _candidates(y_lags, u_lags, degree, even_in_input)
+    records = as_segments(u, y, max_lag(candidates), _linear(candidates))
+    scale = scaling_of(records, not even_in_input) if scaling is None else scaling
+    segments, trace = normalised(records, scale), Trace()
+    trials = Trials(segments)
+    if isinstance(search, Forward | Orthogonal):
+        terms = _by_least_squares(candidates, segments, search, trace)
+        theta, covariance = least_squares(terms, segments)
+        withheld = reason_to_withhold(terms, theta, segments)
+        found = FoundModel(terms, theta, covariance, withheld)
+    else:
+        found = find(candidates, [segments], [trials], search or Refined(), trace)[0]
+    return _model(found, scale, trials, trace)
+
+
+def select_common_terms(
+    records: Sequence[tuple[Signals, Signals]],
+    *,
+    y_lags: int | Sequence[int] = 3,
+    u_lags: int | Sequence[int] = 3,
+    degree: int = 3,
+    even_in_input: bool = False,
+    search: Refined | None = None,
+) -> list[NarxModel]:
+    """Select one structure for several systems, each with parameters of its own.
+
+    The search is that of :func:`select_terms`; the error is the mean over the systems of their
+    simulated errors, each as a share of its output's mean square.
+
+    Parameters
+    ----------
+    records
+        Input and output of each system, as for :func:`select_terms`.
+
+    Other parameters are those of :func:`select_terms`.
+
+    Returns
+    -------
+    list of NarxModel
+        One for each system, all with the same terms in the same order.
+    """
+    candidates = _candidates(y_lags, u_lags, degree, even_in_input)
+    if not records:
+        raise InputError("there is none", field="records", remedy="Give one pair per system.")
+    lag, linear = max_lag(candidates), _linear(candidates)
+    checked = [as_segments(u, y, lag, linear) for u, y in records]
+    scales = [scaling_of(each, not even_in_input) for each in checked]
+    systems = [normalised(*each) for each in zip(checked, scales, strict=True)]
+    trace, trials = Trace(), [Trials(segments) for segments in systems]
+    found = find(candidates, systems, trials, search or Refined(), trace)
+    return [
+        _model(each, scale, tried, trace)
+        for each, scale, tried in zip(found, scales, trials, strict=True)
+    ]
+
+
+def _by_least_squares(
+    candidates: tuple[Term, ...],
+    segments: Sequence[Segment],
+    search: Forward | Orthogonal,
+    trace: Trace,
+) -> tuple[Term, ...]:
+    """Return the terms that a search with least-squares parameters finds."""
+    most = len(candidates) if search.max_terms is None else search.max_terms
+    if isinstance(search, Forward):
+        models = CandidateModels(candidates, segments)
+        linear = tuple(j for j, term in enumerate(candidates) if term.degree <= 1)
+        thresholds = search.add_threshold, search.prune_threshold
+        subset = forward_and_prune(models, linear, *thresholds, most, trace)
+        error = models([subset])[0].msse
+    else:
+        steps = Descent(candidates, [segments], trace).orthogonal(most)
+        subset, fit = min(steps, key=lambda step: step.fit.error)
+        error = fit.error
+    if not np.isfinite(error):
+        raise every_run_diverges()
+    return tuple(candidates[j] for j in subset)
+
+
+def _model(fit: FoundModel, scale: Scaling, trials: Trials, trace: Trace) -> NarxModel:
+    checked = assess(fit.terms, fit.parameters, scale, trials)
+    if not checked.stable:
+        warnings.warn(str(checked), UnstableModel, stacklevel=3)
+    return NarxModel(
+        fit.terms,
+        fit.parameters,
+        scale,
+        fit.covariance,
+        trace.to_dataset(),
+        fit.withheld,
+        checked,
+    )
+
+
+def _candidates(
+    y_lags: int | Sequence[int], u_lags: int | Sequence[int], degree: int, even_in_input: bool
+) -> tuple[Term, ...]:
     candidates = candidate_terms(y_lags, u_lags, degree)
     if even_in_input:
-        candidates = tuple(term for term in candidates if len(term.u_lags) % 2 == 0)
-    linear = tuple(j for j, term in enumerate(candidates) if term.degree <= 1)
-    records = as_segments(u, y, max_lag(candidates), len(linear))
-    scale = scaling_of(records, not even_in_input) if scaling is None else scaling
-    segments = normalised(records, scale)
-    models, trace = CandidateModels(candidates, segments), Trace()
-    most = len(candidates) if max_terms is None else max_terms
-    if most < 1:
-        raise InputError(f"it is {most}", field="max_terms", remedy="Allow at least one term.")
-    subset = forward_and_prune(models, linear, add_threshold, prune_threshold, most, trace)
-    theta = models([subset])[0].parameters
-    if refine:
-        exchange = Exchange(candidates, segments, models.power, add_threshold)
-        subset, theta = exchange.search(subset, theta, rounds, most, trace)
-    terms = tuple(candidates[j] for j in subset)
-    if refine:
-        theta, covariance, error = fit_free_runs(terms, theta, segments)
-        withheld = ""
-    else:
-        _, covariance = least_squares(terms, segments)
-        withheld = reason_to_withhold(terms, theta, segments)
-        error = models([subset])[0].msse
-    if not np.isfinite(error):
-        raise InputError(
-            "every model of these terms diverges in free run",
-            field="y_lags, u_lags, degree",
-            remedy="Allow other lags or a lower degree, or use a longer record.",
-        )
-    return NarxModel(terms, theta, scale, covariance, trace.to_dataset(), withheld)
+        return tuple(term for term in candidates if len(term.u_lags) % 2 == 0)
+    return candidates
 
 
-def forward_and_prune(
-    models: CandidateModels,
-    basis: Subset,
-    add_threshold: float,
-    prune_threshold: float,
-    most: int,
-    trace: Trace,
-) -> Subset:
-    """Add the term of largest SERR, then remove the term of least, while that pays."""
-    names = [str(term) for term in models.candidates]
-    error = models([basis])[0].msse
-    # SERR of the basis (9) is its error itself, not a reduction.
-    trace.add("basis", 0, [Tried("linear basis", error, error / models.power)], 0, "added")
-
-    def grow(subset: Subset) -> dict[str, Subset]:
-        free = [j for j in range(len(names)) if j not in subset] if len(subset) < most else []
-        return {names[j]: tuple(sorted((*subset, j))) for j in free}
-
-    def shrink(subset: Subset) -> dict[str, Subset]:
-        removable = subset if len(subset) > 1 else ()
-        return {names[j]: tuple(i for i in subset if i != j) for j in removable}
-
-    grown = _descend(models, basis, grow, lambda _: add_threshold, trace, ("forward", "added"))
-
-    def least_gain(subset: Subset) -> float:
-        return -prune_threshold if len(subset) <= most else -np.inf
-
-    return _descend(models, grown, shrink, least_gain, trace, ("pruning", "pruned"))
-
-
-def _descend(
-    models: CandidateModels,
-    subset: Subset,
-    moves: Callable[[Subset], dict[str, Subset]],
-    least_gain: Callable[[Subset], float],
-    trace: Trace,
-    labels: tuple[str, str],
-) -> Subset:
-    """Take the move of least simulated error while its SERR (5) is at least ``least_gain``."""
-    phase, status = labels
-    error, step = models([subset])[0].msse, 0
-    while options := moves(subset):
-        step += 1
-        errors = [outcome.msse for outcome in models(options.values())]
-        gains = [gain(error, after, models.power) for after in errors]
-        best = int(np.argmin(errors))
-        accepted = gains[best] >= least_gain(subset)
-        tried = [Tried(*each) for each in zip(options, errors, gains, strict=True)]
-        trace.add(phase, step, tried, best if accepted else None, status)
-        if not accepted:
-            break
-        subset, error = list(options.values())[best], errors[best]
-    return subset
+def _linear(candidates: Sequence[Term]) -> int:
+    return sum(term.degree <= 1 for term in candidates)

@@ -38,6 +38,7 @@ class Trace:
 
     def __init__(self) -> None:
         self._rows: list[tuple[str, int, str, float, float, str]] = []
+        self.threshold: float | None = None  # the share of the output that a term was worth
 
     def add(
         self,
@@ -55,9 +56,13 @@ class Trace:
     def to_dataset(self) -> xr.Dataset:
         """Return the candidates with dimension ``trial``, as ``model.nc`` names and holds them."""
         columns = zip(*self._rows, strict=True) if self._rows else [()] * len(_LABELS)
-        return xr.Dataset(
+        dataset = xr.Dataset(
             {
                 f"trial_{name}": ("trial", np.array(column), {"units": "1", "long_name": label})
                 for (name, label), column in zip(_LABELS.items(), columns, strict=True)
             }
         )
+        if self.threshold is not None:
+            label = "share of the output's mean square that a term had to explain"
+            dataset["threshold"] = ((), self.threshold, {"units": "1", "long_name": label})
+        return dataset

@@ -1,6 +1,7 @@
 """What the stages of identification share: the segment of a record that models come from."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -37,5 +38,23 @@ def segment(
 
 def selection_arguments(identification: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings of the section that :func:`dea.select_terms` takes."""
-    names = [name for name in identification if name not in ("start", "length", "resamples")]
-    return {name: identification[name] for name in names}
+    from dea.narx import Forward, Orthogonal, Refined
+
+    names = ("y_lags", "u_lags", "degree", "even_in_input")
+    threshold = identification.get("threshold")
+    search: Forward | Orthogonal | Refined
+    if identification["search"] == "forward":
+        search = Forward() if threshold is None else Forward(threshold, threshold)
+    elif identification["search"] == "orthogonal":
+        search = Orthogonal()
+    else:
+        search = Refined(threshold, identification["rounds"])
+    return {name: identification[name] for name in names} | {"search": search}
+
+
+def as_found(search: Any, model: Any) -> Any:
+    """Return the settings of ``search`` with the threshold that it came to for ``model``."""
+    trace = model.trace
+    if trace is None or "threshold" not in trace:
+        return search
+    return replace(search, threshold=float(trace["threshold"]))

@@ -10,8 +10,8 @@ from dea.stages.command import run
 def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
     """Write ``orders.nc`` of one system."""
     from dea import store
-    from dea.narx import compare_orders
-    from dea.stages.identification import segment, selection_arguments
+    from dea.narx import Forward, compare_orders
+    from dea.stages.identification import segment
 
     identification, choice = settings["identification"], settings["orders"]
     signals = store.signals(store.read_record(record))
@@ -20,9 +20,6 @@ def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
     end = min(end, choice.get("start", end))
     part = segment(signals, start, end - start, record)
     later = segment(signals, choice.get("start", end), choice["length"], record, "orders")
-    selection = selection_arguments(identification)
-    for name in ("y_lags", "u_lags", "degree"):
-        del selection[name]
     dataset = compare_orders(
         signals.u[part],
         signals.y[part],
@@ -32,7 +29,8 @@ def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
         polynomial=choice["polynomial"],
         lags=choice["lags"],
         y_units=signals.y_units,
-        **selection,
+        even_in_input=identification["even_in_input"],
+        search=Forward(choice["threshold"], choice["threshold"]),
     )
     store.write(
         dataset,

@@ -23,7 +23,7 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     from dea import store
     from dea.excitation import design
     from dea.gfrf import score_recovery
-    from dea.narx import Scaling, load_published, select_terms
+    from dea.narx import Forward, Refined, Scaling, load_published, select_terms
     from dea.seeds import generator
     from dea.stages.identification import selection_arguments
 
@@ -33,7 +33,8 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
     # White is the same Gaussian input whose band reaches (almost) half the sampling rate.
     bands = {"coloured": choice["band"], "white": 0.499 * rate}
     excitations = choice["excitation"]
-    searches = {"forward": False, "refined": True}
+    threshold = choice["threshold"]
+    searches = {"forward": Forward(threshold, threshold), "refined": Refined(threshold)}
     shape = (len(plants), len(excitations), len(searches))
     scores = {name: np.empty(shape) for name in _SCORES}
     for i, (name, plant) in enumerate(plants.items()):
@@ -56,13 +57,9 @@ def recover(settings: Mapping[str, Any], models: Path, recovery: Path) -> None:
             noise = generator(settings["seed"], "recover", name, excitation, "noise")
             y += choice["noise"] * y.std() * noise.standard_normal(y.size)
             test = excite("test", choice["band"])
-            threshold = choice["threshold"]
-            arguments = selection_arguments(settings["identification"]) | {
-                "add_threshold": threshold,
-                "prune_threshold": threshold,
-            }
-            for k, refine in enumerate(searches.values()):
-                found = select_terms(u, y, scaling=Scaling(), **arguments | {"refine": refine})
+            arguments = selection_arguments(settings["identification"])
+            for k, search in enumerate(searches.values()):
+                found = select_terms(u, y, scaling=Scaling(), **arguments | {"search": search})
                 result = score_recovery(plant, found, test, rate, choice["band"])
                 for score, value in result.items():
                     scores[score][i, j, k] = value

@@ -12,7 +12,7 @@ def select(settings: Mapping[str, Any], record: Path, model: Path) -> None:
     from dea import store
     from dea.narx import inclusion_frequency, select_terms
     from dea.seeds import generator
-    from dea.stages.identification import segment, selection_arguments
+    from dea.stages.identification import as_found, segment, selection_arguments
 
     identification = settings["identification"]
     signals = store.signals(store.read_record(record))
@@ -28,7 +28,7 @@ def select(settings: Mapping[str, Any], record: Path, model: Path) -> None:
             y,
             rng=generator(settings["seed"], "select", settings["system"]),
             resamples=identification["resamples"],
-            **selection,
+            **selection | {"search": as_found(selection["search"], found)},
         )
         dataset["inclusion_frequency"] = (
             "term",

@@ -120,6 +120,14 @@ CONTRACTS: Mapping[str, Contract] = {
             "standard_error": _plain("term", units="1"),
             "covariance": _plain("term", "term_2", units="1"),
             "inclusion_frequency": _plain("term", units="1"),
+            "rest_input": _plain("level"),
+            "rest_output": _plain("level"),
+            "rest_pole": _plain("level", units="1"),
+            "holds": _plain("count", units="1"),
+            "runs": _plain("count", units="1"),
+            "surrogates": _plain("count", units="1"),
+            "record_samples": _plain(units="1"),
+            "threshold": _plain(units="1"),
             "trial_phase": _plain("trial"),
             "trial_step": _plain("trial"),
             "trial_term": _plain("trial"),
@@ -127,6 +135,15 @@ CONTRACTS: Mapping[str, Contract] = {
             "trial_serr": _plain("trial"),
             "trial_status": _plain("trial"),
         },
+    ),
+    "common_model": Contract(
+        required={
+            "parameter": _plain("system", "term", units="1"),
+            "standard_error": _plain("system", "term", units="1"),
+            "nmse": _plain("structure", "system", units="1"),
+            "terms": _plain("structure", "system", units="1"),
+            "stability": _plain("structure", "system", units="1"),
+        }
     ),
     "validation": Contract(
         required={

@@ -11,9 +11,11 @@ _SCIENTIFIC = re.compile(r"(-?[\d.]+)e([+-]\d+)")
 
 
 def latex(shown: pd.DataFrame) -> str:
-    """Return the LaTeX of a table of text, its first column to the left."""
+    """Return the LaTeX of a table of text, its first column and terms to the left."""
     plain = shown.rename(columns=_latex_text).map(_latex_text)
-    columns = "l" + "r" * (plain.shape[1] - 1)
+    columns = "".join(
+        "l" if place == 0 or name == "term" else "r" for place, name in enumerate(shown.columns)
+    )
     return str(plain.to_latex(index=False, escape=False, column_format=columns))
 
 
@@ -23,7 +25,7 @@ def _latex_text(text: str) -> str:
     if scientific := _SCIENTIFIC.fullmatch(text):
         return rf"${scientific[1]} \times 10^{{{int(scientific[2])}}}$"
     if "±" in text or text.startswith("-"):
-        return "$" + text.replace("±", r"\pm") + "$"
+        return "$" + text.replace("±", r"\pm").replace(" %", r"\,\%") + "$"
     for plain, command in ((DASH, "--"), ("_", r"\_"), ("^2", r"\textsuperscript{2}")):
         text = text.replace(plain, command)
     return text

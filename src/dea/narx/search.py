@@ -1,0 +1,75 @@
+"""How a selection searches: three ways, each with its settings."""
+
+from dataclasses import dataclass
+
+from dea.errors import InputError
+
+
+@dataclass(frozen=True)
+class Refined:
+    """Add, drop and exchange terms while their parameters minimise the simulated error.
+
+    Parameters
+    ----------
+    threshold
+        The share of the output's mean square that a term must explain. By default the record
+        decides: as low as its noise allows, and only as low as parts left out confirm.
+    rounds
+        Largest number of accepted steps.
+    max_terms
+        Largest number of terms.
+    """
+
+    threshold: float | None = None
+    rounds: int = 200
+    max_terms: int | None = None
+
+    def __post_init__(self) -> None:
+        _at_least_one(self.max_terms)
+
+
+@dataclass(frozen=True)
+class Forward:
+    """The paper's forward selection and pruning (5)-(9), with least-squares parameters (4).
+
+    Parameters
+    ----------
+    add_threshold, prune_threshold
+        SERR below which no term is added; rise of the error, as SERR, up to which one is removed.
+    max_terms
+        Largest number of terms; pruning goes on until the model has no more.
+    """
+
+    add_threshold: float = 1e-5
+    prune_threshold: float = 1e-5
+    max_terms: int | None = None
+
+    def __post_init__(self) -> None:
+        _at_least_one(self.max_terms)
+
+
+@dataclass(frozen=True)
+class Orthogonal:
+    """Forward regression with orthogonal least squares (FROLS): a first model in milliseconds.
+
+    Terms are taken in the order of their error reduction ratios; of the models after each step the
+    one with the least simulated error is returned, with least-squares parameters.
+
+    Parameters
+    ----------
+    max_terms
+        Largest number of terms.
+    """
+
+    max_terms: int | None = 25
+
+    def __post_init__(self) -> None:
+        _at_least_one(self.max_terms)
+
+
+Search = Refined | Forward | Orthogonal
+
+
+def _at_least_one(max_terms: int | None) -> None:
+    if max_terms is not None and max_terms < 1:
+        raise InputError(f"it is {max_terms}", field="max_terms", remedy="Allow at least one term.")

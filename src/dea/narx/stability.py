@@ -1,0 +1,241 @@
+"""Whether a model stays bounded on inputs like those it was identified from."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from dea.narx.checks import Array
+from dea.narx.rest import Rests, rests_over
+from dea.narx.scaling import Scaling
+from dea.narx.simulation import simulate
+from dea.narx.surrogates import phase_randomised, same_class
+from dea.terms import Term
+
+LEEWAY = 3.0  # times the largest measured output that a run on inputs of the class may reach
+DIVERGED = 100.0  # times the same, beyond which a hold has diverged
+SLOWEST = 0.2  # share of the record that a pole's time constant may last
+_LEVELS, _HOLDS, _RUNS, _SURROGATES = 41, 20, 100, 20
+_LONGEST = 20_000  # samples of an input that random ones are drawn from
+_SHORTEST = 5_000  # samples of a long run
+
+
+class UnstableModel(UserWarning):
+    """No stable model was found; the one returned is not to be trusted away from its record."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stability:
+    """What was tried on a model, and what became of it.
+
+    Parameters
+    ----------
+    inputs, outputs, poles
+        Constant inputs over the record's range and the rests there in physical units, and the
+        largest modulus of the poles; shape (levels,). Where there is no rest the output is NaN
+        and the modulus infinite.
+    holds, runs, surrogates
+        Bounded runs and runs in all: holds at levels over the range; random inputs with the values
+        and the spectrum of the record's; phase-randomised inputs with its spectrum. Runs on such
+        inputs may reach three times the largest output of the record, holds a hundred times.
+    samples
+        Of the record.
+    """
+
+    inputs: Array
+    outputs: Array
+    poles: Array
+    holds: tuple[int, int]
+    runs: tuple[int, int]
+    surrogates: tuple[int, int]
+    samples: int
+
+    @property
+    def largest_pole(self) -> float:
+        """The largest modulus of a pole at rest over the input range."""
+        return float(self.poles.max())
+
+    @property
+    def slowest(self) -> float:
+        """The longest time constant of a pole at rest, in samples; infinite where unstable."""
+        return time_constant(self.largest_pole)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether every hold and every random run stayed within the limit."""
+        return all(kept == tried for kept, tried in (self.holds, self.runs, self.surrogates))
+
+    @property
+    def status(self) -> str:
+        """``stable``; ``slow`` with a pole slower than a fifth of the record; ``unstable``."""
+        if not self.bounded or self.largest_pole >= 1.0:
+            return "unstable"
+        return "slow" if self.slowest > SLOWEST * self.samples else "stable"
+
+    @property
+    def stable(self) -> bool:
+        """Whether the status is ``stable``."""
+        return self.status == "stable"
+
+    def to_dataset(self, u_units: str, y_units: str) -> xr.Dataset:
+        """Return the report as ``model.nc`` holds it, the status as attribute ``stability``."""
+        variables = {
+            "rest_input": ("level", self.inputs, u_units, "constant input"),
+            "rest_output": ("level", self.outputs, y_units, "output at rest there"),
+            "rest_pole": ("level", self.poles, "1", "largest modulus of the poles there"),
+            "holds": ("count", self.holds, "1", "holds: bounded runs, and all"),
+            "runs": ("count", self.runs, "1", "random inputs: bounded runs, and all"),
+            "surrogates": (
+                "count",
+                self.surrogates,
+                "1",
+                "phase-randomised inputs: bounded runs, and all",
+            ),
+            "record_samples": ((), self.samples, "1", "samples of the record"),
+        }
+        return xr.Dataset(
+            {
+                name: (dims, np.asarray(values), {"units": units, "long_name": label})
+                for name, (dims, values, units, label) in variables.items()
+            },
+            attrs={"stability": self.status},
+        )
+
+    @classmethod
+    def from_dataset(cls, dataset: xr.Dataset) -> "Stability":
+        """Return the report that :meth:`to_dataset` described."""
+
+        def count(name: str) -> tuple[int, int]:
+            bounded, tried = dataset[name].values.tolist()
+            return bounded, tried
+
+        return Stability(
+            dataset["rest_input"].values,
+            dataset["rest_output"].values,
+            dataset["rest_pole"].values,
+            count("holds"),
+            count("runs"),
+            count("surrogates"),
+            int(dataset["record_samples"]),
+        )
+
+    def __str__(self) -> str:
+        """Return the report in one line."""
+        worst = self.inputs[int(np.argmax(self.poles))]
+        counts = (
+            f"{kept} of {tried} {name} bounded"
+            for name, (kept, tried) in (
+                ("holds", self.holds),
+                ("random inputs", self.runs),
+                ("phase-randomised inputs", self.surrogates),
+            )
+        )
+        return (
+            f"{self.status}: largest pole {self.largest_pole:.5f} (at an input of {worst:.4g}, "
+            f"time constant {self.slowest:.4g} samples); {', '.join(counts)}"
+        )
+
+
+def time_constant(modulus: float) -> float:
+    """Return the samples in which a pole of this modulus decays to 1/e."""
+    if modulus >= 1.0:
+        return float("inf")
+    return float(-1.0 / np.log(modulus)) if modulus > 0.0 else 0.0
+
+
+class Trials:
+    """The inputs that models of one record have to stay bounded on, in the units of the equation.
+
+    Parameters
+    ----------
+    segments
+        Normalised inputs and outputs.
+    """
+
+    def __init__(self, segments: Sequence[tuple[Array, Array]]) -> None:
+        u = np.concatenate([u for u, _ in segments])
+        largest = max(float(np.abs(y).max()) for _, y in segments)
+        lowest, highest = float(u.min()), float(u.max())
+        length = max(u.size, _SHORTEST)
+        copies = -(-_SHORTEST // min(u.size, _LONGEST))
+        rng = np.random.default_rng(0)  # every model of a record meets the same inputs
+        self.samples = u.size
+        self.levels = np.linspace(lowest, highest, _LEVELS)
+        self.holds = [np.full(length, level) for level in np.linspace(lowest, highest, _HOLDS)]
+        self.runs = [np.tile(same_class(u[:_LONGEST], rng), copies) for _ in range(_RUNS)]
+        self.surrogates = [
+            np.tile(phase_randomised(u[:_LONGEST], rng), copies) for _ in range(_SURROGATES)
+        ]
+        self._within, self._bound = LEEWAY * largest, DIVERGED * largest
+
+    def rests(self, terms: tuple[Term, ...], parameters: Array) -> Rests:
+        """Return the model's rests over the input range."""
+        return rests_over(terms, parameters, self.levels, self._bound)
+
+    def held(self, terms: tuple[Term, ...], parameters: Array) -> Iterator[bool]:
+        """Say of each hold whether it stays bounded. Gains at rest may exceed those recorded."""
+        return (_bounded(terms, parameters, u, self._bound) for u in self.holds)
+
+    def ran(
+        self, terms: tuple[Term, ...], parameters: Array, inputs: list[Array]
+    ) -> Iterator[bool]:
+        """Say of each input whether the run stays within the range of the record's outputs."""
+        return (_bounded(terms, parameters, u, self._within) for u in inputs)
+
+    def passes(self, terms: tuple[Term, ...], parameters: Array) -> bool:
+        """Whether the model is stable on all of them; ends at the first failure."""
+        slowest = time_constant(float(self.rests(terms, parameters).poles.max()))
+        return (
+            slowest <= SLOWEST * self.samples
+            and all(self.held(terms, parameters))
+            and all(self.ran(terms, parameters, [*self.surrogates, *self.runs]))
+        )
+
+
+def stays_in_range(
+    terms: tuple[Term, ...], parameters: Array, segments: Sequence[tuple[Array, Array]]
+) -> bool:
+    """Whether the model stays in range on the time-reversed inputs of the records.
+
+    These have the same amplitudes and spectrum, so that a model that leaves the range by far on
+    them is bounded on these records only. A search can afford this for every candidate.
+    """
+    return all(
+        _bounded(
+            terms,
+            parameters,
+            np.ascontiguousarray(u[::-1]),
+            LEEWAY * float(np.abs(y).max()),
+            y[::-1],
+        )
+        for u, y in segments
+    )
+
+
+def _bounded(
+    terms: tuple[Term, ...],
+    parameters: Array,
+    u: Array,
+    bound: float,
+    y_initial: Array | None = None,
+) -> bool:
+    initial = np.zeros(u.size) if y_initial is None else y_initial
+    return bool(np.isfinite(simulate(terms, parameters, u, initial, bound=bound)[-1]))
+
+
+def assess(
+    terms: tuple[Term, ...], parameters: Array, scaling: Scaling, trials: Trials
+) -> Stability:
+    """Return what becomes of a model in all ``trials``."""
+    rests = trials.rests(terms, parameters)
+
+    return Stability(
+        scaling.restore_input(rests.inputs),
+        scaling.restore_output(rests.outputs),
+        rests.poles,
+        (sum(trials.held(terms, parameters)), len(trials.holds)),
+        (sum(trials.ran(terms, parameters, trials.runs)), len(trials.runs)),
+        (sum(trials.ran(terms, parameters, trials.surrogates)), len(trials.surrogates)),
+        trials.samples,
+    )

@@ -1,0 +1,58 @@
+"""Select one structure for all actuators and say what it costs each in error."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea.stages.command import run
+
+
+def select_common(
+    settings: Mapping[str, Any], records: list[Path], models: list[Path], common: Path
+) -> None:
+    """Write ``common_model.nc`` from the record and the own model of every actuator."""
+    import numpy as np
+
+    from dea import store
+    from dea.narx import NarxModel, Refined, compare_structures, select_common_terms
+    from dea.stages.identification import segment, selection_arguments
+
+    identification, orders = settings["identification"], settings["orders"]
+    signals = [store.signals(store.read_record(record)) for record in records]
+    own = [NarxModel.load(model) for model in models]
+    start, length = identification["start"], identification["length"]
+    pieces = []
+    for each, record in zip(signals, records, strict=True):
+        chosen = segment(each, start, length, record)
+        later = segment(each, start + length, orders["length"], record, "orders")
+        pieces.append([(each.u[part], each.y[part]) for part in (chosen, later)])
+    selection = selection_arguments(identification)
+    if not isinstance(selection["search"], Refined) or selection["search"].threshold is None:
+        reached = [
+            float(model.trace["threshold"])
+            for model in own
+            if model.trace is not None and "threshold" in model.trace
+        ]
+        selection["search"] = Refined(float(np.median(reached)) if reached else None)
+    found = select_common_terms([identify for identify, _ in pieces], **selection)
+    dataset = compare_structures(
+        {record.parent.name: model for record, model in zip(records, found, strict=True)},
+        own,
+        [test for _, test in pieces],
+    )
+    store.write(
+        dataset,
+        common,
+        title="One structure for all actuators",
+        inputs={
+            f"{kind}_{file.parent.name}": file
+            for kind, files in (("record", records), ("model", models))
+            for file in files
+        },
+        settings=settings,
+        seed=settings["seed"],
+    )
+
+
+if __name__ == "__main__":
+    run(select_common, inputs=("records*", "models*"), outputs=("common",))

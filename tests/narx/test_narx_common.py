@@ -1,0 +1,52 @@
+"""One structure for several systems, each with its own parameters."""
+
+import numpy as np
+import pytest
+
+from dea.errors import InputError
+from dea.narx import NarxModel, Refined, nmse, select_common_terms, select_terms
+
+ONE = {"y(t-1)": 0.6, "u(t-1)": 0.4, "u(t-1)^2": 0.2}
+OTHER = {"y(t-1)": 0.8, "u(t-1)": 0.1, "u(t-1)^2": -0.15}
+
+
+def record(terms, seed, noise=0.01):
+    rng = np.random.default_rng(seed)
+    u = rng.uniform(-1, 1, 800)
+    y = NarxModel.from_terms(terms).simulate(u)
+    return 5.0 + 2.0 * u, 0.3 * (y + noise * y.std() * rng.standard_normal(u.size))
+
+
+def test_systems_of_one_structure_share_it_and_keep_their_parameters():
+    records = [record(ONE, 0), record(OTHER, 1)]
+    found = select_common_terms(records, y_lags=2, u_lags=2, degree=2)
+    assert found[0].terms == found[1].terms
+    # Scaling moves the offsets of the signals into a constant.
+    assert {str(term) for term in found[0].terms} - {"1"} == set(ONE)
+    at = [str(term) for term in found[0].terms].index("y(t-1)")
+    for model, terms in zip(found, (ONE, OTHER), strict=True):
+        error = model.standard_errors[at]
+        assert model.parameters[at] == pytest.approx(terms["y(t-1)"], abs=5 * error)
+        assert model.stability().stable
+
+
+def test_a_term_that_only_one_system_needs_is_in_the_common_structure():
+    records = [record(ONE, 0), record(ONE | {"y(t-1)u(t-2)": 0.2}, 1)]
+    found = select_common_terms(records, y_lags=2, u_lags=2, degree=2)
+    own = select_terms(*records[0], y_lags=2, u_lags=2, degree=2)
+    assert "y(t-1)u(t-2)" in map(str, found[0].terms)
+    assert "y(t-1)u(t-2)" not in map(str, own.terms)
+    u, y = records[0]
+    assert nmse(y, found[0].simulate(u, y)) <= 1.05 * nmse(y, own.simulate(u, y))
+
+
+def test_one_system_alone_has_the_model_of_its_own_selection():
+    u, y = record(ONE, 0)
+    settings = {"y_lags": 2, "u_lags": 2, "degree": 2, "search": Refined(1e-4)}
+    (common,), own = select_common_terms([(u, y)], **settings), select_terms(u, y, **settings)
+    assert str(common) == str(own)
+
+
+def test_no_record_is_refused():
+    with pytest.raises(InputError, match="records"):
+        select_common_terms([])

@@ -1,0 +1,119 @@
+import numpy as np
+import pytest
+
+from dea.errors import InputError
+from dea.gfrf import zero_input_response
+from dea.narx import NarxModel, Scaling, UnstableModel, select_terms
+from dea.narx.rest import rests_over
+from dea.narx.stability import Trials
+from dea.narx.surrogates import phase_randomised, same_class
+
+# At rest y = 0.5 y + 0.3 u + 0.2 u^2: poles at 0.5 whatever the input.
+CALM = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.3, "u(t-1)^2": 0.2})
+# Its pole is 0.8 + 0.3 u: beyond 1 for an input above 2/3.
+RUNAWAY = NarxModel.from_terms({"y(t-1)": 0.8, "y(t-1)u(t-1)": 0.3, "u(t-1)": 0.1})
+SLOW = NarxModel.from_terms({"y(t-1)": 0.9995, "u(t-1)": 0.01})
+
+
+def inputs(samples=2000, seed=0):
+    noise = np.random.default_rng(seed).standard_normal(samples + 60)
+    smooth = np.convolve(noise, np.hanning(60), "valid")[:samples]
+    return smooth / np.abs(smooth).max()
+
+
+@pytest.mark.parametrize(
+    ("model", "status"), [(CALM, "stable"), (RUNAWAY, "unstable"), (SLOW, "slow")]
+)
+def test_the_status_tells_stable_slow_and_unstable_models_apart(model, status):
+    u = inputs()
+    report = model.stability(u, CALM.simulate(u))
+    assert report.status == status
+    assert report.stable == (status == "stable")
+    assert str(report).startswith(status)
+
+
+def test_poles_are_those_of_the_equation_over_the_whole_input_range():
+    u = inputs()
+    report = RUNAWAY.stability(u, CALM.simulate(u))
+    assert report.inputs[[0, -1]] == pytest.approx([u.min(), u.max()])
+    np.testing.assert_allclose(report.poles, np.abs(0.8 + 0.3 * report.inputs), rtol=1e-12)
+    np.testing.assert_allclose(
+        report.outputs, 0.1 * report.inputs / (0.2 - 0.3 * report.inputs), rtol=1e-9
+    )
+    assert report.holds == (int(np.sum(np.linspace(u.min(), u.max(), 20) < 2 / 3)), 20)
+    assert (report.runs[1], report.surrogates[1]) == (100, 20)
+
+
+def test_rests_are_those_that_the_frequency_responses_are_taken_around():
+    model = NarxModel.from_terms(
+        {"1": 0.02, "y(t-1)": 1.1, "y(t-2)": -0.3, "u(t-1)": 0.1, "y(t-1)u(t-1)^2": 0.05,
+         "y(t-2)^3": -0.1}
+    )  # fmt: skip
+    levels = np.linspace(-1, 1, 9)
+    found = rests_over(model.terms, model.parameters, levels)
+    settled = [model.simulate(np.full(5000, level))[-1] for level in levels]
+    np.testing.assert_allclose(found.outputs, settled, atol=1e-9)
+    assert found.outputs[4] == pytest.approx(float(zero_input_response(model)))
+
+
+def test_a_model_without_a_rest_is_unstable_there():
+    model = NarxModel.from_terms({"1": 1.0, "y(t-1)": 1.0, "y(t-1)^2": 1.0, "u(t-1)": 0.1})
+    found = rests_over(model.terms, model.parameters, np.array([-1.0, 0.0, 1.0]))
+    assert np.isnan(found.outputs).all()
+    assert np.isposinf(found.poles).all()
+
+
+def test_random_inputs_have_the_values_and_nearly_the_spectrum_of_the_record():
+    u = np.sign(inputs())
+    rng = np.random.default_rng(1)
+    same, other = same_class(u, rng), phase_randomised(u, rng)
+    np.testing.assert_array_equal(np.sort(same), np.sort(u))
+    assert not np.array_equal(same, u)
+    assert other.min() >= u.min()
+    assert other.max() <= u.max()
+
+    def share_below(signal, line):
+        power = np.abs(np.fft.rfft(signal - signal.mean())) ** 2
+        return power[:line].sum() / power.sum()
+
+    for surrogate in (same, other):
+        assert share_below(surrogate, 60) == pytest.approx(share_below(u, 60), abs=0.1)
+
+
+def test_phase_randomised_inputs_within_the_range_keep_the_spectrum_exactly():
+    u = inputs(1001)
+    wide = np.concatenate([u, [-9.0, 9.0]])  # so that nothing is cut off
+    found = phase_randomised(wide, np.random.default_rng(0))
+    np.testing.assert_allclose(np.abs(np.fft.rfft(found)), np.abs(np.fft.rfft(wide)), atol=1e-9)
+
+
+def test_trials_of_one_record_are_the_same_each_time():
+    u = inputs(500)
+    one, other = Trials([(u, u)]), Trials([(u, u)])
+    for first, second in zip(one.runs + one.surrogates, other.runs + other.surrogates, strict=True):
+        np.testing.assert_array_equal(first, second)
+
+
+def test_a_selected_model_reports_its_final_parameters_and_keeps_the_report(tmp_path):
+    u = inputs()
+    y = CALM.simulate(u) + 1e-3 * np.random.default_rng(2).standard_normal(u.size)
+    found = select_terms(u, y, y_lags=2, u_lags=2, degree=2)
+    report = found.stability()
+    assert report.stable
+    again = found.stability(u, y)
+    np.testing.assert_array_equal(report.poles, again.poles)
+    found.save(tmp_path / "model.nc")
+    assert str(NarxModel.load(tmp_path / "model.nc").stability()) == str(report)
+    with pytest.raises(InputError, match="not selected from a record"):
+        found.with_parameters(found.parameters).stability()
+
+
+def test_a_plant_without_a_stable_model_is_returned_with_a_warning():
+    """An integrator: its pole is one, and without it nothing explains the output."""
+    plant = NarxModel.from_terms({"y(t-1)": 1.0, "u(t-1)": 0.01})
+    u = np.random.default_rng(3).uniform(-1, 1, 800)
+    y = plant.simulate(u)
+    settings = {"y_lags": [1], "u_lags": [1], "degree": 1, "scaling": Scaling()}
+    with pytest.warns(UnstableModel, match=r"unstable|slow"):
+        found = select_terms(u, y, **settings)
+    assert found.stability().status in ("unstable", "slow")
