@@ -42,6 +42,8 @@ def main() -> int:
         )
         if row.detail is not None:
             print(f"    {row.detail}")
+        if row.lost:
+            print(f"    lost: the peer's error is lower on {', '.join(row.lost)}")
     RESULT.parent.mkdir(exist_ok=True)
     machine = {"cores": os.cpu_count(), "machine": platform.machine()}
     stored = {"machine": machine, "rows": [row.leaves() for row in rows]}

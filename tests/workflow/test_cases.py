@@ -11,6 +11,7 @@ from conftest import ROOT
 from dea import store
 from dea.errors import InputError
 from dea.narx import rmse, select_terms
+from dea.stages.identification import selection_arguments
 from dea.stages.select import select
 from measured_records import DATA, needs_records
 
@@ -151,6 +152,5 @@ def identified(case):
     settings = config["identification"] | case["identification"]
     u, y = signals(case["record"])
     samples = round(settings.pop("length") / case["record"]["sampling_interval"])
-    start, _ = settings.pop("start"), settings.pop("resamples")
-    assert start == 0
-    return select_terms(u[:samples], y[:samples], **settings)
+    assert settings["start"] == 0
+    return select_terms(u[:samples], y[:samples], **selection_arguments(settings))
