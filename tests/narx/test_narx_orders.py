@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from dea import store
-from dea.narx import NarxModel, nmse
+from dea.narx import NarxModel, Refined, nmse
 from dea.narx.inclusion import inclusion_frequency
 from dea.narx.orders import compare_orders, linear_model
 
@@ -44,7 +44,7 @@ def test_sure_terms_are_always_found_and_foreign_ones_are_not():
     plant = NarxModel.from_terms({"y(t-1)": 0.6, "u(t-1)": 0.4, "y(t-1)u(t-1)^2": 0.3})
     u, y = response(plant, 1000, 0)
     foreign = NarxModel.from_terms({"u(t-2)^3": 1.0, "y(t-2)": 1.0}).terms
-    settings = {"y_lags": 2, "u_lags": 2, "scaling": plant.scaling}
+    settings = {"y_lags": 2, "u_lags": 2, "scaling": plant.scaling, "search": Refined(1e-5)}
     found, again = (
         inclusion_frequency(
             plant.terms + foreign, u, y, rng=np.random.default_rng(5), resamples=6, **settings

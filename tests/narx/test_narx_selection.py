@@ -209,8 +209,8 @@ def test_the_trace_names_the_model_selected_among_all_tried():
     scaled = found.scaling.normalise_output(y), found.scaling.normalise_output(found.simulate(u, y))
     assert last.trial_msse == pytest.approx(np.mean((scaled[0] - scaled[1]) ** 2), rel=0.01)
     assert 0.0 < float(found.trace["threshold"]) < 1e-2
-    assert list(trace.trial_phase)[0] == "orthogonal"
-    assert list(trace.trial_phase)[-1] == "final"
+    assert trace.trial_phase.iloc[0] == "orthogonal"
+    assert trace.trial_phase.iloc[-1] == "final"
 
 
 def test_refining_passes_over_models_that_only_their_own_record_keeps_bounded():
