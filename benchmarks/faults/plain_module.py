@@ -124,9 +124,10 @@ class PlainModule:
         for writer in self._writers:
             writer.close()
 
-    def volts_of_tag(self, displacement: int) -> list[float]:
-        """Return the outputs that a displacement of the record may belong to."""
-        return [a.volts for a in self.trace.applied if a.displacement == displacement]
+    def forget(self) -> None:
+        """Begin the trace anew."""
+        self.trace.applied.clear()
+        self._remember(self._counts)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self._writers.add(writer)

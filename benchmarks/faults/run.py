@@ -75,6 +75,9 @@ async def run(
             "printed": str(folder / "printed"), "stuck_terminal": schedule.stuck_terminal,
             "as_command": schedule.as_command,
         }  # fmt: skip
+        if device is not None and schedule.safety:
+            await _commission(folder, launcher, request, port)
+            device.forget()
         client.began = time.monotonic()
         client.process, ended = await launcher.launch(**request)
         longest = schedule.duration + sum(f.length for f in (*schedule.link, *schedule.host))
@@ -144,6 +147,17 @@ def _last_fault(schedule: Schedule, proxy: FaultProxy) -> float:
         return 0.0
     held = sum(fault.length for fault in schedule.link if fault.kind == "hold")
     return proxy.origin + max((fault.end for fault in schedule.link), default=0.0) + held
+
+
+async def _commission(folder: Path, launcher: Launcher, request: dict[str, Any], port: int) -> None:
+    """Commission the module, past the proxy: its safety model asks for that before a drive."""
+    description = request["arguments"][2]
+    arguments = ["commission", "--device", description, "--host", "127.0.0.1", "--port", str(port),
+                 "--arm", "campaign"]  # fmt: skip
+    printed = str(folder / "commission_printed")
+    request = request | {"arguments": arguments, "printed": printed, "stuck_terminal": False}
+    _, ended = await launcher.launch(**request)
+    await ended
 
 
 async def _again(folder: Path, launcher: Launcher, request: dict[str, Any]) -> int:
