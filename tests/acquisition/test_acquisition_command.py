@@ -100,7 +100,7 @@ def test_a_broken_acquisition_is_rescued_with_its_flags(serve_bench, tmp_path, c
 
 def samples(size):
     steps = np.arange(size)
-    return Samples(steps, steps, steps, steps * 10, steps * 20, steps * 0)
+    return Samples(steps, steps, steps, steps * 10, steps * 20, steps * 0, steps, steps)
 
 
 def test_the_monitor_shows_rate_round_trips_and_errors():

@@ -82,8 +82,8 @@ def partial(tmp_path):
 
 def test_a_whole_record(module, partial):
     record = drive(module, partial).record
-    driven = (record.quality & Quality.LOST) == 0  # on a busy machine a few may be late
-    assert driven.sum() > 50
+    driven = record.quality == Quality.GOOD  # on a busy machine a few may be late
+    assert driven.sum() > 30
     assert np.allclose(record.voltage[driven], 3.0, atol=1e-3)
     assert_at_zero_and_stays(module, 0.2)
     assert_ramped(module)

@@ -14,7 +14,9 @@ from dea.errors import InputError
 
 def block(start, size):
     steps = np.arange(start, start + size)
-    return Samples(steps, steps + 7, steps % 5, steps % 3, steps * 11, steps * 0)
+    return Samples(
+        steps, steps + 7, steps % 5, steps % 3, steps * 11, steps * 0, steps / 7, steps / 3
+    )
 
 
 def write(path, sizes):
@@ -135,7 +137,7 @@ def test_a_killed_host_leaves_what_it_had_synced(tmp_path):
         "from dea.acquisition.partial import PartialFile; from dea.acquisition import Samples\n"
         "file = PartialFile(Path(sys.argv[1]), {})\n"
         "for n in range(10**6):\n"
-        "    file.samples(Samples(*[np.array([n])] * 6)); time.sleep(0.001)\n"
+        "    file.samples(Samples(*[np.array([n])] * 8)); time.sleep(0.001)\n"
     )
     with subprocess.Popen([sys.executable, "-c", program, str(path)]) as host:
         deadline = time.monotonic() + 20

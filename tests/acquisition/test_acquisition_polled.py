@@ -112,7 +112,7 @@ LARGEST_STEP = 100
 
 def test_the_sample_behind_its_deadline_is_flagged_and_no_other(clock):
     module = Module(clock, holds={9: 0.03})  # which makes sample 10 late by half a period
-    (_, _, requested, _, _, quality), failure = driven(module, COUNTS)
+    (_, _, requested, _, _, quality, *_), failure = driven(module, COUNTS)
     assert failure is None
     assert np.flatnonzero(quality).tolist() == [10]
     assert quality[10] == Quality.LATE
@@ -121,7 +121,7 @@ def test_the_sample_behind_its_deadline_is_flagged_and_no_other(clock):
 
 def test_samples_whose_time_has_passed_are_left_out_and_never_sent_in_a_burst(clock):
     module = Module(clock, holds={9: 0.15})
-    (position, index, requested, _, _, quality), failure = driven(module, COUNTS)
+    (position, index, requested, _, _, quality, *_), failure = driven(module, COUNTS)
     assert failure is None
     lost = np.flatnonzero(quality & Quality.LOST)
     assert lost.tolist() == list(range(10, 16))
@@ -138,7 +138,7 @@ def test_samples_whose_time_has_passed_are_left_out_and_never_sent_in_a_burst(cl
 
 def test_a_device_that_counts_its_samples_gets_them_all_and_later(clock):
     module = Module(clock, holds={9: 0.15}, index=True)
-    (position, index, *_, quality), failure = driven(module, COUNTS)
+    (position, index, _, _, _, quality, *_), failure = driven(module, COUNTS)
     assert failure is None
     assert np.array_equal(position, np.arange(COUNTS.size))
     assert np.array_equal(np.diff(index), np.ones(COUNTS.size - 1))
@@ -164,7 +164,16 @@ def test_what_was_measured_before_a_failure_is_kept(clock):
 def test_a_read_back_that_is_not_what_was_asked_for_ends_the_record(clock, reads):
     samples, failure = driven(Module(clock, reads=reads), COUNTS)
     assert isinstance(failure, ReadBackError)
-    wrong = np.flatnonzero(samples[-1] == Quality.CLAMPED)
+    wrong = np.flatnonzero(samples[5] == Quality.CLAMPED)
     asked = samples[2] * 10 / 65535
     assert wrong.tolist() == [samples[0].size - 2, samples[0].size - 1]
     assert 0.2 < asked[wrong[0]] < 0.25  # V, beyond 5 % of the span of the limits
+
+
+def test_every_sample_has_the_times_of_its_write_and_its_reading(clock):
+    module = Module(clock, holds={9: 0.012})
+    module.log.started = 0.0
+    samples, _ = driven(module, COUNTS)
+    write_time, read_time = samples[6], samples[7]
+    assert write_time == pytest.approx(PERIOD * (1 + np.arange(COUNTS.size)))
+    assert read_time[9] - write_time[9] == pytest.approx(0.012)

@@ -21,7 +21,8 @@ def device(**registers):
 def samples(quality):
     steps = np.arange(len(quality))
     return Samples(
-        steps, 100 + steps, 1000 + steps, 2000 + steps, 300 + steps, np.array(quality)
+        steps, 100 + steps, 1000 + steps, 2000 + steps, 300 + steps, np.array(quality),
+        steps / 50, steps / 50 + 0.001,
     )  # fmt: skip
 
 
@@ -47,15 +48,18 @@ def test_lost_samples_have_no_value_and_keep_their_flag():
     assert np.isnan(record.voltage.values).tolist() == [False, True, False]
     assert np.isnan(record.displacement.values).tolist() == [False, True, False]
     assert record.quality.values.tolist() == [0, 2, 4]
-    assert record.quality.attrs["flag_meanings"] == "held lost late undriven clamped"
-    assert record.quality.attrs["flag_masks"].tolist() == [1, 2, 4, 8, 16]
+    assert (
+        record.quality.attrs["flag_meanings"]
+        == "held lost late undriven clamped stuck saturated clock"
+    )
+    assert record.quality.attrs["flag_masks"].tolist() == [2**bit for bit in range(8)]
 
 
 def test_the_link_counts_every_exchange_once():
     log = LinkLog(reconnects=2, retries=[0, 1, 0], samples=[0, 55, 55], jitter=[0.1])
     log.send_time, log.receive_time = [0.0, 1.0, 2.0], [0.001, 1.002, 2.5]
     log.errors.update({"no reply": 3, "checksum": 1})
-    link = link_dataset(log)
+    link = link_dataset(log, samples([0] * 3))
     assert int(link.round_trip_count.sum()) == 3
     for trip in (0.001, 0.002, 0.5):
         inside = (link.round_trip_low <= trip) & (trip < link.round_trip_high)
@@ -66,5 +70,5 @@ def test_the_link_counts_every_exchange_once():
 
 
 def test_an_acquisition_without_errors_is_a_dataset_too():
-    link = link_dataset(LinkLog())
+    link = link_dataset(LinkLog(), samples([0] * 3))
     assert link.sizes["exchange"] == link.sizes["kind"] == 0

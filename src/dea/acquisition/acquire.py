@@ -10,8 +10,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from dea.acquisition.device_clock import flag_clock
 from dea.acquisition.guardian import Job
 from dea.acquisition.interrupts import Interruption
+from dea.acquisition.latch import latch_file, refuse_latched
 from dea.acquisition.partial import PartialFile, set_aside
 from dea.acquisition.record import link_dataset, record_dataset
 from dea.acquisition.recorder import Recorder
@@ -75,11 +77,13 @@ def acquire(
     plan = plan_sequence(device, excitation, settings.ramp_rate)
     _refuse_unbuffered(device, settings)
     _refuse_unarmed(device, settings)
+    refuse_latched(device)
     log, broken = LinkLog(), None
     for attempt in range(settings.restarts + 1 if settings.on_break == "restart" else 1):
         # A latch that the device has set meanwhile is not the restart's to clear.
         again = reset and attempt == 0
-        job = Job(device, settings, plan.counts, again, randbits(31) + 1, log.started)
+        token = randbits(31) + 1
+        job = Job(device, settings, plan.counts, again, token, latch_file(device), log.started)
         try:
             samples = _attempt(job, plan, partial, watch, log)
             break
@@ -93,7 +97,9 @@ def acquire(
     else:
         assert broken is not None
         raise broken
-    return Acquisition(record_dataset(device, samples, plan.lead, plan.length), link_dataset(log))
+    samples = flag_clock(device, samples, settings.clock_tolerance)
+    record = record_dataset(device, samples, plan.lead, plan.length)
+    return Acquisition(record, link_dataset(log, samples))
 
 
 def _attempt(job: Job, plan: Plan, partial: Path, watch: Watcher | None, log: LinkLog) -> Samples:

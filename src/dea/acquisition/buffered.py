@@ -13,7 +13,7 @@ import numpy as np
 
 from dea.acquisition.laws import Laws
 from dea.acquisition.panel import Panel
-from dea.acquisition.read_back import ReadBack
+from dea.acquisition.read_back import Echo, ReadBack
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.modbus import block_window, reply_window, to_physical
@@ -97,7 +97,9 @@ def play(panel: Panel, counts: np.ndarray, laws: Laws, *, tolerance: float) -> I
     TripError
         Where the safety model is broken.
     """
-    playback, read_back = _Playback(panel, counts, laws), ReadBack(panel, counts, tolerance)
+    echo = Echo(panel, "applied_output" if "applied_output" in panel else "output", tolerance)
+    playback = _Playback(panel, counts, laws, echo)
+    read_back = ReadBack(panel, counts, tolerance)
     while playback.done < counts.size:
         reply = playback.feed()
         if reply is not None:
@@ -112,10 +114,10 @@ def play(panel: Panel, counts: np.ndarray, laws: Laws, *, tolerance: float) -> I
 class _Playback:
     """The progress of a sequence of counts: sent to the device, and read back as samples."""
 
-    def __init__(self, panel: Panel, counts: np.ndarray, laws: Laws) -> None:
+    def __init__(self, panel: Panel, counts: np.ndarray, laws: Laws, echo: Echo) -> None:
         self.panel, self.counts, self.exchange = panel, counts, BlockExchange(panel)
         self.laws, self._volts = laws, np.append(0.0, to_physical(panel.device["output"], counts))
-        self._position = 0
+        self._position, self.echo = 0, echo
         capacity, period = self.exchange.capacity, 1.0 / panel.device.sampling_rate
         self.high_water = panel.whole("fifo_length") - 2 * capacity
         self.pause = min(capacity * period, panel.number("watchdog_time") / 4) / 2
@@ -164,7 +166,8 @@ class _Playback:
             raise self._broken("the device stands still")
         if reply.origin == PLAYED and reply.applied.size and reply.position != self.done:
             raise self._misplaced()
-        samples = _samples(reply, self.counts)
+        now = time.monotonic() - self.panel.link.log.started
+        samples = _samples(reply, self.counts, self.echo, now)
         self.wanted += reply.applied.size
         if samples is None:
             return None
@@ -208,7 +211,7 @@ class _Playback:
         return BrokenRecordError(reason, self.done, missing.size, lost)
 
 
-def _samples(reply: Reply, counts: np.ndarray) -> Samples | None:
+def _samples(reply: Reply, counts: np.ndarray, echo: Echo, now: float) -> Samples | None:
     """Return the samples of a reply, or None if it holds none that were driven."""
     n = reply.applied.size
     if not n or reply.origin == REST:
@@ -217,7 +220,10 @@ def _samples(reply: Reply, counts: np.ndarray) -> Samples | None:
     played = reply.origin == PLAYED
     position = reply.position + steps if played else np.full(n, max(reply.position - 1, 0))
     flag = Quality.GOOD if played else Quality.HELD if reply.origin == HELD else Quality.UNDRIVEN
+    flags = np.full(n, flag)
+    if played:
+        flags[~echo.right(counts[position], reply.applied)] |= Quality.CLAMPED
     return Samples(
         position, reply.index + steps, counts[position], reply.applied, reply.displacement,
-        np.full(n, flag),
+        flags, np.full(n, np.nan), np.full(n, now),
     )  # fmt: skip

@@ -7,6 +7,7 @@ import numpy as np
 
 from dea.acquisition.duty import Notice, Order, Phase, duty_file, look, order
 from dea.acquisition.guardian import Job
+from dea.acquisition.latch import latch_file
 from dea.acquisition.output import Output
 from dea.acquisition.recorder import Recorder
 from dea.acquisition.retrying_link import Link, LinkLog, LinkSettings
@@ -56,7 +57,10 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
         time.sleep(1.0)
     log = LinkLog()
     nothing = np.zeros(0, np.int64)
-    job = Job(device, settings, nothing, reset=False, token=0, started=log.started)
+    job = Job(
+        device, settings, nothing, reset=False, token=0,
+        latch=latch_file(device), started=log.started,
+    )  # fmt: skip
     with Recorder(job, log, lambda: None) as recorder:
         recorder.await_zero()
     return recorder.evidence

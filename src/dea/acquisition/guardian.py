@@ -11,6 +11,7 @@ import socket
 import time
 from collections import deque
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from dea.acquisition import buffered, polled
 from dea.acquisition.alarm import Alarm
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.acquisition.endpoint_lock import endpoint_lock
-from dea.acquisition.latch import latch, refuse_latched
+from dea.acquisition.latch import latch
 from dea.acquisition.launch import serve_nursery
 from dea.acquisition.laws import TripError
 from dea.acquisition.output import Output, TakenError
@@ -34,6 +35,7 @@ from dea.modbus import Device, to_physical
 
 SERVICE = 5e-3  # s between two looks at the recorder
 ZERO_RETRIES = 3  # of one request on the way to zero
+COUNTERS = ("clamped", "underruns", "overruns", "refused_blocks")
 RETRY = 0.1  # s between two attempts to reach zero
 ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
 # Signals whose default is to end or stop a process, and that ask nothing of this one.
@@ -48,7 +50,8 @@ class Job(NamedTuple):
 
     ``counts`` are played from zero to zero; without any, the output is only taken to zero.
     ``token`` claims the outputs of a device that has owners; 0 is that of the guardian before.
-    ``started`` is the origin of the link's times, s of the monotonic clock.
+    ``latch`` is where a trip is kept. ``started`` is the origin of the link's times, s of the
+    monotonic clock.
     """
 
     device: Device
@@ -56,6 +59,7 @@ class Job(NamedTuple):
     counts: np.ndarray
     reset: bool
     token: int
+    latch: Path
     started: float
 
 
@@ -124,7 +128,6 @@ class Guardian:
         self._refuse_after_a_crash()
         duty.clear_order()
         try:
-            refuse_latched(self.device)
             self.output.take()
         except Exception as error:
             duty.put(Phase.NEVER, 0.0)
@@ -166,12 +169,20 @@ class Guardian:
         while not self._begun:
             self.wire.wait(0.1)
             self._check()
-        total = 0
+        total, before = 0, self._counters()
         for samples in self._driven():
             total += samples.position.size
             self._posted.append((total, time.monotonic()))
             self.wire.post("samples", samples, self.link.log.cut())
             self._check()
+        for name, count in self._counters().items():
+            if count != before[name]:
+                self.link.log.errors[name] += count - before[name]
+
+    def _counters(self) -> dict[str, int]:
+        """Return what the device counts against the record, by the registers' names."""
+        panel = self.output.panel
+        return {name: panel.whole(name) for name in COUNTERS if name in panel}
 
     def _driven(self) -> Iterator[Samples]:
         settings, counts = self.job.settings, self.job.counts
@@ -242,7 +253,7 @@ class Guardian:
                         return
             time.sleep(RETRY)
         if trip is not None:
-            latch(self.device, str(trip))
+            latch(self.job.latch, self.device.name, str(trip))
         self.duty.put(Phase.AT_ZERO, 0.0)
         self.link.on_connect = None
         self.link.close()

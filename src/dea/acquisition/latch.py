@@ -10,11 +10,10 @@ from dea.errors import InputError
 from dea.modbus import Device
 
 
-def latch(device: Device, reason: str) -> None:
-    """Note a trip; nothing is driven on this output until it is acknowledged."""
-    path = _file(device)
+def latch(path: Path, device: str, reason: str) -> None:
+    """Note a trip at :func:`latch_file`; its output is not driven until it is acknowledged."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"device": device.name, "reason": reason, "time": _now()}))
+    path.write_text(json.dumps({"device": device, "reason": reason, "time": _now()}))
 
 
 def refuse_latched(device: Device) -> None:
@@ -25,7 +24,7 @@ def refuse_latched(device: Device) -> None:
     InputError
         Naming the trip.
     """
-    path = _file(device)
+    path = latch_file(device)
     if path.exists():
         trip = json.loads(path.read_text())
         raise InputError(
@@ -38,7 +37,7 @@ def refuse_latched(device: Device) -> None:
 
 def acknowledge(device: Device, person: str) -> str | None:
     """Clear a trip; return its reason, or None where there is none. What was is kept beside it."""
-    path = _file(device)
+    path = latch_file(device)
     if not path.exists():
         return None
     trip = json.loads(path.read_text()) | {"acknowledged_by": person, "acknowledged": _now()}
@@ -48,7 +47,8 @@ def acknowledge(device: Device, person: str) -> str | None:
     return str(trip["reason"])
 
 
-def _file(device: Device) -> Path:
+def latch_file(device: Device) -> Path:
+    """Return where a trip of an output is kept."""
     root = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local/state"
     return Path(root, "dea", f"{duty_file(device).name}.trip")
 

@@ -20,10 +20,12 @@ from dea.acquisition.samples import Samples
 from dea.errors import InputError
 
 LONGEST_SYNC = 60.0  # s
-HEADING = b"dea acquisition 2\n"
+HEADING = b"dea acquisition 3\n"
 MARK = b"\xa5DEA"
 _ENTRY = struct.Struct("<4sII")
-_ROW = np.dtype([(name, "<i8") for name in Samples._fields])
+# Every integer of a register up to 32 bits is exact as a float64.
+_FLOATS = ("applied", "displacement", "write_time", "read_time")
+_ROW = np.dtype([(name, "<f8" if name in _FLOATS else "<i8") for name in Samples._fields])
 _NOTE, _SAMPLES = b"N", b"S"
 
 
@@ -151,7 +153,7 @@ def recover(path: Path) -> Recovered:
     notes = [json.loads(payload[1:]) for payload in payloads if payload[:1] == _NOTE]
     blocks = [np.frombuffer(payload[1:], _ROW) for payload in payloads if payload[:1] == _SAMPLES]
     rows = np.concatenate(blocks) if blocks else np.empty(0, _ROW)
-    samples = Samples(*(rows[name].astype(np.int64) for name in Samples._fields))
+    samples = Samples(*(rows[name].copy() for name in Samples._fields))
     return Recovered(notes, samples, damaged)
 
 

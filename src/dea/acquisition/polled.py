@@ -32,7 +32,7 @@ class Poll:
         wanted = [device[n] for n in names if n in device and (n != echo or self.echo)]
         self.windows = _windows(wanted)
 
-    def __call__(self, count: int, number: int) -> tuple[int, int, int]:
+    def __call__(self, count: int, number: int) -> tuple[int, float, float]:
         """Drive one ``count``; return device index, applied and displacement counts.
 
         Without a device index, the ``number`` of the sample is its index; without a read-back, the
@@ -101,6 +101,7 @@ def drive(
             count = int(counts[number])
             sent = schedule.approach(count) if schedule else count
             flag = Quality.LATE if lateness > late_after or sent != count else Quality.GOOD
+            begun = time.monotonic() - panel.link.log.started
             try:
                 index, applied, displacement = poll(sent, number)
             except (LinkError, DeviceRefusedError) as error:
@@ -118,7 +119,8 @@ def drive(
                 laws.check(volts, volts)
             if echo and not echo(sent, applied):
                 flag |= Quality.CLAMPED
-            rows.add(number, index, count, applied, displacement, flag)
+            ended = time.monotonic() - panel.link.log.started
+            rows.add(number, index, count, applied, displacement, flag, begun, ended)
             number, expected = number + 1, index + 1
             yield from rows.due()
     except DeviceError:
@@ -185,17 +187,18 @@ class _Rows:
     """Samples until they are handed on together."""
 
     def __init__(self) -> None:
-        self._rows: list[tuple[int, int, int, int, int, int]] = []
+        self._rows: list[tuple[float, ...]] = []
         self._handed_on = time.monotonic()
 
-    def add(self, *row: int) -> None:
+    def add(self, *row: float) -> None:
         """Add a sample, its columns in the order of :class:`Samples`."""
-        self._rows.append(row)  # type: ignore[arg-type]
+        self._rows.append(row)
 
     def leave_out(self, number: int, counts: np.ndarray) -> None:
         """Add samples that are not driven, from ``number`` on."""
         for place, count in enumerate(counts.tolist(), start=number):
-            self.add(place, place, count, 0, 0, Quality.LATE | Quality.LOST)
+            flag = Quality.LATE | Quality.LOST
+            self.add(place, place, count, 0, 0, flag, np.nan, np.nan)
 
     def due(self) -> Iterator[Samples]:
         """Yield the samples if the last ones were yielded long enough ago."""
@@ -207,7 +210,8 @@ class _Rows:
         """Yield the samples."""
         rows, self._rows = self._rows, []
         if rows:
-            yield Samples(*np.array(rows, np.int64).T)
+            # Each column by itself: whole numbers stay whole.
+            yield Samples(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
 def _broken(

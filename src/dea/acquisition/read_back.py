@@ -89,7 +89,7 @@ class ReadBack:
 
 
 class Echo:
-    """Compares the read-back of every polled sample with what was asked for around it.
+    """Compares the read-back of every sample with what was asked for, polled around it.
 
     Parameters
     ----------
@@ -109,6 +109,11 @@ class Echo:
         self.tolerance = max(tolerance * (high - low), self.register.tolerance)
         self._asked: deque[float] = deque(maxlen=LAG + 1)
         self._wrong = 0
+
+    def right(self, counts: np.ndarray, applied: np.ndarray) -> np.ndarray:
+        """Return, sample by sample, whether what was applied is what was asked for; all raw."""
+        asked, found = to_physical(self.output, counts), to_physical(self.register, applied)
+        return np.asarray(np.abs(found - asked) <= self.tolerance)
 
     def __call__(self, count: int, applied: float) -> bool:
         """Return whether the raw read-back of one sample is right.

@@ -4,9 +4,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from dea.acquisition.device_clock import fitted_rate
 from dea.acquisition.retrying_link import LinkLog
 from dea.acquisition.samples import Quality, Samples
-from dea.modbus import Device, to_physical
+from dea.acquisition.sensor_flags import flag_sensor
+from dea.modbus import Device, Register, to_physical
 
 _EDGES = np.geomspace(1e-5, 10.0, 61)  # s, ten bins per decade
 Variable = tuple[str, np.ndarray, dict[str, str]]
@@ -27,7 +29,7 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
     Dataset over ``time`` (s, 0 at the excitation's first sample). Lost samples hold NaN.
     """
     inside = (samples.position >= lead) & (samples.position < lead + length)
-    driven = Samples(*(column[inside] for column in samples))
+    driven = flag_sensor(device, Samples(*(column[inside] for column in samples)))
     time = (driven.device_index - driven.device_index[:1]) / device.sampling_rate
     have = (driven.quality & Quality.LOST) == 0
     output, displacement = device["output"], device["displacement"]
@@ -50,8 +52,10 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
             "voltage_requested": variable(
                 to_physical(output, driven.requested), output.unit, "output asked for"
             ),
-            "voltage_counts": variable(driven.applied, "count", "raw applied output"),
-            "displacement_counts": variable(driven.displacement, "count", "raw displacement"),
+            "voltage_counts": variable(_raw(echo, driven.applied), "count", "raw applied output"),
+            "displacement_counts": variable(
+                _raw(displacement, driven.displacement), "count", "raw displacement"
+            ),
             "device_index": variable(driven.device_index, "1", "sample index of the device"),
             "quality": variable(driven.quality.astype(np.uint8), "1", "quality flags, 0 is good"),
         },
@@ -65,8 +69,13 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
     return dataset
 
 
-def link_dataset(log: LinkLog) -> xr.Dataset:
-    """Return the times of every exchange, retries, errors, round-trip histogram and jitter."""
+def _raw(register: Register, values: np.ndarray) -> np.ndarray:
+    """Return raw values as the device has them."""
+    return np.asarray(values, float if "float" in register.type else np.int64)
+
+
+def link_dataset(log: LinkLog, samples: Samples) -> xr.Dataset:
+    """Return the times of every exchange and sample, retries, errors, round trips and jitter."""
     send, receive = np.asarray(log.send_time), np.asarray(log.receive_time)
     counts, _ = np.histogram(receive - send, _EDGES)
 
@@ -83,9 +92,17 @@ def link_dataset(log: LinkLog) -> xr.Dataset:
             "round_trip_count": over("round_trip_bin", counts, "1", "exchanges in the bin"),
             "round_trip_low": over("round_trip_bin", _EDGES[:-1], "s", "lower edge of the bin"),
             "round_trip_high": over("round_trip_bin", _EDGES[1:], "s", "upper edge of the bin"),
+            "device_index": over("sample", samples.device_index, "1", "sample index of the device"),
+            "write_time": over("sample", samples.write_time, "s", "written, since the start"),
+            "read_time": over("sample", samples.read_time, "s", "had been read, since the start"),
             "jitter": over("polled_sample", log.jitter, "s", "lateness behind the deadline"),
             "errors": over("kind", [log.errors[k] for k in kinds], "1", "failures of this kind"),
             "error_kind": over("kind", np.array(kinds, dtype=object), "1", "kind of failure"),
             "reconnects": ((), log.reconnects, {"units": "1", "long_name": "reconnections"}),
+            "fitted_rate": (
+                (),
+                np.nan if (rate := fitted_rate(samples)) is None else rate,
+                {"units": "Hz", "long_name": "the device's sampling rate by the host's clock"},
+            ),
         }
     )

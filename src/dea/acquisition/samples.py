@@ -17,10 +17,18 @@ class Quality(IntFlag):
     LATE = 4  # driven later than its deadline allows
     UNDRIVEN = 8  # the device had taken its output to zero
     CLAMPED = 16  # the device applied another voltage than was asked for
+    STUCK = 32  # the sensor's reading stood still while the output moved
+    SATURATED = 64  # the sensor's reading is an end of its range
+    CLOCK = 128  # the device's clock and the host's do not agree
 
 
 class Samples(NamedTuple):
-    """Consecutive samples; ``position`` is their place in the sequence to be played."""
+    """Consecutive samples; ``position`` is their place in the sequence to be played.
+
+    ``applied`` and ``displacement`` are raw, integers or floats as the device has them.
+    ``write_time`` and ``read_time`` are those of the host, s since the link's start, of sending the
+    sample and of having read it; the first is NaN where the device plays by itself.
+    """
 
     position: np.ndarray
     device_index: np.ndarray
@@ -28,6 +36,8 @@ class Samples(NamedTuple):
     applied: np.ndarray
     displacement: np.ndarray
     quality: np.ndarray
+    write_time: np.ndarray
+    read_time: np.ndarray
 
     @classmethod
     def lost(cls, position: int, index: int, requested: np.ndarray) -> "Samples":
@@ -35,7 +45,10 @@ class Samples(NamedTuple):
         n, nothing = requested.size, np.zeros(requested.size, np.int64)
         steps = np.arange(n)
         flags = np.full(n, Quality.LOST)
-        return cls(position + steps, index + steps, requested, nothing, nothing, flags)
+        never = np.full(n, np.nan)
+        return cls(
+            position + steps, index + steps, requested, nothing, nothing, flags, never, never
+        )
 
 
 class BrokenRecordError(DeviceError):

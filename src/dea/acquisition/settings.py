@@ -24,6 +24,7 @@ class AcquisitionSettings:
     retries: int = 5
     reconnect_time: float = 10.0  # s
     late_after: float = 5e-3  # s
+    clock_tolerance: float = 0.01  # of the sampling rate
     armed_by: str = ""
     stall_time: float = 5.0  # s
     read_back_tolerance: float = 0.05  # of the span of the output's limits

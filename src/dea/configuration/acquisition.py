@@ -42,6 +42,11 @@ class Acquisition(Section):
     late_after: Positive = key(
         "delay behind its deadline from which a polled sample is flagged late", unit="s"
     )
+    clock_tolerance: Positive = key(
+        "share by which the sampling rate of a buffered device may differ from the described one,"
+        " by the host's clock; beyond it every sample is flagged",
+        default=0.01,
+    )
     armed_by: str = key(
         "who has armed the high voltage, kept in the record; needed where the device description"
         " has a `safety` section",

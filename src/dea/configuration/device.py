@@ -221,6 +221,25 @@ class DeviceDescription(Section):
     ] = key("`output`, `displacement` and what else the device has, by name")
 
     @model_validator(mode="after")
+    def _single_values(self) -> Self:
+        for name in ("output", "applied_output", "displacement"):
+            register = self.registers.get(name)
+            if register and (register.count > 1 or register.type in ("string", "bool")):
+                raise refuse(
+                    f"registers.{name}.count",
+                    f"{register.count} values of type {register.type}",
+                    "Give the address of the one value; describe its neighbours apart.",
+                )
+        output = self.registers.get("output")
+        if output and "int" not in output.type:
+            raise refuse(
+                "registers.output.type",
+                f"{output.type}, and the output is driven in whole counts",
+                "Use the module's integer register.",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _safety(self) -> Self:
         if self.safety is None:
             return self

@@ -1,0 +1,45 @@
+"""Flags of a sensor whose readings cannot be right, set on the samples it happened to."""
+
+import numpy as np
+
+from dea.acquisition.samples import Quality, Samples
+from dea.modbus import Device, to_physical
+
+STUCK_SAMPLES = 25  # equal readings in a row that are no chance
+STUCK_SHARE = 0.1  # of the span of the output's limits, that the output moves meanwhile
+_READ = ~(Quality.LATE | Quality.CLAMPED)  # the flags of samples that were read for all that
+
+
+def flag_sensor(device: Device, samples: Samples) -> Samples:
+    """Return ``samples`` with :attr:`Quality.SATURATED` and :attr:`Quality.STUCK` where they hold.
+
+    A reading is saturated at an end of the range of an integer register. It is stuck where it
+    has been the same for many samples while the output moved.
+    """
+    read = (samples.quality & int(_READ)) == 0
+    flags = np.where(read & _saturated(device, samples.displacement), Quality.SATURATED, 0)
+    flags |= np.where(read & _stuck(device, samples), Quality.STUCK, 0)
+    return samples._replace(quality=samples.quality | flags)
+
+
+def _saturated(device: Device, raw: np.ndarray) -> np.ndarray:
+    register = device["displacement"]
+    if "float" in register.type:
+        return ~np.isfinite(raw)
+    if register.range is None:
+        return np.zeros(raw.size, bool)
+    ends = np.iinfo(register.type)
+    return np.asarray((raw == ends.min) | (raw == ends.max))
+
+
+def _stuck(device: Device, samples: Samples) -> np.ndarray:
+    """Whether each sample is in a run of equal readings during which the output moved."""
+    stuck = np.zeros(samples.position.size, bool)
+    volts = to_physical(device["output"], samples.requested)
+    low, high = device["output"].limits or (volts.min(initial=0.0), volts.max(initial=0.0))
+    starts = np.flatnonzero(np.diff(samples.displacement, prepend=np.nan) != 0)
+    for start, end in zip(starts, np.append(starts[1:], stuck.size), strict=True):
+        moved = np.ptp(volts[start:end]) >= STUCK_SHARE * (high - low)
+        if end - start >= STUCK_SAMPLES and moved:
+            stuck[start:end] = True
+    return stuck

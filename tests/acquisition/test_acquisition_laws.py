@@ -1,0 +1,238 @@
+"""The safety model: what trips, what a trip does, and who may drive after it."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from plain_module import PlainModule
+
+from dea.acquisition import AcquisitionSettings, TripError, acquire, latch
+from dea.acquisition.laws import Laws
+from dea.acquisition.output import Output
+from dea.acquisition.panel import Panel
+from dea.acquisition.zero import Evidence, WayToZero
+from dea.errors import InputError
+from dea.modbus import encode, parse_device
+
+OUTPUT = {"address": 0, "scale": 0.001, "limits": [0, 4], "unit": "V", "access": "write"}
+REGISTERS = {
+    "output": OUTPUT,
+    "voltage": {"address": 1, "unit": "V"},
+    "current": {"address": 2, "scale": 1e-6, "unit": "A"},
+    "door": {"address": 0, "table": "discrete", "type": "bool"},
+    "enable": {"address": 3, "table": "coil", "type": "bool", "access": "read_write"},
+    "alive": {"address": 4, "access": "write"},
+}
+SAFETY = {
+    "max_rate": 50.0,
+    "monitor": {"name": "voltage", "gain": 800.0, "offset": 4.0, "tolerance": 20.0, "delay": 0.1},
+    "current": {"name": "current", "limit": 300e-6},
+    "interlocks": {"door": {"name": "door"}},
+    "enable": {"name": "enable"},
+    "heartbeat": {"name": "alive", "period": 0.5},
+}
+
+
+def device(**changes):
+    content = {
+        "name": "module", "endpoint": {"host": "127.0.0.1", "port": 502}, "unit_id": 1,
+        "sampling_rate": 50, "quarantine": 0, "registers": REGISTERS, "safety": SAFETY,
+    }  # fmt: skip
+    return parse_device(content | changes, source=Path("module.yaml"))
+
+
+class Memory:
+    """A link to a device whose registers hold raw values by name."""
+
+    def __init__(self, **values):
+        self.device = device()
+        self.values = {"voltage": 4, "current": 0, "door": 1, "enable": 0} | values
+        self.written = []
+        self.check = self.on_connect = None
+
+    def _name(self, address, table):
+        [name] = [
+            n for n, r in self.device.registers.items() if (r.address, r.table) == (address, table)
+        ]
+        return name
+
+    def read(self, address, count, table):
+        name = self._name(address, table)
+        return encode(self.device[name], self.values[name])
+
+    def write(self, address, words, table="holding", *, retry=True):
+        self.written.append((self._name(address, table), words[0]))
+
+    def open(self):
+        pass
+
+    def close(self):
+        pass
+
+
+class Clock:
+    """Time that passes only while somebody sleeps."""
+
+    def __init__(self):
+        self.now = 100.0
+
+    def monotonic(self):
+        return self.now
+
+    def sleep(self, seconds):
+        self.now += seconds
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    made = Clock()
+    for room in ("laws", "zero"):
+        monkeypatch.setattr(f"dea.acquisition.{room}.time", made)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"door": 0}, "interlock door: door reads 0"),
+        ({"current": 300}, "the current is 0.0003 A, at most 0.0003"),
+        ({"voltage": 1625}, "reads 1625 V, where 1604 to 1604 are due"),
+        ({"voltage": 1583}, "reads 1583 V, where 1604 to 1604 are due"),
+    ],
+)
+def test_what_does_not_hold_trips(clock, values, told):
+    laws = Laws(Panel(Memory(**{"voltage": 1604} | values)))
+    with pytest.raises(TripError, match=told):
+        laws.check(2.0, 2.0)
+
+
+@pytest.mark.parametrize("voltage", [1585, 1604, 1623])
+def test_what_holds_does_not(clock, voltage):
+    Laws(Panel(Memory(voltage=voltage, current=299))).check(2.0, 2.0)
+
+
+def test_a_monitor_may_be_behind_by_its_delay_and_no_longer(clock):
+    link = Memory(voltage=804)
+    laws = Laws(Panel(link))
+    laws.check(1.0, 1.0)
+    for _ in range(8):  # 0.1 s and two periods
+        clock.sleep(0.02)
+        laws.check(3.0, 3.0)
+    clock.sleep(0.02)
+    with pytest.raises(TripError):
+        laws.check(3.0, 3.0)
+
+
+def test_the_heartbeat_counts_up_once_in_a_period(clock):
+    link = Memory()
+    laws = Laws(Panel(link))
+    for _ in range(40):
+        laws.beat()
+        clock.sleep(0.05)
+    assert link.written == [("alive", 1), ("alive", 2), ("alive", 3), ("alive", 4)]
+
+
+def test_it_is_armed_at_the_start_and_disarmed_after_zero_is_shown(clock):
+    link = Memory()
+    output = Output(link)
+    output.take()
+    assert link.written == [("alive", 1), ("enable", 1)]
+    assert WayToZero(output, ramp_rate=10.0, requested=0.1)() == Evidence.MONITOR
+    assert link.written[-1] == ("enable", 0)
+    assert [value for name, value in link.written if name == "output"][-1] == 0
+
+
+def test_an_open_interlock_is_refused_before_anything_is_written(clock):
+    link = Memory(door=0)
+    with pytest.raises(InputError, match="interlock door") as caught:
+        Output(link).take()
+    assert caught.value.field == "safety"
+    assert {name for name, _ in link.written} <= {"alive"}
+
+
+def test_zero_is_not_believed_while_the_monitor_shows_voltage(clock):
+    link = Memory()
+    output = Output(link)
+    output.take()
+    link.values["voltage"] = 404
+    assert output.driven() == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "place"),
+    [
+        ({"monitor": {"name": "hv", "gain": 1, "tolerance": 1}}, "safety.monitor.name"),
+        ({"enable": {"name": "door"}}, "registers.door.access"),
+        ({"current": {"name": "alive", "limit": 1}}, "registers.alive.access"),
+        ({"monitor": {"name": "voltage", "gain": 0, "tolerance": 1}}, "safety.monitor.gain"),
+        ({"max_rat": 1}, "safety.max_rat"),
+    ],
+)
+def test_a_wrong_safety_section_is_refused(changes, place):
+    with pytest.raises(InputError) as caught:
+        device(safety=SAFETY | changes)
+    assert caught.value.field == place
+
+
+@pytest.fixture
+def module():
+    made = PlainModule()
+    yield made
+    made.stop()
+
+
+SETTINGS = AcquisitionSettings(
+    mode="polled", ramp_rate=20.0, timeout=0.3, reconnect_time=2.0, armed_by="A. Person"
+)
+
+
+def described(module, **safety):
+    """The plain module, its read-back as a monitor of gain one."""
+    monitor = {"name": "applied_output", "gain": 1.0, "tolerance": 0.1, "delay": 0.1}
+    return module.description(safety={"monitor": monitor} | safety)
+
+
+def test_a_trip_takes_the_output_to_zero_and_latches_until_acknowledged(
+    module, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    target = described(module)
+    begun = time.monotonic()
+    # From a quarter of a second on, the reading is 0.15 V off: within the read-back's tolerance.
+    module.read_back = lambda count: count + 983 * (count > 6000)
+    volts, partial = np.full(100, 3.0), tmp_path / "a.partial"
+    with pytest.raises(TripError, match="monitor of the high voltage"):
+        acquire(target, volts, partial, SETTINGS)
+    assert module.volts == 0.0
+    assert time.monotonic() - begun < 10.0
+    writes = len(module.history)
+    with pytest.raises(InputError, match=r"tripped at .* monitor of the high voltage"):
+        acquire(target, volts, tmp_path / "b.partial", SETTINGS)
+    assert len(module.history) == writes
+    assert "monitor" in latch.acknowledge(target, "A. Person")
+    assert latch.acknowledge(target, "A. Person") is None
+    module.read_back = lambda count: count
+    assert acquire(target, volts, tmp_path / "c.partial", SETTINGS).record.sizes["time"] == 100
+
+
+def test_nothing_is_driven_unless_somebody_has_armed_it(module, tmp_path):
+    with pytest.raises(InputError, match="nobody has armed"):
+        acquire(described(module), np.ones(5), tmp_path / "a", replace(SETTINGS, armed_by=""))
+    assert not module.history
+
+
+def test_a_rate_beyond_the_largest_is_refused(module, tmp_path):
+    target = described(module, max_rate=30.0)
+    with pytest.raises(InputError, match=r"change by 49\.\d+ V/s at sample") as caught:
+        acquire(target, np.array([1.0, 2.0, 1.0]), tmp_path / "a", SETTINGS)
+    assert caught.value.field == "safety.max_rate"
+    assert not module.history
+
+
+@pytest.mark.parametrize("rate", [np.inf, np.nan, 0.0, -1.0])
+def test_a_ramp_that_is_none_is_refused(module, tmp_path, rate):
+    with pytest.raises(InputError, match="ramp_rate"):
+        acquire(described(module), np.ones(5), tmp_path / "a", replace(SETTINGS, ramp_rate=rate))
+    assert not module.history
