@@ -11,7 +11,7 @@ import numpy as np
 from dea.modbus import parse_device
 
 FULL_SCALE = 10.0  # V, and mm
-BUSY = 6  # Modbus exception code
+ILLEGAL_ADDRESS = 2  # Modbus exception code
 
 
 class PlainModule:
@@ -26,6 +26,8 @@ class PlainModule:
         self.refuse_with = 0  # Modbus exception code of every answer; 0 for none
         self.deaf = False  # whether connections are cut and none is taken
         self.hold_next = 0.0  # s that the next write is held back, without an answer
+        self.only = None  # holding registers that may be read; None for all
+        self.index = 0  # of 16 bits in holding register 5, which counts the writes from here on
         self.history = []
         self._count, self._ended = 0, threading.Event()
         self._listening = socket.create_server(("127.0.0.1", 0))
@@ -99,11 +101,15 @@ class PlainModule:
             self._write(value)
             body = frame[7:]
         else:
-            registers = (
-                [self._count, self.read_back(self._count)] if function == 3 else [self._count]
-            )
-            words = [int(w) for w in registers][address : address + value]
+            count = self._count
+            index = (self.index + len(self.history)) % 65536
+            holding = {0: count, 1: int(self.read_back(count)), 5: index}
+            registers = holding if function == 3 else {0: count}
+            asked = range(address, address + value)
+            words = [registers.get(place, 0) for place in asked]
             body = struct.pack(f">BB{len(words)}H", function, 2 * len(words), *words)
+            if self.only and function == 3 and not self.only.issuperset(asked):
+                body = bytes([function | 0x80, ILLEGAL_ADDRESS])
         head = frame[:4] + struct.pack(">H", len(body) + 1) + frame[6:7]
         with suppress(OSError):  # the client has gone
             connection.sendall(head + body)

@@ -81,7 +81,8 @@ class Module:
     def read(self, address, count, table):
         number = len(self.written)
         self.log.samples.append(0)
-        values = {0: round(self.reads * self.written[-1][1]), 5: number, 6: number + 70}
+        written = self.written[-1][1] if self.written else 0
+        values = {0: round(self.reads * written), 5: number, 6: number + 70}
         return [values.get(place, 0) for place in range(address, address + count)]
 
     def rest(self, seconds):

@@ -11,12 +11,14 @@ import numpy as np
 import xarray as xr
 
 from dea import store
-from dea.acquisition import by_hand, latch
+from dea.acquisition import by_hand, commissioning, latch
 from dea.acquisition.acquire import acquire
+from dea.acquisition.commissioning import refuse_uncommissioned
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.monitor import Monitor
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
+from dea.acquisition.preview import preview
 from dea.acquisition.record import record_dataset
 from dea.acquisition.retrying_link import Link, LinkSettings
 from dea.acquisition.samples import Quality
@@ -57,27 +59,45 @@ def main(arguments: list[str] | None = None) -> None:
 def drive(options: argparse.Namespace) -> None:
     """Drive the device with a designed excitation and write its record."""
     device = _device(options)
-    volts = design(
-        options.kind, duration=options.duration, sampling_rate=device.sampling_rate,
-        low=options.low, high=options.high, seed=options.seed, **options.setting,
-    )  # fmt: skip
+    volts = _excitation_volts(options, device)
     settings = AcquisitionSettings.from_mapping(
-        {
-            "mode": options.mode,
-            "on_break": options.on_break,
-            "ramp_rate": options.ramp_rate,
-            "armed_by": options.arm,
-        }
-    )
+        {"mode": options.mode, "on_break": options.on_break, "ramp_rate": options.ramp_rate,
+         "armed_by": options.arm}
+    )  # fmt: skip
+    plan = plan_sequence(device, volts, settings.ramp_rate)
+    if options.dry_run:
+        print(preview(device, plan))
+        return
+    refuse_uncommissioned(device, options.device)
+    if options.output.exists():
+        raise InputError("exists", file=options.output, remedy="Give another --output.")
     partial = options.output.with_suffix(".partial")
-    total = plan_sequence(device, volts, settings.ramp_rate).counts.size
-    with Monitor(device, total, live=options.live) as monitor:
+    with Monitor(device, plan.counts.size, live=options.live) as monitor:
         acquired = acquire(device, volts, partial, settings, watch=monitor, reset=options.reset)
     link = options.output.with_name(f"{options.output.stem}_link.nc")
     title = f"Record of {device.name}"
     store.write(acquired.link.assign_attrs(contract="link"), link, title=title)
     _write_record(acquired.record, options, title)
     partial.unlink()
+
+
+def commission(options: argparse.Namespace) -> None:
+    """Drive a staircase to a few per cent, and report what the device does."""
+    device = _device(options)
+    settings = AcquisitionSettings.from_mapping(
+        {"ramp_rate": options.ramp_rate, "armed_by": options.arm}
+    )
+    partial = options.device.with_suffix(".commissioning.partial")
+    report = commissioning.commission(device, partial, settings, options.share)
+    print(json.dumps(report, indent=2, sort_keys=True))
+    print(f"written to {commissioning.write_report(options.device, report)}")
+
+
+def _excitation_volts(options: argparse.Namespace, device: Device) -> np.ndarray:
+    return design(
+        options.kind, duration=options.duration, sampling_rate=device.sampling_rate,
+        low=options.low, high=options.high, seed=options.seed, **options.setting,
+    )  # fmt: skip
 
 
 def check(options: argparse.Namespace) -> None:
@@ -178,7 +198,7 @@ def _parser() -> argparse.ArgumentParser:
         return added
 
     at_device = {
-        "drive": drive, "check": check, "status": status, "zero": zero,
+        "drive": drive, "commission": commission, "check": check, "status": status, "zero": zero,
         "acknowledge": acknowledge, "dismiss": dismiss,
     }  # fmt: skip
     for name, run in at_device.items():
@@ -187,7 +207,14 @@ def _parser() -> argparse.ArgumentParser:
         added.add_argument("--port", type=int, help="instead of the description's")
         if run is drive:
             _excitation(added)
-        if run in (drive, zero):
+        if run in (drive, commission):
+            added.add_argument(
+                "--arm", default="", metavar="NAME",
+                help="your name: you have checked the setup and arm the high voltage",
+            )  # fmt: skip
+        if run is commission:
+            added.add_argument("--share", type=float, default=0.03, help="of the upper limit")
+        if run in (drive, commission, zero):
             added.add_argument("--ramp-rate", type=float, default=1.0, metavar="V/S")
         if run is acknowledge:
             added.add_argument("--by", required=True, metavar="NAME")
@@ -213,9 +240,8 @@ def _excitation(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mode", choices=("buffered", "polled"), default="buffered")
     parser.add_argument("--on-break", choices=("stop", "restart"), default="stop")
     parser.add_argument(
-        "--arm", default="", metavar="NAME",
-        help="your name: you have checked the setup and arm the high voltage",
-    )  # fmt: skip
+        "--dry-run", action="store_true", help="only show voltage, rate, field and charge"
+    )
     parser.add_argument("--reset", action="store_true", help="reset a watchdog that has latched")
     parser.add_argument("--live", action="store_true", help="draw voltage and displacement")
 

@@ -31,7 +31,7 @@ from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.wire import Wire, packed
 from dea.acquisition.zero import Evidence, WayToZero
 from dea.errors import InputError
-from dea.modbus import Device, to_physical
+from dea.modbus import Device, adjoining, to_physical
 
 SERVICE = 5e-3  # s between two looks at the recorder
 ZERO_RETRIES = 3  # of one request on the way to zero
@@ -181,8 +181,14 @@ class Guardian:
 
     def _counters(self) -> dict[str, int]:
         """Return what the device counts against the record, by the registers' names."""
-        panel = self.output.panel
-        return {name: panel.whole(name) for name in COUNTERS if name in panel}
+        described = [self.device[name] for name in COUNTERS if name in self.device]
+        return {
+            name: value
+            for window in adjoining(described)
+            for name, value in window.decode(
+                self.link.read(window.address, window.size, window.table)
+            ).items()
+        }
 
     def _driven(self) -> Iterator[Samples]:
         settings, counts = self.job.settings, self.job.counts

@@ -25,12 +25,28 @@ class Poll:
 
     def __init__(self, panel: Panel) -> None:
         self.panel, self.link, device = panel, panel.link, panel.device
+        self._next: int | None = None
         self.output = device["output"]
         echo = "applied_output" if "applied_output" in device else "output"
         names = ["displacement", echo, "device_index"]
         self.echo = echo if _readable(device.registers[echo]) else None
         wanted = [device[n] for n in names if n in device and (n != echo or self.echo)]
         self.windows = _windows(wanted)
+        self._wrap = 1 << 16 * device["device_index"].size if "device_index" in device else 0
+
+    def learn(self) -> None:
+        """Find out which registers the device answers together; applies no voltage."""
+        self.windows = [part for window in self.windows for part in self._answered(window)]
+
+    def _answered(self, window: Window) -> list[Window]:
+        """Split a window where the device refuses the undescribed addresses in it."""
+        if sum(register.size for register in window.registers) == window.size:
+            return [window]
+        try:
+            self.link.read(window.address, window.size, window.table)
+        except DeviceRefusedError:
+            return [Window([register]) for register in window.registers]
+        return [window]
 
     def __call__(self, count: int, number: int) -> tuple[int, float, float]:
         """Drive one ``count``; return device index, applied and displacement counts.
@@ -52,7 +68,12 @@ class Poll:
             values |= window.decode(self.link.read(window.address, window.size, window.table))
         applied = values[self.echo] if self.echo else count
         self.link.log.samples[-1] = 1
-        return values.get("device_index", number), applied, values["displacement"]
+        index = values.get("device_index", number)
+        if self._wrap and self._next is not None:  # a short index begins again at zero
+            half = self._wrap // 2
+            index = self._next + (index - self._next + half) % self._wrap - half
+        self._next = index + 1
+        return index, applied, values["displacement"]
 
 
 def drive(
@@ -87,6 +108,7 @@ def drive(
     if "command" in panel:
         panel.set("command", START)
     poll, rows = Poll(panel), _Rows()
+    poll.learn()
     echo = Echo(panel, poll.echo, tolerance) if poll.echo else None
     schedule = _Schedule(panel, counts) if paced else None
     number, expected = 0, None

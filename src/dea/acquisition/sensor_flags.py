@@ -18,14 +18,14 @@ def flag_sensor(device: Device, samples: Samples) -> Samples:
     """
     read = (samples.quality & int(_READ)) == 0
     flags = np.where(read & _saturated(device, samples.displacement), Quality.SATURATED, 0)
-    flags |= np.where(read & _stuck(device, samples), Quality.STUCK, 0)
+    flags = flags | np.where(read & _stuck(device, samples), Quality.STUCK, 0)
     return samples._replace(quality=samples.quality | flags)
 
 
 def _saturated(device: Device, raw: np.ndarray) -> np.ndarray:
     register = device["displacement"]
     if "float" in register.type:
-        return ~np.isfinite(raw)
+        return np.asarray(~np.isfinite(raw))
     if register.range is None:
         return np.zeros(raw.size, bool)
     ends = np.iinfo(register.type)

@@ -62,12 +62,23 @@ class Heartbeat(Section):
     period: Positive = key("time between two counts", unit="s")
 
 
+class Film(Section):
+    """The film, for the field and charge that a dry run shows."""
+
+    thickness: Positive = key("between the electrodes", unit="µm")
+    capacitance: Positive = key("between the electrodes", unit="nF")
+
+
 class Safety(Section):
     """What is checked with every sample; what breaks it takes the output to zero and latches."""
 
     max_rate: Positive | None = key(
         "largest rate of change of the output, of ramps and excitation", unit="V/s", default=None
     )
+    amplifier_gain: Positive | None = key(
+        "high voltage per volt of the output, for what a dry run shows", default=None
+    )
+    film: Film | None = key("what is driven, for what a dry run shows", default=None)
     monitor: Monitor | None = key("measurement of the high voltage", default=None)
     current: Bound | None = key("measurement of the current", default=None)
     interlocks: Mapping[Name, Condition] = key("conditions, by name", default={})

@@ -14,7 +14,7 @@ from dea.modbus.codec import (
 from dea.modbus.description import parse_device, read_device
 from dea.modbus.device import Device, Register, Serial, Tls
 from dea.modbus.pdu import ReadWriteRequest, ReadWriteResponse, RegistersResponse
-from dea.modbus.window import Window
+from dea.modbus.window import Window, adjoining
 
 __all__ = [
     "BLOCK",
@@ -28,6 +28,7 @@ __all__ = [
     "Tls",
     "Value",
     "Window",
+    "adjoining",
     "block_window",
     "checksum",
     "decode",

@@ -51,3 +51,15 @@ class Window:
 
     def _place(self, register: Register) -> slice:
         return slice(register.address - self.address, register.end - self.address)
+
+
+def adjoining(registers: Iterable[Register]) -> list[Window]:
+    """Return windows of registers that follow each other without a gap."""
+    groups: list[list[Register]] = []
+    for register in sorted(registers, key=lambda r: (r.table, r.address)):
+        last = groups[-1][-1] if groups else None
+        if last and (last.table, last.end) == (register.table, register.address):
+            groups[-1].append(register)
+        else:
+            groups.append([register])
+    return [Window(group) for group in groups]

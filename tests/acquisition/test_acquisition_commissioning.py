@@ -1,0 +1,123 @@
+"""The first voltage on a device, and what is shown and asked for before any."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from plain_module import PlainModule
+
+from dea.acquisition import AcquisitionSettings, acquire
+from dea.acquisition.__main__ import main
+from dea.acquisition.commissioning import commission, refuse_uncommissioned, write_report
+from dea.errors import InputError
+from dea.modbus import read_device
+
+SETTINGS = AcquisitionSettings(ramp_rate=5.0, timeout=0.5, reconnect_time=2.0, armed_by="A. Person")
+SAFETY = {
+    "amplifier_gain": 1000, "film": {"thickness": 50.0, "capacitance": 2.0},
+    "interlocks": {"reading": {"name": "applied_output", "value": 0}},
+}  # fmt: skip
+
+
+@pytest.fixture
+def module():
+    made = PlainModule()
+    yield made
+    made.stop()
+
+
+def test_a_staircase_shows_gain_offset_and_noise_of_a_read_back(module, tmp_path):
+    noise = np.random.default_rng(2)
+    module.read_back = lambda count: max(0, 1.1 * count + 65 + noise.normal(0, 13))
+    target = module.description()
+    echo = replace(target["applied_output"], tolerance=0.03)
+    target = replace(target, registers=dict(target.registers) | {"applied_output": echo})
+    report = commission(target, tmp_path / "c.partial", SETTINGS, 0.03)
+    assert max(module.path()[1]) == pytest.approx(0.03 * 4.0, abs=1e-3)
+    assert module.volts == 0.0
+    assert report["read_back_gain"] == pytest.approx(1.1, abs=0.02)
+    assert report["read_back_offset"] == pytest.approx(0.01, abs=0.002)
+    assert report["read_back_noise"] == pytest.approx(0.002, rel=0.5)
+    assert report["armed_by"] == "A. Person"
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("works", "found"), [(True, "tripped"), (False, "did not trip")])
+def test_the_watchdog_is_tripped_on_purpose(serve_bench, tmp_path, works, found):
+    bench = serve_bench(virtual_clock=False, watchdog_time=0.5)
+    if not works:
+        bench.player.watchdog.expired = lambda now: False
+    report = commission(bench.endpoint, tmp_path / "c.partial", SETTINGS, 0.03)
+    assert report["watchdog"] == found
+    assert bench.player.applied == 0
+    assert bench.player.watchdog.trips == works
+    assert not bench.player.watchdog.latched
+
+
+def description(module, folder, **changes):
+    """A file that describes the module."""
+    scale = {"range": [0, 10], "unit": "V"}
+    path = folder / "device.yaml"
+    path.write_text(yaml.safe_dump({
+        "name": "plain module", "unit_id": 1, "sampling_rate": 50, "quarantine": 0.2,
+        "endpoint": {"host": "127.0.0.1", "port": module.port}, "safety": SAFETY,
+        "registers": {"output": {"address": 0, **scale, "limits": [0, 4], "access": "write"},
+                      "applied_output": {"address": 1, **scale},
+                      "displacement": {"address": 0, "table": "input", **scale}},
+    } | changes))  # fmt: skip
+    return path
+
+
+def drive(path, folder, *options):
+    words = ["drive", "--mode", "polled", "--kind", "binary", "--duration", "2", "--low", "1",
+             "--high", "2", "--device", str(path), "--output", str(folder / "r.nc")]  # fmt: skip
+    main([*words, *options])
+
+
+def test_a_dry_run_shows_what_would_be_done_and_writes_nothing(module, tmp_path, capsys):
+    path = description(module, tmp_path)
+    drive(path, tmp_path, "--dry-run")
+    shown = capsys.readouterr().out
+    for line in ("0 to 2", "high voltage    2000", "field           40", "charge          4"):
+        assert line[:17].strip() in shown
+        assert line.split()[-1] in shown
+    assert not module.history
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_device_with_a_safety_model_is_commissioned_first(module, tmp_path, capsys):
+    path = description(module, tmp_path)
+    with pytest.raises(SystemExit):
+        drive(path, tmp_path, "--arm", "A. Person")
+    assert "not commissioned" in capsys.readouterr().err
+    assert not module.history
+    report = write_report(path, {"device": "plain module"})
+    assert json.loads(report.read_text())["device"] == "plain module"
+    refuse_uncommissioned(read_device(path), path)
+    description(module, tmp_path, sampling_rate=40)
+    with pytest.raises(InputError, match="changed since it was commissioned"):
+        refuse_uncommissioned(read_device(path), path)
+
+
+def test_a_record_that_exists_is_refused_before_any_voltage(module, tmp_path, capsys):
+    path = description(module, tmp_path, safety=None)
+    (tmp_path / "r.nc").write_text("a record")
+    with pytest.raises(SystemExit):
+        drive(path, tmp_path)
+    assert "exists" in capsys.readouterr().err
+    assert not module.history
+    assert (tmp_path / "r.nc").read_text() == "a record"
+
+
+def test_undescribed_addresses_between_registers_do_not_stop_a_start(module, tmp_path):
+    module.only = {0, 1, 5}  # reading any other address is refused
+    target = module.description()
+    index = replace(target["displacement"], name="device_index", address=5, table="holding")
+    target = replace(target, registers=dict(target.registers) | {"device_index": index})
+    module.index = 65530
+    settings = replace(SETTINGS, mode="polled", ramp_rate=50.0, paced=False)
+    record = acquire(target, np.full(20, 1.0), tmp_path / "a.partial", settings).record
+    assert record.sizes["time"] == 20
+    assert np.array_equal(np.diff(record.device_index), np.ones(19)), "a 16-bit index wraps"
