@@ -16,6 +16,7 @@ from benchmarks.faults.plain_module import PlainModule
 from benchmarks.faults.proxy import FaultProxy
 from benchmarks.faults.schedule import Schedule
 from benchmarks.faults.trace import Trace
+from dea.acquisition.commissioning import write_report
 
 PATIENCE = 90.0  # s beyond the plan and its faults until the command is held to hang
 WATCHED = 1.0  # s of zero after the last process and the last held write
@@ -127,6 +128,7 @@ def _arguments(schedule: Schedule, folder: Path, port: int, bench: BenchVictim |
             )
             + (plain_module.SAFETY if schedule.safety else "")
         )
+        write_report(description, {"device": "plain module"})  # as if it had been commissioned
     else:
         description = MAP
     arguments = [

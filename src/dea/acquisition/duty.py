@@ -139,7 +139,9 @@ def duty_file(device: Device) -> Path:
     shared = Path("/dev/shm")
     root = os.environ.get("DEA_DUTY") or (shared if shared.is_dir() else tempfile.gettempdir())
     where = device.serial.port if device.serial else f"{device.host}_{device.port}"
-    name = f"{where}_{device.unit_id}_{device['output'].address}"
+    # Programs that keep their temporary files apart keep these apart too.
+    apart = tempfile.gettempdir()
+    name = f"{where}_{device.unit_id}_{device['output'].address}_{apart}"
     return Path(root, f"dea_duty_{re.sub('[^A-Za-z0-9.-]+', '_', name)}")
 
 

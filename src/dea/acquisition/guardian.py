@@ -140,7 +140,9 @@ class Guardian:
             # A reply to an earlier request may still arrive on this connection.
             self.link.close()
             self.output.trusted = not isinstance(error, ReadBackError)
-            trip = error if isinstance(error, TripError) else None
+            # A read-back that has been found wrong is a trip where there is a safety model.
+            laws = (TripError, ReadBackError) if self.device.safety else TripError
+            trip = error if isinstance(error, laws) else None
         else:
             trip = None
         self._end_at_zero(self._requested(), trip)
@@ -229,7 +231,7 @@ class Guardian:
         last = self.output.panel.last_output
         return 0.0 if last is None else float(to_physical(self.device["output"], last))
 
-    def _end_at_zero(self, requested: float, trip: TripError | None = None) -> None:
+    def _end_at_zero(self, requested: float, trip: Exception | None = None) -> None:
         """Take the output to zero, whatever fails and however long it takes; latch a trip."""
         self.link.check = None
         # Each attempt is short: what repeats them is the loop below.

@@ -2,10 +2,10 @@
 
 import json
 import os
+import re
 import time
 from pathlib import Path
 
-from dea.acquisition.duty import duty_file
 from dea.errors import InputError
 from dea.modbus import Device
 
@@ -50,7 +50,9 @@ def acknowledge(device: Device, person: str) -> str | None:
 def latch_file(device: Device) -> Path:
     """Return where a trip of an output is kept."""
     root = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local/state"
-    return Path(root, "dea", f"{duty_file(device).name}.trip")
+    where = device.serial.port if device.serial else f"{device.host}_{device.port}"
+    name = f"{where}_{device.unit_id}_{device['output'].address}"
+    return Path(root, "dea", f"{re.sub('[^A-Za-z0-9.-]+', '_', name)}.trip")
 
 
 def _now() -> str:
