@@ -11,9 +11,10 @@ from dea.acquisition import duty
 
 @pytest.fixture(scope="session", autouse=True)
 def duty_folder(tmp_path_factory):
-    """Keep the files of guardians out of the machine's own."""
+    """Keep the files and the trips of guardians out of the machine's own."""
     folder = tmp_path_factory.mktemp("duty")
     os.environ["DEA_DUTY"] = str(folder)
+    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
     return folder
 
 

@@ -11,8 +11,9 @@ import socket
 import time
 from collections import deque
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,7 +26,14 @@ from dea.acquisition.launch import serve_nursery
 from dea.acquisition.laws import TripError
 from dea.acquisition.output import Output, TakenError
 from dea.acquisition.read_back import ReadBackError
-from dea.acquisition.retrying_link import Link, LinkLog, LinkSettings, StoppedError
+from dea.acquisition.retrying_link import (
+    DeviceRefusedError,
+    Link,
+    LinkError,
+    LinkLog,
+    LinkSettings,
+    StoppedError,
+)
 from dea.acquisition.samples import Samples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.wire import Wire, packed
@@ -36,6 +44,7 @@ from dea.modbus import Device, adjoining, to_physical
 SERVICE = 5e-3  # s between two looks at the recorder
 ZERO_RETRIES = 3  # of one request on the way to zero
 COUNTERS = ("clamped", "underruns", "overruns", "refused_blocks")
+WAITING = 0.05  # s between two signs of life before the recorder begins
 RETRY = 0.1  # s between two attempts to reach zero
 ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
 # Signals whose default is to end or stop a process, and that ask nothing of this one.
@@ -75,7 +84,7 @@ def guard(wire: Wire) -> None:
             return
         wire.wait(1.0)
     job: Job = messages[0][0]
-    guardian = Guardian(wire, job)
+    guardian = Guardian(wire, job, messages[1:])
     for number in ASKING:
         signal.signal(number, guardian.asked)
     for number in DEAF:
@@ -100,8 +109,9 @@ def _deliver(wire: Wire, seconds: float) -> None:
 class Guardian:
     """One job: the laws it keeps are those of :meth:`_check`."""
 
-    def __init__(self, wire: Wire, job: Job) -> None:
+    def __init__(self, wire: Wire, job: Job, early: list[tuple[Any, ...]]) -> None:
         self.wire, self.job, self.device = wire, job, job.device
+        self._early = early  # messages that came with the job
         settings = job.settings
         timing = LinkSettings(settings.timeout, settings.retries, settings.reconnect_time)
         self.link = Link(job.device, timing, LinkLog(job.started))
@@ -169,8 +179,10 @@ class Guardian:
         self.link.check = self._check
         self.wire.post("ready")
         while not self._begun:
-            self.wire.wait(0.1)
+            self.wire.wait(WAITING)
             self._check()
+            if "state" in self.device:  # a silent owner loses the outputs
+                self.output.panel.get("state")
         total, before = 0, self._counters()
         for samples in self._driven():
             total += samples.position.size
@@ -178,19 +190,17 @@ class Guardian:
             self.wire.post("samples", samples, self.link.log.cut())
             self._check()
         for name, count in self._counters().items():
-            if count != before[name]:
+            if count != before.get(name, count):
                 self.link.log.errors[name] += count - before[name]
 
     def _counters(self) -> dict[str, int]:
-        """Return what the device counts against the record, by the registers' names."""
-        described = [self.device[name] for name in COUNTERS if name in self.device]
-        return {
-            name: value
-            for window in adjoining(described)
-            for name, value in window.decode(
-                self.link.read(window.address, window.size, window.table)
-            ).items()
-        }
+        """Return what the device counts against the record, by the registers' names, if it says."""
+        counts: dict[str, int] = {}
+        with suppress(LinkError, DeviceRefusedError):
+            for window in adjoining(self.device[n] for n in COUNTERS if n in self.device):
+                words = self.link.read(window.address, window.size, window.table)
+                counts |= window.decode(words)
+        return counts
 
     def _driven(self) -> Iterator[Samples]:
         settings, counts = self.job.settings, self.job.counts
@@ -210,10 +220,12 @@ class Guardian:
             return
         self._looked = now
         self.duty.put(Phase.DRIVING, self._requested())
-        for message in self.wire.take():
-            if message[0] == "stop":
-                raise StoppedError(f"ended by the recorder: {message[1]}")
-            self._begun, self._heard, self._kept = True, now, message[1]
+        messages, self._early = self._early + self.wire.take(), []
+        for kind, content in messages:
+            if kind == "stop":
+                raise StoppedError(f"ended by the recorder: {content}")
+            self._begun |= kind == "begin"
+            self._heard, self._kept = now, content
         if self.wire.closed:
             raise StoppedError("the recorder has died")
         if self._signal is not None:
@@ -257,15 +269,23 @@ class Guardian:
                 if time.monotonic() - failing >= self.job.settings.reconnect_time:
                     self._raise_alarm(error)
                     if self.duty.order == Order.DISMISS or self.device.virtual:
+                        self._latch(trip)
                         self.duty.put(Phase.DISMISSED, way.volts)
                         return
             time.sleep(RETRY)
-        if trip is not None:
-            latch(self.job.latch, self.device.name, str(trip))
+        self._latch(trip)
         self.duty.put(Phase.AT_ZERO, 0.0)
         self.link.on_connect = None
         self.link.close()
         self.wire.post("zero", str(evidence), self.link.log.cut())
+
+    def _latch(self, trip: Exception | None) -> None:
+        if trip is None:
+            return
+        try:
+            latch(self.job.latch, self.device.name, str(trip))
+        except OSError as error:
+            self.alarm(f"a trip ({trip}) could not be kept: {error}")
 
     def _raise_alarm(self, error: Exception) -> None:
         watchdog = "watchdog_time" in self.device

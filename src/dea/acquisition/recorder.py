@@ -61,7 +61,7 @@ class Recorder:
 
     def samples(self) -> Iterator[Samples]:
         """Begin, and yield what is measured until zero is shown; raises what broke the drive."""
-        self._say("kept", 0)
+        self._say("begin", 0)
         for kind, *content in self._messages():
             if kind == "samples":
                 yield content[0]
@@ -115,14 +115,14 @@ class Recorder:
             for message in messages:
                 self._heed(*message)
                 yield message
-                if time.monotonic() - self._beat > BEAT and self.kept():
+                if time.monotonic() - self._beat > BEAT:
                     self._say("kept", self.kept())
             if not messages:
                 if self.wire.closed:
                     raise GuardianLostError("the guardian's process was killed")
                 self.wire.wait(BEAT)
             if time.monotonic() - self._beat > BEAT:
-                self._say("alive", self.kept())
+                self._say("kept", self.kept())
 
     def _heed(self, kind: str, *content: Any) -> None:
         if kind in ("samples", "broken", "zero"):
