@@ -1,6 +1,7 @@
 """The recorder's side of a guardian: what it measured, what is kept, and whether zero was shown."""
 
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from types import TracebackType
@@ -40,6 +41,7 @@ class Recorder:
         self.evidence = ""
         self._zero = False  # whether nothing is left to be taken to zero
         self._beat = 0.0
+        self._inbox: deque[tuple[Any, ...]] = deque()  # a reader may stop in mid-batch
         self._hire(job)
 
     def __enter__(self) -> Self:
@@ -111,15 +113,15 @@ class Recorder:
         """Yield messages until zero is shown; meanwhile say what is kept."""
         while not self._zero:
             self.check()
-            messages = self.wire.take()
-            for message in messages:
+            if not self._inbox:
+                self._inbox.extend(self.wire.take())
+            if self._inbox:
+                message = self._inbox.popleft()
                 self._heed(*message)
                 yield message
-                if time.monotonic() - self._beat > BEAT:
-                    self._say("kept", self.kept())
-            if not messages:
-                if self.wire.closed:
-                    raise GuardianLostError("the guardian's process was killed")
+            elif self.wire.closed:
+                raise GuardianLostError("the guardian's process was killed")
+            else:
                 self.wire.wait(BEAT)
             if time.monotonic() - self._beat > BEAT:
                 self._say("kept", self.kept())
