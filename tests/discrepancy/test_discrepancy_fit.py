@@ -20,6 +20,7 @@ from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit, step_in_box, wit
 from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import Rules
+from dea.discrepancy.search import starts
 from dea.discrepancy.search.candidates import Candidate
 from dea.errors import InputError
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
@@ -312,3 +313,21 @@ def test_effects_of_one_port_are_one_class_wherever_they_attach():
     assert same_class(twice, candidate(("end_stop", 0), ("strain_stiffening", 1)))
     assert not same_class(twice, candidate(("end_stop", 0), ("sensor_lag", 0)))
     assert not same_class(twice, candidate(("end_stop", 0)))
+
+
+def test_no_candidate_starts_from_a_draw_that_runs_away(monkeypatch):
+    problem, extended = carriage(10)
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    tried = []
+
+    def every_other_runs_away(*arguments):
+        found = at(*arguments)
+        tried.append(found)
+        gone = np.full(problem.u.size, np.inf)
+        return found if len(tried) % 2 else replace(found, residual=gone)
+
+    monkeypatch.setattr(starts, "at", every_other_runs_away)
+    found = starts.bases(problem, nominal, nominal, np.random.default_rng(0))
+    assert len(tried) >= 6
+    assert len(found) >= 3
+    assert all(each.stable for each in found)

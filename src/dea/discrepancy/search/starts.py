@@ -87,4 +87,4 @@ def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -
         for other in others
         if other.stable and np.linalg.norm(nominal.coordinates - other.coordinates) > _FAR
     ]
-    return [nominal, *far, *drawn]
+    return [nominal, *far, *(each for each in drawn if each.stable)]
