@@ -64,6 +64,7 @@ def _band_edge(ax: Axes, found: xr.Dataset) -> None:
 
 
 def _gain(ax: Axes, part: xr.Dataset) -> None:
+    withheld, its_band = part.attrs.get("model_band_withheld"), "with its 95 % band"
     frequency = part["frequency"].values
     gain = np.hypot(*part["response"].transpose("part", "frequency").values)
     ax.fill_between(
@@ -71,12 +72,12 @@ def _gain(ax: Axes, part: xr.Dataset) -> None:
     )
     ax.plot(
         frequency, np.abs(as_complex(part["model"])), color=_MODEL,
-        label="$H_1$ of the tracked model, with its 95 % band",
+        label=f"$H_1$ of the tracked model, {'whose band is withheld' if withheld else its_band}",
     )  # fmt: skip
     reach = np.stack([gain - part["gain_low"].values, part["gain_high"].values - gain])
     ax.errorbar(
         frequency, gain, np.abs(reach), fmt="o", ms=1.8, lw=0.7, color=_MEASURED,
-        label="best linear approximation, with its 95 % band",
+        label=f"best linear approximation, {its_band}",
     )  # fmt: skip
     for kind, marker, colour, label in (
         ("distortion", "x", style.VERMILION, "odd nonlinear distortion, one realisation"),

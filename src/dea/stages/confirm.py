@@ -2,15 +2,9 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dea.stages.command import run
-
-if TYPE_CHECKING:
-    import numpy as np
-    import xarray as xr
-
-    from dea.nonparametric import Band
 
 
 def confirm(
@@ -23,15 +17,14 @@ def confirm(
     import numpy as np
 
     from dea import nonparametric, store
-    from dea.gfrf import frequency_response
+    from dea.gfrf import frequency_response_band
     from dea.narx import NarxModel
     from dea.tracking import with_constant
 
     record = store.read_record(probed)
-    rate = store.signals(record).sampling_rate
     narx = with_constant(NarxModel.load(model))
-    tracked = store.read(track)["parameter"].sel(tracker=settings["gfrf"]["tracker"])
-    responses = store.read(gfrf)
+    tracked = store.read(track).sel(tracker=settings["gfrf"]["tracker"])
+    withheld = str(tracked["withheld"].values)
     measured = nonparametric.best_linear_approximation(record)
     stretches = nonparametric.periods_of(record, float(record.attrs["probing_period"]))
     found = [nonparametric.best_linear(each) for each in stretches]
@@ -39,47 +32,39 @@ def confirm(
     pairs = np.concatenate([-f[::-1], f])
     modelled = []
     for stretch in stretches:
+        now = tracked.sel(instant=stretch.time, method="nearest")
+        theta = now["parameter"].sel(time=now["instant"], method="nearest").values.astype(float)
+        covariance = now["covariance"].values
         response = partial(
-            frequency_response,
+            frequency_response_band,
             narx,
-            sampling_rate=rate,
-            parameters=tracked.sel(time=stretch.time, method="nearest").values.astype(float),
+            sampling_rate=store.signals(record).sampling_rate,
+            parameters=theta,
+            # Without bands of the model the measurement's own decide.
+            covariance=np.zeros_like(covariance) if withheld else covariance,
             operating_point=float(stretch.u.mean()),
             allow_missing=True,
         )
-        H1, H2 = response(1, f), response(2, (pairs[:, None], pairs[None, :]))
-        band = _band(responses.sel(time=stretch.time, method="nearest"), f)
-        exact = nonparametric.Band(np.zeros(H2.shape), np.zeros(H2.shape))
-        modelled.append(nonparametric.Modelled(H1, band, H2, exact))
-    excited = responses["frequency"].values[responses["excited"].values == 1]
+        first, second = response(1, f), response(2, (pairs[:, None], pairs[None, :]))
+        modelled.append(
+            nonparametric.Modelled(
+                first.response,
+                nonparametric.Band.around(first.response, first.gain_high, first.phase_high),
+                second.response,
+                nonparametric.Band.around(second.response, second.gain_high, second.phase_high),
+            )
+        )
+    responses = store.read(gfrf)
+    highest = float(responses["frequency"].values[responses["excited"].values == 1].max())
+    result = nonparametric.confirmation(measured, found, modelled, highest)
+    result.attrs["model_band_withheld"] = withheld
     store.write(
-        nonparametric.confirmation(measured, found, modelled, float(excited.max())),
+        result,
         confirmation,
         title=f"Confirmation of the frequency responses of {settings['system']}",
         inputs={"probed_record": probed, "model": model, "track": track, "gfrf": gfrf},
         settings=settings,
     )
-
-
-def _band(response: "xr.Dataset", f: "np.ndarray") -> "Band":
-    """Return the band of the stored response at the frequencies ``f``, missing beyond its own."""
-    import numpy as np
-
-    from dea.nonparametric import Band
-
-    if "gain_low" not in response:
-        return Band(np.zeros(f.size), np.zeros(f.size))
-
-    def at(values: np.ndarray) -> np.ndarray:
-        x = np.log(response["frequency"].values)
-        return np.asarray(np.interp(np.log(f), x, values, left=np.nan, right=np.nan))
-
-    gain_low, gain_high, phase_low, phase_high = (
-        response[name].values for name in ("gain_low", "gain_high", "phase_low", "phase_high")
-    )
-    H1 = response["H1"]
-    gain = np.hypot(H1.sel(part="real").values, H1.sel(part="imag").values)
-    return Band(at(0.5 * (gain_high - gain_low) / gain), at(0.5 * (phase_high - phase_low)))
 
 
 if __name__ == "__main__":

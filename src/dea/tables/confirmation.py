@@ -38,6 +38,7 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
         "largest difference of gain (%)": 100 * _largest(band["gain_difference"]),
         "of phase (degrees)": _largest(band["phase_difference"]),
         "joint band of gain (%)": 100 * float(band["gain_band"].median()),
+        "band of the model": "withheld" if part.attrs.get("model_band_withheld") else "in it",
         "noise (%)": 100 * float(np.median(band["response_noise"].values / gain)),
         "odd distortion (%)": 100 * float(np.median(band["distortion"].values / gain)),
         "even lines": _share(even["even_inside"]),
