@@ -55,7 +55,8 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     unit, unit_name = style.clock(times)
     panel = min((style.FULL_WIDTH - _MARGIN) / len(maps), _LARGEST_PANEL)
     height = panel * times.size + _CURVES + _MARGIN
-    figure = style.page_figure(panel * len(maps) + _MARGIN, min(height, style.PAGE_HEIGHT))
+    width = panel * len(maps) + _MARGIN
+    figure = style.page_figure(width, min(height, style.PAGE_HEIGHT))
     ratios = [*[panel] * times.size, _CURVES]
     axes = figure.subplots(times.size + 1, len(maps), squeeze=False, height_ratios=ratios)
     norm = _scale(maps, responses)
@@ -73,8 +74,8 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     colour_bar(figure, mesh, axes[:-1], r"$|H_2(f_1, f_2)|$ / own at lowest $f$, middle time")
     handles = [veil_handle(), *_curve_handles(times), *missing_handles(maps)]
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(3, len(maps)),
-        title=reservations(responses), title_fontsize=6,
+        handles=handles, loc="outside lower center", ncols=2 if len(maps) < 3 else 3,
+        title=reservations(responses, width), title_fontsize=6,
     )  # fmt: skip
     return figure
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dea.figures import style
 
 Array = NDArray[np.float64]
-_LINE = 130  # characters of a note below the maps
+_PER_MM = 0.72  # characters of a note below the maps
 _DECADE = 10.0
 _VEIL, _VEIL_ALPHA = "#C9C9C9", 0.65
 
@@ -55,8 +55,11 @@ def missing_handles(maps: Mapping[str, xr.DataArray]) -> list[Patch]:
     ]  # fmt: skip
 
 
-def reservations(responses: Mapping[str, xr.Dataset]) -> str:
-    """Return which systems have no band and why, and whose estimate is another than asked for."""
+def reservations(responses: Mapping[str, xr.Dataset], width: float) -> str:
+    """Return which systems have no band and why, and whose estimate is another than asked for.
+
+    In lines that fit a figure of ``width`` mm.
+    """
     reasons: dict[str, list[str]] = {}
     for name, response in responses.items():
         if response.attrs["withheld"]:
@@ -67,7 +70,7 @@ def reservations(responses: Mapping[str, xr.Dataset]) -> str:
     return "\n".join(
         line
         for reason, names in reasons.items()
-        for line in wrap(f"{', '.join(names)}: {reason}", _LINE)
+        for line in wrap(f"{', '.join(names)}: {reason}", int(_PER_MM * width))
     )
 
 

@@ -74,7 +74,7 @@ def h1_over_time(
     handles = [veil_handle(), *_curve_handles(time), *missing_handles(shown.maps)]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=3,
-        title=reservations(responses), title_fontsize=6,
+        title=reservations(responses, style.FULL_WIDTH), title_fontsize=6,
     )  # fmt: skip
     return figure
 
