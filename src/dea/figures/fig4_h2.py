@@ -74,7 +74,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     colour_bar(figure, mesh, axes[:-1], r"$|H_2(f_1, f_2)|$ / own at lowest $f$, middle time")
     handles = [veil_handle(), *_curve_handles(times), *missing_handles(maps)]
     figure.legend(
-        handles=handles, loc="outside lower center", ncols=2 if len(maps) < 3 else 3,
+        handles=handles, loc="outside lower center", ncols=min(len(maps), 3),
         title=reservations(responses, width), title_fontsize=6,
     )  # fmt: skip
     return figure
