@@ -37,8 +37,9 @@ def work(
 
     The work, over 2π, a² and the thickness h of the prestretched film, and the stress are in Pa;
     the integral is times h, in 1/Pa. ``squares`` are R²/a² at the points and at the frame, and
-    ln b/a. NaN where the disc is slack. A film of true stress σ and stretches λ does the work
-    σ₁ δλ₁/λ₁ + σ₂ δλ₂/λ₂ per volume; its tension is σ₁ times its thickness.
+    ln b/a. NaN where the disc is slack or the annulus crushed. A film of true stress σ and
+    stretches λ does the work σ₁ δλ₁/λ₁ + σ₂ δλ₂/λ₂ per volume; its tension is σ₁ times its
+    thickness.
     """
     c10, c20, c30, prestretch, epsilon_r = p[2], p[3], p[4], p[5], p[6]
     thickness, gain = p[10], p[11]
@@ -52,7 +53,7 @@ def work(
     field = gain * u * square / thickness
     sigma = 2.0 * W * (square - contraction)
     sigma -= VACUUM_PERMITTIVITY * epsilon_r * field * field
-    if not sigma > 0.0:
+    if not (sigma > 0.0 and (x - 1.0) * (outer + 1.0) < outer - 1.0):
         return nan, nan, nan
     resisting, compliance = sigma / x, 0.0
     for k in range(3):
