@@ -28,6 +28,8 @@ class PlainModule:
         self.hold_next = 0.0  # s that the next write is held back, without an answer
         self.only = None  # holding registers that may be read; None for all
         self.index = 0  # of 16 bits in holding register 5, which counts the writes from here on
+        self.closed = 1  # discrete input 0
+        self.enabled = False  # coil 0
         self.history = []
         self._count, self._ended = 0, threading.Event()
         self._listening = socket.create_server(("127.0.0.1", 0))
@@ -93,6 +95,11 @@ class PlainModule:
         function, address, value = struct.unpack(">BHH", frame[7:12])
         if self.refuse_with:
             body = bytes([function | 0x80, self.refuse_with])
+        elif function in (1, 2):
+            body = bytes([function, 1, self.closed | 0xFE])
+        elif function == 5:
+            self.enabled = bool(value)
+            body = frame[7:]
         elif function == 6:
             if self.hold_next:
                 held, self.hold_next = self.hold_next, 0.0

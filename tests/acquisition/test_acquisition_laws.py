@@ -217,6 +217,27 @@ def test_a_trip_takes_the_output_to_zero_and_latches_until_acknowledged(
     assert acquire(target, volts, tmp_path / "c.partial", SETTINGS).record.sizes["time"] == 100
 
 
+def test_an_interlock_of_one_bit_is_read_and_a_coil_switched_on_the_wire(
+    module, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    safety = {"interlocks": {"door": {"name": "door"}}, "enable": {"name": "enable"}}
+    plain = module.description()
+    target = replace(
+        device(safety=safety | {"heartbeat": None}), port=module.port,
+        registers={name: device()[name] for name in ("door", "enable")} | dict(plain.registers),
+    )  # fmt: skip
+
+    def open_door(samples, _):
+        assert module.enabled
+        module.closed = 0
+
+    with pytest.raises(TripError, match="interlock door: door reads 0"):
+        acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS, watch=open_door)
+    assert module.volts == 0.0
+    assert not module.enabled
+
+
 def test_nothing_is_driven_unless_somebody_has_armed_it(module, tmp_path):
     with pytest.raises(InputError, match="nobody has armed"):
         acquire(described(module), np.ones(5), tmp_path / "a", replace(SETTINGS, armed_by=""))

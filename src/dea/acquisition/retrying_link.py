@@ -231,7 +231,9 @@ class Link:
             raise DeviceRefusedError(reply.exception_code, request.function_code)
         if not _answers(reply, request):
             raise ValueError("a reply that does not answer the request")
-        return [int(bit) for bit in reply.bits] or list(reply.registers)
+        if isinstance(request, ReadCoilsRequest | ReadDiscreteInputsRequest):
+            return [int(bit) for bit in reply.bits[: request.count]]  # whole bytes come
+        return list(reply.registers)
 
     def _stray_bytes(self) -> bool:
         """Whether a reply is there before its request: RTU frames carry no transaction number."""
