@@ -14,7 +14,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report diagnose discrepancy real trials records faults peers \
-	interoperability soak coverage configuration check test mutants benchmark clean
+	interoperability soak coverage configuration audit check test mutants benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -85,6 +85,9 @@ soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
 
 configuration: $(VENV)/installed ## write docs/configuration.md from the models of the config
 	python -m dea.configuration page > docs/configuration.md
+
+audit: $(VENV)/installed ## compare the results with what their jobs made (SAMPLE=5 makes that many again)
+	python -m dea.audit $(SAMPLE:%=--sample %) $(SEED:%=--seed %)
 
 check: $(VENV)/installed ## linters, formatters, the type checker and the import contracts
 	ruff check .

@@ -28,8 +28,14 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/tables.smk"
 
 
+# `make audit` compares the results with the manifest.
+onsuccess:
+    collect().write()
+
+
 # The profile keeps quiet about rules, and with them about why one failed.
 onerror:
+    collect().write()
     print(failures("results", STARTED), file=sys.stderr)
 
 

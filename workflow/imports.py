@@ -8,8 +8,11 @@ from pathlib import Path
 
 import grimp
 
+from dea import provenance
+
 SOURCE = Path("src")
 PACKAGE = "dea"
+ENVIRONMENT = Path("build/environment.txt")
 
 
 def modules(*names: str) -> list[str]:
@@ -37,6 +40,16 @@ def modules(*names: str) -> list[str]:
 def _graph() -> grimp.ImportGraph:
     # Takes a tenth of a second: a cache, which two processes could write to at once, saves nothing.
     return grimp.build_graph(PACKAGE, exclude_type_checking_imports=True, cache_dir=None)
+
+
+@cache
+def environment() -> str:
+    """Return the file that lists the installed packages, brought up to date."""
+    text = "\n".join([*provenance.packages(), ""])
+    if not ENVIRONMENT.exists() or ENVIRONMENT.read_text() != text:
+        ENVIRONMENT.parent.mkdir(exist_ok=True)
+        ENVIRONMENT.write_text(text)
+    return str(ENVIRONMENT)
 
 
 def _file(module: str) -> str:

@@ -3,8 +3,9 @@ import json
 import re
 import time
 
-from imports import modules
+import imports
 
+from dea.audit import collect
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.case import check_cases, read_cases
 from dea.configuration.study import check_actuators, check_names, check_study
@@ -81,9 +82,20 @@ def settings(*sections, **own_leaves):
     return resolve
 
 
+def modules(*names):
+    """The code of a job, which are the files of these modules and of all that they import.
+
+    The list of installed packages is among them, since another version of a package is other code.
+    """
+    return [*imports.modules(*names), imports.environment()]
+
+
 def stage(command):
-    """The shell command that runs a stage; it refuses code that the rule's ``code`` does not list."""
-    return f"DEA_CODE='{{input.code}}' python -m dea.stages.{command}"
+    """The shell command that runs a stage, which keeps what made its products.
+
+    It refuses code that the rule's ``code`` does not list. Its log names the job.
+    """
+    return f"DEA_JOB={{log:q}} DEA_CODE='{{input.code}}' python -m dea.stages.{command}"
 
 
 def failures(folder, since):

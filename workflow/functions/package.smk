@@ -1,4 +1,6 @@
 # The library, and the config file before Snakemake reads it.
+import os
+import subprocess
 import sys
 
 from snakemake.exceptions import WorkflowError
@@ -20,3 +22,18 @@ def readable(path):
     raise WorkflowError(
         f"{path}: no sections in it. Take the one of this project as a template."
     )
+
+
+def commit():
+    """The commit that is checked out, `-dirty` where a file differs from it."""
+    described = subprocess.run(
+        ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude", "*"],
+        cwd=workflow.basedir,
+        capture_output=True,
+        text=True,
+    )
+    return described.stdout.strip() or "unknown"
+
+
+# Every job keeps it with its products.
+os.environ.update(DEA_COMMIT=commit())

@@ -103,6 +103,7 @@ rule first_actuator:
     input:
         png=f"results/figures/actuators/{{figure}}_{FIRST}.png",
         pdf=f"results/figures/actuators/{{figure}}_{FIRST}.pdf",
+        code=modules("dea.stages.copy_files"),
     output:
         png="results/figures/{figure}.png",
         pdf="results/figures/{figure}.pdf",
@@ -113,4 +114,7 @@ rule first_actuator:
     wildcard_constraints:
         figure="|".join(FIGURES["actuator"].members),
     shell:
-        "(cp {input.png:q} {output.png:q} && cp {input.pdf:q} {output.pdf:q}) 2> {log:q}"
+        stage(
+            "copy_files --originals {input.png:q} {input.pdf:q}"
+            " --copies {output.png:q} {output.pdf:q} 2> {log:q}"
+        )

@@ -22,6 +22,7 @@ from matplotlib.ticker import LogLocator, MultipleLocator, NullFormatter
 from matplotlib.typing import RcKeyType
 from numpy.typing import NDArray
 
+from dea.provenance import current_job
 from dea.store import atomic
 
 # A page of the journal, mm.
@@ -84,7 +85,10 @@ _STYLE: dict[RcKeyType, Any] = {
     "pdf.fonttype": 42,  # TrueType, so that journals and search engines read the text
     "svg.hashsalt": "dea-study",
 }
-_NO_DATE = {"png": {"Software": None}, "pdf": {"CreationDate": None, "Creator": None}}
+_NO_DATE: dict[str, dict[str, str | None]] = {
+    "png": {"Software": None},
+    "pdf": {"CreationDate": None, "Creator": None},
+}
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -115,7 +119,8 @@ def page_figure(width: float, height: float) -> Figure:
 def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
     """Save ``figure`` at each path, PNG or PDF by its ending, at ``resolution`` dots per inch.
 
-    The files hold no dates and no names of programs: the same figure gives the same bytes.
+    The files hold no dates and no names of programs, but name the job that draws them: the same
+    job gives the same bytes.
     """
     FigureCanvasAgg(figure)
     figure.set_dpi(resolution)
@@ -128,7 +133,14 @@ def save(figure: Figure, paths: Iterable[Path], resolution: int) -> None:
     for path in paths:
         kind = path.suffix.lstrip(".")
         with atomic(path) as partial:
-            figure.savefig(partial, format=kind, dpi=resolution, metadata=_NO_DATE[kind])
+            figure.savefig(partial, format=kind, dpi=resolution, metadata=_metadata(kind))
+
+
+def _metadata(kind: str) -> dict[str, str | None]:
+    """Return what the file says of itself: the job that draws it, where one does."""
+    job = current_job()
+    key = {"png": "Source", "pdf": "Subject"}[kind]
+    return _NO_DATE[kind] | ({key: f"dea-study job: {job}"} if job else {})
 
 
 def panel_letters(

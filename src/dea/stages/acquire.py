@@ -33,4 +33,4 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
 
 
 if __name__ == "__main__":
-    run(acquire, inputs=("device",), outputs=("record", "link"))
+    run(acquire, inputs=("device",), outputs=("record", "link"), named=("bench.config",))

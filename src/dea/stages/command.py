@@ -3,10 +3,11 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from dea import provenance
 from dea.errors import DeviceError, InputError
 
 
@@ -16,13 +17,17 @@ def run(
     inputs: Sequence[str] = (),
     outputs: Sequence[str] = (),
     numbers: Sequence[str] = (),
+    named: Sequence[str] = (),
     arguments: Sequence[str] | None = None,
 ) -> None:
     """Parse the command line and call ``stage(settings, **paths)``.
 
     Each name in ``inputs`` and ``outputs`` becomes an option ``--name PATH``; a name ending in
     ``*`` takes several paths. ``--settings`` is the JSON of the config leaves the stage needs. Each
-    name in ``numbers`` becomes an option for a whole number that no result depends on.
+    name in ``numbers`` becomes an option for a whole number that no result depends on. ``named``
+    are dotted keys of the settings that name input files. Within the workflow, inputs are compared
+    with what their jobs made, and a description of the job is kept beside each product
+    (:mod:`dea.provenance`).
     An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2; where
     it knows no file, since it comes from arrays, the stage's inputs are named. A
     :class:`~dea.errors.DeviceError` exits with status 1.
@@ -36,10 +41,19 @@ def run(
     for name in numbers:
         parser.add_argument("--" + name, type=int, required=True, metavar="N")
     values: dict[str, Any] = vars(parser.parse_args(arguments))
+    settings = values.pop("settings")
     try:
-        stage(values.pop("settings"), **values)
+        with provenance.job(
+            _command(stage, values, (*inputs, *outputs)),
+            settings,
+            inputs=[*_files(values, inputs), *_named(settings, named)],
+            outputs=_files(values, outputs),
+            free=[text for name in numbers for text in (f"--{name}", str(values[name]))],
+        ):
+            stage(settings, **values)
     except InputError as error:
-        place = "" if error.file else _joined(values[name.rstrip("*")] for name in inputs)
+        files = [] if error.file else _files(values, inputs)
+        place = f"{', '.join(map(str, files))}: " if files else ""
         print(f"error: {place}{error}", file=sys.stderr)
         raise SystemExit(2) from None
     except DeviceError as error:
@@ -47,6 +61,34 @@ def run(
         raise SystemExit(1) from None
 
 
-def _joined(inputs: Iterable[Path | list[Path]]) -> str:
-    files = [file for one in inputs for file in (one if isinstance(one, list) else [one])]
-    return f"{', '.join(map(str, files))}: " if files else ""
+def _command(
+    stage: Callable[..., None], values: Mapping[str, Any], names: Iterable[str]
+) -> list[str]:
+    """Return the stage's module and its options for files, which no number of cores changes."""
+    spec = sys.modules[stage.__module__].__spec__
+    command = [spec.name if spec else stage.__module__]
+    for name in names:
+        option = "--" + name.rstrip("*").replace("_", "-")
+        command += [option, *map(str, _files(values, [name]))]
+    return command
+
+
+def _files(values: Mapping[str, Any], names: Iterable[str]) -> list[Path]:
+    """Return the files that these options name, those of several in turn."""
+    found = [values[name.rstrip("*")] for name in names]
+    return [file for one in found for file in (one if isinstance(one, list) else [one])]
+
+
+def _named(settings: Mapping[str, Any], keys: Iterable[str]) -> list[Path]:
+    """Return the files that these dotted keys of the settings name.
+
+    A key may be missing, or name something of the library's own, which has no suffix.
+    """
+    files = []
+    for key in keys:
+        value: Any = settings
+        for part in key.split("."):
+            value = value.get(part) if isinstance(value, dict) else None
+        if isinstance(value, str) and Path(value).suffix:
+            files.append(Path(value))
+    return files

@@ -80,4 +80,5 @@ if __name__ == "__main__":
         inputs=("record", "further*", "tests*"),
         outputs=("localisation", "candidates", "verdict", "extended", "certificate"),
         numbers=("threads",),
+        named=("simulation",),
     )

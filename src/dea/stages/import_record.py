@@ -22,4 +22,4 @@ def import_record(settings: Mapping[str, Any], case: Path, record: Path) -> None
 
 
 if __name__ == "__main__":
-    run(import_record, inputs=("case",), outputs=("record",))
+    run(import_record, inputs=("case",), outputs=("record",), named=("file",))

@@ -14,6 +14,7 @@ from typing import Any
 import xarray as xr
 
 from dea.errors import InputError
+from dea.provenance import current_job
 from dea.store.contracts import CONTRACTS
 
 _PACKAGES = ("dea-study", "numpy", "scipy", "numba", "xarray", "netCDF4", "pymodbus", "snakemake")
@@ -59,7 +60,7 @@ def write(
     contract = _contract_name(dataset, path)
     if contract in CONTRACTS:
         CONTRACTS[contract].check(dataset, path)
-    provenance = {
+    attributes = {
         "Conventions": "CF-1.11",
         "title": title,
         "source": f"dea-study {version('dea-study')}",
@@ -69,10 +70,12 @@ def write(
         "packages": json.dumps(_versions(), sort_keys=True),
     }
     if seed is not None:
-        provenance["seed"] = str(seed)
+        attributes["seed"] = str(seed)
+    if job := current_job():
+        attributes["job"] = job
     for name, file in (inputs or {}).items():
-        provenance[f"sha256_{name}"] = sha256(file)
-    whole = dataset.assign_attrs({**dataset.attrs, **provenance})
+        attributes[f"sha256_{name}"] = sha256(file)
+    whole = dataset.assign_attrs({**dataset.attrs, **attributes})
     encoding = {
         name: {"zlib": True, "complevel": 1, "shuffle": True}
         for name, variable in whole.variables.items()

@@ -1,0 +1,6 @@
+"""Whether results are what their jobs made: manifest, verification, recomputation."""
+
+from dea.audit.manifest import Manifest, collect
+from dea.audit.verify import Finding, verify
+
+__all__ = ["Finding", "Manifest", "collect", "verify"]

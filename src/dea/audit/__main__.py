@@ -1,0 +1,62 @@
+"""Audit the results: ``make audit``, or ``python -m dea.audit``.
+
+Exits with 0 where everything is as its job made it, with 1 where something is not, with 2 where
+there is no manifest to compare with. ``results/audit.md`` says it for people.
+"""
+
+import argparse
+import sys
+import time
+
+from dea import provenance
+from dea.audit.manifest import Manifest
+from dea.audit.page import page
+from dea.audit.verify import resting_on, verify
+from dea.errors import InputError
+
+SHOWN = 10  # results named on the terminal; the page names all
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(prog="python -m dea.audit", description=__doc__)
+    parser.add_argument("--sample", type=int, default=0, metavar="N", help="jobs to run again")
+    parser.add_argument("--seed", type=int, default=None, help="of the draw; the time otherwise")
+    options = parser.parse_args(arguments)
+    seed = int(time.time()) if options.seed is None else options.seed
+    try:
+        manifest = Manifest.read()
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    findings = verify(manifest)
+    repeated = []
+    if options.sample and not findings:
+        from dea.audit.recompute import recompute
+
+        for products, different in recompute(manifest, options.sample, seed):
+            print(f"made again: {products}: {'differs' if different else 'the same'}", flush=True)
+            repeated.append(products)
+            findings += different
+    text = page(manifest, findings, repeated)
+    (provenance.RESULTS / "audit.md").write_text(text, encoding="utf-8")
+    if not findings:
+        print(
+            f"{len(manifest.products)} results of {len(manifest.jobs)} jobs are what they were made"
+            " as; see results/audit.md"
+        )
+        return
+    first = findings[0]
+    print(f"broken: {first.path}: {first.problem}")
+    resting = resting_on(first.path, manifest)
+    for path in resting[:SHOWN]:
+        print(f"  rests on it: {path}")
+    if len(resting) > SHOWN:
+        print(f"  and {len(resting) - SHOWN} more")
+    if len(findings) > 1:
+        print(f"{len(findings) - 1} more findings; see results/audit.md")
+    raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,98 @@
+"""``results/MANIFEST.json``: every result with its hash and its job, and every other file there."""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from dea import provenance
+from dea.errors import InputError
+
+FILE = provenance.RESULTS / "MANIFEST.json"
+# Made by targets outside of the workflow, or by the audit itself.
+UNLISTED = {
+    provenance.RESULTS / name
+    for name in ("MANIFEST.json", "MANIFEST.json.sig", "audit.md", "report.html")
+}
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What the results of this project are.
+
+    ``products`` holds hash and job of each result by its path, ``jobs`` what each job was (the
+    fields of :class:`dea.provenance.Job`, and ``run``), ``others`` the hashes of logs, timings and
+    descriptions of jobs, ``packages`` the packages installed when the manifest was written.
+    """
+
+    products: Mapping[str, Mapping[str, str]]
+    jobs: Mapping[str, Mapping[str, Any]]
+    others: Mapping[str, str]
+    packages: list[str]
+
+    def text(self) -> str:
+        """Return the manifest as JSON that ends with its own hash."""
+        content = json.dumps(asdict(self), sort_keys=True)
+        return json.dumps(
+            {**asdict(self), "sha256": hashlib.sha256(content.encode()).hexdigest()},
+            indent=1,
+            sort_keys=True,
+        )
+
+    def write(self, file: Path = FILE) -> None:
+        """Write it, whole or not at all."""
+        file.parent.mkdir(exist_ok=True)
+        partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
+        partial.write_text(f"{self.text()}\n", encoding="utf-8")
+        partial.replace(file)
+
+    @classmethod
+    def read(cls, file: Path = FILE) -> Self:
+        """Read it.
+
+        Raises
+        ------
+        InputError
+            If there is none, or it is not as it was written.
+        """
+        remedy = "Make it again by running a target, as make study"
+        try:
+            text = file.read_text(encoding="utf-8")
+            content = json.loads(text)
+            content.pop("sha256")
+            found = cls(**content)
+        except OSError as error:
+            raise InputError("there is no manifest", file=file, remedy=remedy) from error
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise InputError(f"is damaged ({error})", file=file, remedy=remedy) from error
+        if text != f"{found.text()}\n":
+            raise InputError("is not as it was written", file=file, remedy=remedy)
+        return found
+
+
+def collect() -> Manifest:
+    """Return the manifest of the results that lie there, from what their jobs kept."""
+    products, jobs = {}, {}
+    for file in sorted(provenance.FOLDER.rglob("*.json")):
+        said = json.loads(file.read_text(encoding="utf-8"))
+        product = provenance.RESULTS / file.relative_to(provenance.FOLDER).with_suffix("")
+        if product.exists():
+            products[str(product)] = {"sha256": said["sha256"], "job": said["identity"]}
+            jobs[said["identity"]] = {**said["job"], "run": said["run"]}
+    folders = [Path(path) for path in products if Path(path).is_dir()]
+    others = {
+        str(file): provenance.digest(file)
+        for file in files(folders)
+        if str(file) not in products and file not in UNLISTED
+    }
+    return Manifest(products, jobs, others, provenance.packages())
+
+
+def files(without: list[Path]) -> Iterator[Path]:
+    """Yield every file of the results that lies in none of the folders ``without``."""
+    for folder, names, found in os.walk(provenance.RESULTS):
+        names[:] = sorted(name for name in names if Path(folder, name) not in without)
+        yield from (Path(folder, name) for name in sorted(found))

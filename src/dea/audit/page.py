@@ -1,0 +1,50 @@
+"""The audit as a page for people."""
+
+from collections import Counter
+from collections.abc import Sequence
+
+from dea.audit.manifest import Manifest
+from dea.audit.verify import Finding, resting_on
+
+
+def page(manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str]) -> str:
+    """Return the audit as Markdown.
+
+    Parameters
+    ----------
+    repeated
+        Products that were made again.
+    """
+    commits = Counter(job["run"]["commit"] for job in manifest.jobs.values())
+    processors = Counter(job["run"]["processor"] for job in manifest.jobs.values())
+    lines = [
+        "# Audit of the results",
+        "",
+        f"**{_verdict(findings)}**",
+        "",
+        f"{len(manifest.products)} results of {len(manifest.jobs)} jobs were compared with"
+        " `results/MANIFEST.json`: their content, the files that each was made from, the code that"
+        " made it, and the installed packages.",
+        "",
+        "| made from | jobs |",
+        "|---|---|",
+        *(f"| commit `{commit}` | {count} |" for commit, count in sorted(commits.items())),
+        *(f"| {processor} | {count} |" for processor, count in sorted(processors.items())),
+        "",
+    ]
+    if repeated:
+        lines += ["## Made again", "", *(f"- {products}" for products in repeated), ""]
+    for finding in findings:
+        lines += [f"## {finding.path}", "", f"It {finding.problem}.", ""]
+        resting = resting_on(finding.path, manifest)
+        if resting:
+            lines += ["Results that rest on it:", "", *(f"- {path}" for path in resting), ""]
+    return "\n".join(lines)
+
+
+def _verdict(findings: Sequence[Finding]) -> str:
+    if not findings:
+        return "Every result is what its job made."
+    return (
+        f"{len(findings)} findings; the first is {findings[0].path}, which {findings[0].problem}."
+    )

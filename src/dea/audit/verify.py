@@ -1,0 +1,159 @@
+"""Compare results with their manifest: files, links, code, environment."""
+
+import hashlib
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from dea import provenance
+from dea.audit.manifest import UNLISTED, Manifest, files
+
+ENVIRONMENT = Path("environment.txt")
+_PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)")
+
+
+class Finding(NamedTuple):
+    """Something that is not as it should be; ``path`` is the file, or the package."""
+
+    path: str
+    problem: str
+
+
+def verify(manifest: Manifest) -> list[Finding]:
+    """Return everything that differs from the manifest, files before what was made from them."""
+    found = [
+        *_files(manifest),
+        *_links(manifest),
+        *_code(manifest),
+        *_environment(manifest),
+    ]
+    rank = {path: place for place, path in enumerate(in_order(manifest))}
+    return sorted(dict.fromkeys(found), key=lambda one: rank.get(one.path, -1))
+
+
+def in_order(manifest: Manifest) -> list[str]:
+    """Return the products, each after those that it was made from."""
+    ordered: dict[str, None] = {}
+
+    def visit(path: str) -> None:
+        if path in ordered or path not in manifest.products:
+            return
+        for source in manifest.jobs[manifest.products[path]["job"]]["inputs"]:
+            visit(source)
+        ordered[path] = None
+
+    for path in manifest.products:
+        visit(path)
+    return list(ordered)
+
+
+def resting_on(path: str, manifest: Manifest) -> list[str]:
+    """Return the products that were made from a file, directly or not; the file may be code."""
+    spoilt = {path}
+    for product in in_order(manifest):
+        job = manifest.jobs[manifest.products[product]["job"]]
+        if spoilt & (job["inputs"].keys() | job["code"].keys()):
+            spoilt.add(product)
+    return [product for product in in_order(manifest) if product in spoilt - {path}]
+
+
+def _files(manifest: Manifest) -> Iterator[Finding]:
+    expected = {path: one["sha256"] for path, one in manifest.products.items()} | {
+        **manifest.others
+    }
+    for path, sha in expected.items():
+        if not Path(path).exists():
+            yield Finding(path, "is missing")
+        elif provenance.digest(Path(path)) != sha:
+            yield Finding(path, f"is not what was made (SHA-256 {sha[:12]}…)")
+    folders = [Path(path) for path in manifest.products if Path(path).is_dir()]
+    for file in files(folders):
+        if str(file) not in expected and file not in UNLISTED:
+            yield Finding(str(file), "was made by no job")
+
+
+def _links(manifest: Manifest) -> Iterator[Finding]:
+    for path, product in manifest.products.items():
+        for source, sha in manifest.jobs[product["job"]]["inputs"].items():
+            if source in manifest.products:
+                if manifest.products[source]["sha256"] != sha:
+                    yield Finding(path, f"was made from another {source}")
+            elif not Path(source).exists():
+                yield Finding(source, "is missing")
+            elif provenance.digest(Path(source)) != sha:
+                yield Finding(source, "has changed since results were made from it")
+
+
+def _code(manifest: Manifest) -> Iterator[Finding]:
+    recorded = {
+        (path, sha)
+        for job in manifest.jobs.values()
+        for path, sha in job["code"].items()
+        if path.endswith(".py")
+    }
+    for path, sha in sorted(recorded):
+        if not Path(path).exists():
+            yield Finding(path, "is missing")
+        elif provenance.digest(Path(path)) != sha:
+            yield Finding(path, "has changed since results were made with it")
+    for commit in sorted({job["run"]["commit"] for job in manifest.jobs.values()}):
+        # Of a tree with changes, or outside of a repository, no commit says what the code was.
+        if re.fullmatch("[0-9a-f]{40}", commit):
+            yield from _committed(commit, manifest)
+
+
+def _committed(commit: str, manifest: Manifest) -> Iterator[Finding]:
+    listed = subprocess.run(
+        ["git", "ls-tree", "-r", commit, "--", "src"], capture_output=True, text=True, check=False
+    )
+    if listed.returncode:
+        yield Finding(commit, "is no commit of this repository, and results were made from it")
+        return
+    blobs = {line.split("\t")[1]: line.split()[2] for line in listed.stdout.splitlines()}
+    paths = {
+        path
+        for job in manifest.jobs.values()
+        if job["run"]["commit"] == commit
+        for path in job["code"]
+        if path.endswith(".py") and Path(path).exists()
+    }
+    for path in sorted(paths):
+        content = Path(path).read_bytes()
+        # As Git names a file's content.
+        blob = hashlib.sha1(b"blob %d\0" % len(content) + content, usedforsecurity=False)
+        if blobs.get(path) != blob.hexdigest():
+            yield Finding(path, f"is not what the commit {commit[:12]} holds")
+
+
+def _environment(manifest: Manifest) -> Iterator[Finding]:
+    installed = {_name(package): package for package in provenance.packages()}
+    then = {_name(package): package for package in manifest.packages}
+    for name in sorted(installed.keys() | then.keys()):
+        if installed.get(name) != then.get(name):
+            now = installed.get(name, "not installed")
+            was = then.get(name, "not installed")
+            yield Finding(name, f"is {now}, and was {was} when the results were made")
+    for line in ENVIRONMENT.read_text(encoding="utf-8").splitlines():
+        pin = _PIN.match(line)
+        if pin and f"{_plain(pin[1])}-{pin[2]}" != _plain_version(installed.get(_plain(pin[1]))):
+            now = installed.get(_plain(pin[1]), "not installed")
+            yield Finding(_plain(pin[1]), f"is {now}, and {ENVIRONMENT} asks for {pin[0]}")
+    known = provenance.environment()
+    for path, product in manifest.products.items():
+        if manifest.jobs[product["job"]]["environment"] != known:
+            yield Finding(path, "was made with other packages than are installed now")
+
+
+def _name(package: str) -> str:
+    return _plain(package.rpartition("-")[0])
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _plain_version(package: str | None) -> str:
+    name, _, number = (package or "-").rpartition("-")
+    return f"{_plain(name)}-{number}"

@@ -1,0 +1,191 @@
+"""Which job made a file: its settings, inputs, code and environment, and whether it still is.
+
+A job keeps a description beside each of its products, ``results/provenance/PATH.json`` for
+``results/PATH``. What it says of settings and hashes is the same wherever and whenever the
+job runs, and has an identity, which the product itself may carry (:func:`current_job`). Commit,
+processor and linear algebra of the run stand apart.
+"""
+
+import hashlib
+import json
+import os
+import platform
+import sys
+import sysconfig
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from dea.errors import InputError
+
+RESULTS = Path("results")
+FOLDER = RESULTS / "provenance"
+# What the workflow says of a job; without them a program runs outside of the workflow.
+JOB, CODE, COMMIT = "DEA_JOB", "DEA_CODE", "DEA_COMMIT"
+
+_current: list["Job"] = []
+
+
+@dataclass(frozen=True)
+class Job:
+    """What determines the products of a job, its name that of its log.
+
+    ``inputs`` and ``code`` hold the SHA-256 of each file by its path; ``environment`` is that of
+    the names and versions of all installed packages.
+    """
+
+    name: str
+    command: list[str]
+    settings: Mapping[str, Any]
+    inputs: Mapping[str, str]
+    code: Mapping[str, str]
+    environment: str
+
+    @property
+    def identity(self) -> str:
+        """SHA-256 of all of it, in hex."""
+        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
+
+
+@contextmanager
+def job(
+    command: list[str],
+    settings: Mapping[str, Any],
+    *,
+    inputs: Iterable[Path],
+    outputs: Iterable[Path],
+    free: Iterable[str] = (),
+) -> Iterator[None]:
+    """Run the block as a job of the workflow, if this process runs one.
+
+    Inputs that are results are compared with what their own jobs say; after the block the
+    description of this job is kept beside each of its outputs. ``free`` are options of the command
+    that no result depends on.
+
+    Raises
+    ------
+    InputError
+        If a result among ``inputs`` is not what its own job made, or was made from something else
+        than what lies there now.
+    """
+    if JOB not in os.environ:
+        yield
+        return
+    found = {str(path): digest(path) for path in inputs}
+    for path, sha in found.items():
+        check(Path(path), sha)
+    code = {path: digest(Path(path)) for path in os.environ[CODE].split()}
+    described = Job(_name(os.environ[JOB]), command, dict(settings), found, code, environment())
+    _current[:] = [described]
+    try:
+        yield
+    finally:
+        _current.clear()
+    content = {
+        "job": asdict(described),
+        "identity": described.identity,
+        "run": run_facts() | {"options": list(free)},
+    }
+    for product in outputs:
+        text = json.dumps({**content, "sha256": digest(product)}, indent=1, sort_keys=True)
+        kept = description_of(product)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        partial = kept.with_name(f".{kept.name}.{os.getpid()}.partial")
+        partial.write_text(f"{text}\n", encoding="utf-8")
+        partial.replace(kept)
+
+
+def current_job() -> str:
+    """Return the name and identity of the job that runs, empty where none does."""
+    return f"{_current[0].name} {_current[0].identity}" if _current else ""
+
+
+def _name(log: str) -> str:
+    """Return a job's name from its log: ``dea1/select`` of results/dea1/log/select.log."""
+    path = Path(log).with_suffix("")
+    return "/".join(part for part in path.parts[1:] if part != "log")
+
+
+def description_of(product: Path) -> Path:
+    """Return where the description of a product is kept."""
+    relative = product.relative_to(RESULTS)
+    return FOLDER / relative.with_name(f"{relative.name}.json")
+
+
+def check(path: Path, sha: str) -> None:
+    """Check that a result is what its job made, from what lies there now; other files pass.
+
+    Raises
+    ------
+    InputError
+        Naming the file, and what to do.
+    """
+    if not path.is_relative_to(RESULTS):
+        return
+    remedy = "Delete it and run again"
+    try:
+        said = json.loads(description_of(path).read_text(encoding="utf-8"))
+        expected, made_from = said["sha256"], said["job"]["inputs"]
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(
+            f"nothing says which job made it ({error!r})", file=path, remedy=remedy
+        ) from error
+    if sha != expected:
+        raise InputError(
+            f"it is not what the job {said['job']['name']} made (SHA-256 {expected[:12]}…)",
+            file=path,
+            remedy=remedy,
+        )
+    for name, then in made_from.items():
+        if not Path(name).exists() or digest(Path(name)) != then:
+            raise InputError(f"it was made from another {name}", file=path, remedy=remedy)
+
+
+def digest(path: Path) -> str:
+    """Return the SHA-256 of a file, or of the names and contents of the files in a folder."""
+    if path.is_dir():
+        parts = {
+            str(file.relative_to(path)): digest(file)
+            for file in sorted(path.rglob("*"))
+            if file.is_file() and not file.name.startswith(".")
+        }
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def packages() -> list[str]:
+    """Return the installed packages as ``name-version``, and the Python that runs them."""
+    # Names of folders, since reading the metadata of each package takes a tenth of a second.
+    installed = {
+        Path(entry).stem
+        for folder in {sysconfig.get_path("purelib"), sysconfig.get_path("platlib")}
+        for entry in os.listdir(folder)
+        if entry.endswith(".dist-info") and not entry.startswith("dea_study-")
+    }
+    return [f"python-{platform.python_version()}", *sorted(installed)]
+
+
+def environment() -> str:
+    """Return the SHA-256 of :func:`packages`."""
+    return hashlib.sha256("\n".join(packages()).encode()).hexdigest()
+
+
+def run_facts() -> dict[str, Any]:
+    """Return what a rounding error may depend on, and the commit that was checked out."""
+    facts: dict[str, Any] = {"processor": _processor(), "commit": os.environ.get(COMMIT, "unknown")}
+    if numpy := sys.modules.get("numpy"):
+        blas = numpy.show_config(mode="dicts")["Build Dependencies"]["blas"]
+        facts["blas"] = f"{blas['name']} {blas['version']}"
+    return facts
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()

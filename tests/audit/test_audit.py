@@ -1,0 +1,219 @@
+"""A small project of made-up jobs, tampered with in every way that an audit must notice."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from dea import provenance
+from dea.audit import Manifest, collect, verify
+from dea.audit.__main__ import main
+from dea.audit.verify import in_order, resting_on
+from dea.errors import InputError
+
+# Each result: what it is made from, and the code that makes it.
+JOBS = {
+    "results/a/record.nc": (["config/device.yaml"], ["src/acquire.py"]),
+    "results/a/model.nc": (["results/a/record.nc"], ["src/select.py", "src/shared.py"]),
+    "results/a/track.nc": (["results/a/record.nc", "results/a/model.nc"], ["src/track.py"]),
+    "results/figures/fig3.png": (["results/a/track.nc"], ["src/draw.py", "src/shared.py"]),
+    "results/tables/table1.csv": (["results/a/model.nc"], ["src/tabulate.py"]),
+}
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch):
+    """A finished study: its code committed, its results made, its manifest written."""
+    monkeypatch.chdir(tmp_path)
+    for sources, code in JOBS.values():
+        for file in (*sources, *code):
+            if not file.startswith("results"):
+                Path(file).parent.mkdir(exist_ok=True)
+                Path(file).write_text(f"content of {file}\n")
+    Path("environment.txt").write_text("numpy==2.0.0\nsci-py==1.5\n")
+    packages = ["python-3.11.7", "numpy-2.0.0", "sci_py-1.5"]
+    monkeypatch.setattr(provenance, "packages", lambda: list(packages))
+    git = ["git", "-c", "user.name=a", "-c", "user.email=a@b"]
+    for command in (["init", "-q"], ["add", "src"], ["commit", "-q", "-m", "code"]):
+        subprocess.run([*git, *command], check=True)
+    commit = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True).stdout
+    monkeypatch.setenv(provenance.COMMIT, commit.strip())
+    for product in JOBS:
+        make(monkeypatch, product)
+    Path("results/a/log").mkdir()
+    Path("results/a/log/track.log").write_text("converged\n")
+    collect().write()
+    monkeypatch.delenv(provenance.JOB)
+    return packages
+
+
+def make(monkeypatch, product, settings=None):
+    sources, code = JOBS[product]
+    monkeypatch.setenv(provenance.JOB, f"results/a/log/{Path(product).stem}.log")
+    monkeypatch.setenv(provenance.CODE, " ".join(code))
+    inputs, outputs = map(Path, sources), [Path(product)]
+    with provenance.job(["dea.stages.x"], settings or {}, inputs=inputs, outputs=outputs):
+        Path(product).parent.mkdir(parents=True, exist_ok=True)
+        Path(product).write_text(f"{product} by {provenance.current_job()}\n")
+
+
+def first():
+    return verify(Manifest.read())[0]
+
+
+def overwrite(file, content):
+    """Change a file and keep its time."""
+    time = Path(file).stat().st_mtime_ns
+    Path(file).write_bytes(content)
+    import os
+
+    os.utime(file, ns=(time, time))
+
+
+def test_an_untouched_study_passes(study, capsys):
+    assert verify(Manifest.read()) == []
+    main([])
+    assert "5 results of 5 jobs are what they were made as" in capsys.readouterr().out
+    assert "Every result is what its job made" in Path("results/audit.md").read_text()
+    main([])  # its own page is nothing extra
+
+
+@pytest.mark.parametrize(
+    "file", ["results/a/track.nc", "results/figures/fig3.png", "results/tables/table1.csv"]
+)
+def test_a_value_a_pixel_or_a_cell_that_is_changed_is_named(study, file):
+    overwrite(file, Path(file).read_bytes()[:-2] + b"X\n")
+    assert first().path == file
+    assert "is not what was made" in first().problem
+
+
+def test_two_files_that_are_swapped_are_named(study):
+    one, other = Path("results/a/model.nc"), Path("results/a/track.nc")
+    contents = one.read_bytes(), other.read_bytes()
+    overwrite(one, contents[1])
+    overwrite(other, contents[0])
+    assert [finding.path for finding in verify(Manifest.read())] == [str(one), str(other)]
+
+
+def test_an_edited_module_is_named_with_what_rests_on_it(study, capsys):
+    Path("src/shared.py").write_text("other\n")
+    with pytest.raises(SystemExit) as exit_:
+        main([])
+    assert exit_.value.code == 1
+    said = capsys.readouterr().out
+    assert "src/shared.py: has changed" in said
+    for product in ("results/a/model.nc", "results/a/track.nc", "results/figures/fig3.png"):
+        assert f"rests on it: {product}" in said
+    assert "record.nc" not in said
+
+
+def test_code_that_its_commit_does_not_hold_is_named(study, monkeypatch):
+    Path("src/draw.py").write_text("never committed\n")
+    make(monkeypatch, "results/figures/fig3.png")
+    collect().write()
+    assert first().path == "src/draw.py"
+    assert "is not what the commit" in first().problem
+
+
+def test_a_package_of_another_version_is_named(study):
+    study[1] = "numpy-2.0.1"
+    paths = [finding.path for finding in verify(Manifest.read())]
+    assert paths[0] == "numpy"
+    assert "results/a/record.nc" in paths
+
+
+def test_a_package_that_the_environment_does_not_ask_for_is_named(study):
+    Path("environment.txt").write_text("numpy==2.0.0\nsci-py==1.6\n")
+    assert first().path == "sci-py"
+    assert "asks for sci-py==1.6" in first().problem
+
+
+def test_a_missing_file_is_named_with_what_rests_on_it(study):
+    Path("results/a/model.nc").unlink()
+    assert first() == ("results/a/model.nc", "is missing")
+    assert resting_on("results/a/model.nc", Manifest.read()) == [
+        "results/a/track.nc", "results/figures/fig3.png", "results/tables/table1.csv",
+    ]  # fmt: skip
+
+
+def test_a_file_that_no_job_made_is_named(study):
+    Path("results/tables/table2.csv").write_text("a,b\n")
+    assert first() == ("results/tables/table2.csv", "was made by no job")
+
+
+def test_a_changed_setting_in_a_description_is_named(study):
+    file = provenance.description_of(Path("results/a/model.nc"))
+    overwrite(file, file.read_bytes().replace(b'"settings": {}', b'"settings": {"a": 1}'))
+    assert first().path == str(file)
+
+
+def test_an_edited_manifest_is_refused(study, capsys):
+    file = Path("results/MANIFEST.json")
+    content = json.loads(file.read_text())
+    content["products"]["results/a/track.nc"]["sha256"] = 64 * "0"
+    file.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n")
+    with pytest.raises(SystemExit) as exit_:
+        main([])
+    assert exit_.value.code == 2
+    assert "is not as it was written" in capsys.readouterr().err
+
+
+def test_a_config_file_that_has_changed_is_named(study):
+    Path("config/device.yaml").write_text("other\n")
+    assert first() == ("config/device.yaml", "has changed since results were made from it")
+
+
+def test_one_byte_flipped_in_each_file_is_found(study):
+    for file in sorted(path for path in Path("results").rglob("*") if path.is_file()):
+        content = file.read_bytes()
+        for place in (0, len(content) // 2, len(content) - 1):
+            file.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
+            try:
+                found = [finding.path for finding in verify(Manifest.read())]
+            except InputError as error:
+                found = [str(error.file)]
+            assert found[:1] == [str(file)]
+        file.write_bytes(content)
+    assert verify(Manifest.read()) == []
+
+
+def test_a_link_to_another_input_is_named(study, monkeypatch):
+    make(monkeypatch, "results/a/model.nc", {"degree": 2})
+    collect().write()
+    paths = [finding.path for finding in verify(Manifest.read())]
+    assert paths == ["results/a/track.nc", "results/tables/table1.csv"]
+
+
+def test_a_job_refuses_an_input_that_is_not_what_was_made(study, monkeypatch):
+    overwrite("results/a/model.nc", b"other")
+    with pytest.raises(InputError, match=r"model\.nc: it is not what the job a/model made"):
+        make(monkeypatch, "results/a/track.nc")
+
+
+def test_a_job_refuses_an_input_that_was_made_from_something_else(study, monkeypatch):
+    make(monkeypatch, "results/a/record.nc", {"other": 1})
+    with pytest.raises(InputError, match=r"model\.nc: it was made from another .*record\.nc"):
+        make(monkeypatch, "results/tables/table1.csv")
+
+
+def test_a_job_refuses_an_input_of_which_no_job_is_known(study, monkeypatch):
+    provenance.description_of(Path("results/a/model.nc")).unlink()
+    with pytest.raises(InputError, match=r"model\.nc: nothing says which job made it"):
+        make(monkeypatch, "results/a/track.nc")
+
+
+def test_products_come_after_what_they_are_made_from(study):
+    order = in_order(Manifest.read())
+    for product, (sources, _) in JOBS.items():
+        for source in sources:
+            if source in order:
+                assert order.index(source) < order.index(product)
+
+
+def test_outside_of_the_workflow_nothing_is_kept(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv(provenance.JOB, raising=False)
+    with provenance.job(["x"], {}, inputs=[], outputs=[Path("results/a.nc")]):
+        assert provenance.current_job() == ""
+    assert not Path("results").exists()
