@@ -14,7 +14,7 @@ FOUR_TRIALS = [
     "trials={count: 4, batch: 2, set: tuning}",
     "discrepancy={budget: {finished: 2, beam: 1, effects: 1}}",
 ]
-PARTS = ["Snakefile", "config", "workflow", "pyproject.toml"]
+PARTS = ["Snakefile", "config", "workflow", "pyproject.toml", "environment.txt"]
 
 
 class Project:
