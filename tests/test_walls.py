@@ -55,7 +55,7 @@ def test_figures_and_tables_show_what_datasets_hold(graph):
         for importer, imported in imports_between_rooms(graph)
         if importer.startswith(("dea.figures", "dea.tables"))
     }
-    assert known == {"configuration", "errors", "number_format", "store", "terms"}
+    assert known == {"configuration", "errors", "number_format", "provenance", "store", "terms"}
 
 
 @pytest.mark.parametrize(

@@ -30,10 +30,12 @@ def study(tmp_path, monkeypatch, serve_bench):
         {"name": "film1", "device": "config/devices/mine.yaml"},
         {"name": "dea1", "device": "config/devices/mine.yaml", "bench": "dea1"},
     ]
-    config["excitation"]["record"]["duration"] = 130
-    del config["excitation"]["probing"]  # it does not fit so short a record
-    config["validation"]["windows"] = [[100, 130]]
-    config["identification"]["length"] = 20
+    # The small study's sections suit a short record.
+    small = yaml.safe_load((ROOT / "tests/workflow/small.yaml").read_text())
+    for name, changed in small.pop("excitation").items():
+        config["excitation"][name] |= changed
+    for name in small.keys() - {"actuators"}:
+        config[name] |= small[name]
     config["acquisition"]["ramp_rate"] = 20.0
     file.write_text(yaml.safe_dump(config))
     monkeypatch.chdir(tmp_path)
@@ -45,7 +47,7 @@ def test_a_record_is_kept_with_what_made_it(study, capsys, tmp_path):
     folder = Path(capsys.readouterr().out.strip())
     content = archive.check(folder)
     assert content["operator"] == "A. Volta"
-    assert content["settings"]["excitation"]["duration"] == 130
+    assert content["settings"]["excitation"]["duration"] == 150
     assert {"record.nc", "link.nc", "device.yaml", "config.yaml"} == set(content["files"])
     record = store.read(folder / "record.nc")
     index = record.device_index.values
@@ -65,7 +67,7 @@ def test_a_failed_record_keeps_its_samples_and_gets_no_name(study, capsys, monke
     assert "No space left" in capsys.readouterr().err
     (folder,) = Path("records/film1").iterdir()
     assert folder.name.endswith(".partial")
-    assert (folder / "samples.partial").stat().st_size > 130 * 50
+    assert (folder / "samples.partial").stat().st_size > 150 * 50
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """The Modbus client that drives an actuator and records it."""
 
 from dea.acquisition.acquire import Acquisition, acquire
+from dea.acquisition.commissioning import report_file
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.laws import TripError
 from dea.acquisition.partial import Recovered, recover
@@ -16,6 +17,7 @@ from dea.acquisition.retrying_link import (
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import check_excitation
+from dea.acquisition.watched import acquire_watched
 from dea.acquisition.zero import ZeroNotVerifiedError
 
 __all__ = [
@@ -36,6 +38,8 @@ __all__ = [
     "TripError",
     "ZeroNotVerifiedError",
     "acquire",
+    "acquire_watched",
     "check_excitation",
     "recover",
+    "report_file",
 ]

@@ -12,10 +12,7 @@ import xarray as xr
 
 from dea import store
 from dea.acquisition import by_hand, commissioning, latch
-from dea.acquisition.acquire import acquire
-from dea.acquisition.commissioning import refuse_uncommissioned
 from dea.acquisition.interrupts import Interrupted
-from dea.acquisition.monitor import Monitor
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
 from dea.acquisition.preview import preview
@@ -25,6 +22,7 @@ from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import plan_sequence
+from dea.acquisition.watched import acquire_watched
 from dea.acquisition.zero import ZeroNotVerifiedError
 from dea.errors import DeviceError, InputError
 from dea.excitation import KINDS, design
@@ -64,16 +62,16 @@ def drive(options: argparse.Namespace) -> None:
         {"mode": options.mode, "on_break": options.on_break, "ramp_rate": options.ramp_rate,
          "armed_by": options.arm}
     )  # fmt: skip
-    plan = plan_sequence(device, volts, settings.ramp_rate)
     if options.dry_run:
-        print(preview(device, plan))
+        print(preview(device, plan_sequence(device, volts, settings.ramp_rate)))
         return
-    refuse_uncommissioned(device, options.device)
     if options.output.exists():
         raise InputError("exists", file=options.output, remedy="Give another --output.")
     partial = options.output.with_suffix(".partial")
-    with Monitor(device, plan.counts.size, live=options.live) as monitor:
-        acquired = acquire(device, volts, partial, settings, watch=monitor, reset=options.reset)
+    acquired = acquire_watched(
+        device, volts, partial, settings,
+        description=options.device, live=options.live, reset=options.reset,
+    )  # fmt: skip
     link = options.output.with_name(f"{options.output.stem}_link.nc")
     title = f"Record of {device.name}"
     store.write(acquired.link.assign_attrs(contract="link"), link, title=title)

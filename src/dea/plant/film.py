@@ -81,7 +81,7 @@ def stretch(film: Film, table: Array, state: FilmState, supply: float, dt: float
     source = sourced(film, scalars, supply, 0.5 * dt)
     elastic = branches.shape[0] == 0 and film.stiffness_ageing == 0.0
     if elastic and scalars[FILM_VOLTAGE] == source.settled and scalars[STIFFNESS] > 0.0:
-        return scalars[STIFFNESS]  # nothing has changed
+        return float(scalars[STIFFNESS])  # nothing has changed
     for i in range(branches.shape[0]):
         for k in range(ZONES):
             middle[i, k, 0] = branches[i, k, 0] + 0.5 * dt * slopes[i, k, 0]

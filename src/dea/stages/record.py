@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from dea import acquisition, archive, modbus
-from dea.acquisition.monitor import Monitor
-from dea.acquisition.voltage_plan import plan_sequence
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.excitation import sections
@@ -50,17 +48,20 @@ def record(name: str, excitation_name: str, operator: str) -> Path:
         "acquisition": written(study.acquisition),
     } | sections(written(study.excitation), excitation_name)
     played = excitation(settings, device)
-    options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
-    total = plan_sequence(device, played.volts, options.ramp_rate).counts.size
+    options = acquisition.AcquisitionSettings.from_mapping(
+        {"armed_by": operator, **settings["acquisition"]}
+    )
     begun = datetime.now(UTC)
     with archive.unfinished(name, now=begun) as folder:
-        with Monitor(device, total) as monitor:
-            acquired = acquisition.acquire(
-                device, played.volts, folder / "samples.partial", options, watch=monitor
-            )
+        acquired = acquisition.acquire_watched(
+            device, played.volts, folder / "samples.partial", options, description=device_file
+        )
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
         write(played.label(acquired), files, settings, {"device": device_file})
         (folder / "device.yaml").write_text(device_file.read_text())
+        commissioned = acquisition.report_file(device_file)
+        if commissioned.exists():
+            (folder / "commissioned.json").write_text(commissioned.read_text())
         (folder / "config.yaml").write_text(Path(FILE).read_text())
         (folder / "samples.partial").unlink()
         return archive.seal(
@@ -115,7 +116,9 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m dea.stages.record", description=__doc__)
     parser.add_argument("name", help="an actuator of config/config.yaml without `bench`")
     parser.add_argument("--excitation", choices=("record", "second", "probed"), default="record")
-    parser.add_argument("--operator", default=getpass.getuser(), help="who is in charge")
+    parser.add_argument(
+        "--operator", default=getpass.getuser(), help="who arms the device and is in charge of it"
+    )
     options = parser.parse_args(arguments)
     try:
         print(record(options.name, options.excitation, options.operator))

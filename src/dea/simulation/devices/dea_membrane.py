@@ -98,7 +98,7 @@ def stiffness(u: float, p: np.ndarray) -> float:
         x_3 += x_2 * work_0 * work_1 / (d_02 * d_12)
         if abs(x_3 - x_2) < CLOSE:
             compliance += log(p[8] * x_2 / p[9]) * x_2 * x_2 / sigma
-            return 2.0 * pi / compliance * p[10] / initial
+            return float(2.0 * pi / compliance * p[10] / initial)
         x_0, x_1, x_2 = x_1, x_2, x_3
         work_0, work_1 = work_1, work_2
     return nan

@@ -1,0 +1,45 @@
+"""An acquisition as a person runs it: of a commissioned device, with progress on the terminal."""
+
+from pathlib import Path
+
+import numpy as np
+
+from dea.acquisition.acquire import Acquisition, acquire
+from dea.acquisition.commissioning import refuse_uncommissioned
+from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.voltage_plan import plan_sequence
+from dea.modbus import Device
+
+
+def acquire_watched(
+    device: Device,
+    excitation: np.ndarray,
+    partial: Path,
+    settings: AcquisitionSettings,
+    *,
+    description: Path,
+    live: bool = False,
+    reset: bool = False,
+) -> Acquisition:
+    """Acquire as :func:`dea.acquisition.acquire` and show how far it is.
+
+    Parameters
+    ----------
+    description
+        File of the device's description, which must be as it was commissioned.
+    live
+        Whether voltage and displacement are drawn too.
+
+    Raises
+    ------
+    InputError, DeviceError
+        As :func:`dea.acquisition.acquire`; also where the device has a safety model and has not
+        been commissioned.
+    """
+    refuse_uncommissioned(device, description)
+    plan = plan_sequence(device, excitation, settings.ramp_rate)
+    # The display takes a while to import, and a job of the workflow has none.
+    from dea.acquisition.monitor import Monitor
+
+    with Monitor(device, plan.counts.size, live=live) as monitor:
+        return acquire(device, excitation, partial, settings, watch=monitor, reset=reset)
