@@ -7,7 +7,8 @@ from scipy.optimize import least_squares as scipy_least_squares
 
 from dea.errors import InputError
 from dea.narx import NarxModel, Scaling, estimate, refine, regressor_matrix, scaling_of, simulate
-from dea.narx.refinement import sensitivities
+from dea.narx.refinement import fit_free_runs, sensitivities
+from published_plants import published_plants
 
 PLANT = {"1": 0.1, "y(t-1)": 1.2, "y(t-2)": -0.4, "u(t-1)": 0.2, "y(t-1)u(t-1)^2": -0.15}
 
@@ -125,3 +126,20 @@ def test_a_model_that_diverges_cannot_be_refined():
     _, u, y = record()
     with pytest.raises(InputError, match="diverges"):
         refine(NarxModel.from_terms({"y(t-1)": 1.5, "u(t-1)": 1.0}), u, y)
+
+
+def test_refinement_finds_the_minimum_where_noise_takes_least_squares_far_off():
+    """A slow input and noise on the output: from least squares alone, a pole ends near -1."""
+    model = published_plants()["DEA1"]
+    for seed in (3, 4):
+        rng = np.random.default_rng([9, seed])
+        spectrum = np.fft.rfft(rng.standard_normal(3000))
+        spectrum[np.fft.rfftfreq(3000) > 0.02] = 0.0
+        u = np.fft.irfft(spectrum, 3000)
+        u /= 3.0 * u.std()
+        clean = model.simulate(u)
+        y = clean + 0.02 * clean.std() * rng.standard_normal(3000)
+        biased = estimate(model.terms, u, y, scaling=Scaling())
+        noise = np.mean((clean - y) ** 2)
+        assert fit_free_runs(model.terms, biased.parameters, [(u, y)]).msse > 1.2 * noise
+        assert np.mean((refine(biased, u, y).simulate(u, y) - y) ** 2) < 1.05 * noise

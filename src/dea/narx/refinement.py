@@ -11,12 +11,14 @@ from dea.least_squares import Damping, Model, Point
 from dea.narx import kernels
 from dea.narx.checks import Array
 from dea.narx.estimation import Segment, Signals, as_segments, estimate, normalised
+from dea.narx.estimation import least_squares as least_squares_of
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import FreeRun, column_norms, covariance_of_free_runs
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import BOUND, simulate, structure
 from dea.terms import Term
 
+_SMOOTHED = 9  # samples over which outputs are smoothed for a second start
 _DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
 
@@ -31,7 +33,8 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
     """Return ``model`` with the parameters that minimise its simulated error (6).
 
     Least squares minimises the one-step error instead, which noise on the output biases; this
-    does not have that bias. Starts from the model's own parameters. The outputs from which each
+    does not have that bias. Starts from the model's own parameters, and from an estimate on
+    smoothed outputs; the better minimum is taken. The outputs from which each
     run starts are estimated too: measured ones carry noise, which would enter every later output.
 
     Parameters
@@ -61,7 +64,10 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
             field="model",
             remedy="Start from parameters with which it is stable, or choose other terms.",
         )
-    return model.with_parameters(fit.parameters, fit.covariance)
+    start = _from_smoothed_outputs(model.terms, segments)
+    other = fit_free_runs(model.terms, start, segments, iterations)
+    best = min(fit, other, key=lambda each: each.msse)
+    return model.with_parameters(best.parameters, best.covariance)
 
 
 def estimate_refined(
@@ -94,6 +100,26 @@ def minimise(
         task, start.copy(), _DAMPING, iterations=iterations, tolerance=tolerance
     )
     return Refined(point.x, point.cost / task.samples)
+
+
+def _from_smoothed_outputs(terms: tuple[Term, ...], segments: Sequence[Segment]) -> Array:
+    """Return the least-squares estimate on outputs smoothed without a shift in time.
+
+    Where the input is slow compared with the sampling, noise on the output dominates the one-step
+    error and can take least squares far enough to end in another minimum; smoothing removes most of
+    the noise and little else.
+    """
+    weights = np.hanning(_SMOOTHED + 2)[1:-1]
+    weights /= weights.sum()
+    cut = _SMOOTHED // 2
+    smoothed = [
+        (u[cut:-cut], np.convolve(y, weights, "valid"))
+        for u, y in segments
+        if y.size > _SMOOTHED + structure(terms).start + len(terms)
+    ]
+    if not smoothed:
+        return np.zeros(len(terms))
+    return least_squares_of(terms, smoothed)[0]
 
 
 class Fit(NamedTuple):
