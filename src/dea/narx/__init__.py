@@ -27,11 +27,12 @@ from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
 from dea.narx.search import Forward, Orthogonal, Refined
 from dea.narx.selection import select_common_terms, select_terms
-from dea.narx.simulation import simulate, simulate_varying
+from dea.narx.simulation import BOUND, simulate, simulate_varying
 from dea.narx.stability import Stability, UnstableModel
 from dea.narx.validation import Windows, validate
 
 __all__ = [
+    "BOUND",
     "LEVEL",
     "NOT_WHITE",
     "ForecastPlan",

@@ -1,0 +1,5 @@
+"""From model to control: code, linear models and trackers that run beside a device."""
+
+from dea.control.c_code import CCode, to_c
+
+__all__ = ["CCode", "to_c"]
