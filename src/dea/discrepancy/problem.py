@@ -11,7 +11,10 @@ from dea.simulation import ExtendedSimulation
 
 @dataclass(frozen=True)
 class Samples:
-    """Input and output of a record, each (n,), at a uniform interval (s)."""
+    """Input and output of a record, each (n,), at a uniform interval (s).
+
+    An output that is missing is NaN.
+    """
 
     u: np.ndarray
     y: np.ndarray
@@ -34,6 +37,8 @@ class Problem(Samples):
         Error of integration that is small enough (root mean square, in the output's unit).
     most_steps : int
         Steps of integration that a sample may have.
+    measured : (n,) bool, or None where all were
+        Samples whose output is not missing; it is interpolated in the others.
     """
 
     fit: np.ndarray
@@ -42,6 +47,7 @@ class Problem(Samples):
     noise: float = 1.0
     tolerance: float = np.inf
     most_steps: int = 1
+    measured: np.ndarray | None = None
 
     @property
     def time(self) -> np.ndarray:
@@ -91,6 +97,8 @@ class Problem(Samples):
         """Return the same record with all samples for fits to see, but those before the first."""
         used = self.seen | self.certify
         everything = np.arange(self.u.size) >= int(np.argmax(used))
+        if self.measured is not None:
+            everything &= self.measured
         return replace(self, fit=everything, select=everything & False)
 
     def with_noise(self, noise: float) -> "Problem":

@@ -10,6 +10,7 @@ from dea.discrepancy.evidence.split import Split, split
 from dea.discrepancy.problem import Problem, Samples
 from dea.discrepancy.settings import Settings
 from dea.errors import InputError
+from dea.missing import filled
 from dea.simulation import ExtendedSimulation, Simulation, prepared, slowest_time
 
 if TYPE_CHECKING:
@@ -54,6 +55,9 @@ def prepare(
 ) -> tuple[Problem, Split, ExtendedSimulation]:
     """Join and split records, estimate their noise, and choose the integration step to match.
 
+    Missing outputs have no role in the split: nothing is fitted to them or certified on them. Where
+    a whole signal is needed, as in a spectrum, they are interpolated.
+
     Raises
     ------
     InputError
@@ -61,10 +65,11 @@ def prepare(
         than the others.
     """
     joined = _joined(records)
-    u, y, interval = joined.u, joined.y, joined.interval
+    u, interval = joined.u, joined.interval
+    y, seen = filled(joined.y)
     lengths = tuple(each.u.size for each in records)
     white = white_level(y, _parts(lengths))
-    noise = max(white, quantisation(y), _LEAST * float(np.std(y)))
+    noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
     tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
     extended = prepared(simulation, u, interval, tolerance, lengths)
     slowest = settings.slowest_time
@@ -75,9 +80,9 @@ def prepare(
         for each in records
     ]
     parts = Split(
-        np.concatenate([each.fit for each in splits]),
-        np.concatenate([each.select for each in splits]),
-        np.concatenate([each.certify for each in splits]),
+        np.concatenate([each.fit for each in splits]) & seen,
+        np.concatenate([each.select for each in splits]) & seen,
+        np.concatenate([each.certify for each in splits]) & seen,
         max(each.gap for each in splits),
     )
     problem = Problem(
@@ -90,6 +95,7 @@ def prepare(
         settings.noise_margin * noise,
         tolerance,
         _SHORTER * extended.substeps,
+        seen,
     )
     return problem, parts, extended
 

@@ -100,7 +100,8 @@ def _errors(axes: NDArray[np.object_], record: xr.Dataset, track: xr.Dataset) ->
         chosen = track.sel(simulation=simulation)
         error = measured - chosen["simulated"].values
         worst = float(np.abs(error[np.isfinite(error)]).max(initial=0.0))
-        reach = min(worst, float(np.ptp(whole.y)))  # a simulation may diverge
+        spread = float(np.nanmax(whole.y) - np.nanmin(whole.y))
+        reach = min(worst, spread)  # a simulation may diverge
         ax.set_ylim(-1.1 * reach, 1.1 * reach)
         ax.plot(time, error, lw=0.2, color=colour, rasterized=True)
         ax.axhline(0, color=style.BLACK, lw=0.4)

@@ -25,12 +25,14 @@ class Autoregression(NamedTuple):
 
 
 def fit_autoregression(segments: Sequence[Array]) -> Autoregression:
-    """Fit one model to several segments of noise, each of shape (samples,).
+    """Fit one model to several segments of noise, each of shape (samples,); NaN is missing.
 
     Yule and Walker's equations are solved for each order by Levinson's recursion, which makes every
-    model stable; the order has the least Bayesian information criterion (Schwarz 1978).
+    model stable; the order has the least Bayesian information criterion (Schwarz 1978). Missing
+    samples take part in no product (E. Parzen, Sankhya A 25 (1963)).
     """
-    count = sum(noise.size for noise in segments)
+    count = sum(int(np.isfinite(noise).sum()) for noise in segments)
+    segments = [np.where(np.isfinite(noise), noise, 0.0) for noise in segments]
     highest = min(_HIGHEST, count // _SAMPLES_PER_ORDER, min(map(len, segments)) - 1)
     covariance = np.zeros(highest + 1)
     for noise in segments:

@@ -8,8 +8,8 @@ from dea.errors import InputError
 Array = NDArray[np.float64]
 
 
-def as_signal(values: ArrayLike, name: str) -> Array:
-    """Return ``values`` as a contiguous 1-D float array.
+def as_signal(values: ArrayLike, name: str, *, missing: bool = False) -> Array:
+    """Return ``values`` as a contiguous 1-D float array, in which some may be ``missing`` (NaN).
 
     Raises
     ------
@@ -26,7 +26,7 @@ def as_signal(values: ArrayLike, name: str) -> Array:
         raise InputError(
             f"it has {signal.ndim} dimensions", field=name, remedy="A signal is one-dimensional."
         )
-    bad = np.flatnonzero(~np.isfinite(signal))
+    bad = np.flatnonzero(np.isinf(signal) if missing else ~np.isfinite(signal))
     if bad.size:
         raise InputError(
             f"{bad.size} of {signal.size} samples are not numbers, the first at sample {bad[0]}",
@@ -36,8 +36,12 @@ def as_signal(values: ArrayLike, name: str) -> Array:
     return signal
 
 
-def as_record(u: ArrayLike, y: ArrayLike, lag: int = 0, terms: int = 0) -> tuple[Array, Array]:
+def as_record(
+    u: ArrayLike, y: ArrayLike, lag: int = 0, terms: int = 0, *, missing: bool = False
+) -> tuple[Array, Array]:
     """Return input and output as equally long signals that ``terms`` can be estimated from.
+
+    Where outputs may be ``missing`` they are NaN.
 
     Raises
     ------
@@ -45,7 +49,7 @@ def as_record(u: ArrayLike, y: ArrayLike, lag: int = 0, terms: int = 0) -> tuple
         As :func:`as_signal`; also if lengths differ, if fewer than ``terms`` samples remain after
         the first ``lag``, or if either signal is constant.
     """
-    inputs, outputs = as_signal(u, "u"), as_signal(y, "y")
+    inputs, outputs = as_signal(u, "u"), as_signal(y, "y", missing=missing)
     if inputs.size != outputs.size:
         raise InputError(
             f"it has {outputs.size} samples and u has {inputs.size}",
@@ -60,7 +64,7 @@ def as_record(u: ArrayLike, y: ArrayLike, lag: int = 0, terms: int = 0) -> tuple
             remedy="Use a longer record, smaller lags or fewer terms.",
         )
     for name, signal in (("u", inputs), ("y", outputs)):
-        if np.ptp(signal) == 0.0:
+        if np.ptp(signal[np.isfinite(signal)]) == 0.0:
             raise InputError(
                 f"it is constant at {signal[0]:g}",
                 field=name,

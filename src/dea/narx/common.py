@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from dea.missing import filled
 from dea.narx.checks import Array
 from dea.narx.metrics import nmse
 from dea.narx.model import NarxModel
@@ -24,7 +25,7 @@ def compare_structures(
     own
         The own model of each system.
     tests
-        Input and output of each system in physical units.
+        Input and output of each system in physical units; missing outputs (NaN) are not scored.
 
     Returns
     -------
@@ -34,10 +35,7 @@ def compare_structures(
     models = list(common.values())
     errors = np.array(
         [
-            [
-                nmse(y[model.max_lag :], model.simulate(u, y)[model.max_lag :])
-                for model, (u, y) in zip(each, tests, strict=True)
-            ]
+            [_error(model, u, y) for model, (u, y) in zip(each, tests, strict=True)]
             for each in (own, models)
         ]
     )
@@ -73,3 +71,9 @@ def compare_structures(
         },
         attrs={"contract": "common_model"},
     )
+
+
+def _error(model: NarxModel, u: Array, y: Array) -> float:
+    outputs, seen = filled(y)
+    scored = seen & (np.arange(seen.size) >= model.max_lag)
+    return nmse(outputs[scored], model.simulate(u, outputs)[scored])

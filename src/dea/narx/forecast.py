@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
+from dea.missing import filled, stretches
 from dea.narx.checks import Array, as_record
 from dea.narx.estimation import Segment, least_squares, normalised
 from dea.narx.model import NarxModel
@@ -63,7 +64,8 @@ def forecast_errors(
     models
         Structures and scalings by name.
     u, y
-        The record in physical units, shape (samples,).
+        The record in physical units, shape (samples,); missing outputs (NaN) enter no estimate and
+        no error.
     sampling_rate
         In Hz.
 
@@ -79,7 +81,8 @@ def forecast_errors(
     InputError
         If the record is too short for a window, or a horizon holds no sample.
     """
-    inputs, outputs = as_record(u, y)
+    inputs, recorded = as_record(u, y, missing=True)
+    outputs, seen = filled(recorded)
     window, *reaches = (round(t * sampling_rate) for t in (plan.window, *plan.horizons))
     origins = np.arange(
         round(plan.start * sampling_rate),
@@ -95,12 +98,12 @@ def forecast_errors(
         )
     errors = np.empty((len(models) + 1, len(reaches), origins.size))
     for row, model in enumerate(models.values()):
-        for column, forecast in enumerate(_forecasts(model, inputs, outputs, origins, window,
-                                                     max(reaches))):  # fmt: skip
-            errors[row, :, column] = _errors(forecast, outputs[origins[column] :], reaches)
+        for column, forecast in enumerate(_forecasts(model, inputs, outputs, seen, origins,
+                                                     window, max(reaches))):  # fmt: skip
+            errors[row, :, column] = _errors(forecast, recorded[origins[column] :], reaches)
     for column, origin in enumerate(origins):
         held = np.full(max(reaches), outputs[origin - 1])
-        errors[-1, :, column] = _errors(held, outputs[origin:], reaches)
+        errors[-1, :, column] = _errors(held, recorded[origin:], reaches)
     return xr.Dataset(
         {
             "error": (
@@ -110,7 +113,7 @@ def forecast_errors(
             ),
             "rmse": (
                 ("forecaster", "horizon"),
-                np.sqrt(np.mean(errors**2, axis=-1)),
+                np.sqrt(np.nanmean(errors**2, axis=-1)),
                 {"units": y_units, "long_name": "root mean square error of all forecasts"},
             ),
         },
@@ -135,7 +138,13 @@ def forecast_errors(
 
 
 def _forecasts(
-    model: NarxModel, u: Array, y: Array, origins: NDArray[np.int64], window: int, reach: int
+    model: NarxModel,
+    u: Array,
+    y: Array,
+    seen: NDArray[np.bool_],
+    origins: NDArray[np.int64],
+    window: int,
+    reach: int,
 ) -> list[Array]:
     """Return the free run of ``reach`` samples from each origin, in physical units."""
     terms = model.terms if Term() in model.terms else (Term(), *model.terms)
@@ -144,23 +153,26 @@ def _forecasts(
     runs = []
     for origin in origins:
         [past] = normalised([(u[:origin], y[:origin])], model.scaling)
-        fitted = fitted.with_parameters(_estimate(terms, fitted.parameters, past, window))
+        good = stretches(seen, slice(origin - window, origin), lag, len(terms))
+        segments = [(past[0][part], past[1][part]) for part in good]
+        fitted = fitted.with_parameters(_estimate(terms, fitted.parameters, past, segments))
         ahead = slice(origin - lag, origin + reach)
         runs.append(fitted.simulate(u[ahead], y[origin - lag : origin])[lag:])
     return runs
 
 
-def _estimate(terms: tuple[Term, ...], before: Array, past: Segment, window: int) -> Array:
-    """Return the parameters of least simulated error over the last ``window`` samples of the past.
+def _estimate(
+    terms: tuple[Term, ...], before: Array, past: Segment, window: list[Segment]
+) -> Array:
+    """Return the parameters of least simulated error over the ``window`` at the end of the past.
 
     The search starts from the parameters of the window before or from the least-squares ones,
     whichever simulate the window better. Parameters with which the model leaves the range of the
     outputs on any input played until then are not taken while others do not.
     """
-    segment = past[0][-window:], past[1][-window:]
-    starts = [before, least_squares(terms, [segment])[0]]
-    starts.sort(key=lambda start: squared_error(terms, start, [segment]))
-    searched = (minimise(terms, start, [segment]).parameters for start in starts)
+    starts = [before, least_squares(terms, window)[0]]
+    starts.sort(key=lambda start: squared_error(terms, start, window))
+    searched = (minimise(terms, start, window).parameters for start in starts)
     found = []
     for candidate in chain(searched, starts):
         found.append(candidate)
@@ -178,4 +190,5 @@ def _stays_in_range(terms: tuple[Term, ...], theta: Array, past: Segment) -> boo
 def _errors(forecast: Array, measured: Array, reaches: Sequence[int]) -> list[float]:
     with np.errstate(over="ignore"):
         squares = (forecast - measured[: forecast.size]) ** 2
-    return [float(np.sqrt(np.mean(squares[:reach]))) for reach in reaches]
+    parts = [squares[:reach][np.isfinite(measured[:reach])] for reach in reaches]
+    return [float(np.sqrt(np.mean(part))) if part.size else np.nan for part in parts]

@@ -24,7 +24,8 @@ def inclusion_frequency(
 ) -> Array:
     """Share of bootstrap resamples whose selection contains each of ``terms``.
 
-    The records are cut into contiguous blocks, which keeps the dynamics inside them; each resample
+    The records are cut into contiguous blocks of about one length, which keeps the dynamics inside
+    them; each resample
     draws as many blocks with replacement and selects terms on them anew. A low share
     means that other terms describe the data equally well, often neighbouring lags of a smooth
     signal.
@@ -36,7 +37,7 @@ def inclusion_frequency(
     rng
         Draws the blocks.
     resamples, blocks
-        Number of selections, and of blocks that each record is cut into.
+        Number of selections, and of blocks that the records are cut into; each is one at least.
     selection
         Further arguments of :func:`dea.narx.select_terms`. The scaling is by default that of the
         whole records, so that terms are comparable between resamples.
@@ -55,11 +56,11 @@ def inclusion_frequency(
     records = as_segments(u, y)
     scaling = scaling_of(records, not selection.get("even_in_input", False))
     settings = {"scaling": scaling} | selection
-    pieces = [
-        piece
-        for one, other in records
-        for piece in zip(np.array_split(one, blocks), np.array_split(other, blocks), strict=True)
-    ]
+    total = sum(one.size for one, _ in records)
+    pieces: list[tuple[Array, Array]] = []
+    for one, other in records:
+        parts = max(1, round(blocks * one.size / total))
+        pieces += zip(np.array_split(one, parts), np.array_split(other, parts), strict=True)
     found = []
     for _ in range(resamples):
         drawn = [pieces[i] for i in rng.integers(0, len(pieces), len(pieces))]

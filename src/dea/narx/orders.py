@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from dea.missing import filled
 from dea.narx.candidate_terms import linear_terms
 from dea.narx.checks import as_record
 from dea.narx.estimation import Signals, estimate
@@ -42,7 +43,8 @@ def compare_orders(
     u, y
         Records to identify from, as for :func:`dea.narx.select_terms`.
     u_test, y_test
-        Independent record on which every model is simulated freely from its first outputs.
+        Independent record on which every model is simulated freely from its first outputs;
+        missing outputs (NaN) are not scored.
     dynamic, polynomial
         Highest orders; all from 1 are tried.
     lags
@@ -57,7 +59,8 @@ def compare_orders(
     Dataset
         As ``orders.nc`` holds it; an order whose model diverges has infinite errors.
     """
-    inputs, outputs = as_record(u_test, y_test, max(dynamic, lags), 2)
+    inputs, measured = as_record(u_test, y_test, max(dynamic, lags), 2, missing=True)
+    outputs, seen = filled(measured)
 
     def nonlinear(order: int) -> NarxModel:
         return select_terms(u, y, y_lags=lags, u_lags=lags, degree=order, **selection)
@@ -73,7 +76,8 @@ def compare_orders(
         models = [identify(int(order)) for order in orders]
         # All are scored on the samples after the largest lag of any, so that errors are comparable.
         start = max(model.max_lag for model in models)
-        pairs = [(outputs[start:], each.simulate(inputs, outputs)[start:]) for each in models]
+        scored = seen & (np.arange(seen.size) >= start)
+        pairs = [(outputs[scored], each.simulate(inputs, outputs)[scored]) for each in models]
         sizes = [len(model.terms) for model in models]
         columns = {
             "nmse": ([nmse(*pair) for pair in pairs], "1", "SSE/SST in free run"),

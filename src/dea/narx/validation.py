@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
+from dea.missing import filled, stretches
 from dea.narx.checks import Array, as_record
 from dea.narx.estimation import estimate, normalised
 from dea.narx.metrics import fit, fpe, nmse, rmse, squared
@@ -20,14 +21,17 @@ from dea.narx.scaling import Scaling
 from dea.terms import Term
 
 
-def _estimate_free_run(terms: Iterable[Term], u: Array, y: Array, *, scaling: Scaling) -> NarxModel:
+def _estimate_free_run(
+    terms: Iterable[Term], u: list[Array], y: list[Array], *, scaling: Scaling
+) -> NarxModel:
     """Return the parameters of least error of the free run from the first measured outputs.
 
     The least-squares ones where that run diverges. Runs are scored from measured outputs too; where
     the outputs at the start were estimated as well, a fit to a window could score worse on it.
     """
     model = estimate(terms, u, y, scaling=scaling)
-    found = minimise(model.terms, model.parameters, normalised([(u, y)], scaling))
+    segments = normalised(list(zip(u, y, strict=True)), scaling)
+    found = minimise(model.terms, model.parameters, segments)
     return model.with_parameters(found.parameters) if np.isfinite(found.msse) else model
 
 
@@ -82,7 +86,8 @@ def validate(
     models
         Structures and scalings by name, for instance ``linear`` and ``narx``.
     u, y
-        The whole record in physical units, shape (samples,); it starts at time 0.
+        The whole record in physical units, shape (samples,); it starts at time 0. Missing outputs
+        (NaN) enter no estimate and no score; in the correlations their residual is zero.
     sampling_rate
         In Hz.
     units
@@ -99,7 +104,8 @@ def validate(
     InputError
         If a window, or the stretch before it, is not inside the record.
     """
-    inputs, outputs = as_record(u, y)
+    inputs, recorded = as_record(u, y, missing=True)
+    outputs, seen = filled(recorded)
     spans = _spans(windows, sampling_rate, inputs.size)
     samples = spans[0][1].stop - spans[0][1].start
     shape = (len(models), len(APPROACHES), len(spans))
@@ -112,16 +118,20 @@ def validate(
         earlier, window = spans[at[2]]
         own, estimator = list(APPROACHES.values())[at[1]]
         known = window if own else earlier
-        fitted = estimator(model.terms, inputs[known], outputs[known], scaling=model.scaling)
+        good = stretches(seen, known, model.max_lag, len(model.terms))
+        segments = [inputs[part] for part in good], [outputs[part] for part in good]
+        fitted = estimator(model.terms, *segments, scaling=model.scaling)
         measured = outputs[window]
         run = fitted.simulate(inputs[window], measured)
         simulated[at] = run
         start = model.max_lag  # the samples before it are given, not simulated
-        pair = measured[start:], run[start:]
+        there = seen[window][start:]
+        pair = measured[start:][there], run[start:][there]
         for name, score in (("nmse", nmse), ("fit", fit), ("rmse", rmse)):
             scores[name][at] = score(*pair)
         scores["fpe"][at] = fpe(*pair, len(model.terms))
-        residual, known_input = pair[0] - pair[1], inputs[window][start:]
+        residual, known_input = np.zeros(there.size), inputs[window][start:]
+        residual[there] = pair[0] - pair[1]
         correlation[at] = correlation_tests(residual, known_input, windows.max_lag)
         found = joint_tests(residual, known_input, windows.max_lag)
         tests["p_value"][at], tests["explained"][at] = found
@@ -149,7 +159,7 @@ def validate(
             "time",
         ),
         "input": (over, np.array([inputs[w] for w in cut]), u_units, "input"),
-        "measured": (over, np.array([outputs[w] for w in cut]), y_units, "measured output"),
+        "measured": (over, np.array([recorded[w] for w in cut]), y_units, "measured output"),
         "simulated": (
             ("model", "approach", *over),
             simulated,

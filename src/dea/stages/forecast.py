@@ -22,6 +22,7 @@ def forecast(settings: Mapping[str, Any], record: Path, model: Path, forecast: P
         ForecastPlan(**settings["forecast"]),
         signals.y_units,
     )
+    dataset.attrs["samples_left_out"] = signals.left_out
     store.write(
         dataset,
         forecast,

@@ -46,6 +46,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
         units |= {f"y0_{end}": y, f"gain_{end}": units["H1"], f"H2_gain_{end}": units["H2"]}
     for name, unit in units.items():
         result[name].attrs["units"] = unit
+    result.attrs["samples_left_out"] = signals.left_out
     store.write(
         result,
         gfrf,

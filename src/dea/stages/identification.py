@@ -5,8 +5,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from dea import store
 from dea.errors import InputError
+from dea.missing import stretches
 
 
 def segment(
@@ -34,6 +37,27 @@ def segment(
             remedy="Choose a segment inside the record.",
         )
     return slice(first, last)
+
+
+def good_stretches(
+    signals: store.Signals, part: slice, file: Path, identification: Mapping[str, Any]
+) -> tuple[list[Any], list[Any]]:
+    """Return inputs and outputs of the stretches of ``part`` without a flagged sample.
+
+    Raises
+    ------
+    InputError
+        If none is long enough for the lags of ``identification``.
+    """
+    lag = max(
+        lag if isinstance(lag, int) else max(lag, default=0)
+        for lag in (identification["y_lags"], identification["u_lags"])
+    )
+    try:
+        found = stretches(np.isfinite(signals.y), part, lag)
+    except InputError as error:
+        raise InputError(error.problem, file=file, field="quality", remedy=error.remedy) from error
+    return [signals.u[each] for each in found], [signals.y[each] for each in found]
 
 
 def selection_arguments(identification: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
     """Write ``orders.nc`` of one system."""
     from dea import store
     from dea.narx import Forward, compare_orders
-    from dea.stages.identification import segment
+    from dea.stages.identification import good_stretches, segment
 
     identification, choice = settings["identification"], settings["orders"]
     signals = store.signals(store.read_record(record))
@@ -21,8 +21,7 @@ def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
     part = segment(signals, start, end - start, record)
     later = segment(signals, choice.get("start", end), choice["length"], record, "orders")
     dataset = compare_orders(
-        signals.u[part],
-        signals.y[part],
+        *good_stretches(signals, part, record, identification),
         signals.u[later],
         signals.y[later],
         dynamic=choice["dynamic"],
@@ -32,6 +31,7 @@ def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
         even_in_input=identification["even_in_input"],
         search=Forward(choice["threshold"], choice["threshold"]),
     )
+    dataset.attrs["samples_left_out"] = signals.left_out
     store.write(
         dataset,
         orders,

@@ -18,6 +18,7 @@ def score_tests(settings: Mapping[str, Any], model: Path, test: list[Path], scor
 
     from dea import store
     from dea.errors import InputError
+    from dea.missing import filled
     from dea.narx import NarxModel, nmse, rmse
 
     narx = NarxModel.load(model)
@@ -32,8 +33,11 @@ def score_tests(settings: Mapping[str, Any], model: Path, test: list[Path], scor
                 field="rows",
                 remedy="Test on a longer stretch",
             )
-        run_freely = narx.simulate(signals.u, signals.y)[start:]
-        measured = signals.y[start:]
+        outputs, seen = filled(signals.y)
+        scored = np.arange(outputs.size) >= start
+        scored &= seen
+        run_freely = narx.simulate(signals.u, outputs)[scored]
+        measured = outputs[scored]
         rows.append((nmse(measured, run_freely), rmse(measured, run_freely), measured.size))
     columns = zip(*rows, strict=True)
     labels = {

@@ -12,12 +12,12 @@ def select(settings: Mapping[str, Any], record: Path, model: Path) -> None:
     from dea import store
     from dea.narx import inclusion_frequency, select_terms
     from dea.seeds import generator
-    from dea.stages.identification import as_found, segment, selection_arguments
+    from dea.stages.identification import as_found, good_stretches, segment, selection_arguments
 
     identification = settings["identification"]
     signals = store.signals(store.read_record(record))
     part = segment(signals, identification["start"], identification["length"], record)
-    u, y = signals.u[part], signals.y[part]
+    u, y = good_stretches(signals, part, record, identification)
     selection = selection_arguments(identification)
     found = select_terms(u, y, **selection)
     dataset = found.to_dataset(signals.u_units, signals.y_units)
@@ -36,6 +36,7 @@ def select(settings: Mapping[str, Any], record: Path, model: Path) -> None:
             {"units": "1", "long_name": "share of block bootstrap selections with the term"},
         )
     dataset.attrs["sampling_rate"] = signals.sampling_rate
+    dataset.attrs["samples_left_out"] = signals.left_out
     store.write(
         dataset,
         model,

@@ -15,7 +15,7 @@ def select_common(
 
     from dea import store
     from dea.narx import NarxModel, Refined, compare_structures, select_common_terms
-    from dea.stages.identification import segment, selection_arguments
+    from dea.stages.identification import good_stretches, segment, selection_arguments
 
     identification, orders = settings["identification"], settings["orders"]
     signals = [store.signals(store.read_record(record)) for record in records]
@@ -25,7 +25,9 @@ def select_common(
     for each, record in zip(signals, records, strict=True):
         chosen = segment(each, start, length, record)
         later = segment(each, start + length, orders["length"], record, "orders")
-        pieces.append([(each.u[part], each.y[part]) for part in (chosen, later)])
+        identify = good_stretches(each, chosen, record, identification)
+        longest = max(zip(*identify, strict=True), key=lambda stretch: stretch[0].size)
+        pieces.append([longest, (each.u[later], each.y[later])])
     selection = selection_arguments(identification)
     if not isinstance(selection["search"], Refined) or selection["search"].threshold is None:
         reached = [
@@ -40,6 +42,7 @@ def select_common(
         own,
         [test for _, test in pieces],
     )
+    dataset.attrs["samples_left_out"] = sum(each.left_out for each in signals)
     store.write(
         dataset,
         common,

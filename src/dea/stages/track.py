@@ -54,6 +54,7 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
         result[name].attrs["units"] = signals.y_units
     # Seven digits exceed what any tracker knows and halve the file.
     narrow = ("parameter", "parameter_std", "innovation", *runs)
+    result.attrs["samples_left_out"] = signals.left_out
     store.write(
         result.assign({name: result[name].astype("float32") for name in narrow}),
         track,

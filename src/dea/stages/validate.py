@@ -12,13 +12,14 @@ def validate(settings: Mapping[str, Any], record: Path, model: Path, validation:
     from dea import store
     from dea.narx import NarxModel, Windows, linear_model
     from dea.narx import validate as validate_models
-    from dea.stages.identification import segment
+    from dea.stages.identification import good_stretches, segment
 
     identification, choice = settings["identification"], settings["validation"]
     signals = store.signals(store.read_record(record))
     part = segment(signals, identification["start"], identification["length"], record)
     narx = NarxModel.load(model)
-    linear = linear_model(signals.u[part], signals.y[part], max(narx.max_lag, 1))
+    known = good_stretches(signals, part, record, identification)
+    linear = linear_model(*known, max(narx.max_lag, 1))
     dataset = validate_models(
         {"linear": linear, "narx": narx},
         signals.u,
@@ -27,6 +28,7 @@ def validate(settings: Mapping[str, Any], record: Path, model: Path, validation:
         Windows(choice["windows"], choice["before"], choice["max_lag"]),
         (signals.u_units, signals.y_units),
     )
+    dataset.attrs["samples_left_out"] = signals.left_out
     store.write(
         dataset,
         validation,

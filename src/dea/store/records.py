@@ -13,7 +13,10 @@ _OUTPUTS = ("displacement", "output")
 
 
 class Signals(NamedTuple):
-    """The arrays of a record, shape (samples,), and what they are."""
+    """The arrays of a record, shape (samples,), and what they are.
+
+    Where a sample is not good ``y`` is NaN; ``u`` is known throughout.
+    """
 
     time: np.ndarray
     u: np.ndarray
@@ -24,15 +27,25 @@ class Signals(NamedTuple):
     u_name: str
     y_name: str
 
+    @property
+    def left_out(self) -> int:
+        """Number of samples that are not good."""
+        return int(np.count_nonzero(np.isnan(self.y)))
+
 
 def signals(record: xr.Dataset) -> Signals:
-    """Return input and output of a record as arrays, whatever it calls them."""
+    """Return input and output of a record as arrays, whatever it calls them.
+
+    The output of a flagged sample is NaN, its input what was applied. A lost sample of a record
+    that was finished was never written, so that the device held the input before.
+    """
     u, y = (_first(record, names) for names in (_INPUTS, _OUTPUTS))
     time = record["time"].values.astype(float)
+    flagged = _flagged(record)
     return Signals(
         time=time,
-        u=u.values.astype(float),
-        y=y.values.astype(float),
+        u=_held(u.values.astype(float)),
+        y=np.where(flagged, np.nan, y.values.astype(float)),
         sampling_rate=float((time.size - 1) / (time[-1] - time[0])),
         u_units=u.attrs["units"],
         y_units=y.attrs["units"],
@@ -42,7 +55,9 @@ def signals(record: xr.Dataset) -> Signals:
 
 
 def check_record(record: xr.Dataset, file: Path) -> None:
-    """Check that a record is whole: uniform time, no gap, no NaN, an input that moves.
+    """Check that a record is whole: uniform time, no gap, no NaN but where flagged, a moving input.
+
+    Flagged samples are no reason to refuse it: :func:`signals` leaves them out.
 
     Raises
     ------
@@ -55,21 +70,23 @@ def check_record(record: xr.Dataset, file: Path) -> None:
     time = record["time"].values.astype(float)
     if time.size < 2:
         raise InputError(f"it holds {time.size} samples", file=file, remedy="Record at least two")
+    flagged = _flagged(record)
+    if flagged.all():
+        raise InputError(_flags(record), file=file, field="quality", remedy="Record it again")
     for names in (_INPUTS, _OUTPUTS):
         variable = _first(record, names, file)
         if "units" not in variable.attrs:
             raise InputError("its units are not given", file=file, field=str(variable.name))
-        _require_finite(variable.values, str(variable.name), file)
+        _require_finite(np.where(flagged, 0.0, variable.values), str(variable.name), file)
     _require_finite(time, "time", file)
     _require_uniform(time, file)
     if "device_index" in record.variables:
         _require_consecutive(record["device_index"].values, file)
-    if "quality" in record.variables:
-        _require_good(record["quality"], file)
     u = _first(record, _INPUTS)
-    if np.ptp(u.values) == 0:
+    moving = u.values[~flagged]
+    if np.ptp(moving) == 0:
         raise InputError(
-            f"the input is constant at {u.values[0]:g} {u.attrs['units']}",
+            f"the input is constant at {moving[0]:g} {u.attrs['units']}",
             file=file,
             field=str(u.name),
             remedy="A model can only be identified from an input that moves",
@@ -138,13 +155,25 @@ def _require_consecutive(index: np.ndarray, file: Path) -> None:
         )
 
 
-def _require_good(quality: xr.DataArray, file: Path) -> None:
+def _flagged(record: xr.Dataset) -> np.ndarray:
+    if "quality" not in record.variables:
+        return np.zeros(record["time"].size, bool)
+    return np.asarray(record["quality"].values != 0)
+
+
+def _flags(record: xr.Dataset) -> str:
+    quality = record["quality"]
     bad = np.flatnonzero(quality.values)
-    if bad.size:
-        raise InputError(
-            f"{bad.size} samples are flagged, the first at sample {bad[0]} "
-            f"(flag {int(quality.values[bad[0]])}: {quality.attrs.get('flag_meanings', '')})",
-            file=file,
-            field="quality",
-            remedy="Use an unflagged stretch, or record it again",
-        )
+    return (
+        f"{bad.size} of {quality.size} samples are flagged, the first at sample {bad[0]} "
+        f"(flag {int(quality.values[bad[0]])}: {quality.attrs.get('flag_meanings', '')})"
+    )
+
+
+def _held(u: np.ndarray) -> np.ndarray:
+    """Return ``u`` with the last known value, or at the start the first, where it is NaN."""
+    known = np.flatnonzero(np.isfinite(u))
+    if known.size == u.size:
+        return u
+    last = np.searchsorted(known, np.arange(u.size), side="right") - 1
+    return np.asarray(u[known[np.maximum(last, 0)]])

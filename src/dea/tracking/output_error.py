@@ -85,7 +85,7 @@ def smooth_simulation(
         Parameters to linearise around at first, of the samples after the largest lag; their free
         run is bounded.
     u, y
-        Normalised record, shape (samples,).
+        Normalised record, shape (samples,); a missing output is NaN, but among the first ones.
     walk
         Random-walk model of the parameters; ratios it does not give are fitted in each iteration.
     at
@@ -167,4 +167,5 @@ def _linearised(
 def free_run(model: NarxModel, theta: Array, u: Array, y: Array) -> tuple[Array, float]:
     """Return the free run with ``theta`` after the largest lag, and its mean squared error."""
     run = simulate_varying(model.terms, lead_in(theta, model.max_lag), u, y)
-    return run, float(np.mean((run - y) ** 2))
+    squares = (run - y) ** 2
+    return run, float(np.mean(squares[~np.isnan(squares)]))

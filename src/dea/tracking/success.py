@@ -1,13 +1,16 @@
 """Free-run errors of tracked parameters, compared with those of the fixed model."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
+from dea.missing import filled
 from dea.narx import LEVEL, NarxModel, covariance_of, quantile, simulate, simulate_varying
+from dea.narx.checks import as_signal
 from dea.tracking.sensitivity import sensitivity
 from dea.tracking.structure import with_constant
 
@@ -35,7 +38,7 @@ def compare_free_runs(
     tracks
         Results of :func:`dea.tracking.track_parameters` by name.
     u, y
-        The record in physical units, shape (samples,).
+        The record in physical units, shape (samples,); missing outputs (NaN) are not scored.
     window
         Samples of a stretch; a shorter record is one stretch.
 
@@ -48,7 +51,8 @@ def compare_free_runs(
         ``nmse(simulation)`` and ``nmse_frozen(simulation)``, where nmse is the squared error over
         that of the mean. A run that diverges is ``inf`` from there on and so is its error.
     """
-    inputs, outputs = normalised_record(model, u, y)
+    record = normalised_record(model, u, y)
+    inputs, outputs, seen = record
     if window <= model.max_lag:
         raise InputError(
             f"a stretch of {window} samples",
@@ -64,11 +68,9 @@ def compare_free_runs(
     runs = [
         simulate_varying(tracked.terms, theta, inputs, outputs) for theta in trajectories.values()
     ]
-    frozen = [
-        _frozen_error(tracked, theta, inputs, outputs, stretch) for theta in trajectories.values()
-    ]
-    spread = np.var(outputs)
-    error = np.array([np.mean((run - outputs) ** 2) for run in runs])
+    frozen = [_frozen_error(tracked, theta, record, stretch) for theta in trajectories.values()]
+    spread = np.var(outputs[seen])
+    error = np.array([np.mean((run - outputs)[seen] ** 2) for run in runs])
     simulated = model.scaling.restore_output(np.stack(runs))
     unknown = np.full((len(tracked.terms), len(tracked.terms)), np.nan)
     own = unknown if tracked.covariance is None else covariance_of(tracked)
@@ -125,18 +127,33 @@ def compare_free_runs(
     )
 
 
-def normalised_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
-    """Return input and output in the units of the equation.
+class Record(NamedTuple):
+    """Input and output in the units of the equation; ``y`` is interpolated where not ``seen``."""
+
+    u: Array
+    y: Array
+    seen: NDArray[np.bool_]
+
+    @property
+    def measured(self) -> Array:
+        """The output, NaN where it is missing."""
+        return np.where(self.seen, self.y, np.nan)
+
+
+def normalised_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Record:
+    """Return a record, whose missing outputs are NaN, in the units of the equation.
 
     Raises
     ------
     InputError
         As :meth:`dea.narx.NarxModel.predict`, which checks the record.
     """
-    model.predict(u, y)
-    return (
+    outputs, seen = filled(as_signal(y, "y", missing=True))
+    model.predict(u, outputs)
+    return Record(
         model.scaling.normalise_input(np.asarray(u, dtype=float)),
-        model.scaling.normalise_output(np.asarray(y, dtype=float)),
+        model.scaling.normalise_output(outputs),
+        seen,
     )
 
 
@@ -171,12 +188,15 @@ def _reach(model: NarxModel, theta: Array, u: Array, run: Array, covariance: Arr
     return reach
 
 
-def _frozen_error(model: NarxModel, theta: Array, u: Array, y: Array, window: int) -> float:
+def _frozen_error(model: NarxModel, theta: Array, record: Record, window: int) -> float:
     """Median over stretches of the mean squared error with each stretch's middle parameters."""
     errors = []
+    u, y, seen = record
     for first in range(0, u.size - window + 1, window):
         stretch = slice(first, first + window)
         parameters = np.ascontiguousarray(theta[first + window // 2])
         run = simulate(model.terms, parameters, u[stretch], y[stretch])
-        errors.append(np.mean((run[model.max_lag :] - y[stretch][model.max_lag :]) ** 2))
+        scored = seen[stretch] & (np.arange(window) >= model.max_lag)
+        if scored.any():
+            errors.append(np.mean((run - y[stretch])[scored] ** 2))
     return float(np.median(errors))

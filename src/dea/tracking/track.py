@@ -21,7 +21,7 @@ from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
 from dea.tracking.structure import with_constant
-from dea.tracking.success import normalised_record
+from dea.tracking.success import Record, normalised_record
 
 Array = NDArray[np.float64]
 _THINNING = 10
@@ -57,7 +57,8 @@ def track_parameters(
     Parameters
     ----------
     u, y
-        Measured input and output in physical units, shape (samples,).
+        Measured input and output in physical units, shape (samples,). A missing output is NaN;
+        equations that it enters are left out.
     method
         ``rls``: recursive least squares (11)-(16) with forgetting and leakage towards the model's
         own parameters; uses the past alone. ``kalman``: random-walk Kalman filter and smoother;
@@ -111,7 +112,7 @@ def track_parameters(
     )
     model = with_constant(model)
     record = normalised_record(model, u, y)
-    at = np.maximum(instants_of(record[0].size, chosen.pop("instants")), model.max_lag)
+    at = np.maximum(instants_of(record.u.size, chosen.pop("instants")), model.max_lag)
     tracker = _recursive if method == "rls" else _smoothed
     found = tracker(model, record, at - model.max_lag, method, chosen)
     return _labelled(model, found, at, sampling_rate, {"method": method, **chosen})
@@ -119,35 +120,38 @@ def track_parameters(
 
 def _recursive(
     model: NarxModel,
-    record: tuple[Array, Array],
+    record: Record,
     at: NDArray[np.int64],
     method: str,
     settings: dict[str, Any],
 ) -> Estimate:
-    """Track by recursive least squares."""
-    Phi = regressor_matrix(model.terms, *record)
+    """Track by recursive least squares; an equation with a missing output says 0 = 0."""
+    Phi, target = _equations(model, record)
+    there = np.isfinite(target)
     scale = root_mean_square(Phi)
-    Phi, target = Phi / scale, record[1][model.max_lag :]
+    Phi, target = np.where(there[:, None], Phi / scale, 0.0), np.where(there, target, 0.0)
     centre = model.parameters * scale
     found = recursive_least_squares(Phi, target, theta_0=centre, **settings)
     known = model.covariance is not None
     own = np.zeros((scale.size, scale.size)) if model.covariance is None else model.covariance
-    ratio = fit_common_ratio(Phi, target, theta_0=centre, prior_variance=1.0, thinning=_THINNING)
+    missing = np.where(there, target, np.nan)
+    ratio = fit_common_ratio(Phi, missing, theta_0=centre, prior_variance=1.0, thinning=_THINNING)
     covariance = recursion_covariance(
         Phi,
         found,
         at,
         target_covariance=own * np.outer(scale, scale),
-        walk=np.full(scale.size, ratio * np.var(found.innovation)),
+        walk=np.full(scale.size, ratio * np.var(found.innovation[there])),
         **settings,
     )
-    withheld = reason_of_innovations(found.innovation)
+    innovation = np.where(there, found.innovation, np.nan)
+    withheld = reason_of_innovations(innovation)
     if settings["leakage"] and not known:
         withheld = withheld or TARGET_UNKNOWN
     return Estimate(
         found.theta / scale,
         np.sqrt(found.variance) / scale,
-        found.innovation,
+        innovation,
         covariance / np.outer(scale, scale),
         method,
         withheld,
@@ -156,13 +160,13 @@ def _recursive(
 
 def _smoothed(
     model: NarxModel,
-    record: tuple[Array, Array],
+    record: Record,
     at: NDArray[np.int64],
     method: str,
     settings: dict[str, Any],
 ) -> Estimate:
     """Track by a smoother, of the one-step prediction or of the free run."""
-    Phi, target = regressor_matrix(model.terms, *record), record[1][model.max_lag :]
+    Phi, target = _equations(model, record)
     ratio = settings["noise_ratio"]
     walk = RandomWalk(
         None if ratio is None else np.asarray(ratio, dtype=float),
@@ -176,8 +180,10 @@ def _smoothed(
         standing = RandomWalk(np.zeros(len(model.terms)), prior_variance=0.0)
         starts = [by_prediction, standing.smooth(Phi, target, model.parameters, at)]
         names = ("kalman", "fixed")
-        best = _bounded(model, starts, *record)
-        tracked = smooth_simulation(model, starts[best], *record, walk, at)
+        outputs = record.measured
+        outputs[: model.max_lag] = record.y[: model.max_lag]
+        best = _bounded(model, starts, record.u, outputs)
+        tracked = smooth_simulation(model, starts[best], record.u, outputs, walk, at)
         smoothed = tracked.smoothed
         if tracked.reached:
             estimator, withheld = method, "" if tracked.settled else NOT_SETTLED
@@ -192,6 +198,19 @@ def _smoothed(
         withheld,
         smoothed.noise_ratio,
     )
+
+
+def _equations(model: NarxModel, record: Record) -> tuple[Array, Array]:
+    """Return regressors and outputs after the largest lag.
+
+    The output is NaN where it, or one that a regressor holds, is missing.
+    """
+    lag = model.max_lag
+    known = record.seen.copy()
+    for past in {past for term in model.terms for past in term.y_lags}:
+        known[past:] &= record.seen[:-past]
+    target = np.where(known, record.y, np.nan)[lag:]
+    return regressor_matrix(model.terms, record.u, record.y), target
 
 
 def _settings(method: str, **given: Any) -> dict[str, Any]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem, Samples, rmse
+from dea.missing import filled
 from dea.simulation import ExtendedSimulation
 
 # Part of another record at its start that the state at the start is fitted to.
@@ -66,14 +67,18 @@ def certify_elsewhere(
     tenth counts in the errors, as it does in published ones.
     """
     return {
-        name: Certified(_error_on(other, nominal), _error_on(other, extended), other.y.size)
+        name: Certified(
+            _error_on(other, nominal),
+            _error_on(other, extended),
+            int(np.count_nonzero(~np.isnan(other.y))),
+        )
         for name, other in others.items()
     }
 
 
 def _error_on(other: Samples, fitted: Fit) -> float:
     y = _from_its_own_start(other, fitted)
-    return rmse(other.y - y, np.ones(other.y.size, bool))
+    return rmse(other.y - y, ~np.isnan(other.y))
 
 
 def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
@@ -81,11 +86,12 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
     values = fitted.extended.of_record(fitted.values, 0)
     if not extended.at_start.any():
         return extended.simulate(values, other.u, other.interval)
-    head = np.arange(other.u.size) < max(10, round(_HEAD * other.u.size))
+    outputs, seen = filled(other.y)
+    head = seen & (np.arange(other.u.size) < max(10, round(_HEAD * other.u.size)))
     nothing = np.zeros_like(head)
     problem = Problem(
         other.u,
-        other.y,
+        outputs,
         other.interval,
         head,
         nothing,

@@ -1,0 +1,57 @@
+"""Outputs of which some samples are missing: NaN where no good one was measured.
+
+Inputs are known throughout. A missing output enters no estimate and no score: parameters come from
+the stretches between missing ones, errors from the samples that are there. Only where a run needs
+outputs to start from does the value interpolated between the neighbours take its place.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.errors import InputError
+
+Array = NDArray[np.float64]
+
+_SHORTEST = 3  # lags that a stretch holds at least
+
+
+def filled(y: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return ``y`` with missing samples interpolated, and which samples were there, (samples,).
+
+    Raises
+    ------
+    InputError
+        Where none was.
+    """
+    seen = np.isfinite(y)
+    if seen.all():
+        return y, seen
+    if not seen.any():
+        raise InputError("every sample is missing", field="y", remedy="Record it again")
+    at = np.arange(y.size)
+    return np.where(seen, y, np.interp(at, at[seen], y[seen])), seen
+
+
+def stretches(seen: NDArray[np.bool_], part: slice, lag: int, terms: int = 0) -> list[slice]:
+    """Return the stretches of ``part`` without a missing output, as slices of the record.
+
+    Those too short for the largest ``lag`` and the number of ``terms`` are left out.
+
+    Raises
+    ------
+    InputError
+        Where there is none.
+    """
+    first = part.indices(seen.size)[0]
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], seen[part].astype(int), [0]])))
+    runs = [slice(first + a, first + b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    shortest = max(_SHORTEST * lag, lag + terms) + 1
+    found = [run for run in runs if run.stop - run.start >= shortest]
+    if not found:
+        raise InputError(
+            f"samples {first} to {part.indices(seen.size)[1] - 1} hold no {shortest} in a row that"
+            " are good",
+            field="y",
+            remedy="Record it again, choose another part, or smaller lags",
+        )
+    return found

@@ -1,0 +1,53 @@
+"""Records with flagged samples: read, masked, and counted."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea.errors import InputError
+from dea.store import check_record, signals
+
+FILE = Path("record.nc")
+N = 20
+
+
+def flagged(*samples, lost=()):
+    """Return a record with those samples flagged late, and some of them lost."""
+    u, y = np.arange(N, dtype=float), 0.5 * np.arange(N)
+    quality = np.zeros(N, np.uint8)
+    quality[list(samples)] = 4
+    for place in lost:
+        u[place] = y[place] = np.nan
+        quality[place] |= 2
+    units = {"voltage": "V", "displacement": "mm", "quality": "1"}
+    values = {"voltage": u, "displacement": y, "quality": quality}
+    record = xr.Dataset(
+        {name: ("time", values[name], {"units": unit}) for name, unit in units.items()},
+        coords={"time": ("time", np.arange(N) / 50, {"units": "s"})},
+    )
+    record["quality"].attrs["flag_meanings"] = "held lost late"
+    return record
+
+
+def test_flagged_samples_are_left_out_and_counted():
+    record = flagged(3, 7, lost=(7,))
+    check_record(record, FILE)
+    found = signals(record)
+    assert np.flatnonzero(np.isnan(found.y)).tolist() == [3, 7]
+    assert found.left_out == 2
+    assert found.u[3] == 3.0  # what was applied is known
+    assert found.u[7] == 6.0  # a sample that was never written held the last
+
+
+def test_a_record_without_a_good_sample_is_refused():
+    with pytest.raises(InputError, match="20 of 20 samples are flagged"):
+        check_record(flagged(*range(N)), FILE)
+
+
+def test_what_is_no_number_and_not_flagged_is_refused():
+    record = flagged()
+    record["displacement"][4] = np.nan
+    with pytest.raises(InputError, match="the first at sample 4"):
+        check_record(record, FILE)
