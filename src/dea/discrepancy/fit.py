@@ -11,8 +11,7 @@ import numpy as np
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import sensitivities
 from dea.least_squares import Damping, Model, Point, minimise
-from dea.simulation import ExtendedSimulation
-from dea.simulation.extended import TIMING_OFFSET
+from dea.simulation import TIMING_OFFSET, ExtendedSimulation
 
 # Iterations after which slowly changing columns of the Jacobian are computed anew.
 _REFRESH = 3

@@ -2,7 +2,7 @@
 
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect, Family, Port, catalogue, low_pass
-from dea.simulation.extended import ExtendedSimulation
+from dea.simulation.extended import TIMING_OFFSET, ExtendedSimulation
 from dea.simulation.force_port import ForcePort
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
@@ -14,6 +14,7 @@ from dea.simulation.simulation import Simulation
 from dea.simulation.state import State
 
 __all__ = [
+    "TIMING_OFFSET",
     "Attached",
     "Effect",
     "ExtendedSimulation",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dea.discrepancy.decision import Status
-from dea.simulation.extended import TIMING_OFFSET
+from dea.simulation import TIMING_OFFSET
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
