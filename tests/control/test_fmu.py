@@ -1,0 +1,174 @@
+"""Functional mock-up units: checked by FMPy's validator and simulated by FMPy."""
+
+import shutil
+import subprocess
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_fmu
+
+from dea.control import write_fmu
+from dea.errors import InputError
+from dea.narx import NarxModel, Scaling
+from published_plants import published_plants
+
+PLANTS = published_plants()
+SCALING = Scaling(u_offset=2.4, u_scale=1.3, y_offset=-0.2, y_scale=0.7)
+RATE = 50.0
+FEEDTHROUGH = {"y(t-1)": 0.5, "u(t)": 0.25, "u(t)u(t-2)": 0.1}
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("cc") is None or fmpy.platform != "linux64",
+    reason="there is no C compiler cc for 64-bit Linux",
+)
+
+
+def scaled(name):
+    plant = PLANTS[name]
+    return NarxModel(plant.terms, plant.parameters, SCALING)
+
+
+def random_input(count):
+    return SCALING.restore_input(np.random.default_rng(5).uniform(-0.5, 0.5, count))
+
+
+def from_rest(model, u):
+    """The free run that begins with every past input at its offset."""
+    lag = model.max_lag
+    return model.simulate(np.concatenate([np.full(lag, model.scaling.u_offset), u]))[lag:]
+
+
+class Slave:
+    """A unit that is stepped by hand."""
+
+    def __init__(self, path, folder):
+        self.description = fmpy.read_model_description(path)
+        fmpy.extract(path, unzipdir=folder)
+        self.fmu = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+        )
+        self.fmu.instantiate()
+        self.fmu.setupExperiment()
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def run(self, u, period=1 / RATE):
+        y = []
+        for value in u:
+            self.fmu.setReal([0], [value])
+            y += self.fmu.getReal([1])
+            self.fmu.doStep(0.0, period)
+        return np.array(y)
+
+
+@pytest.fixture
+def opened(tmp_path):
+    slaves = []
+
+    def open_unit(model, **options):
+        path = tmp_path / f"{len(slaves)}.fmu"
+        write_fmu(model, path, RATE, **options)
+        slaves.append(Slave(path, tmp_path / f"unit{len(slaves)}"))
+        return slaves[-1]
+
+    yield open_unit
+    for slave in slaves:
+        slave.fmu.freeInstance()
+
+
+@pytest.mark.parametrize("name", PLANTS)
+def test_fmpy_finds_it_valid_and_simulates_the_free_run(name, tmp_path):
+    model, path = scaled(name), tmp_path / "plant.fmu"
+    write_fmu(model, path, RATE, name=name.lower(), u_units="V", y_units="mm")
+    assert validate_fmu(str(path)) == []
+    u = random_input(1500)
+    signals = np.zeros(u.size, dtype=[("time", float), ("u", float)])
+    signals["time"], signals["u"] = np.arange(u.size) / RATE, u
+    found = fmpy.simulate_fmu(
+        path, stop_time=signals["time"][-1], input=signals, output=["u", "y"], output_interval=0.02
+    )
+    # FMPy reads the output at the end of a step, before it sets the next input.
+    np.testing.assert_allclose(found["y"], from_rest(model, u), rtol=0.0, atol=1e-12)
+
+
+def test_half_an_hour_stepped_by_hand(opened):
+    model, u = scaled("DEA2"), random_input(90_000)
+    found = opened(model).run(u)
+    np.testing.assert_allclose(found, from_rest(model, u), rtol=0.0, atol=1e-12)
+
+
+def test_an_input_that_reaches_the_output_at_once(opened):
+    model, u = NarxModel.from_terms(FEEDTHROUGH, scaling=SCALING), random_input(200)
+    slave = opened(model)
+    np.testing.assert_allclose(slave.run(u), from_rest(model, u), rtol=0.0, atol=1e-13)
+    assert [v.name for v in slave.description.outputs[0].dependencies] == ["u"]
+
+
+def test_a_step_of_several_periods_holds_the_input(opened):
+    model, u = scaled("DEA6"), random_input(60)
+    found = opened(model).run(u, period=4 / RATE)
+    np.testing.assert_allclose(found, from_rest(model, np.repeat(u, 4))[::4], rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("length", [0.0, 0.01, 0.03, -0.02])
+def test_a_step_that_is_no_whole_number_of_periods_is_an_error(length, opened):
+    slave = opened(scaled("DEA1"))
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        slave.fmu.doStep(0.0, length)
+
+
+def test_a_diverging_model_stops_the_simulator(opened):
+    slave = opened(NarxModel.from_terms({"y(t-1)": 1.5, "y(t-1)^3": 0.5, "u(t-1)": 1.0}))
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        slave.run(np.ones(60))
+
+
+def test_states_are_kept_and_restored_also_as_bytes(opened):
+    model, u = scaled("DEA3"), random_input(80)
+    slave, other = opened(model), opened(model)
+    slave.run(u[:30])
+    kept = slave.fmu.getFMUState()
+    first = slave.run(u[30:])
+    slave.fmu.setFMUState(kept)
+    np.testing.assert_array_equal(slave.run(u[30:]), first)
+    moved = other.fmu.deSerializeFMUstate(slave.fmu.serializeFMUstate(kept))
+    other.fmu.setFMUState(moved)
+    np.testing.assert_array_equal(other.run(u[30:]), first)
+    slave.fmu.freeFMUState(kept)
+    other.fmu.freeFMUState(moved)
+    slave.fmu.reset()
+    np.testing.assert_allclose(slave.run(u), from_rest(model, u), rtol=0.0, atol=1e-13)
+
+
+def test_the_wrapper_agrees_with_the_headers_of_the_standard(tmp_path):
+    write_fmu(scaled("DEA1"), tmp_path / "plant.fmu", RATE)
+    with zipfile.ZipFile(tmp_path / "plant.fmu") as archive:
+        archive.extractall(tmp_path)
+    sources = tmp_path / "sources"
+    (sources / "fmi2.h").write_text('#include "fmi2Functions.h"\n')
+    standard = Path(fmpy.__file__).with_name("c-code")
+    strict = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    command = ["cc", *strict, f"-I{standard}", "-c", "fmi2.c", "-o", "fmi2.o"]
+    subprocess.run(command, cwd=sources, check=True)
+
+
+def test_the_same_model_gives_the_same_bytes(tmp_path):
+    for name in ("a", "b"):
+        write_fmu(scaled("DEA4"), tmp_path / name, RATE)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_without_a_compiler_it_says_what_to_do_and_writes_nothing(tmp_path):
+    with pytest.raises(InputError, match="no C compiler 'no-such-cc'"):
+        write_fmu(scaled("DEA4"), tmp_path / "a.fmu", RATE, compiler="no-such-cc")
+    assert not list(tmp_path.iterdir())
+    write_fmu(scaled("DEA4"), tmp_path / "a.fmu", RATE, compiler=None)
+    with zipfile.ZipFile(tmp_path / "a.fmu") as archive:
+        assert not [name for name in archive.namelist() if name.startswith("binaries")]
+    assert validate_fmu(str(tmp_path / "a.fmu")) == []
