@@ -2,5 +2,15 @@
 
 from dea.control.c_code import CCode, to_c
 from dea.control.fmu import write_fmu
+from dea.control.iosystem import to_iosystem
+from dea.control.linear import Linearised, linearise, linearise_over_time
 
-__all__ = ["CCode", "to_c", "write_fmu"]
+__all__ = [
+    "CCode",
+    "Linearised",
+    "linearise",
+    "linearise_over_time",
+    "to_c",
+    "to_iosystem",
+    "write_fmu",
+]

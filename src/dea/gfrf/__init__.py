@@ -1,15 +1,18 @@
 """Generalised frequency response functions of polynomial NARX models."""
 
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
+from dea.gfrf.linear_part import LinearPart, linear_part
 from dea.gfrf.over_time import Grid, response_over_time
 from dea.gfrf.recovery import score_recovery
 from dea.gfrf.response import frequency_response, zero_input_response
 
 __all__ = [
     "Grid",
+    "LinearPart",
     "ResponseBand",
     "frequency_response",
     "frequency_response_band",
+    "linear_part",
     "response_over_time",
     "score_recovery",
     "zero_input_interval",
