@@ -14,8 +14,8 @@ from rich.console import Console
 
 from dea import store
 from dea.acquisition.__main__ import main
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.monitor import Monitor, health
-from dea.acquisition.retrying_link import LinkLog
 from dea.acquisition.samples import Quality, Samples
 from dea.bench.__main__ import main as serve
 from dea.errors import InputError

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -39,6 +40,8 @@ def test_a_staircase_shows_gain_offset_and_noise_of_a_read_back(module, tmp_path
     assert module.volts == 0.0
     assert report["read_back_gain"] == pytest.approx(1.1, abs=0.02)
     assert report["read_back_offset"] == pytest.approx(0.01, abs=0.002)
+    assert 0 < report["read_back_delay"] < 0.03
+    assert report["read_together"] == [["displacement"], ["applied_output"]]
     assert report["read_back_noise"] == pytest.approx(0.002, rel=0.5)
     assert report["armed_by"] == "A. Person"
     assert not list(tmp_path.iterdir())
@@ -54,6 +57,11 @@ def test_the_watchdog_is_tripped_on_purpose(serve_bench, tmp_path, works, found)
     assert bench.player.applied == 0
     assert bench.player.watchdog.trips == works
     assert not bench.player.watchdog.latched
+
+
+def written(module):
+    """The counts written, after some zeros."""
+    return [0] * 4 + [round(volts / 10 * 65535) for _, volts in module.history]
 
 
 def description(module, folder, **changes):
@@ -99,6 +107,46 @@ def test_a_device_with_a_safety_model_is_commissioned_first(module, tmp_path, ca
     description(module, tmp_path, sampling_rate=40)
     with pytest.raises(InputError, match="changed since it was commissioned"):
         refuse_uncommissioned(read_device(path), path)
+
+
+@pytest.mark.parametrize("samples", [1, 3])
+def test_the_delay_of_a_read_back_is_measured(module, tmp_path, samples):
+    """The module shows what it was given so many writes before."""
+    module.read_back = lambda count: written(module)[-1 - samples]
+    target = module.description()
+    echo = replace(target["applied_output"], tolerance=1.0)
+    target = replace(target, registers=dict(target.registers) | {"applied_output": echo})
+    report = commission(target, tmp_path / "c.partial", SETTINGS, 0.03)
+    periods = report["read_back_delay"] * target.sampling_rate
+    assert samples - 0.5 < periods < samples + 0.9
+
+
+def test_a_disk_without_room_is_refused_before_any_voltage(module, tmp_path, capsys, monkeypatch):
+    path = description(module, tmp_path, safety=None)
+    small = SimpleNamespace(free=9_000_000)
+    monkeypatch.setattr("shutil.disk_usage", lambda _: small)
+    with pytest.raises(SystemExit) as exit_:
+        drive(path, tmp_path)
+    assert exit_.value.code == 2
+    assert "samples need 10 MB, and the disk of" in capsys.readouterr().err
+    assert not module.history
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_that_cannot_be_made_is_refused_before_any_voltage(module, tmp_path, capsys):
+    path = description(module, tmp_path, safety=None)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(SystemExit) as exit_:
+        drive(path, tmp_path / "file")
+    assert exit_.value.code == 2
+    assert "cannot be written" in capsys.readouterr().err
+    assert not module.history
+
+
+def test_who_armed_the_device_stands_in_the_record(module, tmp_path):
+    settings = replace(SETTINGS, mode="polled", ramp_rate=50.0)
+    record = acquire(module.description(), np.full(5, 1.0), tmp_path / "a.partial", settings).record
+    assert record.attrs["armed_by"] == "A. Person"
 
 
 def test_a_record_that_exists_is_refused_before_any_voltage(module, tmp_path, capsys):

@@ -13,9 +13,9 @@ from dea.acquisition import (
     acquire,
 )
 from dea.acquisition.laws import Laws
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.polled import drive
-from dea.acquisition.retrying_link import LinkLog
 from dea.modbus import parse_device
 
 POLLED = AcquisitionSettings(mode="polled", ramp_rate=50.0, timeout=0.5, reconnect_time=1.0)
@@ -92,7 +92,8 @@ class Module:
 @pytest.fixture
 def clock(monkeypatch):
     made = Clock()
-    monkeypatch.setattr("dea.acquisition.polled.time", made)
+    for module in ("polled", "schedule", "rows"):
+        monkeypatch.setattr(f"dea.acquisition.{module}.time", made)
     return made
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.record import link_dataset, record_dataset
-from dea.acquisition.retrying_link import LinkLog
 from dea.acquisition.samples import Quality, Samples
 from dea.modbus import parse_device
 

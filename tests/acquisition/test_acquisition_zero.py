@@ -8,7 +8,7 @@ import pytest
 from dea.acquisition import LinkError, ReadBackError, ZeroNotVerifiedError
 from dea.acquisition.output import Output
 from dea.acquisition.panel import CONFIRMATIONS, Panel
-from dea.acquisition.polled import NEIGHBOURS, Poll
+from dea.acquisition.poll import NEIGHBOURS, Poll
 from dea.acquisition.read_back import ReadBack
 from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import check_excitation

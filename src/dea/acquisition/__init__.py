@@ -4,16 +4,11 @@ from dea.acquisition.acquire import Acquisition, acquire
 from dea.acquisition.commissioning import report_file
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.laws import TripError
+from dea.acquisition.link_log import LinkSettings
 from dea.acquisition.partial import Recovered, recover
 from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.recorder import GuardianLostError
-from dea.acquisition.retrying_link import (
-    DeviceRefusedError,
-    Link,
-    LinkError,
-    LinkSettings,
-    StoppedError,
-)
+from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError, StoppedError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import check_excitation

@@ -13,11 +13,12 @@ import xarray as xr
 from dea import store
 from dea.acquisition import by_hand, commissioning, latch
 from dea.acquisition.interrupts import Interrupted
+from dea.acquisition.link_log import LinkSettings
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
 from dea.acquisition.preview import preview
 from dea.acquisition.record import record_dataset
-from dea.acquisition.retrying_link import Link, LinkSettings
+from dea.acquisition.retrying_link import Link
 from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device

@@ -11,13 +11,14 @@ import numpy as np
 import xarray as xr
 
 from dea.acquisition.device_clock import flag_clock
+from dea.acquisition.disk import refuse_without_room
 from dea.acquisition.guardian import Job
 from dea.acquisition.interrupts import Interruption
 from dea.acquisition.latch import latch_file, refuse_latched
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.partial import PartialFile, set_aside
 from dea.acquisition.record import link_dataset, record_dataset
 from dea.acquisition.recorder import Recorder
-from dea.acquisition.retrying_link import LinkLog
 from dea.acquisition.samples import BrokenRecordError, Samples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import Plan, plan_sequence
@@ -64,8 +65,9 @@ def acquire(
     Raises
     ------
     InputError
-        Before any voltage: the excitation leaves the limits, or the device does not match its
-        description, does not answer, is driven or owned by another master, or has tripped.
+        Before any voltage: the excitation leaves the limits, the disk cannot take the record, or
+        the device does not match its description, does not answer, is driven or owned by another
+        master, or has tripped.
     BrokenRecordError
         Where samples were lost or not driven, and the settings do not restart.
     LinkError, ZeroNotVerifiedError
@@ -78,6 +80,7 @@ def acquire(
     _refuse_unbuffered(device, settings)
     _refuse_unarmed(device, settings)
     refuse_latched(device)
+    refuse_without_room(partial, plan.counts.size)
     log, broken = LinkLog(), None
     for attempt in range(settings.restarts + 1 if settings.on_break == "restart" else 1):
         # A latch that the device has set meanwhile is not the restart's to clear.
@@ -99,6 +102,8 @@ def acquire(
         raise broken
     samples = flag_clock(device, samples, settings.clock_tolerance)
     record = record_dataset(device, samples, plan.lead, plan.length)
+    if settings.armed_by:
+        record.attrs["armed_by"] = settings.armed_by
     return Acquisition(record, link_dataset(log, samples))
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from dea.acquisition.duty import Notice, Order, Phase, duty_file, look, order
 from dea.acquisition.guardian import Job
 from dea.acquisition.latch import latch_file
+from dea.acquisition.link_log import LinkLog, LinkSettings
 from dea.acquisition.output import Output
 from dea.acquisition.recorder import Recorder
-from dea.acquisition.retrying_link import Link, LinkLog, LinkSettings
+from dea.acquisition.retrying_link import Link
 from dea.acquisition.settings import AcquisitionSettings
 from dea.modbus import Device
 

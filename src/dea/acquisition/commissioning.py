@@ -15,8 +15,10 @@ import xarray as xr
 
 from dea.acquisition.acquire import acquire
 from dea.acquisition.duty import duty_file, look
+from dea.acquisition.link_log import LinkLog, LinkSettings
 from dea.acquisition.panel import Panel
-from dea.acquisition.retrying_link import Link, LinkLog
+from dea.acquisition.poll import Poll
+from dea.acquisition.retrying_link import Link
 from dea.acquisition.samples import Samples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.errors import DeviceError, InputError
@@ -47,17 +49,30 @@ def commission(
     stairs = np.linspace(0.0, share * limits[1], STEPS + 1)[1:]
     hold = max(round(HOLD * device.sampling_rate), 10)
     polled = replace(settings, mode="polled", paced=True)
+    together = _read_together(device)
     acquired = acquire(device, np.repeat(stairs, hold), partial, polled)
     partial.unlink()
-    report = {"device": device.name, "time": _now(), "armed_by": settings.armed_by}
+    report: dict[str, Any] = {"device": device.name, "time": _now()}
+    report |= {"armed_by": settings.armed_by, "read_together": together}
     report |= {"highest": float(stairs[-1])} | _learnt(acquired.record, acquired.link, hold)
     if "watchdog_time" in device and "watchdog_latched" in device:
         report["watchdog"] = _trip_watchdog(device, np.repeat(stairs, hold), partial, polled)
     return report
 
 
+def _read_together(device: Device) -> list[list[str]]:
+    """Return the names of registers by the requests that a sample takes; applies no voltage."""
+    link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
+    try:
+        poll = Poll(Panel(link))
+        poll.learn()
+    finally:
+        link.close()
+    return [[register.name for register in window.registers] for window in poll.windows]
+
+
 def _learnt(record: xr.Dataset, link: xr.Dataset, hold: int) -> dict[str, Any]:
-    """Return gain, offset and noise of the read-back, noise of the sensor, and the latency."""
+    """Return gain, offset, delay and noise of the read-back, noise of the sensor, round trips."""
     settled = np.arange(record.sizes["time"]) % hold >= (1 - SETTLED) * hold
     settled &= record.quality.values == 0
     asked = record.voltage_requested.values[settled]
@@ -67,12 +82,33 @@ def _learnt(record: xr.Dataset, link: xr.Dataset, hold: int) -> dict[str, Any]:
     return {
         "read_back_gain": float(gain),
         "read_back_offset": float(offset),
+        "read_back_delay": _delay(record, link, hold),
         "read_back_noise": _noise(asked, applied),
         "displacement_noise": _noise(asked, displacement),
         "round_trip_median": float(np.median(trips)),
         "round_trip_longest": float(trips.max()),
         "late_samples": int(np.count_nonzero(record.quality.values)),
     }
+
+
+def _delay(record: xr.Dataset, link: xr.Dataset, hold: int) -> float:
+    """Return how long after a step is written the read-back shows it, s; NaN where never.
+
+    The mean of all steps counts, so that the noise of one does not, and the half of it is waited
+    for. Resolved to a sampling interval.
+    """
+    times = link.set_index(sample="device_index").sel(sample=record.device_index.values)
+    since = (times.read_time.values.reshape(-1, hold) - times.write_time.values[::hold, None])[1:]
+    asked = record.voltage_requested.values[::hold]
+    applied = record.voltage.values.reshape(-1, hold)
+    before = np.nanmean(applied[:-1, -round(SETTLED * hold) :], axis=1)
+    steps = (applied[1:] - before[:, None]) / np.diff(asked)[:, None]
+    whole = np.isfinite(steps + since).all(axis=1)  # no sample left out
+    if not whole.any():
+        return np.nan
+    response = steps[whole].mean(axis=0)
+    shown = np.flatnonzero(response >= 0.5 * response[-round(SETTLED * hold) :].mean())
+    return float(np.median(since[whole][:, shown[0]]))
 
 
 def _noise(asked: np.ndarray, values: np.ndarray) -> float:

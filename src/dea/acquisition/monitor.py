@@ -12,7 +12,7 @@ from rich.live import Live
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from dea.acquisition.retrying_link import LinkLog
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.samples import Samples
 from dea.modbus import Device, to_physical
 

@@ -5,7 +5,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from dea.acquisition.device_clock import fitted_rate
-from dea.acquisition.retrying_link import LinkLog
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.samples import Quality, Samples
 from dea.acquisition.sensor_flags import flag_sensor
 from dea.modbus import Device, Register, to_physical

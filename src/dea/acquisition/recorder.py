@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from dea.acquisition.guardian import Job
 from dea.acquisition.launch import launch
-from dea.acquisition.retrying_link import LinkLog
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.samples import Samples
 from dea.acquisition.wire import unpacked
 from dea.acquisition.zero import ZeroNotVerifiedError

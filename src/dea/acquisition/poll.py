@@ -1,0 +1,81 @@
+"""One sample of a polled device: which requests it takes, and what they bring."""
+
+from dea.acquisition.panel import Panel
+from dea.acquisition.retrying_link import DeviceRefusedError
+from dea.modbus import Register, Window, encode
+
+NEIGHBOURS = 32  # registers that one request spans at most
+
+
+class Poll:
+    """One sample: write the output, read back what the device applied and measured."""
+
+    def __init__(self, panel: Panel) -> None:
+        self.panel, self.link, device = panel, panel.link, panel.device
+        self._next: int | None = None
+        self.output = device["output"]
+        echo = "applied_output" if "applied_output" in device else "output"
+        names = ["displacement", echo, "device_index"]
+        self.echo = echo if _readable(device.registers[echo]) else None
+        wanted = [device[n] for n in names if n in device and (n != echo or self.echo)]
+        self.windows = _windows(wanted)
+        self._wrap = 1 << 16 * device["device_index"].size if "device_index" in device else 0
+
+    def learn(self) -> None:
+        """Find out which registers the device answers together; applies no voltage."""
+        self.windows = [part for window in self.windows for part in self._answered(window)]
+
+    def _answered(self, window: Window) -> list[Window]:
+        """Split a window where the device refuses the undescribed addresses in it."""
+        if sum(register.size for register in window.registers) == window.size:
+            return [window]
+        try:
+            self.link.read(window.address, window.size, window.table)
+        except DeviceRefusedError:
+            return [Window([register]) for register in window.registers]
+        return [window]
+
+    def __call__(self, count: int, number: int) -> tuple[int, float, float]:
+        """Drive one ``count``; return device index, applied and displacement counts.
+
+        Without a device index, the ``number`` of the sample is its index; without a read-back, the
+        applied output is the requested one.
+        """
+        self.panel.last_output = count
+        words, first = encode(self.output, count), self.windows[0]
+        if self.panel.device.read_write_multiple and first.table == "holding":
+            reply = self.link.read_write(
+                first.address, first.size, self.output.address, words, retry=False
+            )
+        else:
+            self.link.write(self.output.address, words, retry=False)
+            reply = self.link.read(first.address, first.size, first.table)
+        values = first.decode(reply)
+        for window in self.windows[1:]:
+            values |= window.decode(self.link.read(window.address, window.size, window.table))
+        applied = values[self.echo] if self.echo else count
+        self.link.log.samples[-1] = 1
+        index = values.get("device_index", number)
+        if self._wrap and self._next is not None:  # a short index begins again at zero
+            half = self._wrap // 2
+            index = self._next + (index - self._next + half) % self._wrap - half
+        self._next = index + 1
+        return index, applied, values["displacement"]
+
+
+def _readable(register: Register) -> bool:
+    return register.access != "write"
+
+
+def _windows(registers: list[Register]) -> list[Window]:
+    """Group neighbouring registers of a table, the group of ``displacement`` first."""
+    groups: list[list[Register]] = []
+    for register in sorted(registers, key=lambda r: (r.table, r.address)):
+        last = groups[-1] if groups else None
+        near = last and last[-1].table == register.table
+        if last and near and register.end - last[0].address <= NEIGHBOURS:
+            last.append(register)
+        else:
+            groups.append([register])
+    groups.sort(key=lambda group: all(r.name != "displacement" for r in group))
+    return [Window(group) for group in groups]
