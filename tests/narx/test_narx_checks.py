@@ -12,7 +12,7 @@ from dea.narx.metrics import fpe
 from dea.narx.model import NarxModel
 from dea.narx.simulation import simulate, simulate_varying
 from dea.narx.trace import gain
-from dea.narx.validation import validate
+from dea.narx.validation import Windows, validate
 from dea.terms import Term
 
 MODEL = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-2)": 0.3})
@@ -115,11 +115,11 @@ def test_parts_may_be_as_short_as_the_lags_and_two():
 )
 def test_windows_use_the_whole_record_and_no_more(windows, before, fits):
     u, y = record(260)
-    given = {"windows": windows, "before": before, "max_lag": 20}
+    chosen = Windows(windows, before, max_lag=20)
     if fits:
-        found = validate({"model": MODEL}, u, y, 10.0, **given)
+        found = validate({"model": MODEL}, u, y, 10.0, chosen)
         np.testing.assert_array_equal(found.measured[0], y[200 : round(10 * windows[0][1])])
         np.testing.assert_array_equal(found.input[-1][0], u[round(10 * windows[-1][0])])
     else:
         with pytest.raises(InputError, match="windows"):
-            validate({"model": MODEL}, u, y, 10.0, **given)
+            validate({"model": MODEL}, u, y, 10.0, chosen)
