@@ -4,10 +4,12 @@ from dea.control.c_code import CCode, to_c
 from dea.control.fmu import write_fmu
 from dea.control.iosystem import to_iosystem
 from dea.control.linear import Linearised, linearise, linearise_over_time
+from dea.control.online import OnlineTracker
 
 __all__ = [
     "CCode",
     "Linearised",
+    "OnlineTracker",
     "linearise",
     "linearise_over_time",
     "to_c",

@@ -1,18 +1,30 @@
 """Parameters that change with time: recursive least squares and Kalman smoothing."""
 
 from dea.tracking.kalman import fit_noise_ratio, log_likelihood, smooth
-from dea.tracking.rls import recursive_least_squares
+from dea.tracking.random_walk import root_mean_square
+from dea.tracking.rls import (
+    RlsState,
+    check_settings,
+    initial_state,
+    recursive_least_squares,
+    update,
+)
 from dea.tracking.structure import with_constant
 from dea.tracking.success import compare_free_runs
 from dea.tracking.track import METHODS, track_parameters
 
 __all__ = [
     "METHODS",
+    "RlsState",
+    "check_settings",
     "compare_free_runs",
     "fit_noise_ratio",
+    "initial_state",
     "log_likelihood",
     "recursive_least_squares",
+    "root_mean_square",
     "smooth",
     "track_parameters",
+    "update",
     "with_constant",
 ]

@@ -33,6 +33,22 @@ class RlsTrack(NamedTuple):
     P: Array
 
 
+class RlsState(NamedTuple):
+    """What the recursion carries from sample to sample, of p regressors.
+
+    ``U`` (p, p) and ``z`` (p,) are U_n b = z of b = theta - target, so that the leakage pulls b to
+    zero; ``V`` (p, p) is the transposed inverse of U, ``theta`` (p,) the estimate, ``sums`` (2,)
+    the weighted squared residuals and the weight; ``row`` (p,) is room for a rotation.
+    """
+
+    U: Array
+    z: Array
+    V: Array
+    theta: Array
+    sums: Array
+    row: Array
+
+
 def recursive_least_squares(
     Phi: Array,
     y: Array,
@@ -77,17 +93,14 @@ def recursive_least_squares(
     InputError
         If a setting is outside its range.
     """
-    _require(0.0 < forgetting <= 1.0, "forgetting", forgetting, "It lies in (0, 1]")
-    _require(leakage >= 0.0, "leakage", leakage, "It is zero or more")
-    _require(delta > 0.0, "delta", delta, "It is more than zero")
+    check_settings(forgetting, leakage, delta)
     Phi, y = np.ascontiguousarray(Phi, dtype=float), np.ascontiguousarray(y, dtype=float)
     p = Phi.shape[1]
     theta_0 = np.zeros(p) if theta_0 is None else np.asarray(theta_0, dtype=float)
     target = theta_0 if target is None else np.asarray(target, dtype=float)
-    theta, variance, innovation, V = _recursion(
-        Phi, y, forgetting, leakage, delta, theta_0.copy(), target.copy()
-    )
-    return RlsTrack(theta, variance, innovation, V.T @ V)
+    state = initial_state(theta_0, target, delta)
+    found = _recursion(state, Phi, y, forgetting, leakage, target.copy())
+    return RlsTrack(*found, state.V.T @ state.V)
 
 
 def recursion_covariance(
@@ -153,6 +166,26 @@ def _weighted_squares(Phi: Array, forgetting: float, at: NDArray[np.int64]) -> t
     return first, second
 
 
+def check_settings(forgetting: float, leakage: float, delta: float) -> None:
+    """Refuse settings of the recursion that are outside their range."""
+    _require(0.0 < forgetting <= 1.0, "forgetting", forgetting, "It lies in (0, 1]")
+    _require(leakage >= 0.0, "leakage", leakage, "It is zero or more")
+    _require(delta > 0.0, "delta", delta, "It is more than zero")
+
+
+def initial_state(theta_0: Array, target: Array, delta: float) -> RlsState:
+    """Return the state before the first sample, its arrays new."""
+    p = theta_0.size
+    return RlsState(
+        np.sqrt(delta) * np.eye(p),
+        np.sqrt(delta) * (theta_0 - target),
+        np.zeros((p, p)),
+        theta_0.copy(),
+        np.zeros(2),
+        np.empty(p),
+    )
+
+
 def _require(holds: bool, field: str, value: float, remedy: str) -> None:
     if not holds:
         raise InputError(f"it is {value:g}", field=field, remedy=remedy)
@@ -193,53 +226,54 @@ def _invert_root(U: Array, V: Array) -> None:
 
 
 @njit(cache=True, error_model="numpy")
+def update(
+    state: RlsState, phi: Array, y: float, forgetting: float, leakage: float, target: Array
+) -> float:
+    """Pass one sample through the recursion, in place; return its prediction error."""
+    U, z, V, theta, sums, row = state
+    p = z.size
+    fade, pull = np.sqrt(forgetting), np.sqrt(leakage)
+    innovation, right = y, y
+    for i in range(p):
+        innovation -= phi[i] * theta[i]
+        right -= phi[i] * target[i]
+
+    for i in range(p):
+        z[i] *= fade
+        for k in range(i, p):
+            U[i, k] *= fade
+    squares = forgetting * sums[0]
+    if pull > 0.0:  # P*_n^-1 = P_{n-1}^-1 + alpha I, which (12), (13) write with P
+        for i in range(p):
+            row[:] = 0.0
+            row[i] = pull
+            squares += _rotate_in(U, z, row, 0.0) ** 2
+    row[:] = phi  # P_n^-1 = P*_n^-1 + phi phi^T: (14)-(16)
+    squares += _rotate_in(U, z, row, right) ** 2
+    sums[0], sums[1] = squares, forgetting * sums[1] + 1.0
+
+    _invert_root(U, V)  # P_n = V^T V
+    for i in range(p):
+        step = 0.0
+        for k in range(i, p):
+            step += V[k, i] * z[k]
+        theta[i] = target[i] + step
+    return innovation
+
+
+@njit(cache=True, error_model="numpy")
 def _recursion(
-    Phi: Array,
-    y: Array,
-    forgetting: float,
-    leakage: float,
-    delta: float,
-    theta_0: Array,
-    target: Array,
-) -> tuple[Array, Array, Array, Array]:
+    state: RlsState, Phi: Array, y: Array, forgetting: float, leakage: float, target: Array
+) -> tuple[Array, Array, Array]:
     n, p = Phi.shape
     thetas, variances, innovations = np.empty((n, p)), np.empty((n, p)), np.empty(n)
-    # U b = z with b = theta - target, so that the leakage pulls b to zero.
-    U = np.sqrt(delta) * np.eye(p)
-    z = np.sqrt(delta) * (theta_0 - target)
-    V = np.zeros((p, p))
-    theta = theta_0.copy()
-    row = np.empty(p)
-    fade, pull = np.sqrt(forgetting), np.sqrt(leakage)
-    squares, weight = 0.0, 0.0
+    V, theta, sums = state.V, state.theta, state.sums
     for t in range(n):
-        innovation, right = y[t], y[t]
+        innovations[t] = update(state, Phi[t], y[t], forgetting, leakage, target)
         for i in range(p):
-            innovation -= Phi[t, i] * theta[i]
-            right -= Phi[t, i] * target[i]
-        innovations[t] = innovation
-
-        for i in range(p):
-            z[i] *= fade
+            diagonal = 0.0
             for k in range(i, p):
-                U[i, k] *= fade
-        squares *= forgetting
-        if pull > 0.0:  # P*_n^-1 = P_{n-1}^-1 + alpha I, which (12), (13) write with P
-            for i in range(p):
-                row[:] = 0.0
-                row[i] = pull
-                squares += _rotate_in(U, z, row, 0.0) ** 2
-        row[:] = Phi[t]  # P_n^-1 = P*_n^-1 + phi phi^T: (14)-(16)
-        squares += _rotate_in(U, z, row, right) ** 2
-        weight = forgetting * weight + 1.0
-
-        _invert_root(U, V)  # P_n = V^T V
-        for i in range(p):
-            step, diagonal = 0.0, 0.0
-            for k in range(i, p):
-                step += V[k, i] * z[k]
                 diagonal += V[k, i] * V[k, i]
-            theta[i] = target[i] + step
             thetas[t, i] = theta[i]
-            variances[t, i] = diagonal * squares / weight
-    return thetas, variances, innovations, V
+            variances[t, i] = diagonal * sums[0] / sums[1]
+    return thetas, variances, innovations
