@@ -21,7 +21,7 @@ from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
 from dea.narx.parameter_covariance import FreeRun, feedback_slope, noise_model, remove_feedback
 from dea.narx.published import load_published
-from dea.narx.refinement import estimate_refined, refine
+from dea.narx.refinement import Fit, estimate_refined, fit_free_runs, refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
@@ -35,6 +35,7 @@ __all__ = [
     "BOUND",
     "LEVEL",
     "NOT_WHITE",
+    "Fit",
     "ForecastPlan",
     "Forward",
     "FreeRun",
@@ -57,6 +58,7 @@ __all__ = [
     "feedback_slope",
     "fit",
     "fit_autoregression",
+    "fit_free_runs",
     "forecast_errors",
     "fpe",
     "held_out_error",

@@ -128,6 +128,7 @@ class Fit(NamedTuple):
     parameters: Array  # (terms,)
     covariance: Array  # (terms, terms)
     msse: float  # mean squared simulated error (6), normalised units
+    energy: Array  # (terms, terms) of the run's derivative, less what starts and trends explain
 
 
 def fit_free_runs(
@@ -136,22 +137,30 @@ def fit_free_runs(
     segments: Sequence[Segment],
     iterations: int = 30,
     tolerance: float = 1e-10,
+    trend: int = 0,
 ) -> Fit:
     """Minimise the simulated error by the parameters and the outputs that each run starts from.
 
+    With a ``trend``, each measured output is the run plus a polynomial of time of that degree
+    without a constant, also unknown: a level that creeps beside the dynamics.
+
     A start from which the run diverges comes back with an infinite error, and without covariance.
     """
-    task = _FreeRunsFromFreeStarts(terms, segments)
+    task = _FreeRunsFromFreeStarts(terms, segments, trend)
     point = least_squares.minimise(
         task, task.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
     )
     count = len(terms)
     theta = point.x[:count].copy()
     if not np.isfinite(point.cost):
-        return Fit(theta, np.full((count, count), np.nan), np.inf)
+        unknown = np.full((count, count), np.nan)
+        return Fit(theta, unknown, np.inf, unknown)
     runs = task.runs(point.x)
     covariance = covariance_of_free_runs(terms, theta, runs)
-    return Fit(theta, covariance[:count, :count], point.cost / task.samples)
+    slope = np.vstack([run.slope for run in runs])
+    own, others = slope[:, :count], slope[:, count:]
+    own = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
+    return Fit(theta, covariance[:count, :count], point.cost / task.samples, own.T @ own)
 
 
 class _FreeRuns:
@@ -171,25 +180,30 @@ class _FreeRuns:
 
 
 class _FreeRunsFromFreeStarts:
-    """The same with the outputs that each run starts from among the unknowns, after theta."""
+    """The same with the start of each run and its trend among the unknowns, after theta."""
 
-    def __init__(self, terms: tuple[Term, ...], segments: Sequence[Segment]) -> None:
+    def __init__(
+        self, terms: tuple[Term, ...], segments: Sequence[Segment], trend: int = 0
+    ) -> None:
         self._terms, self._segments = terms, segments
         self._lag = structure(terms).start
+        self._trends = [_powers(y.size, trend) for _, y in segments]
+        self._own = self._lag + trend  # unknowns of each segment
         self.samples = sum(y.size for _, y in segments)
 
     def initial(self, theta: Array) -> Array:
-        """Return ``theta`` and the measured first outputs of every segment."""
-        return np.concatenate([theta, *(y[: self._lag] for _, y in self._segments)])
+        """Return ``theta``, and of every segment the measured first outputs and no trend."""
+        none = np.zeros(self._own - self._lag)
+        return np.concatenate([theta, *((*y[: self._lag], *none) for _, y in self._segments)])
 
     def evaluate(self, x: Array) -> Point[None]:
         theta, starts = self._split(x)
         total = 0.0
-        for (u, y), start in zip(self._segments, starts, strict=True):
-            run = simulate(self._terms, theta, u, start, bound=_bound(y))
+        for (u, y), powers, own in zip(self._segments, self._trends, starts, strict=True):
+            run = simulate(self._terms, theta, u, own[: self._lag], bound=_bound(y))
             if not np.isfinite(run[-1]):
                 return Point(x, np.inf, None)
-            total += float(np.sum((y - run) ** 2))
+            total += float(np.sum((y - run - powers @ own[self._lag :]) ** 2))
         return Point(x, total, None)
 
     def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
@@ -202,22 +216,32 @@ class _FreeRunsFromFreeStarts:
         """Return the free run of every segment with its derivatives by all unknowns."""
         theta, starts = self._split(x)
         count, runs = theta.size, []
-        for number, ((u, y), start) in enumerate(zip(self._segments, starts, strict=True)):
+        for number, ((u, y), powers, unknown) in enumerate(
+            zip(self._segments, self._trends, starts, strict=True)
+        ):
             output = np.empty(u.size)
-            output[: self._lag] = start
+            output[: self._lag] = unknown[: self._lag]
             own = np.zeros((u.size, count + self._lag))
             own[: self._lag, count:] = np.eye(self._lag)
             kernels.run_with_slope(structure(self._terms), theta, u, output, own, _bound(y))
             slope = np.zeros((u.size, x.size))
             slope[:, :count] = own[:, :count]
-            first = count + number * self._lag
+            first = count + number * self._own
             slope[:, first : first + self._lag] = own[:, count:]
-            runs.append(FreeRun(u, output, y - output, slope))
+            slope[:, first + self._lag : first + self._own] = powers
+            left = y - output - powers @ unknown[self._lag :]
+            runs.append(FreeRun(u, output, left, slope))
         return runs
 
     def _split(self, x: Array) -> tuple[Array, Array]:
         count = len(self._terms)
-        return x[:count], x[count:].reshape(len(self._segments), self._lag)
+        return x[:count], x[count:].reshape(len(self._segments), self._own)
+
+
+def _powers(samples: int, degree: int) -> Array:
+    """Return the powers of time from the first on, (samples, degree); time from -1 to 1."""
+    time = np.linspace(-1.0, 1.0, samples)
+    return time[:, None] ** np.arange(1, degree + 1)
 
 
 def _damped(error: float, residual: Array, slope: Array) -> Model:
