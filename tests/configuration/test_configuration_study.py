@@ -94,7 +94,7 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["tracking", "trackers"], {}, "tracking.trackers", "no tracker"),
         (["tracking", "trackers", "rls", "forgetting"], 1.1, "tracking.trackers.rls.forgetting",
          "above 0 and up to 1"),
-        (["tracking", "trackers", "output_error"], REMOVED, "gfrf.tracker", "rls, kalman"),
+        (["tracking", "trackers", "local"], REMOVED, "gfrf.tracker", "rls, kalman"),
         (["gfrf", "highest"], 0.51, "gfrf.highest", "up to 0.5"),
         (["gfrf", "lowest"], 0.2, "gfrf.lowest", "not below highest"),
         (["gfrf", "plane_times", 1], 1.5, "gfrf.plane_times[1]", "from 0 to 1"),

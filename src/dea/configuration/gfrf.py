@@ -16,7 +16,7 @@ class Gfrf(Section):
     Frequencies are shares of the sampling rate, so that they suit a record of any rate.
     """
 
-    tracker: Literal["rls", "kalman", "output_error"] = key(
+    tracker: Literal["rls", "kalman", "output_error", "local"] = key(
         "the tracker whose parameters are turned into responses"
     )
     instants: Count = key("number of times at which H1 is taken")

@@ -22,17 +22,24 @@ class Smoother(Section):
     thinning: Count = key("samples over which one-step errors stay alike", unit="samples")
 
 
+class Local(Section):
+    """Local output-error estimates."""
+
+    window: Count = key("length of the windows in which parameters are constant", unit="samples")
+
+
 class Trackers(Section):
     """Which trackers run, each with its own settings; at least one."""
 
     rls: Rls | None = key("recursive least squares", default=None)
     kalman: Smoother | None = key("smoother of the one-step prediction", default=None)
     output_error: Smoother | None = key("smoother of the free run", default=None)
+    local: Local | None = key("output-error estimates of windows", default=None)
 
     @model_validator(mode="after")
     def _some(self) -> Self:
         if not self.names:
-            raise refuse("", "it names no tracker", "Give one of rls, kalman, output_error.")
+            raise refuse("", "it names no tracker", "Give one of rls, kalman, output_error, local.")
         return self
 
     @property

@@ -23,6 +23,7 @@ _TRACKER = {
     "rls": ("recursive least squares", style.BLUE, "-"),
     "kalman": ("Kalman smoother", style.VERMILION, "-"),
     "output_error": ("output-error smoother", style.GREEN, "--"),
+    "local": ("local output error", style.BLACK, "-"),
 }
 _SIMULATION = {"fixed": ("fixed parameters", style.GREY, "-"), **_TRACKER}
 

@@ -17,6 +17,9 @@ NOT_SETTLED = (
     "the iteration over free runs did not settle: the parameters change too fast for its "
     "linearisation, or the record tells too little of them"
 )
+WINDOWS_FAILED = (
+    "{} windows of the record have no estimate: the free run diverges, or outputs are missing"
+)
 TARGET_UNKNOWN = "leakage pulls towards parameters whose own covariance is not known"
 
 

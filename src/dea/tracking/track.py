@@ -12,11 +12,13 @@ from dea.tracking.bands import (
     NOT_MOVED,
     NOT_SETTLED,
     TARGET_UNKNOWN,
+    WINDOWS_FAILED,
     Estimate,
     reason_of_innovations,
 )
 from dea.tracking.bands import instants as instants_of
 from dea.tracking.kalman import Smoothed, fit_common_ratio
+from dea.tracking.local import local_estimates
 from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
@@ -31,6 +33,7 @@ _DEFAULTS: dict[str, dict[str, Any]] = {
     "rls": {"forgetting": 0.999, "leakage": 1e-4, "delta": 1.0, "instants": 360},
     "kalman": _SMOOTHER,
     "output_error": _SMOOTHER,
+    "local": {"window": 4000, "instants": 360},
 }
 METHODS = tuple(_DEFAULTS)
 
@@ -46,6 +49,7 @@ def track_parameters(
     delta: float | None = None,
     noise_ratio: ArrayLike | None = None,
     thinning: int | None = None,
+    window: int | None = None,
     instants: int | None = None,
     sampling_rate: float = 1.0,
 ) -> xr.Dataset:
@@ -64,7 +68,8 @@ def track_parameters(
         own parameters; uses the past alone. ``kalman``: random-walk Kalman filter and smoother;
         each estimate uses the whole record. ``output_error``: the same smoother on the free run
         instead of the one-step prediction, starting from ``kalman``; unbiased where the output is
-        noisy.
+        noisy. ``local``: the parameters that minimise the error of the free run over a window
+        around each time.
     forgetting, leakage
         lambda and alpha of ``rls``, by default 0.999 and 1e-4; the memory is 1/(1 - lambda)
         samples.
@@ -72,11 +77,14 @@ def track_parameters(
         The model's own parameters count like a record of ``delta`` samples, by default 1:
         P_0 = I/delta.
     noise_ratio
-        For the other two, variance of a parameter's step over that of the noise, a number or one
+        For the smoothers, variance of a parameter's step over that of the noise, a number or one
         per term; fitted by likelihood where it is not given.
     thinning
-        For the other two, of the samples that the likelihood is taken over, by default 10; about
+        For the smoothers, of the samples that the likelihood is taken over, by default 10; about
         the number of samples over which one-step prediction errors are correlated.
+    window
+        Samples of a window of ``local``, by default 4000, 80 s at 50 Hz: so short that the
+        parameters' course is nearly straight within it; a shorter record is one window.
     instants
         At how many times, evenly spread, the whole covariance and the intervals are given; by
         default 360, at every sample of a shorter record.
@@ -99,7 +107,7 @@ def track_parameters(
     ------
     InputError
         If the record is not usable, a setting is out of range or unknown to the method, or
-        ``output_error`` finds no bounded free run to start from.
+        ``output_error`` or ``local`` finds no bounded free run to start from.
     """
     chosen = _settings(
         method,
@@ -108,12 +116,13 @@ def track_parameters(
         delta=delta,
         noise_ratio=noise_ratio,
         thinning=thinning,
+        window=window,
         instants=instants,
     )
     model = with_constant(model)
     record = normalised_record(model, u, y)
     at = np.maximum(instants_of(record.u.size, chosen.pop("instants")), model.max_lag)
-    tracker = _recursive if method == "rls" else _smoothed
+    tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
     found = tracker(model, record, at - model.max_lag, method, chosen)
     return _labelled(model, found, at, sampling_rate, {"method": method, **chosen})
 
@@ -213,6 +222,25 @@ def _equations(model: NarxModel, record: Record) -> tuple[Array, Array]:
     return regressor_matrix(model.terms, record.u, record.y), target
 
 
+def _local(
+    model: NarxModel,
+    record: Record,
+    at: NDArray[np.int64],
+    method: str,
+    settings: dict[str, Any],
+) -> Estimate:
+    """Track by estimates of windows."""
+    windows = local_estimates(model, record.u, record.measured, settings["window"])
+    Phi, target = _equations(model, record)
+    samples = np.arange(model.max_lag, record.u.size, dtype=float)
+    theta, covariance = windows.parameters(samples), windows.at(samples[at])[1]
+    deviation = np.sqrt(np.maximum(np.einsum("kii->ki", covariance), 0.0))
+    std = np.stack([np.interp(samples, samples[at], each) for each in deviation.T], axis=1)
+    innovation = target - np.sum(Phi * theta, axis=1)
+    withheld = WINDOWS_FAILED.format(windows.failed) if windows.failed else ""
+    return Estimate(theta, std, innovation, covariance, method, withheld)
+
+
 def _settings(method: str, **given: Any) -> dict[str, Any]:
     """Return the settings of ``method``, with defaults where nothing was given."""
     if method not in METHODS:
@@ -227,7 +255,7 @@ def _settings(method: str, **given: Any) -> dict[str, Any]:
                 remedy=f"Leave it out, or take method={' or '.join(map(repr, others))}",
             )
     chosen = known | {name: given[name] for name in known if given[name] is not None}
-    if not chosen["delta"] > 0.0:
+    if not chosen.get("delta", 1.0) > 0.0:
         raise InputError(f"it is {chosen['delta']}", field="delta", remedy="It is more than zero")
     if chosen.get("thinning", 1) < 1:
         raise InputError(f"it is {chosen['thinning']}", field="thinning", remedy="It is 1 or more")

@@ -1,0 +1,140 @@
+"""Tracking by local output-error estimates: the model refined on windows of the record.
+
+In each of many overlapping windows the parameters are constant and minimise the error of a free
+run, as in the refinement of a model (local likelihood: R. Tibshirani and T. Hastie, JASA 82, 1987;
+J. Fan and I. Gijbels, Local Polynomial Modelling, 1996). The outputs that the run starts from and a
+level that creeps through the window, a parabola in time, are unknowns of each window. What changes
+in proportion to time within a window cancels at its centre, to which the estimate belongs; between
+centres estimates are interpolated.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.errors import InputError
+from dea.narx import Fit, NarxModel, fit_free_runs
+from dea.tracking.scatter import scatter
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_OVERLAP = 8  # windows that hold a sample
+_TREND = 2  # degree of the level within a window
+_ITERATIONS = 10
+_TOLERANCE = 1e-6  # of the squared error: a small part of a standard deviation
+
+
+class Windows(NamedTuple):
+    """Estimates of windows of ``length`` samples in the order of their centres."""
+
+    centre: Array  # (windows,) in samples
+    theta: Array  # (windows, p)
+    covariance: Array  # (windows, p, p)
+    length: int
+    failed: int  # windows without an estimate, which are left out
+
+    def at(self, t: Array) -> tuple[Array, Array]:
+        """Return parameters (k, p) and covariances (k, p, p) at the samples ``t``, (k,)."""
+        first, second, weight, shared = self._neighbours(t)
+        covariance = np.empty((t.size, *self.covariance.shape[1:]))
+        for k, (i, j, w, rho) in enumerate(zip(first, second, weight, shared, strict=True)):
+            both = w * (1.0 - w) * rho
+            covariance[k] = ((1.0 - w) ** 2 + both) * self.covariance[i]
+            covariance[k] += (w**2 + both) * self.covariance[j]
+        return self._between(first, second, weight), covariance
+
+    def parameters(self, t: Array) -> Array:
+        """Return parameters (k, p) at the samples ``t``, (k,)."""
+        first, second, weight, _ = self._neighbours(t)
+        return self._between(first, second, weight)
+
+    def _between(self, first: Indices, second: Indices, weight: Array) -> Array:
+        found: Array = self.theta[first] * (1.0 - weight)[:, None]
+        found += self.theta[second] * weight[:, None]
+        return found
+
+    def _neighbours(self, t: Array) -> tuple[Indices, Indices, Array, Array]:
+        """Return which two estimates each sample lies between, the weight of the second, and the
+        share of the samples that the two have in common.
+
+        Beyond the first and the last centre, the line through that estimate and the nearest one
+        without common samples is continued.
+        """
+        last = self.centre.size - 1
+        second = np.clip(np.searchsorted(self.centre, t), min(1, last), last)
+        first = np.maximum(second - 1, 0)
+        apart = np.minimum(np.searchsorted(self.centre, self.centre[0] + self.length), last)
+        before = t < self.centre[0]
+        first[before], second[before] = 0, apart
+        apart = np.searchsorted(self.centre, self.centre[-1] - self.length, side="right") - 1
+        after = t > self.centre[-1]
+        first[after], second[after] = max(int(apart), 0), last
+        distance = self.centre[second] - self.centre[first]
+        weight = np.where(distance > 0.0, t - self.centre[first], 0.0) / np.maximum(distance, 1.0)
+        return first, second, weight, np.maximum(1.0 - distance / self.length, 0.0)
+
+
+def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Windows:
+    """Return the estimates of windows of ``length`` samples of a normalised record.
+
+    Outputs that are missing are NaN; a window has a run for each stretch between them. A shorter
+    record is one window, whose parameters are constant.
+
+    Each begins from the estimate of the window before, and from the model's own parameters where
+    its run diverges. The covariance is that of the noise of each window, times the factor by which
+    estimates of separate windows scatter more than it explains.
+
+    Raises
+    ------
+    InputError
+        If a window is too short for the unknowns, or no window has an estimate.
+    """
+    length = min(length, u.size)
+    least = 10 * (len(model.terms) + model.max_lag)
+    if length < least:
+        raise InputError(
+            f"{length} samples tell too little of {len(model.terms)} parameters",
+            field="window",
+            remedy=f"Give at least {least}, and a record as long",
+        )
+    count = 1 + -(-(u.size - length) * _OVERLAP // length)
+    starts = np.linspace(0, u.size - length, count).astype(np.int64)
+    fits = []
+    theta = model.parameters
+    for start in starts:
+        segments = _stretches(u[start : start + length], y[start : start + length], least)
+        fit = _fitted(model, theta, segments)
+        if not np.isfinite(fit.msse):
+            fit = _fitted(model, model.parameters, segments)
+        theta = fit.parameters if np.isfinite(fit.msse) else model.parameters
+        fits.append(fit)
+    kept = np.array([np.isfinite(fit.msse) and np.isfinite(fit.covariance).all() for fit in fits])
+    if not kept.any():
+        raise InputError(
+            "its free run diverges in every window of the record",
+            field="model",
+            remedy="Take a model that is stable on this record, or another method",
+        )
+    chosen = [fit for fit, good in zip(fits, kept, strict=True) if good]
+    theta = np.stack([fit.parameters for fit in chosen])
+    covariance = np.stack([fit.covariance for fit in chosen])
+    centre = starts[kept] + (length - 1) / 2.0
+    energy = np.stack([fit.energy for fit in chosen])
+    covariance *= scatter(centre, theta, covariance, energy, length)
+    return Windows(centre, theta, covariance, length, int(np.sum(~kept)))
+
+
+def _stretches(u: Array, y: Array, least: int) -> list[tuple[Array, Array]]:
+    """Return the stretches without a missing output that have ``least`` samples."""
+    seen = np.concatenate([[False], ~np.isnan(y), [False]])
+    edges = np.flatnonzero(seen[1:] != seen[:-1]).reshape(-1, 2)
+    return [(u[a:b], y[a:b]) for a, b in edges if b - a >= least]
+
+
+def _fitted(model: NarxModel, start: Array, segments: list[tuple[Array, Array]]) -> Fit:
+    if not segments:
+        unknown = np.full((start.size, start.size), np.nan)
+        return Fit(start, unknown, np.inf, unknown)
+    return fit_free_runs(model.terms, start, segments, _ITERATIONS, _TOLERANCE, _TREND)

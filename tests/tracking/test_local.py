@@ -1,0 +1,143 @@
+"""Output-error estimates of windows, and the intervals between and beyond them."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from dea.errors import InputError
+from dea.narx import NarxModel, Scaling, refine, simulate, simulate_varying
+from dea.tracking import track_parameters
+from dea.tracking.local import Windows, local_estimates
+from dea.tracking.scatter import scatter
+
+PLANT = NarxModel.from_terms({"1": 0.1, "y(t-1)": 0.8, "u(t-1)": 0.5}, scaling=Scaling())
+NOISE = 0.02
+
+
+def record(samples, course=None, seed=1):
+    rng = np.random.default_rng(seed)
+    u = np.repeat(rng.standard_normal(samples // 5), 5)
+    if course is None:
+        course = np.tile(PLANT.parameters, (samples, 1))
+    clean = simulate_varying(PLANT.terms, course, u, np.full(1, 0.5))
+    return u, clean + NOISE * rng.standard_normal(samples)
+
+
+def ramp(samples, change=0.2):
+    """The input's parameter rises by a fifth, steadily."""
+    course = np.tile(PLANT.parameters, (samples, 1))
+    course[:, 2] *= 1.0 + change * np.linspace(0.0, 1.0, samples)
+    return course
+
+
+def test_a_window_has_the_least_free_run_error_beside_a_level_that_creeps():
+    """Against a general minimiser on differences, with a parabola of time added to the run."""
+    u, y = record(400)
+    y = y + 0.3 * np.linspace(-1.0, 1.0, 400) + 0.1 * np.linspace(-1.0, 1.0, 400) ** 2
+    found = local_estimates(PLANT, u, y, 400)
+    time = np.linspace(-1.0, 1.0, 400)
+
+    def error(x):
+        return simulate(PLANT.terms, x[:3], u, x[3:4]) + x[4] * time + x[5] * time**2 - y
+
+    best = least_squares(error, [*PLANT.parameters, 0.5, 0.0, 0.0], xtol=1e-12)
+    np.testing.assert_allclose(found.theta[0], best.x[:3], rtol=0.01 * NOISE)
+
+
+def test_constant_parameters_are_near_those_refined_on_the_whole_record():
+    u, y = record(3000)
+    whole = refine(PLANT, u, y)
+    track = track_parameters(PLANT, u, y, method="local", window=1000)
+    deviation = np.sqrt(np.einsum("kii->ki", track["covariance"].values))
+    at = track["parameter"].sel(time=track["instant"]).values
+    assert np.all(np.abs(at - whole.parameters) < 4 * deviation)
+    assert np.all(deviation > whole.standard_errors)
+    # A third of the record: the square root of three as wide, more beyond the outer centres.
+    assert np.median(deviation[:, 1:] / whole.standard_errors[1:]) < 3.0
+
+
+def test_intervals_hold_parameters_that_drift():
+    inside = []
+    for seed in range(8):
+        course = ramp(4000)
+        u, y = record(4000, course, seed)
+        track = track_parameters(PLANT, u, y, method="local", window=500, instants=20)
+        assert track.attrs["withheld"] == ""
+        true = course[track["instant"].values.astype(int)]
+        inside.append((track["band_low"] <= true) & (true <= track["band_high"]))
+    assert 0.9 <= np.mean(inside) <= 0.99
+
+
+def test_a_steady_drift_cancels_at_the_centre():
+    """Without noise what is left of a drift of 20 % is far below its course within a window."""
+    course = ramp(4000)
+    u, _ = record(4000)
+    y = simulate_varying(PLANT.terms, course, u, np.full(1, 0.5))
+    found = local_estimates(PLANT, u, y, 1000)
+    error = found.theta - course[found.centre.astype(int)]
+    assert np.abs(error[:, 2]).max() < 0.1 * (course[1000, 2] - course[0, 2])
+
+
+def test_between_and_beyond_centres_estimates_are_combined_with_what_they_share():
+    """The variance of a weighted sum of means, by the matrix of which sample is in which."""
+    length = 8
+    centre = np.array([3.5, 7.5, 11.5, 15.5])
+    means = np.array([(np.abs(np.arange(20) - c) < length / 2) / length for c in centre])
+    theta = np.array([[1.0], [3.0], [4.0], [8.0]])
+    windows = Windows(centre, theta, np.full((4, 1, 1), 1.0 / length), length, 0)
+    for t, weights in (
+        (3.5, [1, 0, 0, 0]),
+        (8.5, [0, 0.75, 0.25, 0]),
+        (0.0, [1 + 3.5 / 8, 0, -3.5 / 8, 0]),
+        (18.0, [0, -2.5 / 8, 0, 1 + 2.5 / 8]),
+    ):
+        value, covariance = windows.at(np.array([t]))
+        row = np.array(weights) @ means
+        np.testing.assert_allclose(value[0], np.array(weights) @ theta)
+        np.testing.assert_allclose(covariance[0, 0, 0], row @ row, rtol=1e-12)
+
+
+def test_scatter_is_measured_against_the_noise():
+    """Independent windows that scatter with four times the variance stated."""
+    rng = np.random.default_rng(2)
+    centre = 100.0 * np.arange(2000)
+    root = np.array([[1.0, 0.0], [0.9, 0.1]])
+    covariance = np.tile(root @ root.T, (2000, 1, 1))
+    drift = np.outer(np.arange(2000), [3.0, -1.0])
+    theta = drift + 2.0 * rng.standard_normal((2000, 2)) @ root.T
+    energy = np.tile(np.linalg.inv(root @ root.T), (2000, 1, 1))
+    found = scatter(centre, theta, covariance, energy, 100)
+    # The median of a chi-square of two degrees of freedom is 0.693 of its mean.
+    assert found == pytest.approx(4.0 * np.log(2.0), rel=0.1)
+
+
+def test_a_window_of_too_few_samples_is_refused():
+    u, y = record(500)
+    with pytest.raises(InputError, match="window: 20 samples"):
+        track_parameters(PLANT, u, y, method="local", window=20)
+
+
+def test_a_record_shorter_than_a_window_has_constant_parameters():
+    u, y = record(500)
+    track = track_parameters(PLANT, u, y, method="local", window=1000)
+    np.testing.assert_allclose(track["parameter"], track["parameter"][:1] * np.ones((500, 1)))
+
+
+def test_a_model_without_a_bounded_run_is_refused():
+    u, y = record(2000)
+    unstable = NarxModel.from_terms({"y(t-1)^3": 1e4, "u(t-1)": 0.5}, scaling=Scaling())
+    with pytest.raises(InputError, match="diverges in every window"):
+        track_parameters(unstable, u, y + 1.0, method="local", window=400)
+
+
+def test_missing_outputs_are_left_out():
+    u, y = record(3000)
+    whole = track_parameters(PLANT, u, y, method="local", window=1000)
+    gaps = y.copy()
+    gaps[[700, 1500, 1501]] = np.nan
+    track = track_parameters(PLANT, u, gaps, method="local", window=1000)
+    deviation = np.sqrt(np.einsum("kii->ki", whole["covariance"].values))
+    moved = (track["parameter"] - whole["parameter"]).sel(time=track["instant"]).values
+    # Each stretch has a trend of its own, so that the constant is determined anew.
+    assert 0.0 < np.abs(moved / deviation)[:, 1:].max() < 1.0
+    assert track.attrs["withheld"] == ""
