@@ -21,7 +21,10 @@ FREQUENCIES = {
 }
 PAIRS = ((0, 0), (0, 2), (1, 1), (1, 3), (3, 3))  # of these frequencies, for H2
 QUANTITIES = ("parameters", "H1 gain", "H1 phase", "H2 gain", "H2 phase")
-TRACKERS = ("rls", "kalman", "output_error")
+# Settings of each tracker where the parameters change by a tenth within a record.
+TRACKERS: dict[str, dict[str, int]] = {
+    "rls": {}, "kalman": {}, "output_error": {}, "local": {"window": 1000}
+}  # fmt: skip
 INSTANTS = 8  # of a track that are judged
 
 
@@ -82,7 +85,7 @@ def judge_track(plant: Plant, u: Array, y: Array, true: Array, tracker: str) -> 
     model = refine(estimate(terms(plant), u, y, scaling=Scaling()), u, y)
     followed = with_constant(model)
     try:
-        track = dea.track_parameters(model, u, y, method=tracker, sampling_rate=1.0)
+        track = dea.track_parameters(model, u, y, method=tracker, **TRACKERS[tracker])
     except (InputError, np.linalg.LinAlgError) as error:
         nothing = np.full(INSTANTS * len(followed.terms), np.nan)
         return Judged({"parameters": nothing}, f"fails: {error}")
