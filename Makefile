@@ -13,8 +13,8 @@ SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study record case cases report diagnose discrepancy real trials records faults peers \
-	interoperability soak coverage configuration audit check test mutants benchmark clean
+.PHONY: help study record case cases report handover diagnose discrepancy real trials records faults \
+	peers interoperability soak coverage configuration audit check test mutants benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -41,6 +41,10 @@ case: $(VENV)/installed ## identify and follow a record made elsewhere: make cas
 
 cases: $(VENV)/installed ## every case of config/cases, and their errors on unseen records in one table
 	$(SNAKEMAKE) cases
+
+handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handover: make handover NAME=dea1
+	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make handover NAME=dea1))
+	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 
 report: study ## write results/report.html with captions
 	$(SNAKEMAKE) study --report results/report.html

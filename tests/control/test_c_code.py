@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from dea.control import to_c
+from dea.control import c_identifier, to_c
 from dea.errors import InputError
 from dea.narx import NarxModel, Scaling
 from published_plants import published_plants
@@ -42,7 +42,7 @@ void run(int count, int measured, const double *u, double *y)
 
 def compiled(model, folder):
     """Return a function that runs the compiled code from initial outputs on."""
-    to_c(model, 50.0).write(folder)
+    to_c(model, 50.0).write(folder / "model.h", folder / "model.c")
     (folder / "driver.c").write_text(DRIVER)
     files = ["model.c", "driver.c", "-o", "model.so"]
     subprocess.run([COMPILER, *STRICT, "-fPIC", "-shared", *files], cwd=folder, check=True)
@@ -128,3 +128,10 @@ def test_a_name_that_c_does_not_allow_is_refused(name):
 def test_a_rate_that_is_not_positive_is_refused(rate):
     with pytest.raises(InputError, match="sampling_rate"):
         to_c(PLANTS["DEA1"], rate)
+
+
+@pytest.mark.parametrize("name", ["dea1", "silver-box", "3tanks", "Ölfilm", "_x", "a" * 40])
+def test_every_system_has_a_name_in_c(name):
+    assert (
+        f"{c_identifier(name)}_step" in to_c(PLANTS["DEA1"], 50.0, name=c_identifier(name)).source
+    )

@@ -1,6 +1,6 @@
 """From model to control: code, linear models and trackers that run beside a device."""
 
-from dea.control.c_code import CCode, to_c
+from dea.control.c_code import CCode, c_identifier, to_c
 from dea.control.fmu import write_fmu
 from dea.control.iosystem import to_iosystem
 from dea.control.linear import Linearised, linearise, linearise_over_time
@@ -10,6 +10,7 @@ __all__ = [
     "CCode",
     "Linearised",
     "OnlineTracker",
+    "c_identifier",
     "linearise",
     "linearise_over_time",
     "to_c",

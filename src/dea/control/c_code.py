@@ -26,10 +26,10 @@ class CCode(NamedTuple):
     header: str
     source: str
 
-    def write(self, folder: str | Path) -> None:
-        """Write ``model.h`` and ``model.c`` into a folder that exists."""
-        for name, text in (("model.h", self.header), ("model.c", self.source)):
-            Path(folder, name).write_text(text, encoding="utf-8")
+    def write(self, header: str | Path, source: str | Path) -> None:
+        """Write both files, which lie in one folder; the header is called ``model.h``."""
+        Path(header).write_text(self.header, encoding="utf-8")
+        Path(source).write_text(self.source, encoding="utf-8")
 
 
 def to_c(model: NarxModel, sampling_rate: float, *, name: str = "model") -> CCode:
@@ -79,6 +79,12 @@ def to_c(model: NarxModel, sampling_rate: float, *, name: str = "model") -> CCod
             sum="\n".join([*_unused(model.terms), *_sum(model.terms)]),
         ),
     )
+
+
+def c_identifier(name: str) -> str:
+    """Return the name in C of a system: what C does not allow becomes an underscore."""
+    allowed = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    return (allowed if allowed[:1].isalpha() else f"model_{allowed}")[:31]
 
 
 def input_lags(model: NarxModel) -> int:

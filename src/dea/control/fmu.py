@@ -143,7 +143,7 @@ def write_fmu(
 
 
 def _write_sources(folder: Path, code: CCode, identity: str) -> None:
-    code.write(folder)
+    code.write(folder / "model.h", folder / "model.c")
     (folder / "identity.h").write_text(identity, encoding="utf-8")
     for name in ("fmi2.h", "fmi2.c"):
         (folder / name).write_text((_FMI / name).read_text(encoding="utf-8"), encoding="utf-8")
