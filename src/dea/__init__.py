@@ -10,6 +10,14 @@ from dea.compiled import keep_compiled_functions
 from dea.declared_code import refuse_undeclared_code
 
 if TYPE_CHECKING:
+    from dea.control import (
+        OnlineTracker,
+        linearise,
+        linearise_over_time,
+        to_c,
+        to_iosystem,
+        write_fmu,
+    )
     from dea.discrepancy import diagnose
     from dea.gfrf import frequency_response, frequency_response_band
     from dea.narx import (
@@ -25,16 +33,22 @@ if TYPE_CHECKING:
 
 __all__ = [
     "NarxModel",
+    "OnlineTracker",
     "best_linear_approximation",
     "diagnose",
     "frequency_response",
     "frequency_response_band",
+    "linearise",
+    "linearise_over_time",
     "parameter_interval",
     "read_record",
     "select_common_terms",
     "select_terms",
     "simulation_interval",
+    "to_c",
+    "to_iosystem",
     "track_parameters",
+    "write_fmu",
 ]
 
 # Numba reads where to keep what it compiles when it is imported first.
@@ -44,16 +58,22 @@ refuse_undeclared_code()
 
 _ROOM_OF = {
     "NarxModel": "dea.narx",
+    "OnlineTracker": "dea.control",
     "best_linear_approximation": "dea.nonparametric",
     "diagnose": "dea.discrepancy",
     "frequency_response": "dea.gfrf",
     "frequency_response_band": "dea.gfrf",
+    "linearise": "dea.control",
+    "linearise_over_time": "dea.control",
     "parameter_interval": "dea.narx",
     "read_record": "dea.store",
     "select_common_terms": "dea.narx",
     "select_terms": "dea.narx",
     "simulation_interval": "dea.narx",
+    "to_c": "dea.control",
+    "to_iosystem": "dea.control",
     "track_parameters": "dea.tracking",
+    "write_fmu": "dea.control",
 }
 
 
