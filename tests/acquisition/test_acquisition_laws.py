@@ -1,6 +1,7 @@
 """The safety model: what trips, what a trip does, and who may drive after it."""
 
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,8 @@ from dea.acquisition import AcquisitionSettings, TripError, acquire, latch
 from dea.acquisition.laws import Laws
 from dea.acquisition.output import Output
 from dea.acquisition.panel import Panel
-from dea.acquisition.zero import Evidence, WayToZero
+from dea.acquisition.retrying_link import LinkError
+from dea.acquisition.zero import Evidence, WayToZero, ZeroNotVerifiedError
 from dea.errors import InputError
 from dea.modbus import encode, parse_device
 
@@ -91,6 +93,44 @@ def clock(monkeypatch):
     for room in ("laws", "zero"):
         monkeypatch.setattr(f"dea.acquisition.{room}.time", made)
     return made
+
+
+def way_to_zero(memory):
+    way = WayToZero(Output(memory), ramp_rate=1.0, requested=1.0)
+    with suppress(ZeroNotVerifiedError):
+        way()
+    return way
+
+
+def test_a_door_that_opens_during_the_ramp_to_zero_is_a_trip(clock):
+    memory = Memory(door=0)
+    way = way_to_zero(memory)
+    assert "door reads 0" in str(way.trip)
+    volts = [count for name, count in memory.written if name == "output"]
+    assert volts == sorted(volts, reverse=True)
+    assert volts[-1] == 0
+
+
+def test_a_door_that_opens_at_zero_is_none(clock):
+    way = WayToZero(Output(Memory(door=0)), ramp_rate=1.0, requested=0.0)
+    way()
+    assert way.trip is None
+
+
+def test_an_interlock_that_does_not_answer_holds_up_no_ramp(clock):
+    memory = Memory()
+    asked = []
+
+    def silent(address, count, table):
+        if memory._name(address, table) == "door":
+            asked.append(clock.now)
+            raise LinkError("no reply")
+        return Memory.read(memory, address, count, table)
+
+    memory.read = silent
+    way_to_zero(memory)
+    assert len(asked) == 3
+    assert memory.written[-1][1] == 0
 
 
 @pytest.mark.parametrize(

@@ -263,11 +263,11 @@ class Guardian:
                 if time.monotonic() - failing >= self.job.settings.reconnect_time:
                     self._raise_alarm(error)
                     if self.duty.order == Order.DISMISS or self.device.virtual:
-                        self._latch(trip)
+                        self._latch(trip or way.trip)
                         self.duty.put(Phase.DISMISSED, way.volts)
                         return
             time.sleep(RETRY)
-        self._latch(trip)
+        self._latch(trip or way.trip)
         self.duty.put(Phase.AT_ZERO, 0.0)
         self.link.on_connect = None
         self.link.close()

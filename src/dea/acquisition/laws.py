@@ -59,6 +59,18 @@ class Laws:
         """
         self._checked = time.monotonic()
         self.beat()
+        self.check_conditions()
+        if (monitor := self.safety.monitor) is not None:
+            self._check_monitor(monitor, low, high)
+
+    def check_conditions(self) -> None:
+        """Check interlocks and current, whatever the output is.
+
+        Raises
+        ------
+        TripError
+            Naming the condition that does not hold.
+        """
         for name, condition in self.safety.interlocks.items():
             found = self.panel.get(condition.name)
             if found != condition.value:
@@ -68,8 +80,6 @@ class Laws:
             if not abs(current) < bound.limit:
                 unit = self.device[bound.name].unit
                 raise TripError(f"the current is {current:g} {unit}, at most {bound.limit:g}")
-        if (monitor := self.safety.monitor) is not None:
-            self._check_monitor(monitor, low, high)
 
     def monitored(self) -> float | None:
         """Return the output, V, that the monitor shows beyond its tolerance; None without one."""

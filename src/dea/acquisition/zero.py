@@ -8,13 +8,16 @@ import math
 import time
 from enum import StrEnum
 
+from dea.acquisition.laws import TripError
 from dea.acquisition.output import TRIPPED, Output
+from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.errors import DeviceError
 from dea.modbus import to_counts
 
 IDLE = 0  # state
 STOP = 2  # command
 LONGEST_STEP = 0.2  # s of ramp in one write, however long the last one is past
+LOOKS = 3  # that may fail: no register that is silent holds up a ramp for longer
 HOLDING_PAUSE = 0.1  # s between the writes of zero during the quarantine
 
 
@@ -43,12 +46,16 @@ class WayToZero:
         V/s.
     requested
         V, asked for last.
+
+    ``trip`` is what was broken of the safety model on the way, if anything was.
     """
 
     def __init__(self, output: Output, *, ramp_rate: float, requested: float) -> None:
         self.output, self.panel, self.device = output, output.panel, output.device
         self.ramp_rate, self.volts = ramp_rate, requested
         self._written = time.monotonic()
+        self.trip: TripError | None = None
+        self._looks = LOOKS if self.device.safety else 0
 
     def __call__(self) -> Evidence:
         """Ramp to zero, keep it there for the quarantine, and say what shows it.
@@ -76,6 +83,7 @@ class WayToZero:
         deadline = time.monotonic() + 2 * max(map(abs, limits)) / self.ramp_rate + 2
         while self.panel.confirmed("state") not in (IDLE, TRIPPED):
             self.output.laws.beat()
+            self._look()
             if time.monotonic() > deadline:
                 raise ZeroNotVerifiedError("the device does not end its ramp to zero")
             time.sleep(0.01)
@@ -90,8 +98,20 @@ class WayToZero:
             target = math.copysign(left, self.volts) if left else 0.0
             self.panel.set("output", int(to_counts(self.device["output"], target)))
             self.volts, self._written = target, time.monotonic()
+            self._look()
             time.sleep(1 / self.device.sampling_rate)
         self.panel.set("output", self.output.zero)
+
+    def _look(self) -> None:
+        """Note a trip while there still is voltage; nothing that is read here ends the ramp."""
+        if not self._looks or self.trip is not None:
+            return
+        try:
+            self.output.laws.check_conditions()
+        except TripError as trip:
+            self.trip = trip
+        except (LinkError, DeviceRefusedError):
+            self._looks -= 1
 
     def _hold(self) -> None:
         """Hold zero until no write can be on its way any more.
