@@ -1,0 +1,172 @@
+"""A proportional-integral controller with feedforward, tuned for every response in a band."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.control.c_code import check_rate
+from dea.errors import InputError
+from dea.gfrf import ResponseBand
+
+Array = NDArray[np.float64]
+_GAINS = np.geomspace(1e-4, 1e4, 801)  # of the loop, times the gain at the lowest frequency
+
+
+@dataclass(frozen=True)
+class Gains:
+    """C(z) = K (1 + (T/Ti) z/(z - 1)): ``proportional`` K, and ``integral_time`` Ti in s."""
+
+    proportional: float
+    integral_time: float
+    sampling_rate: float
+
+    def response(self, frequencies: Array) -> NDArray[np.complex128]:
+        """Return C at these frequencies in Hz."""
+        z = np.exp(2j * np.pi * frequencies / self.sampling_rate)
+        integral = z / (z - 1.0) / (self.sampling_rate * self.integral_time)
+        response: NDArray[np.complex128] = self.proportional * (1.0 + integral)
+        return response
+
+
+def tune_feedback(
+    band: ResponseBand,
+    frequencies: Array,
+    sampling_rate: float,
+    *,
+    integral_time: float,
+    largest_sensitivity: float = 1.6,
+) -> Gains:
+    """Return the largest gain that keeps its margins for every response in a band of H1.
+
+    The largest sensitivity Ms = max |1/(1 + C H)| is held by every H whose gain and phase lie in
+    their intervals, so that the gain margin is Ms/(Ms - 1) and the phase margin 2 asin(1/(2 Ms)) at
+    least (K. J. Astroem and T. Haegglund, Advanced PID Control, ISA 2006, section 4.6). The gain is
+    raised from nearly zero, where integral control of a stable system is stable, and no loop on
+    the way touches -1: the loop it ends at is stable too.
+
+    Parameters
+    ----------
+    band
+        Of H1 at ``frequencies``, shape (k,): :func:`dea.frequency_response_band`.
+    frequencies
+        In Hz, rising, from well below 1/integral_time to half the sampling rate.
+    integral_time
+        Ti in s; about the time in which the system settles.
+    largest_sensitivity
+        Ms, above 1; from 1.2 (careful) to 2 (brisk).
+
+    Raises
+    ------
+    InputError
+        If there is no band, or a setting is out of range, or no gain keeps the margins.
+    """
+    check_rate(sampling_rate)
+    for name, value, least in (
+        ("integral_time", integral_time, 0.0),
+        ("largest_sensitivity", largest_sensitivity, 1.0),
+    ):
+        if not least < value < np.inf:
+            raise InputError(f"it is {value:g}", field=name, remedy=f"It is above {least:g}.")
+    if not np.all(np.isfinite(band.gain_high)):
+        raise InputError(
+            "the response has no band at some frequency",
+            field="band",
+            remedy="Take an estimate whose covariance holds: docs/method/bands.md.",
+        )
+    shape = Gains(1.0, integral_time, sampling_rate).response(frequencies)
+    sign = float(np.sign(band.response[0].real))
+    unit = sign / float(band.gain[0])
+    kept = 0.0
+    for gain in _GAINS:
+        if _nearest(gain * unit * shape, band).min() < 1.0 / largest_sensitivity:
+            break
+        kept = gain
+    if not kept:
+        raise InputError(
+            "the band is too wide for any feedback with these margins",
+            field="band",
+            remedy="Identify from a longer record, or accept a larger sensitivity.",
+        )
+    return Gains(kept * unit, integral_time, sampling_rate)
+
+
+def _nearest(controller: NDArray[np.complex128], band: ResponseBand) -> Array:
+    """Return the least |1 + C H| over all H of the band, at each frequency.
+
+    |1 + r e^{j psi}|^2 = 1 + r^2 + 2 r cos psi: whatever r is, the nearest psi is that nearest to
+    180 degrees; then r is that nearest to -cos psi.
+    """
+    angle = np.degrees(np.angle(controller))
+    low, high = angle + band.phase_low, angle + band.phase_high
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    away = np.abs(middle % 360.0 - 180.0)  # of the middle from 180 degrees
+    psi = np.radians(180.0 - np.maximum(away - half, 0.0))
+    size = np.abs(controller)
+    r = np.clip(-np.cos(psi), size * band.gain_low, size * band.gain_high)
+    distance: Array = np.abs(1.0 + r * np.exp(1j * psi))
+    return distance
+
+
+@dataclass
+class Follower:
+    """The controller at work: one call for each sample, within limits of input and rate.
+
+    The integral stops where the input is at a limit and the error would drive it further
+    (conditional integration), so that it does not wind up.
+
+    Parameters
+    ----------
+    gains
+        Of :func:`tune_feedback`.
+    lowest, highest
+        Limits of the input, in its units.
+    rate
+        Largest change of the input in one second.
+    start
+        The input before the first sample.
+    """
+
+    gains: Gains
+    lowest: float
+    highest: float
+    rate: float
+    start: float
+    _integral: float = field(default=0.0, init=False)
+    _last: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        if not (
+            self.lowest < self.highest
+            and self.lowest <= self.start <= self.highest
+            and self.rate > 0.0
+        ):
+            raise InputError(
+                f"inputs from {self.lowest:g} to {self.highest:g} at {self.rate:g} per second,"
+                f" from {self.start:g} on",
+                field="lowest, highest, rate, start",
+                remedy="Let the start lie between rising limits, and the rate be positive.",
+            )
+        self._last = self.start
+
+    def step(self, reference: float, measured: float, feedforward: float) -> float:
+        """Return the input of this sample.
+
+        Parameters
+        ----------
+        reference, measured
+            Output wanted now, and measured now; NaN where the sensor gave none: the feedback then
+            keeps its integral and the feedforward acts alone.
+        feedforward
+            Input that a model has for the reference.
+        """
+        error = reference - measured if np.isfinite(measured) else 0.0
+        K, T = self.gains.proportional, 1.0 / self.gains.sampling_rate
+        growth = K * T / self.gains.integral_time * error
+        reach = self.rate * T
+        low, high = max(self.lowest, self._last - reach), min(self.highest, self._last + reach)
+        wanted = feedforward + K * error + self._integral + growth
+        if low <= wanted <= high or (wanted > high) == (growth < 0.0):
+            self._integral += growth
+        self._last = min(max(wanted, low), high)
+        return self._last

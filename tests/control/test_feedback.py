@@ -1,0 +1,195 @@
+"""Feedback with margins over a band, and the loop closed around plants with known answers."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+import control
+import dea
+from dea.control import Follower, Gains, OnlineTracker, inverse_input, linearise, tune_feedback
+from dea.errors import InputError
+from dea.gfrf import ResponseBand
+from dea.narx import NarxModel, Scaling, estimate, refine
+from published_plants import published_plants
+
+RATE = 50.0
+SCALING = Scaling(u_offset=2.4, u_scale=1.3, y_offset=0.5, y_scale=0.4)
+PLANT = published_plants()["DEA2"]
+PLANT = NarxModel(PLANT.terms, PLANT.parameters, SCALING)
+FREQUENCIES = np.concatenate([np.geomspace(0.01, 2.0, 60), np.linspace(2.1, 24.9, 80)])
+LOWEST, HIGHEST, SPEED = 1.6, 3.2, 20.0
+
+
+def wide_band(model, share=0.1, degrees=5.0):
+    """A band around the response of a model."""
+    response = dea.frequency_response(model, 1, FREQUENCIES, RATE)
+    gain, phase = np.abs(response), np.degrees(np.angle(response))
+    return ResponseBand(
+        response, gain / (1 + share), gain * (1 + share), phase - degrees, phase + degrees
+    )
+
+
+def least_distance(gains, response):
+    return np.abs(1.0 + gains.response(FREQUENCIES) * response).min()
+
+
+@pytest.mark.parametrize("largest", [1.2, 1.6, 2.0])
+def test_every_response_in_the_band_keeps_the_margin_and_one_has_none_to_spare(largest):
+    band = wide_band(PLANT)
+    gains = tune_feedback(band, FREQUENCIES, RATE, integral_time=0.5, largest_sensitivity=largest)
+    gain = np.linspace(band.gain_low, band.gain_high, 9)
+    phase = np.radians(np.linspace(band.phase_low, band.phase_high, 9))
+    brute = min(least_distance(gains, g * np.exp(1j * p)) for g, p in product(gain, phase))
+    assert 1.0 / largest <= brute < 1.06 / largest
+
+
+def test_the_loop_is_stable_with_the_sensitivity_that_python_control_finds():
+    gains = tune_feedback(wide_band(PLANT), FREQUENCIES, RATE, integral_time=0.5)
+    K, T = gains.proportional, 1 / RATE
+    controller = control.tf([K * (1 + T / 0.5), -K], [1, -1], T)
+    loop = controller * linearise(PLANT, sampling_rate=RATE).transfer_function()
+    sensitivity = control.feedback(1, loop)
+    z = np.exp(1j * np.linspace(1e-4, np.pi, 5000))
+    assert 1.3 < np.abs(sensitivity(z)).max() <= 1.6
+    _, phase_margin, *_ = control.margin(loop)
+    assert phase_margin >= np.degrees(2 * np.arcsin(0.5 / 1.6))
+    assert np.all(np.abs(control.feedback(loop).poles()) < 1.0)
+
+
+def test_a_falling_response_gets_a_negative_gain():
+    flipped = NarxModel(PLANT.terms, PLANT.parameters, SCALING)
+    band = wide_band(flipped)
+    band = band._replace(
+        response=-band.response, phase_low=band.phase_low + 180, phase_high=band.phase_high + 180
+    )
+    rising = tune_feedback(wide_band(PLANT), FREQUENCIES, RATE, integral_time=0.5)
+    falling = tune_feedback(band, FREQUENCIES, RATE, integral_time=0.5)
+    assert falling.proportional == pytest.approx(-rising.proportional)
+
+
+@pytest.mark.parametrize(
+    ("options", "field"),
+    [({"integral_time": 0.0}, "integral_time"),
+     ({"integral_time": 1.0, "largest_sensitivity": 1.0}, "largest_sensitivity")],
+)  # fmt: skip
+def test_settings_out_of_range_are_refused(options, field):
+    with pytest.raises(InputError) as refused:
+        tune_feedback(wide_band(PLANT), FREQUENCIES, RATE, **options)
+    assert refused.value.field == field
+
+
+def test_without_a_band_there_is_no_tuning():
+    band = wide_band(PLANT)
+    withheld = band._replace(gain_high=np.full_like(band.gain, np.nan))
+    with pytest.raises(InputError, match="no band"):
+        tune_feedback(withheld, FREQUENCIES, RATE, integral_time=1.0)
+
+
+@pytest.fixture(scope="module")
+def identified():
+    """A model of the plant from a noisy record, that record, and gains from its own band."""
+    rng = np.random.default_rng(4)
+    u = rng.uniform(LOWEST, HIGHEST, 4000)
+    y = PLANT.simulate(u) + 1e-3 * rng.standard_normal(u.size)
+    model = refine(estimate(PLANT.terms, u, y, scaling=SCALING), u, y)
+    band = dea.frequency_response_band(model, 1, FREQUENCIES, RATE)
+    return model, u, y, tune_feedback(band, FREQUENCIES, RATE, integral_time=0.5)
+
+
+def closed_loop(plant, reference, follower, feedforward, disturbance=0.0, noise=0.0):
+    """Inputs and outputs of the plant, sample by sample; ``feedforward(t)`` gives an input."""
+    rng = np.random.default_rng(9)
+    lag = plant.max_lag
+    u, y = np.full(lag, follower.start), np.full(lag, PLANT.simulate(np.full(3000, 2.4))[-1])
+    for t, wanted in enumerate(reference):
+        past, known = np.append(u[-lag:], 0.0), np.append(y[-lag:], 0.0)
+        now = plant.simulate(past, known[:lag])[lag]
+        measured = now + (disturbance if t > 500 else 0.0) + noise * rng.standard_normal()
+        u = np.append(u, follower.step(wanted, measured, feedforward(t, u, measured)))
+        y = np.append(y, now)
+    y[lag + 501 :] += disturbance
+    return u[lag:], y[lag:]
+
+
+def follower(gains, rate=SPEED):
+    return Follower(gains, LOWEST, HIGHEST, rate, start=2.4)
+
+
+def reachable(level):
+    return float(PLANT.simulate(np.full(3000, level))[-1])
+
+
+def test_a_step_disturbance_is_removed_without_an_error_that_stays(identified):
+    *_, gains = identified
+    reference = np.full(1500, reachable(2.5))
+    _, y = closed_loop(PLANT, reference, follower(gains), lambda *_: 2.4, disturbance=0.02)
+    assert abs(y[490] - reference[0]) < 1e-3
+    assert y[501] - reference[0] > 0.019
+    assert abs(y[-1] - reference[0]) < 1e-4
+
+
+def test_neither_limit_is_passed_and_the_integral_does_not_wind_up(identified):
+    *_, gains = identified
+    out_of_reach, back = reachable(HIGHEST) + 0.2, reachable(2.4)
+    reference = np.concatenate([np.full(1500, out_of_reach), np.full(500, back)])
+    u, y = closed_loop(PLANT, reference, follower(gains, 5.0), lambda *_: 2.4)
+    assert u.max() == HIGHEST
+    assert u.min() >= LOWEST
+    assert np.abs(np.diff(u)).max() <= 5.0 / RATE + 1e-12
+    assert u[1560] < 2.8  # an integral of 30 s of error would hold the input at its limit
+    assert abs(y[-1] - back) < 1e-3
+
+
+def test_the_inverse_of_the_tracked_model_follows_better_than_feedback_alone(identified):
+    model, u0, y0, gains = identified
+    time = np.arange(1000) / RATE
+    middle, stroke = 0.5 * (reachable(2.0) + reachable(2.8)), reachable(2.8) - reachable(2.0)
+    reference = middle + 0.4 * stroke * np.sin(2 * np.pi * 0.5 * time)
+    tracker = OnlineTracker.of_record(model, u0, y0)
+    horizon = 3
+
+    def inverse(t, u, measured):
+        if t:
+            tracker.update(u[-1], before[0])
+        before[0] = measured
+        if t < 10:
+            return 2.4
+        ahead = reference[min(t + horizon, reference.size - 1)]
+        return inverse_input(tracker.predict, ahead, horizon, LOWEST, HIGHEST)
+
+    before = [0.0]
+    errors = {}
+    for name, feedforward in {"alone": lambda *_: 2.4, "inverse": inverse}.items():
+        _, y = closed_loop(PLANT, reference, follower(gains), feedforward, noise=1e-4)
+        errors[name] = np.sqrt(np.mean((y - reference)[200:] ** 2)) / stroke
+    assert errors["inverse"] < 0.3 * errors["alone"], errors
+
+
+def test_a_sensor_that_drops_out_leaves_the_feedforward():
+    held = Follower(Gains(1.0, 1.0, RATE), LOWEST, HIGHEST, 1e3, start=2.4)
+    assert held.step(1.0, float("nan"), 2.5) == 2.5
+
+
+@pytest.mark.parametrize("options", [{"rate": 0.0}, {"start": 9.0}, {"highest": 1.0}])
+def test_limits_that_contradict_are_refused(options):
+    given = {"lowest": LOWEST, "highest": HIGHEST, "rate": SPEED, "start": 2.4} | options
+    with pytest.raises(InputError, match="start"):
+        Follower(Gains(1.0, 1.0, RATE), **given)
+
+
+def test_the_inverse_is_exact_or_the_nearer_limit():
+    past = PLANT.max_lag
+
+    def predict(u):
+        run = PLANT.simulate(np.concatenate([np.full(past, 2.4), u]), np.full(past, 0.5))
+        return run[past:]
+
+    for level in (1.9, 2.7):
+        reached = predict(np.full(8, level))[-1]
+        found = inverse_input(predict, reached, 8, LOWEST, HIGHEST)
+        assert found == pytest.approx(level, abs=1e-6)
+    assert inverse_input(predict, 1e3, 8, LOWEST, HIGHEST) == HIGHEST
+    assert inverse_input(predict, -1e3, 8, LOWEST, HIGHEST) == LOWEST
+    with pytest.raises(InputError, match="horizon"):
+        inverse_input(predict, 0.5, 0, LOWEST, HIGHEST)
