@@ -113,8 +113,8 @@ def test_scatter_is_measured_against_the_noise():
 
 def test_a_window_of_too_few_samples_is_refused():
     u, y = record(500)
-    with pytest.raises(InputError, match="window: 20 samples"):
-        track_parameters(PLANT, u, y, method="local", window=20)
+    with pytest.raises(InputError, match="window: 10 samples"):
+        track_parameters(PLANT, u, y, method="local", window=10)
 
 
 def test_a_record_shorter_than_a_window_has_constant_parameters():

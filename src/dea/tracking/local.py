@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _OVERLAP = 8  # windows that hold a sample
+_PER_UNKNOWN = 2  # samples of a stretch, at least
 _TREND = 2  # degree of the level within a window
 _ITERATIONS = 10
 _TOLERANCE = 1e-6  # of the squared error: a small part of a standard deviation
@@ -92,7 +93,7 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
         If a window is too short for the unknowns, or no window has an estimate.
     """
     length = min(length, u.size)
-    least = 10 * (len(model.terms) + model.max_lag)
+    least = _PER_UNKNOWN * (len(model.terms) + model.max_lag + _TREND)
     if length < least:
         raise InputError(
             f"{length} samples tell too little of {len(model.terms)} parameters",
