@@ -3,6 +3,7 @@
 from dea.narx.autoregression import fit_autoregression, whiten
 from dea.narx.baselines import baselines
 from dea.narx.candidate_terms import candidate_terms, linear_terms
+from dea.narx.checks import as_signal
 from dea.narx.common import compare_structures
 from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
 from dea.narx.forecast import ForecastPlan, forecast_errors
@@ -47,6 +48,7 @@ __all__ = [
     "Stability",
     "UnstableModel",
     "Windows",
+    "as_signal",
     "baselines",
     "candidate_terms",
     "compare_orders",

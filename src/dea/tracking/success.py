@@ -9,8 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
 from dea.missing import filled
-from dea.narx import LEVEL, NarxModel, covariance_of, quantile, simulate, simulate_varying
-from dea.narx.checks import as_signal
+from dea.narx import (
+    LEVEL,
+    NarxModel,
+    as_signal,
+    covariance_of,
+    quantile,
+    simulate,
+    simulate_varying,
+)
 from dea.tracking.sensitivity import sensitivity
 from dea.tracking.structure import with_constant
 
