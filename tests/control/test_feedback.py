@@ -156,7 +156,7 @@ def test_the_inverse_of_the_tracked_model_follows_better_than_feedback_alone(ide
         if t < 10:
             return 2.4
         ahead = reference[min(t + horizon, reference.size - 1)]
-        return inverse_input(tracker.predict, ahead, horizon, LOWEST, HIGHEST)
+        return inverse_input(tracker.predict, ahead, horizon, LOWEST, HIGHEST, near=u[-1])
 
     before = [0.0]
     errors = {}
@@ -187,9 +187,28 @@ def test_the_inverse_is_exact_or_the_nearer_limit():
 
     for level in (1.9, 2.7):
         reached = predict(np.full(8, level))[-1]
-        found = inverse_input(predict, reached, 8, LOWEST, HIGHEST)
+        found = inverse_input(predict, reached, 8, LOWEST, HIGHEST, near=2.4)
         assert found == pytest.approx(level, abs=1e-6)
-    assert inverse_input(predict, 1e3, 8, LOWEST, HIGHEST) == HIGHEST
-    assert inverse_input(predict, -1e3, 8, LOWEST, HIGHEST) == LOWEST
+    assert inverse_input(predict, 1e3, 8, LOWEST, HIGHEST, near=2.4) == HIGHEST
+    assert inverse_input(predict, -1e3, 8, LOWEST, HIGHEST, near=2.4) == LOWEST
     with pytest.raises(InputError, match="horizon"):
-        inverse_input(predict, 0.5, 0, LOWEST, HIGHEST)
+        inverse_input(predict, 0.5, 0, LOWEST, HIGHEST, near=2.4)
+
+
+def test_of_several_inputs_it_is_the_one_nearest_to_the_last():
+    def predict(u):
+        return (u - 2.0) ** 2  # reaches 0.25 at 1.5 and at 2.5
+
+    for near, expected in ((1.6, 1.5), (2.3, 2.5)):
+        found = inverse_input(predict, 0.25, 3, 1.0, 4.0, near=near)
+        assert found == pytest.approx(expected, abs=1e-6)
+
+
+def test_an_input_that_diverges_is_not_taken():
+    def predict(u):
+        return np.where(u > 3.0, np.inf, u)
+
+    assert inverse_input(predict, 2.2, 1, 1.0, 4.0, near=1.0) == pytest.approx(2.2)
+    assert inverse_input(predict, 9.0, 1, 1.0, 4.0, near=1.0) <= 3.0
+    with pytest.raises(InputError, match="diverges at every input"):
+        inverse_input(lambda u: np.full(u.size, np.inf), 0.0, 1, 1.0, 4.0, near=1.0)

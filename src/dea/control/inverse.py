@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from dea.errors import InputError
 
 Array = NDArray[np.float64]
+_TRIED = 17  # inputs between the limits, among which a prediction is taken to be monotone
 
 
 def inverse_input(
@@ -16,6 +17,7 @@ def inverse_input(
     horizon: int,
     lowest: float,
     highest: float,
+    near: float,
 ) -> float:
     """Return the constant input that brings the predicted output to ``reference``.
 
@@ -31,13 +33,16 @@ def inverse_input(
     reference
         Output wanted ``horizon`` samples from now.
     lowest, highest
-        Limits of the input. The prediction is taken to be monotone between them; where no input
-        reaches the reference, it is the limit that comes nearer.
+        Limits of the input.
+    near
+        The input before. A polynomial may reach the reference at several inputs; the one nearest
+        to this is returned. Where none reaches it, it is the input that comes nearest, of
+        seventeen evenly spread between the limits.
 
     Raises
     ------
     InputError
-        If the horizon is no sample, the limits do not rise, or the prediction diverges at both.
+        If the horizon is no sample, the limits do not rise, or the prediction diverges throughout.
     """
     from scipy.optimize import brentq
 
@@ -51,13 +56,20 @@ def inverse_input(
     def error(u: float) -> float:
         return float(predict(np.full(horizon, u))[-1]) - reference
 
-    at_low, at_high = error(lowest), error(highest)
-    if not (np.isfinite(at_low) or np.isfinite(at_high)):
+    inputs = np.linspace(lowest, highest, _TRIED)
+    errors = np.array([error(u) for u in inputs])
+    if not np.isfinite(errors).any():
         raise InputError(
-            "the prediction diverges at both limits of the input",
+            "the prediction diverges at every input",
             field="predict",
             remedy="Check the model's stability, or narrow the limits.",
         )
-    if np.sign(at_low) == np.sign(at_high) or not (np.isfinite(at_low) and np.isfinite(at_high)):
-        return lowest if abs(at_low) <= abs(at_high) else highest
-    return float(brentq(error, lowest, highest, xtol=1e-9 * (highest - lowest)))
+    # Of infinite errors the sign says nothing.
+    bounded = np.isfinite(errors[:-1]) & np.isfinite(errors[1:])
+    crossed = np.flatnonzero(bounded & (np.signbit(errors[:-1]) != np.signbit(errors[1:])))
+    if not crossed.size:
+        return float(inputs[np.argmin(np.abs(errors))])
+    roots = [
+        brentq(error, inputs[i], inputs[i + 1], xtol=1e-9 * (highest - lowest)) for i in crossed
+    ]
+    return float(min(roots, key=lambda root: abs(root - near)))
