@@ -45,6 +45,7 @@ cases: $(VENV)/installed ## every case of config/cases, and their errors on unse
 handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handover: make handover NAME=dea1
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make handover NAME=dea1))
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
+	pytest -m campaign tests/control/test_handed_over.py
 
 report: study ## write results/report.html with captions
 	$(SNAKEMAKE) study --report results/report.html
