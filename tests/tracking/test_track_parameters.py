@@ -142,6 +142,17 @@ def test_the_band_of_least_squares_is_that_of_the_batch_estimate():
         np.testing.assert_allclose(track["parameter_std"].values[n], np.sqrt(variance), rtol=1e-8)
 
 
+def test_instants_within_the_first_lags_have_the_covariance_of_the_first_estimate():
+    model, u, y, *_ = unequal_record()
+    every = track_parameters(model, u, y)
+    few = track_parameters(model, u, y, instants=7)
+    covariance = every["covariance"].values
+    assert every.sizes["instant"] == u.size
+    np.testing.assert_array_equal(covariance[0], covariance[1])
+    at = np.searchsorted(every["instant"].values, few["instant"].values)
+    np.testing.assert_allclose(covariance[at], few["covariance"].values, rtol=1e-12)
+
+
 def test_the_band_of_the_smoother_is_that_of_the_joint_gaussian():
     """All parameters at all samples as one Gaussian vector, in the units of the model."""
     model, u, y, Phi, size = unequal_record()

@@ -160,7 +160,7 @@ def _weighted_squares(Phi: Array, forgetting: float, at: NDArray[np.int64]) -> t
                 product = Phi[t, i] * Phi[t, k]
                 once[i, k] = forgetting * once[i, k] + product
                 twice[i, k] = forgetting * forgetting * twice[i, k] + product
-        if wanted < at.size and at[wanted] == t:
+        while wanted < at.size and at[wanted] == t:  # an instant may be asked for twice
             first[wanted], second[wanted] = once, twice
             wanted += 1
     return first, second
