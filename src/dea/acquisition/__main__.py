@@ -48,7 +48,7 @@ def main(arguments: list[str] | None = None) -> None:
         print(f"DANGER: {error} A guardian goes on trying: see status.", file=sys.stderr)
         raise SystemExit(3) from None
     except (DeviceError, OSError) as error:
-        print(f"failed: {error}", file=sys.stderr)
+        print(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]), file=sys.stderr)
         raise SystemExit(1) from None
     except Interrupted as signal:
         print(f"ended by {signal}; the output is at zero", file=sys.stderr)

@@ -66,6 +66,8 @@ class Monitor:
         self._bar.update(self._task, completed=self._done)
         self._screen.refresh()
         self._screen.stop()
+        if not self._console.is_terminal:  # where rich leaves the line open
+            self._console.print()
 
     def __call__(self, samples: Samples, log: LinkLog) -> None:
         """Add a block of samples; redraw at most every REFRESH seconds."""

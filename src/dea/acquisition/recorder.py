@@ -54,6 +54,8 @@ class Recorder:
             self.end(error)
         finally:
             self.wire.close()
+        if isinstance(error, DeviceError | OSError) and self.evidence:
+            error.add_note(f"The output is at zero: {self.evidence}.")
 
     def await_ready(self) -> None:
         """Return when the guardian has taken the output; raises what made it refuse."""

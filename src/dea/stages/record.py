@@ -126,7 +126,7 @@ def main(arguments: list[str] | None = None) -> None:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
     except (DeviceError, OSError) as error:
-        print(f"failed: {error}", file=sys.stderr)
+        print(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]), file=sys.stderr)
         raise SystemExit(1) from None
     except acquisition.Interrupted as signal:
         print(f"ended by {signal}; the output is at zero", file=sys.stderr)
