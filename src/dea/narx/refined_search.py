@@ -15,7 +15,7 @@ from dea.narx.trace import Trace, Tried
 from dea.terms import Term
 
 _CHECKED = 8  # structures of least cost whose final fits are tried before the first is returned
-_UNSTABLE_DATA = 4.0  # times the squared error that stable structures may leave at most
+_UNSTABLE_DATA = 100.0  # times the squared error that stable structures may leave at most
 
 
 class FoundModel(NamedTuple):
@@ -39,8 +39,8 @@ def find(
 
     A structure counts as stable if it passes the trials with its final parameters. Where the least
     cost belongs to one that does not, the search goes on among those that do. If there is none, or
-    if it leaves more than four times the squared error, so that the record itself speaks for an
-    unstable system, the structure of least cost is returned as it is.
+    if it leaves more than a hundred times the squared error, so that the record itself speaks for
+    an unstable system, the structure of least cost is returned as it is.
     """
     effort = Effort(
         search.rounds, len(candidates) if search.max_terms is None else search.max_terms
