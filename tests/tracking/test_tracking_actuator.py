@@ -3,15 +3,18 @@
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from dea.excitation import Span, gaussian
 from dea.gfrf import frequency_response
-from dea.narx import select_terms
+from dea.narx import Refined, select_terms
 from dea.plant import Rig
 from dea.seeds import generator
 from dea.tracking import track_parameters, with_constant
 
-BENCH = Path(__file__).parents[2] / "config" / "bench.yaml"
+CONFIG = Path(__file__).parents[2] / "config"
+BENCH = CONFIG / "bench.yaml"
+STUDY = yaml.safe_load((CONFIG / "config.yaml").read_text())
 RATE, MINUTES, MIDDLE, TONE, AMPLITUDE = 50.0, 10, 2.425, 0.3, 0.05
 SAMPLES = round(60 * MINUTES * RATE)
 
@@ -34,8 +37,9 @@ def small_signal_response(at: np.ndarray) -> np.ndarray:
 
 def test_the_tracked_response_is_that_of_the_actuator():
     u, y = displacement(gaussian(Span(generator(1, "truth"), SAMPLES, RATE, 1.1, 3.75)))
-    model = select_terms(u[:5000], y[:5000], y_lags=3, u_lags=3, degree=3)
-    track = track_parameters(model, u, y, method="output_error", sampling_rate=RATE)
+    search = Refined(threshold=STUDY["identification"]["threshold"])
+    model = select_terms(u[:5000], y[:5000], y_lags=3, u_lags=3, degree=3, search=search)
+    track = track_parameters(model, u, y, method=STUDY["gfrf"]["tracker"], sampling_rate=RATE)
     at = np.arange(6000, SAMPLES, 6000)
     found = frequency_response(
         with_constant(model), 1, TONE, RATE,

@@ -36,7 +36,7 @@ def test_the_diagnosis_reads_records_and_its_own_code_alone(planned_jobs, projec
     seeds = re.search(r"seeds: \{tuning: (\d+), reporting: (\d+),", config).groups()
     assert len(planned_jobs["trial_diagnose"]) == 2
     for inputs, command in planned_jobs["trial_diagnose"]:
-        data = [name for name in inputs if not name.startswith("src/")]
+        data = [name for name in inputs if not name.startswith(("src/", "build/"))]
         batch = f"results/trials/tuning/{data[0].split('/')[3]}"
         simulations = ["heated_chamber", "positioning_drive"]
         assert data == [
