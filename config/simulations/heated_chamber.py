@@ -3,7 +3,7 @@
 Temperatures of plate x[0] and air x[1] above the room's (K), driven by u (V).
 """
 
-from dea.simulation import Parameter, Simulation, State
+from dea.simulation import ForcePort, Parameter, Simulation, State
 
 
 def derivative(x, u, p, dx):
@@ -32,5 +32,10 @@ simulation = Simulation(
     derivative=derivative,
     output=output,
     drive="heating",
+    # Heat can be stored beside the plate, or beside the air.
+    force_ports=(
+        ForcePort(equation="plate", position="plate", velocity=None),
+        ForcePort(equation="air", position="air", velocity=None),
+    ),
     output_offset_spread=1.0,
 )

@@ -87,7 +87,7 @@ def test_a_device_restarted_is_driven_again_from_the_start_where_so_configured(
 
 def outlast(seconds):
     """A freeze of that many seconds while blocks are played."""
-    return Fault("reply", 25, "freeze", seconds / (8 * TIMEOUT))
+    return Fault("reply", 40, "freeze", seconds / (8 * TIMEOUT))
 
 
 def test_a_host_cut_off_longer_than_the_watchdog_waits_finds_the_film_undriven(

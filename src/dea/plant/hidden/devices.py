@@ -221,7 +221,7 @@ DEVICES = {
         DeviceKind(
             name="chamber", simulation="config/simulations/heated_chamber.py", unit="degC",
             scale=1.0, time=40.0, power=2.0, force=False, lows=(0.5, 1.5), highs=(4.0, 5.0),
-            rates=(10,), durations=(600.0, 1800.0), noise=(0.02, 0.06), settling=0.0,
+            rates=(10,), durations=(1500.0, 1800.0), noise=(0.02, 0.06), settling=0.0,
             free=("exchange", "uptake", "loss"),
             spread={"heating": 0.15, "exchange": 0.2, "uptake": 0.2, "loss": 0.2},
         ),
