@@ -43,7 +43,8 @@ OF_ALL = {
 WITHOUT_UNITS = re.compile(
     r"nmse( of the simulated output)?|fpe|relative error of .*|share of terms found"
     r"|\$\|H_[12].*\$ / .*"
-    r"|(dynamic|polynomial) order|exchanges per bin|error over the least|share at least as late|\$\\phi_\{.*\}\$"
+    r"|(dynamic|polynomial) order|exchanges per bin|error over the least"
+    r"|share at least as late|\$\\phi_\{.*\}\$"
 )
 
 
