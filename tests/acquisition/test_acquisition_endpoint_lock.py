@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from dea.acquisition.duty import duty_file
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.errors import InputError
 from dea.modbus import read_device
@@ -67,3 +68,19 @@ def test_the_lock_is_free_after_the_block(device):
     for _ in range(2):
         with endpoint_lock(device):
             pass
+
+
+def test_users_with_other_temporary_folders_share_the_lock(device, holder, monkeypatch, tmp_path):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    with pytest.raises(InputError), endpoint_lock(device):
+        pass
+
+
+def test_the_guardian_of_an_output_is_found_whatever_the_temporary_folder(device, monkeypatch):
+    monkeypatch.delenv("DEA_DUTY")
+    before = duty_file(device)
+    monkeypatch.setenv("TMPDIR", "/elsewhere")
+    monkeypatch.setattr("tempfile.tempdir", None)
+    assert duty_file(device) == before
+    assert duty_file(replace(device, host="localhost")) == before

@@ -1,21 +1,20 @@
 """Who guards an output, and the voltage last asked for: readable while it runs and after a crash.
 
-The file lies in memory (tmpfs), so that no disk can delay the guardian. Its lock is held as long as
-the guardian lives; there is one for each output of each device on this machine.
+The file's lock is held as long as the guardian lives; there is one for each output of each device
+on this machine (:mod:`dea.acquisition.shared_file`).
 """
 
 import fcntl
 import mmap
 import os
-import re
 import struct
-import tempfile
 import time
 from enum import IntEnum
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
 
+from dea.acquisition.shared_file import open_shared, shared_file
 from dea.errors import InputError
 from dea.modbus import Device
 
@@ -136,22 +135,13 @@ def order(path: Path, asked: Order) -> None:
 
 def duty_file(device: Device) -> Path:
     """Return the file of an output: one for each endpoint, unit and register."""
-    shared = Path("/dev/shm")
-    root = os.environ.get("DEA_DUTY") or (shared if shared.is_dir() else tempfile.gettempdir())
-    where = device.serial.port if device.serial else f"{device.host}_{device.port}"
-    # Programs that keep their temporary files apart keep these apart too.
-    apart = tempfile.gettempdir()
-    name = f"{where}_{device.unit_id}_{device['output'].address}_{apart}"
-    return Path(root, f"dea_duty_{re.sub('[^A-Za-z0-9.-]+', '_', name)}")
+    return shared_file(device, "duty", str(device["output"].address))
 
 
 def _open(path: Path) -> int:
-    """Open the file for every user of the machine, who share the device too."""
-    handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    handle = open_shared(path)
     if os.fstat(handle).st_size < _LAYOUT.size:
         os.ftruncate(handle, _LAYOUT.size)
-        if os.fstat(handle).st_uid == os.getuid():
-            os.fchmod(handle, 0o666)
     return handle
 
 
