@@ -27,6 +27,7 @@ include: "workflow/rules/trials.smk"
 include: "workflow/rules/cases.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/functions/datasets.smk"
 
 
 # `make audit` compares the results with the manifest.
@@ -43,6 +44,7 @@ onerror:
 rule study:
     default_target: True
     input:
+        EVERY_DATASET,
         EVERY_FIGURE,
         EVERY_TABLE,
 
@@ -65,14 +67,13 @@ rule cases:
 
 rule discrepancy:
     input:
-        expand("results/discrepancy/{system}/verdict.json", system=ACTUATORS),
-        FIGURES["discrepancy"].files("png", "pdf", system=ACTUATORS),
+        [file for name in ACTUATORS for file in of_diagnosis(name)],
 
 
 rule real_records:
     input:
         TABLES["real_records"].files("csv", "md", "tex"),
-        FIGURES["discrepancy"].files("png", "pdf", system=DIAGNOSED_CASES),
+        [file for name in DIAGNOSED_CASES for file in of_diagnosis(name)],
 
 
 rule trials:
