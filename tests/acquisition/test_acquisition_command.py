@@ -18,6 +18,7 @@ from dea.acquisition.link_log import LinkLog
 from dea.acquisition.monitor import Monitor, health
 from dea.acquisition.samples import Quality, Samples
 from dea.bench.__main__ import main as serve
+from dea.configuration.bench import read_bench
 from dea.errors import InputError
 from dea.modbus import read_device
 from dea.stages.acquire import acquire
@@ -117,13 +118,16 @@ def test_the_monitor_shows_rate_round_trips_and_errors():
     assert "100/100 samples" in shown
 
 
+BENCH = ROOT / "config/bench.yaml"
+
+
 def settings(**changes):
     return {
         "seed": 1, "system": "dea1", "excitation_name": "record",
         "excitation": {"kind": "gaussian", "duration": 20, "low": 1.1, "high": 3.75},
         "acquisition": {"mode": "buffered", "ramp_rate": 5.0},
-        "bench": {"actuator": "dea1", "config": str(ROOT / "config/bench.yaml"),
-                  "watchdog_time": 20.0},
+        "bench": {"actuator": "dea1", "config": str(BENCH), "watchdog_time": 20.0,
+                  "plant": read_bench(BENCH).actuators["dea1"].model_dump()},
     } | changes  # fmt: skip
 
 

@@ -40,7 +40,11 @@ def acquisition_settings(excitation):
             "acquisition": config["acquisition"],
         } | sections(config["excitation"], excitation)
         served = ACTUATORS[wildcards.actuator]["bench"]
-        leaves["bench"] = config["bench"] | {"actuator": served, "config": BENCH}
+        leaves["bench"] = config["bench"] | {
+            "actuator": served,
+            "config": BENCH,
+            "plant": PLANTS[served].model_dump(),
+        }
         return json.dumps(leaves, sort_keys=True)
 
     return resolve

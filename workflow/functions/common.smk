@@ -24,19 +24,20 @@ EFFECTS, DEVICES = catalogue("effects"), catalogue("devices")
 
 
 def configuration():
-    """The checked study and cases; a mistake ends the workflow before anything runs."""
+    """The checked study, virtual actuators and cases; a mistake ends it before anything runs."""
     try:
         study = check_study(config)
-        check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
+        plants = read_bench(BENCH).actuators
+        check_actuators(study, list(plants), BENCH)
         check_names(study, DEVICES, EFFECTS)
         cases = read_cases("config/cases", study)
         check_cases(cases, DEVICES)
-        return study, cases
+        return study, plants, cases
     except InputError as error:
         raise WorkflowError(str(error)) from None
 
 
-STUDY, _cases = configuration()
+STUDY, PLANTS, _cases = configuration()
 # Numbers of the command line, which Snakemake hands over as text, are numbers from here on.
 config.update(written(STUDY))
 

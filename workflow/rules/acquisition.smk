@@ -10,7 +10,6 @@ include: "../functions/acquisition.smk"
 rule acquire:
     input:
         device=lambda wildcards: ACTUATORS[wildcards.actuator]["device"],
-        bench=BENCH,
         code=modules("dea.stages.acquire", "dea.bench.__main__"),
     output:
         record="results/{actuator}/record.nc",
