@@ -8,6 +8,12 @@ RESPONSES = pages(
 FIGURES = filled(
     "figures",
     {
+        # Apart, since it alone shows a stretch that the config names.
+        "measurement": Group(
+            sources="results/{system}/record.nc",
+            path="results/figures/actuators/{name}_{system}",
+            system="{system}",
+        ),
         "actuator": Group(
             sources=expand(
                 "results/{{system}}/{dataset}.nc",
@@ -60,13 +66,12 @@ FIGURES = filled(
         ),
     },
 )
+# Figures of each actuator.
+OWN = [*FIGURES["measurement"].members, *FIGURES["actuator"].members]
 EVERY_FIGURE = (
-    FIGURES["actuator"].files("png", "pdf", system=ACTUATORS)
-    + expand(
-        "results/figures/{name}.{kind}",
-        name=FIGURES["actuator"].members,
-        kind=["png", "pdf"],
-    )
+    FIGURES["measurement"].files("png", "pdf", system=ACTUATORS)
+    + FIGURES["actuator"].files("png", "pdf", system=ACTUATORS)
+    + expand("results/figures/{name}.{kind}", name=OWN, kind=["png", "pdf"])
     + [file for page in RESPONSES for file in FIGURES[page].files("png", "pdf")]
     + FIGURES["confirmation"].files("png", "pdf", system=CONFIRMED)
     + FIGURES["link"].files("png", "pdf")
@@ -112,7 +117,7 @@ rule first_actuator:
     benchmark:
         "results/figures/benchmark/{figure}.tsv"
     wildcard_constraints:
-        figure="|".join(FIGURES["actuator"].members),
+        figure="|".join(OWN),
     shell:
         stage(
             "copy_files --originals {input.png:q} {input.pdf:q}"
