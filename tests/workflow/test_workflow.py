@@ -124,12 +124,53 @@ def test_an_edited_module_reruns_what_depends_on_it_and_nothing_else(finished, m
     assert not kept & jobs.keys()
 
 
-def test_a_setting_of_one_figure_redraws_its_group_alone(finished):
-    config = finished.folder / "small.yaml"
-    content = config.read_text()
+def planned_after(finished, file, old, new):
+    """What a dry run plans when ``old`` of a file of the project reads ``new``."""
+    edited = finished.folder / file
+    content = edited.read_text()
+    assert old in content
     try:
-        config.write_text(content.replace("zoom: [60, 75]", "zoom: [65, 80]"))
+        edited.write_text(content.replace(old, new, 1))
         jobs = finished.planned("study")
     finally:
-        config.write_text(content)
-    assert {name for name in jobs if name != "study"} == {"figures_actuator", "first_actuator"}
+        edited.write_text(content)
+    return {name: count for name, count in jobs.items() if name != "study"}
+
+
+def test_a_setting_of_one_figure_redraws_it_alone(finished):
+    jobs = planned_after(finished, "small.yaml", "zoom: [60, 75]", "zoom: [65, 80]")
+    assert jobs == {"figures_measurement": 2, "first_actuator": 1}
+
+
+def test_a_value_of_one_virtual_actuator_reruns_that_actuator_alone(finished):
+    jobs = planned_after(finished, "config/bench.yaml", "rest: 43200.0", "rest: 43201.0")
+    assert {rule: jobs[rule] for rule in PER_ACTUATOR} == dict.fromkeys(PER_ACTUATOR, 1)
+
+
+def test_a_value_of_an_actuator_that_is_not_studied_reruns_nothing(finished):
+    assert planned_after(finished, "config/bench.yaml", "rest: 300.0", "rest: 301.0") == {}
+
+
+DELETED = [
+    "dea1/probed_link.nc", "dea1/orders.nc", "dea2/track.nc", "common_model.nc",
+    "tables/table1.tex",
+]  # fmt: skip
+
+
+def test_deleted_results_come_back(finished):
+    files = [finished.folder / "results" / product for product in DELETED]
+    for file in files:
+        file.rename(file.with_name(f"{file.name}.aside"))
+    try:
+        jobs = finished.planned("study")
+    finally:
+        for file in files:
+            file.with_name(f"{file.name}.aside").rename(file)
+    made = {"acquire_probed", "orders", "track", "select_common", "tables_actuators"}
+    assert {rule: jobs[rule] for rule in made} == dict.fromkeys(made, 1)
+
+
+def test_large_files_are_compared_by_content(finished):
+    record = finished.folder / "results/dea1/record.nc"
+    record.touch()
+    assert finished.planned("study") == {}
