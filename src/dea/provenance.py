@@ -23,20 +23,23 @@ from dea.errors import InputError
 RESULTS = Path("results")
 FOLDER = RESULTS / "provenance"
 # What the workflow says of a job; without them a program runs outside of the workflow.
-JOB, CODE, COMMIT = "DEA_JOB", "DEA_CODE", "DEA_COMMIT"
+JOB, RULE, CODE, COMMIT = "DEA_JOB", "DEA_RULE", "DEA_CODE", "DEA_COMMIT"
+# With these a user makes numerical libraries take other instructions than the processor's best.
+INSTRUCTIONS = "NUMBA_CPU_NAME", "OPENBLAS_CORETYPE"
 
 _current: list["Job"] = []
 
 
 @dataclass(frozen=True)
 class Job:
-    """What determines the products of a job, its name that of its log.
+    """What determines the products of a job of ``rule``, its name that of its log.
 
     ``inputs`` and ``code`` hold the SHA-256 of each file by its path; ``environment`` is that of
     the names and versions of all installed packages.
     """
 
     name: str
+    rule: str
     command: list[str]
     settings: Mapping[str, Any]
     inputs: Mapping[str, str]
@@ -77,7 +80,15 @@ def job(
     for path, sha in found.items():
         check(Path(path), sha)
     code = {path: digest(Path(path)) for path in os.environ[CODE].split()}
-    described = Job(_name(os.environ[JOB]), command, dict(settings), found, code, environment())
+    described = Job(
+        _name(os.environ[JOB]),
+        os.environ[RULE],
+        command,
+        dict(settings),
+        found,
+        code,
+        environment(),
+    )
     _current[:] = [described]
     try:
         yield
@@ -179,6 +190,7 @@ def run_facts() -> dict[str, Any]:
     if numpy := sys.modules.get("numpy"):
         blas = numpy.show_config(mode="dicts")["Build Dependencies"]["blas"]
         facts["blas"] = f"{blas['name']} {blas['version']}"
+    facts["instructions"] = {name: os.environ[name] for name in INSTRUCTIONS if name in os.environ}
     return facts
 
 

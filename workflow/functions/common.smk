@@ -96,7 +96,8 @@ def stage(command):
 
     It refuses code that the rule's ``code`` does not list. Its log names the job.
     """
-    return f"DEA_JOB={{log:q}} DEA_CODE='{{input.code}}' python -m dea.stages.{command}"
+    job = "DEA_JOB={log:q} DEA_RULE={rule} DEA_CODE='{input.code}'"
+    return f"{job} python -m dea.stages.{command}"
 
 
 def failures(folder, since):

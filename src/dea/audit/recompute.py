@@ -61,6 +61,7 @@ def _run(manifest: Manifest, identity: str, folder: Path) -> str | None:
                "--settings", json.dumps(job["settings"])]  # fmt: skip
     environment = os.environ | {
         provenance.JOB: f"results/{job['name']}.log",
+        provenance.RULE: job["rule"],
         provenance.CODE: " ".join(job["code"]),
         provenance.COMMIT: job["run"]["commit"],
         "PYTHONPATH": str(folder / "src"),
@@ -101,7 +102,9 @@ def _difference(
     if provenance.digest(again) == manifest.products[product]["sha256"]:
         return None
     here = provenance.run_facts()
-    same_machine = all(here.get(key) == run.get(key) for key in ("processor", "blas"))
+    same_machine = all(
+        here.get(key) == run.get(key) for key in ("processor", "blas", "instructions")
+    )
     if same_machine or again.suffix != ".nc":
         return "is other bytes when it is made again"
     with (
