@@ -10,7 +10,7 @@ from typing import NamedTuple
 from dea import provenance
 from dea.audit.manifest import UNLISTED, Manifest, files
 
-ENVIRONMENT = Path("environment.txt")
+ENVIRONMENT, SOURCE = Path("environment.txt"), Path("src")
 _PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)")
 
 
@@ -91,7 +91,7 @@ def _code(manifest: Manifest) -> Iterator[Finding]:
         (path, sha)
         for job in manifest.jobs.values()
         for path, sha in job["code"].items()
-        if path.endswith(".py")
+        if Path(path).is_relative_to(SOURCE)
     }
     for path, sha in sorted(recorded):
         if not Path(path).exists():
@@ -106,7 +106,7 @@ def _code(manifest: Manifest) -> Iterator[Finding]:
 
 def _committed(commit: str, manifest: Manifest) -> Iterator[Finding]:
     listed = subprocess.run(
-        ["git", "ls-tree", "-r", commit, "--", "src"], capture_output=True, text=True, check=False
+        ["git", "ls-tree", "-r", commit, "--", SOURCE], capture_output=True, text=True, check=False
     )
     if listed.returncode:
         yield Finding(commit, "is no commit of this repository, and results were made from it")
@@ -117,7 +117,7 @@ def _committed(commit: str, manifest: Manifest) -> Iterator[Finding]:
         for job in manifest.jobs.values()
         if job["run"]["commit"] == commit
         for path in job["code"]
-        if path.endswith(".py") and Path(path).exists()
+        if Path(path).is_relative_to(SOURCE) and Path(path).exists()
     }
     for path in sorted(paths):
         content = Path(path).read_bytes()
