@@ -14,7 +14,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report handover diagnose discrepancy real trials records faults \
-	peers interoperability soak coverage configuration audit check test mutants benchmark clean
+	peers interoperability soak coverage configuration audit sign check test mutants benchmark clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -92,7 +92,12 @@ configuration: $(VENV)/installed ## write docs/configuration.md from the models 
 	python -m dea.configuration page > docs/configuration.md
 
 audit: $(VENV)/installed ## compare the results with what their jobs made (SAMPLE=5 makes that many again)
-	python -m dea.audit $(SAMPLE:%=--sample %) $(SEED:%=--seed %)
+	python -m dea.audit $(SAMPLE:%=--sample %) $(SEED:%=--seed %) $(SIGNERS:%=--signers "%")
+
+sign: ## sign the manifest of the results: make sign KEY=~/.ssh/id_ed25519
+	$(if $(KEY),,$(error Name a private key: make sign KEY=~/.ssh/id_ed25519))
+	rm -f results/MANIFEST.json.sig
+	ssh-keygen -Y sign -f $(KEY) -n dea-study results/MANIFEST.json
 
 check: $(VENV)/installed ## linters, formatters, the type checker and the import contracts
 	ruff check .

@@ -1,6 +1,7 @@
 """A small project of made-up jobs, tampered with in every way that an audit must notice."""
 
 import json
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -18,6 +19,7 @@ JOBS = {
     "results/a/model.nc": (["results/a/record.nc"], ["src/select.py", "src/shared.py"]),
     "results/a/track.nc": (["results/a/record.nc", "results/a/model.nc"], ["src/track.py"]),
     "results/figures/fig3.png": (["results/a/track.nc"], ["src/draw.py", "src/shared.py"]),
+    "results/a/model.fmu": (["results/a/model.nc"], ["src/fmi2.c"]),
     "results/tables/table1.csv": (["results/a/model.nc"], ["src/tabulate.py"]),
 }
 
@@ -51,6 +53,7 @@ def study(tmp_path, monkeypatch):
 def make(monkeypatch, product, settings=None):
     sources, code = JOBS[product]
     monkeypatch.setenv(provenance.JOB, f"results/a/log/{Path(product).stem}.log")
+    monkeypatch.setenv(provenance.RULE, Path(product).stem)
     monkeypatch.setenv(provenance.CODE, " ".join(code))
     inputs, outputs = map(Path, sources), [Path(product)]
     with provenance.job(["dea.stages.x"], settings or {}, inputs=inputs, outputs=outputs):
@@ -74,7 +77,7 @@ def overwrite(file, content):
 def test_an_untouched_study_passes(study, capsys):
     assert verify(Manifest.read()) == []
     main([])
-    assert "5 results of 5 jobs are what they were made as" in capsys.readouterr().out
+    assert "6 results of 6 jobs are what they were made as" in capsys.readouterr().out
     assert "Every result is what its job made" in Path("results/audit.md").read_text()
     main([])  # its own page is nothing extra
 
@@ -108,6 +111,11 @@ def test_an_edited_module_is_named_with_what_rests_on_it(study, capsys):
     assert "record.nc" not in said
 
 
+def test_edited_code_of_another_language_is_named(study):
+    Path("src/fmi2.c").write_text("other\n")
+    assert first().path == "src/fmi2.c"
+
+
 def test_code_that_its_commit_does_not_hold_is_named(study, monkeypatch):
     Path("src/draw.py").write_text("never committed\n")
     make(monkeypatch, "results/figures/fig3.png")
@@ -133,7 +141,8 @@ def test_a_missing_file_is_named_with_what_rests_on_it(study):
     Path("results/a/model.nc").unlink()
     assert first() == ("results/a/model.nc", "is missing")
     assert resting_on("results/a/model.nc", Manifest.read()) == [
-        "results/a/track.nc", "results/figures/fig3.png", "results/tables/table1.csv",
+        "results/a/model.fmu", "results/a/track.nc", "results/figures/fig3.png",
+        "results/tables/table1.csv",
     ]  # fmt: skip
 
 
@@ -159,6 +168,38 @@ def test_an_edited_manifest_is_refused(study, capsys):
     assert "is not as it was written" in capsys.readouterr().err
 
 
+@pytest.fixture
+def signers(study):
+    """The signature of the manifest, and who may have made it."""
+    subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", "key"], check=True)
+    sign = ["ssh-keygen", "-q", "-Y", "sign", "-f", "key", "-n", "dea-study"]
+    subprocess.run([*sign, "results/MANIFEST.json"], check=True)
+    Path("signers").write_text(f"ada {Path('key.pub').read_text()}")
+    return ["--signers", "signers"]
+
+
+@pytest.mark.skipif(not shutil.which("ssh-keygen"), reason="ssh-keygen is not installed")
+def test_a_manifest_written_anew_after_signing_is_named(study, signers, monkeypatch, capsys):
+    main(signers)
+    capsys.readouterr()
+    make(monkeypatch, "results/tables/table1.csv", {"digits": 2})
+    collect().write()
+    assert verify(Manifest.read()) == []
+    with pytest.raises(SystemExit) as exit_:
+        main(signers)
+    assert exit_.value.code == 1
+    assert "MANIFEST.json: is not what ada signed" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not shutil.which("ssh-keygen"), reason="ssh-keygen is not installed")
+def test_the_signature_of_a_stranger_is_refused(study, signers, capsys):
+    Path("signers").write_text("")
+    with pytest.raises(SystemExit) as exit_:
+        main(signers)
+    assert exit_.value.code == 2
+    assert "nobody in signers made it" in capsys.readouterr().err
+
+
 def test_a_config_file_that_has_changed_is_named(study):
     Path("config/device.yaml").write_text("other\n")
     assert first() == ("config/device.yaml", "has changed since results were made from it")
@@ -182,7 +223,7 @@ def test_a_link_to_another_input_is_named(study, monkeypatch):
     make(monkeypatch, "results/a/model.nc", {"degree": 2})
     collect().write()
     paths = [finding.path for finding in verify(Manifest.read())]
-    assert paths == ["results/a/track.nc", "results/tables/table1.csv"]
+    assert paths == ["results/a/model.fmu", "results/a/track.nc", "results/tables/table1.csv"]
 
 
 def test_a_job_refuses_an_input_that_is_not_what_was_made(study, monkeypatch):

@@ -7,10 +7,12 @@ there is no manifest to compare with. ``results/audit.md`` says it for people.
 import argparse
 import sys
 import time
+from pathlib import Path
 
 from dea import provenance
 from dea.audit.manifest import Manifest
 from dea.audit.page import page
+from dea.audit.signature import unsigned
 from dea.audit.verify import resting_on, verify
 from dea.errors import InputError
 
@@ -22,14 +24,16 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m dea.audit", description=__doc__)
     parser.add_argument("--sample", type=int, default=0, metavar="N", help="jobs to run again")
     parser.add_argument("--seed", type=int, default=None, help="of the draw; the time otherwise")
+    parser.add_argument("--signers", type=Path, help="who may have signed the manifest")
     options = parser.parse_args(arguments)
     seed = int(time.time()) if options.seed is None else options.seed
     try:
         manifest = Manifest.read()
+        findings = unsigned(options.signers) if options.signers else []
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
-    findings = verify(manifest)
+    findings += verify(manifest)
     repeated = []
     if options.sample and not findings:
         from dea.audit.recompute import recompute
