@@ -191,10 +191,10 @@ def test_a_wrong_case_is_named_with_its_file(place, value, field, words):
     assert "\n" not in str(caught.value)
 
 
-def test_a_record_in_other_than_seconds_is_refused():
-    time = {"column": "t", "units": "ms"}
+def test_a_record_whose_time_has_other_units_is_refused():
+    time = {"column": "t", "units": "V"}
     record = {k: v for k, v in MINE["record"].items() if k != "sampling_interval"} | {"time": time}
-    with pytest.raises(InputError, match=r"record\.time\.units: its units are 'ms'.*convert"):
+    with pytest.raises(InputError, match=r"its units are 'V'.*Units of time are s, ms"):
         check_case(MINE | {"record": record}, check_study(STUDY), "mine.yaml")
 
 

@@ -6,11 +6,13 @@ from pydantic import Field, model_validator
 
 from dea.configuration.section import Positive, Section, Whole, key, refuse
 
+TIME_UNITS = ("s", "ms", "us", "ns", "min", "h")
+
 
 class Column(Section):
     """A column of numbers in a file."""
 
-    column: str = key("name of the column, or of the variable of a NetCDF or MATLAB file")
+    column: str = key("name of the column, without units in brackets, or of the variable of a file")
     units: str = key("units of the numbers, as the file has them where it says so")
     name: str | None = key("what it is, for labels; the column's own name otherwise", default=None)
 
@@ -20,9 +22,17 @@ class Columns(Section):
 
     input: Column = key("what drove the system")
     output: Column = key("what was measured")
-    time: Column | None = key("time in seconds, uniform", default=None)
+    time: Column | None = key(
+        "time, in s, ms, us, ns, min or h; a date or a time of day is in s", default=None
+    )
     sampling_interval: Positive | None = key(
         "time between samples, where there is no time column", unit="s", default=None
+    )
+    resample: Positive | None = key(
+        "time between samples that jittering ones are interpolated to, and closer ones averaged to;"
+        " what is missing is flagged. Without it the record must be uniform and whole",
+        unit="s",
+        default=None,
     )
     rows: Annotated[list[Whole], Field(min_length=2, max_length=2, strict=False)] | None = key(
         "first row, and one past the last; negative rows count from the end", default=None
@@ -30,11 +40,11 @@ class Columns(Section):
 
     @model_validator(mode="after")
     def _one_time(self) -> Self:
-        if self.time is not None and self.time.units != "s":
+        if self.time is not None and self.time.units not in TIME_UNITS:
             raise refuse(
                 "time.units",
                 f"its units are {self.time.units!r}",
-                "Time is in 's': convert the column, or give a sampling_interval instead.",
+                f"Units of time are {', '.join(TIME_UNITS)}; or give a sampling_interval instead.",
             )
         if (self.time is None) == (self.sampling_interval is None):
             count = "neither" if self.time is None else "both"
@@ -49,4 +59,7 @@ class Columns(Section):
 class Record(Columns):
     """A record made elsewhere."""
 
-    file: str = key("CSV, NetCDF or MATLAB file, relative to the project")
+    file: str = key(
+        "text table (.csv, .txt, .dat), NetCDF, MATLAB, .xlsx or .parquet file, relative to the"
+        " project"
+    )

@@ -91,7 +91,8 @@ CONTRACTS: Mapping[str, Contract] = {
             "time": _plain("time", units="s"),
             "input": _plain("time"),
             "output": _plain("time"),
-        }
+        },
+        optional={"quality": _plain("time", units="1")},
     ),
     "link": Contract(
         required={

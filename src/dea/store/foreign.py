@@ -1,4 +1,4 @@
-"""Records made elsewhere: CSV, NetCDF or MATLAB files whose columns a case file names."""
+"""Records made elsewhere: files of other programs, whose columns a case file names."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,10 +8,14 @@ import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
+from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
 from dea.store.records import check_record
+from dea.store.resampling import Uniform, resample
 
 if TYPE_CHECKING:
     from dea.configuration.record import Column
+
+FLAG = {"units": "1", "long_name": "quality of the sample", "flag_meanings": "good missing"}
 
 
 def import_record(
@@ -23,8 +27,9 @@ def import_record(
     ----------
     settings
         The case's ``record``: ``file`` (relative to ``root``), ``input`` and ``output`` (each
-        ``column``, ``units``, ``name``), and either a ``time`` column in seconds or a
-        ``sampling_interval`` in seconds; optionally ``rows`` = [first, last + 1].
+        ``column``, ``units``, ``name``), and either a ``time`` column or a ``sampling_interval``
+        in seconds; optionally ``rows`` = [first, last + 1], and ``resample``, the time in seconds
+        to which samples that jitter are interpolated and closer ones averaged.
     case_file
         Named in error messages, where the settings come from one.
 
@@ -48,7 +53,8 @@ def import_record(
             field=f"{place}file",
             remedy="Correct the path, or fetch the public records with `make records`",
         )
-    columns, units = _read_columns(file, case_file)
+    table = _read(file, case_file)
+    columns, units = table.columns, table.units
     rows = slice(*(described.rows or (None,)))
 
     def column(role: str, declared: "Column") -> np.ndarray:
@@ -72,15 +78,20 @@ def import_record(
 
     u, y = column("input", described.input), column("output", described.output)
     if described.time is not None:
-        time = column("time", described.time)
+        time = column("time", described.time) * (time_factor(described.time.units) or 1.0)
         time = time - time[:1]
     else:
         assert described.sampling_interval is not None
-        time = np.arange(u.size) * float(described.sampling_interval)
+        time = float(described.sampling_interval) * np.arange(u.size, dtype=float)
+    flags = {}
+    if described.resample is not None:
+        time, u, y, missing = _resampled(time, u, y, float(described.resample), file)
+        flags["quality"] = ("time", missing.astype("uint8"), FLAG)
     record = xr.Dataset(
         {
             "input": ("time", u, _attributes(described.input)),
             "output": ("time", y, _attributes(described.output)),
+            **flags,
         },
         coords={"time": ("time", time, {"units": "s", "long_name": "time since the start"})},
         attrs={"contract": "imported_record", "source_file": described.file},
@@ -93,50 +104,26 @@ def _attributes(column: "Column") -> dict[str, str]:
     return {"units": column.units, "long_name": column.name or column.column}
 
 
-def _read_columns(file: Path, case_file: Path | None) -> "_Columns":
-    suffix = file.suffix.lower()
-    if suffix not in FORMATS:
-        raise InputError(
-            f"cannot read {suffix or 'a file without an ending'}",
-            file=case_file,
-            field="record.file" if case_file else str(file),
-            remedy=f"Use one of {', '.join(FORMATS)}",
-        )
+def _read(file: Path, case_file: Path | None) -> ForeignTable:
     try:
-        return FORMATS[suffix](file)
-    # Each reader has its own errors, MatReadError a class straight below Exception.
-    except Exception as error:
-        other = f", or name another file in {case_file}: record.file" if case_file else ""
+        return read_foreign(file)
+    except InputError as error:
+        if case_file is None:
+            raise
         raise InputError(
-            f"cannot be read as {suffix} ({error})", file=file, remedy=f"Repair it{other}"
+            f"{file}: {error.problem}" if error.file else error.problem,
+            file=case_file,
+            field="record.file",
+            remedy=f"{error.remedy}, or name another file",
         ) from error
 
 
-_Columns = tuple[dict[str, np.ndarray], dict[str, str]]
-
-
-def _read_csv(file: Path) -> _Columns:
-    import pandas as pd
-
-    table = pd.read_csv(file, skipinitialspace=True)
-    numeric = table.select_dtypes("number")
-    return {str(name): numeric[name].to_numpy(float) for name in numeric.columns}, {}
-
-
-def _read_netcdf(file: Path) -> _Columns:
-    with xr.open_dataset(file, decode_times=False) as dataset:
-        variables = {str(k): v for k, v in dataset.load().variables.items() if v.ndim == 1}
-    return (
-        {name: variable.values.astype(float) for name, variable in variables.items()},
-        {name: v.attrs["units"] for name, v in variables.items() if "units" in v.attrs},
-    )
-
-
-def _read_matlab(file: Path) -> _Columns:
-    from scipy.io import loadmat
-
-    arrays = {name: value for name, value in loadmat(file).items() if not name.startswith("__")}
-    return {name: np.ravel(value).astype(float) for name, value in arrays.items()}, {}
-
-
-FORMATS = {".csv": _read_csv, ".nc": _read_netcdf, ".mat": _read_matlab}
+def _resampled(
+    time: np.ndarray, u: np.ndarray, y: np.ndarray, interval: float, file: Path
+) -> Uniform:
+    try:
+        return resample(time, u, y, interval)
+    except InputError as error:
+        raise InputError(
+            error.problem, file=file, field=error.field, remedy=error.remedy
+        ) from error

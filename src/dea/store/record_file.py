@@ -7,7 +7,8 @@ import xarray as xr
 
 from dea.errors import InputError
 from dea.store.files import read
-from dea.store.foreign import FORMATS, import_record
+from dea.store.foreign import import_record
+from dea.store.foreign_files import FORMATS
 from dea.store.records import check_record
 
 _EXAMPLE = (
@@ -22,11 +23,13 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
     Parameters
     ----------
     path
-        A record of the study (NetCDF), or a CSV, NetCDF or MATLAB file of any columns.
+        A record of the study (NetCDF), or a file of another program (text, NetCDF, MATLAB,
+        spreadsheet, Parquet).
     columns
         For a file of other columns, what a case file says of it: ``input`` and ``output``, each
-        ``{"column": …, "units": …}`` with optionally a ``name``; ``time`` likewise in ``s``, or
-        ``sampling_interval`` in seconds; optionally ``rows`` = [first, last + 1].
+        ``{"column": …, "units": …}`` with optionally a ``name``; ``time`` likewise, or
+        ``sampling_interval`` in seconds; optionally ``rows`` = [first, last + 1] and ``resample``
+        in seconds.
 
     Raises
     ------

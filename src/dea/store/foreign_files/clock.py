@@ -1,0 +1,59 @@
+"""Columns of dates and of times of day, as seconds since the first."""
+
+import re
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+DAY = 86_400.0
+_CLOCK = re.compile(r"^(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d*)?)$")
+# As people write dates; what is tried first is ISO 8601.
+_FORMATS = ("ISO8601", "%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f", "%d.%m.%Y %H:%M",
+            "%m/%d/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S %p",
+            "%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f")  # fmt: skip
+
+
+def is_clock(text: str) -> bool:
+    """Tell whether a field holds a time of day or begins with a date."""
+    return bool(_CLOCK.match(text) or re.match(r"^\d{1,4}[-./]\d{1,2}[-./]\d{1,4}(\D|$)", text))
+
+
+def seconds(column: pd.Series) -> NDArray[np.float64] | None:
+    """Return seconds since the first entry, NaN where there is none; None where it is no time.
+
+    A time of day that falls back has passed midnight.
+    """
+    if pd.api.types.is_datetime64_any_dtype(column):
+        return _since_first(column)
+    given = column.dropna().astype(str).str.strip()
+    given = given[given != ""]
+    if given.empty:
+        return None
+    if all(map(_CLOCK.match, given)):
+        return _of_day(column.astype(str).str.strip(), column.notna().to_numpy())
+    if not is_clock(given.iloc[0]):
+        return None
+    for form in _FORMATS:
+        read = pd.to_datetime(given.str.replace(",", "."), format=form, errors="coerce", utc=True)
+        if read.notna().all() and read.is_monotonic_increasing:
+            return _since_first(read.reindex(column.index))
+    return None
+
+
+def _since_first(times: pd.Series) -> NDArray[np.float64]:
+    passed = times - times[times.first_valid_index()]
+    return np.asarray(passed.dt.total_seconds().to_numpy(), float)
+
+
+def _of_day(texts: pd.Series, given: NDArray[np.bool_]) -> NDArray[np.float64]:
+    told = np.full(texts.size, np.nan)
+    for i in np.flatnonzero(given):
+        found = _CLOCK.match(texts.iloc[i])
+        if found is not None:
+            hours, minutes, rest = found.groups()
+            told[i] = 3600 * int(hours) + 60 * int(minutes) + float(rest.replace(",", "."))
+    known = np.flatnonzero(np.isfinite(told))
+    midnights = np.cumsum(np.diff(told[known], prepend=told[known[0]]) < -DAY / 2)
+    told[known] += DAY * midnights - told[known[0]]
+    return told

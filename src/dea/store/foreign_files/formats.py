@@ -1,0 +1,129 @@
+"""The formats that are read, by the ending of the file."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from dea.errors import InputError
+from dea.store.foreign_files.table import Array, ForeignTable, from_columns, plain_units
+from dea.store.foreign_files.text import read_text
+
+
+def read_foreign(file: Path) -> ForeignTable:
+    """Read a file by its ending (:data:`FORMATS`).
+
+    Raises
+    ------
+    InputError
+        If the ending is none of them, or the file cannot be read as what it says.
+    """
+    suffix = file.suffix.lower()
+    if suffix not in FORMATS:
+        raise InputError(
+            f"cannot read {suffix or 'a file without an ending'}",
+            file=file,
+            remedy=f"Use one of {', '.join(FORMATS)}",
+        )
+    try:
+        return FORMATS[suffix](file)
+    except InputError as error:
+        raise InputError(error.problem, file=file, remedy=error.remedy) from error
+    except ImportError as error:
+        raise InputError(
+            f"{error.name} is needed to read {suffix}",
+            file=file,
+            remedy=f"Install it with `pip install {error.name}`, or save the record as .csv",
+        ) from error
+    except NotImplementedError as error:
+        raise InputError(
+            f"it is a newer kind of {suffix} ({error})",
+            file=file,
+            remedy="Save it from MATLAB with save(..., '-v7'), or as .csv",
+        ) from error
+    # Each reader has its own errors, MatReadError a class straight below Exception.
+    except Exception as error:
+        raise InputError(
+            f"cannot be read as {suffix} ({error})", file=file, remedy="Repair it"
+        ) from error
+
+
+def _read_sheet(file: Path) -> ForeignTable:
+    frame = pd.read_excel(file)
+    headings = [str(name) for name in frame.columns]
+    first = frame.iloc[0] if len(frame) else frame.iloc[:0]
+    if len(first) and all(isinstance(cell, str) or pd.isna(cell) for cell in first):
+        units = [plain_units("" if pd.isna(cell) else str(cell)) for cell in first]
+        rest = frame.iloc[1:].reset_index(drop=True)
+        return from_columns(headings, [rest[name] for name in frame.columns], units)
+    return from_columns(headings, [frame[name] for name in frame.columns])
+
+
+def _read_parquet(file: Path) -> ForeignTable:
+    frame = pd.read_parquet(file)
+    if frame.index.name is not None:
+        frame = frame.reset_index()
+    return from_columns(map(str, frame.columns), [frame[name] for name in frame.columns])
+
+
+def _read_netcdf(file: Path) -> ForeignTable:
+    with xr.open_dataset(file, decode_times=False) as dataset:
+        variables = {str(name): each for name, each in dataset.load().variables.items()}
+    vectors = {name: each for name, each in variables.items() if each.ndim == 1}
+    return ForeignTable(
+        {name: each.values.astype(float) for name, each in vectors.items()},
+        {n: plain_units(v.attrs["units"]) for n, v in vectors.items() if "units" in v.attrs},
+        {
+            name: float(each)
+            for name, each in variables.items()
+            if each.ndim == 0 and np.issubdtype(each.dtype, np.number)
+        },
+    )
+
+
+def _read_matlab(file: Path) -> ForeignTable:
+    from scipy.io import loadmat
+
+    columns: dict[str, Array] = {}
+    constants: dict[str, float] = {}
+    content = loadmat(file, simplify_cells=True)
+    for name, value in _flat({k: v for k, v in content.items() if not k.startswith("__")}):
+        if not np.issubdtype(value.dtype, np.number):
+            continue
+        if value.size == 1:
+            constants[name] = float(value.ravel()[0])
+        elif value.ndim == 1 or 1 in value.shape:
+            columns[name] = value.ravel().astype(float)
+        elif value.ndim == 2:
+            long = value if value.shape[0] > value.shape[1] else value.T
+            for i, column in enumerate(long.T.astype(float)):
+                columns[f"{name}_{i + 1}"] = column
+    return ForeignTable(columns, {}, constants)
+
+
+def _flat(content: Mapping[str, Any], prefix: str = "") -> list[tuple[str, np.ndarray]]:
+    """Return the arrays of a MATLAB file, those within structures as ``structure.field``."""
+    found = []
+    for name, value in content.items():
+        if isinstance(value, Mapping):
+            found += _flat(value, f"{prefix}{name}.")
+        else:
+            found.append((prefix + name, np.asarray(value)))
+    return found
+
+
+FORMATS: dict[str, Callable[[Path], ForeignTable]] = {
+    ".csv": read_text,
+    ".txt": read_text,
+    ".tsv": read_text,
+    ".dat": read_text,
+    ".asc": read_text,
+    ".lvm": read_text,
+    ".nc": _read_netcdf,
+    ".mat": _read_matlab,
+    ".xlsx": _read_sheet,
+    ".parquet": _read_parquet,
+}

@@ -1,0 +1,152 @@
+"""Tables of text as instruments write them: which character separates, where the numbers begin."""
+
+import csv
+import re
+from collections.abc import Sequence
+from io import StringIO
+from itertools import product
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from dea.errors import InputError
+from dea.store.foreign_files.clock import is_clock
+from dea.store.foreign_files.table import ForeignTable, from_columns, plain_units
+
+_COMMENTS = ("#", "%", "//", "!")
+_SEPARATORS = ("\t", ";", ",", "|", " ")
+_DECIMALS = (".", ",")
+_NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
+_MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")
+_LOOKED_AT = 400  # lines among which the numbers must have begun
+_LONGEST_UNITS = 12  # characters
+
+
+class Layout(NamedTuple):
+    """How a text table is written."""
+
+    separator: str
+    decimal: str
+    columns: int
+
+
+def read_text(file: Path) -> ForeignTable:
+    """Read a table of text: tab, semicolon, comma, bar or spaces, decimal point or comma.
+
+    Lines of comment, lines before the table, a line of units below the headings, headings within
+    the last comment, and a separator at the end of each line are understood.
+
+    Raises
+    ------
+    InputError
+        If no line holds two numbers, or two columns have one name.
+    """
+    lines = [line.rstrip() for line in _decoded(file).splitlines() if line.strip()]
+    remarks, rows = _without_comments(lines)
+    layout = _layout(rows[:_LOOKED_AT])
+    if layout is None:
+        raise InputError(
+            "no line of it holds two numbers", file=file, remedy="Write it as a table of numbers"
+        )
+    begin = next(i for i, row in enumerate(rows) if _is_data(_fields(row, layout), layout))
+    above = [_fields(row, layout) for row in rows[:begin]]
+    above = [row for row in above if len(row) == layout.columns]
+    if not above and remarks:
+        last = _fields(remarks[-1], layout)
+        above = [last] if len(last) == layout.columns else []
+    headings, units = _headings(above, layout.columns)
+    frame = pd.read_csv(
+        StringIO("\n".join(rows[begin:])),
+        sep=r"\s+" if layout.separator == " " else layout.separator,
+        decimal=layout.decimal,
+        header=None,
+        names=range(layout.columns),
+        index_col=False,
+        skipinitialspace=True,
+        na_values=list(_MISSING),
+        usecols=range(layout.columns),
+    )
+    return from_columns(headings, [frame[i] for i in frame.columns], units)
+
+
+def _decoded(file: Path) -> str:
+    content = file.read_bytes()
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return content.decode("utf-16")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")
+
+
+def _without_comments(lines: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the comments before the first row, their marks taken off, and the other lines."""
+    remarks: list[str] = []
+    rows: list[str] = []
+    for line in lines:
+        if not line.lstrip().startswith(_COMMENTS):
+            rows.append(line)
+        elif not rows:
+            remarks.append(line.lstrip().lstrip("#%/!").strip())
+    return remarks, rows
+
+
+def _layout(rows: Sequence[str]) -> Layout | None:
+    """Return the layout under which most fields of the last rows looked at are numbers."""
+    sample = rows[len(rows) // 2 :]
+    best, most = None, 0.0
+    for separator, decimal in product(_SEPARATORS, _DECIMALS):
+        if separator == decimal:
+            continue
+        split = [_fields(row, Layout(separator, decimal, 0)) for row in sample]
+        counts = [len(row) for row in split]
+        columns = max(set(counts), key=counts.count) if counts else 0
+        if columns < 2:
+            continue
+        fields = [field for row in split if len(row) == columns for field in row]
+        numeric = sum(map(_is_number, _pointed(fields, decimal))) + 0.5 * sum(
+            field.lower() in _MISSING for field in fields
+        )
+        share = numeric / len(fields) * counts.count(columns) / len(counts)
+        if share > most + 1e-9:
+            best, most = Layout(separator, decimal, columns), share
+    return best if most > 0.3 else None
+
+
+def _fields(row: str, layout: Layout) -> list[str]:
+    if layout.separator == " ":
+        return row.split()
+    fields = next(csv.reader([row], delimiter=layout.separator, skipinitialspace=True), [])
+    stripped = [field.strip() for field in fields]
+    return stripped[:-1] if len(stripped) > 2 and not stripped[-1] else stripped
+
+
+def _pointed(fields: Sequence[str], decimal: str) -> list[str]:
+    if decimal == ".":
+        return list(fields)
+    return ["x" if "." in field else field.replace(",", ".") for field in fields]
+
+
+def _is_number(field: str) -> bool:
+    return bool(_NUMBER.match(field)) or is_clock(field)
+
+
+def _is_data(fields: Sequence[str], layout: Layout) -> bool:
+    if len(fields) != layout.columns:
+        return False
+    numbers = sum(map(_is_number, _pointed(fields, layout.decimal)))
+    empty = sum(field.lower() in _MISSING for field in fields)
+    return numbers > 0 and numbers + empty > len(fields) / 2
+
+
+def _headings(
+    above: Sequence[Sequence[str]], columns: int
+) -> tuple[list[str], list[str | None] | None]:
+    """Return the headings, numbered where there are none, and the units below them."""
+    if not above:
+        return [f"column {i + 1}" for i in range(columns)], None
+    if len(above) > 1 and all(len(field) <= _LONGEST_UNITS for field in above[-1]):
+        return list(above[-2]), [plain_units(field) for field in above[-1]]
+    named = [field or f"column {i + 1}" for i, field in enumerate(above[-1])]
+    return named, None

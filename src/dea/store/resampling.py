@@ -1,0 +1,105 @@
+"""A record on uniform times: jitter interpolated, gaps flagged, samples averaged."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.errors import InputError
+
+Array = NDArray[np.float64]
+
+# Times between samples, as shares of the usual one: how far apart neighbours may be that a value
+# between them is interpolated from, how close one sample must be that it stands alone, and by how
+# much rounding the interval may shift the last sample.
+_NEIGHBOURS, _CLOSE, _SHIFT = 1.6, 0.25, 0.05
+
+
+class Uniform(NamedTuple):
+    """Samples on uniform times; NaN in ``y`` where ``missing``, ``u`` interpolated there."""
+
+    time: Array
+    u: Array
+    y: Array
+    missing: NDArray[np.bool_]
+
+
+def usual_interval(time: Array) -> float:
+    """Return the time between samples of a record with jitter and gaps, in units of ``time``.
+
+    The least-squares slope over the samples counted in median steps, so that neither a gap nor
+    jitter shifts it; in four digits where these place the last sample as well.
+    """
+    steps = np.diff(time)
+    count = np.concatenate([[0.0], np.cumsum(np.maximum(np.round(steps / np.median(steps)), 1.0))])
+    centred = count - count.mean()
+    slope = float(centred @ (time - time.mean()) / (centred @ centred))
+    short = float(f"{slope:.4g}")
+    return short if abs(short - slope) * count[-1] < _SHIFT * slope else slope
+
+
+def check_order(time: Array) -> None:
+    """Refuse times that do not ascend.
+
+    Raises
+    ------
+    InputError
+        Naming the first sample at fault.
+    """
+    back = np.flatnonzero(np.diff(time) <= 0)
+    if back.size:
+        at = int(back[0])
+        raise InputError(
+            f"sample {at + 1} is at {time[at + 1]:g} s, the one before it at {time[at]:g} s",
+            field="time",
+            remedy="Sort the record, or give its sampling rate instead of the time column",
+        )
+
+
+def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
+    """Place samples of any times ``interval`` apart, from the first on.
+
+    Where samples are closer together than that by a factor of 1.5 or more, they are first placed on
+    a grid of their own rate, then averaged, those of each interval into one.
+
+    Parameters
+    ----------
+    time, u, y
+        Shape (samples,), time ascending in s; NaN where a value is missing.
+
+    Raises
+    ------
+    InputError
+        If times do not ascend.
+    """
+    known = np.isfinite(time) & np.isfinite(u) & np.isfinite(y)
+    if np.count_nonzero(known) < 3:
+        raise InputError(
+            f"{np.count_nonzero(known)} samples have both input and output",
+            remedy="Record at least three",
+        )
+    at, u_known, y_known = time[known], u[known], y[known]
+    check_order(at)
+    several = max(round(interval / usual_interval(at)), 1)
+    step = interval / several
+    count = (int((at[-1] - at[0]) / step + _CLOSE) + 1) // several * several
+    grid = at[0] + step * np.arange(count)
+    after = np.clip(np.searchsorted(at, grid), 1, at.size - 1)
+    gap = at[after] - at[after - 1]
+    nearest = np.minimum(np.abs(grid - at[after - 1]), np.abs(at[after] - grid))
+    missing = (gap > _NEIGHBOURS * step) & (nearest > _CLOSE * step)
+    y_grid = np.where(missing, np.nan, np.interp(grid, at, y_known))
+    u_grid = np.interp(grid, at, u_known)
+    return _averaged(grid - at[0], u_grid, y_grid, several)
+
+
+def _averaged(time: Array, u: Array, y: Array, several: int) -> Uniform:
+    """Return means of ``several`` samples; one is missing where more than half of its own are."""
+    parts = y.reshape(-1, several)
+    there = np.isfinite(parts)
+    missing = np.count_nonzero(there, axis=1) * 2 < several
+    total = np.where(there, parts, 0.0).sum(axis=1)
+    mean = np.where(missing, np.nan, total / np.maximum(there.sum(axis=1), 1))
+    return Uniform(
+        time.reshape(-1, several)[:, 0], u.reshape(-1, several).mean(axis=1), mean, missing
+    )
