@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from memory_link import Clock, MemoryLink
 from plain_module import PlainModule
 
 from dea.acquisition import AcquisitionSettings, TripError, acquire, latch
@@ -16,7 +17,7 @@ from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import LinkError
 from dea.acquisition.zero import Evidence, WayToZero, ZeroNotVerifiedError
 from dea.errors import InputError
-from dea.modbus import encode, parse_device
+from dea.modbus import parse_device
 
 OUTPUT = {"address": 0, "scale": 0.001, "limits": [0, 4], "unit": "V", "access": "write"}
 REGISTERS = {
@@ -45,46 +46,8 @@ def device(**changes):
     return parse_device(content | changes, source=Path("module.yaml"))
 
 
-class Memory:
-    """A link to a device whose registers hold raw values by name."""
-
-    def __init__(self, **values):
-        self.device = device()
-        self.values = {"voltage": 4, "current": 0, "door": 1, "enable": 0} | values
-        self.written = []
-        self.check = self.on_connect = None
-
-    def _name(self, address, table):
-        [name] = [
-            n for n, r in self.device.registers.items() if (r.address, r.table) == (address, table)
-        ]
-        return name
-
-    def read(self, address, count, table):
-        name = self._name(address, table)
-        return encode(self.device[name], self.values[name])
-
-    def write(self, address, words, table="holding", *, retry=True):
-        self.written.append((self._name(address, table), words[0]))
-
-    def open(self):
-        pass
-
-    def close(self):
-        pass
-
-
-class Clock:
-    """Time that passes only while somebody sleeps."""
-
-    def __init__(self):
-        self.now = 100.0
-
-    def monotonic(self):
-        return self.now
-
-    def sleep(self, seconds):
-        self.now += seconds
+def memory(**values):
+    return MemoryLink(device(), **({"voltage": 4, "current": 0, "door": 1, "enable": 0} | values))
 
 
 @pytest.fixture
@@ -95,42 +58,42 @@ def clock(monkeypatch):
     return made
 
 
-def way_to_zero(memory):
-    way = WayToZero(Output(memory), ramp_rate=1.0, requested=1.0)
+def way_to_zero(link):
+    way = WayToZero(Output(link), ramp_rate=1.0, requested=1.0)
     with suppress(ZeroNotVerifiedError):
         way()
     return way
 
 
 def test_a_door_that_opens_during_the_ramp_to_zero_is_a_trip(clock):
-    memory = Memory(door=0)
-    way = way_to_zero(memory)
+    link = memory(door=0)
+    way = way_to_zero(link)
     assert "door reads 0" in str(way.trip)
-    volts = [count for name, count in memory.written if name == "output"]
+    volts = [words[0] for name, words in link.written if name == "output"]
     assert volts == sorted(volts, reverse=True)
     assert volts[-1] == 0
 
 
 def test_a_door_that_opens_at_zero_is_none(clock):
-    way = WayToZero(Output(Memory(door=0)), ramp_rate=1.0, requested=0.0)
+    way = WayToZero(Output(memory(door=0)), ramp_rate=1.0, requested=0.0)
     way()
     assert way.trip is None
 
 
 def test_an_interlock_that_does_not_answer_holds_up_no_ramp(clock):
-    memory = Memory()
+    link = memory()
     asked = []
 
     def silent(address, count, table):
-        if memory._name(address, table) == "door":
+        if link._name(address, table) == "door":
             asked.append(clock.now)
             raise LinkError("no reply")
-        return Memory.read(memory, address, count, table)
+        return MemoryLink.read(link, address, count, table)
 
-    memory.read = silent
-    way_to_zero(memory)
+    link.read = silent
+    way_to_zero(link)
     assert len(asked) == 3
-    assert memory.written[-1][1] == 0
+    assert link.written[-1][1] == [0]
 
 
 @pytest.mark.parametrize(
@@ -143,18 +106,18 @@ def test_an_interlock_that_does_not_answer_holds_up_no_ramp(clock):
     ],
 )
 def test_what_does_not_hold_trips(clock, values, told):
-    laws = Laws(Panel(Memory(**{"voltage": 1604} | values)))
+    laws = Laws(Panel(memory(**{"voltage": 1604} | values)))
     with pytest.raises(TripError, match=told):
         laws.check(2.0, 2.0)
 
 
 @pytest.mark.parametrize("voltage", [1585, 1604, 1623])
 def test_what_holds_does_not(clock, voltage):
-    Laws(Panel(Memory(voltage=voltage, current=299))).check(2.0, 2.0)
+    Laws(Panel(memory(voltage=voltage, current=299))).check(2.0, 2.0)
 
 
 def test_a_monitor_may_be_behind_by_its_delay_and_no_longer(clock):
-    link = Memory(voltage=804)
+    link = memory(voltage=804)
     laws = Laws(Panel(link))
     laws.check(1.0, 1.0)
     for _ in range(8):  # 0.1 s and two periods
@@ -166,26 +129,26 @@ def test_a_monitor_may_be_behind_by_its_delay_and_no_longer(clock):
 
 
 def test_the_heartbeat_counts_up_once_in_a_period(clock):
-    link = Memory()
+    link = memory()
     laws = Laws(Panel(link))
     for _ in range(40):
         laws.beat()
         clock.sleep(0.05)
-    assert link.written == [("alive", 1), ("alive", 2), ("alive", 3), ("alive", 4)]
+    assert link.written == [("alive", [1]), ("alive", [2]), ("alive", [3]), ("alive", [4])]
 
 
 def test_it_is_armed_at_the_start_and_disarmed_after_zero_is_shown(clock):
-    link = Memory()
+    link = memory()
     output = Output(link)
     output.take()
-    assert link.written == [("alive", 1), ("enable", 1)]
+    assert link.written == [("alive", [1]), ("enable", [1])]
     assert WayToZero(output, ramp_rate=10.0, requested=0.1)() == Evidence.MONITOR
-    assert link.written[-1] == ("enable", 0)
-    assert [value for name, value in link.written if name == "output"][-1] == 0
+    assert link.written[-1] == ("enable", [0])
+    assert [words for name, words in link.written if name == "output"][-1] == [0]
 
 
 def test_an_open_interlock_is_refused_before_anything_is_written(clock):
-    link = Memory(door=0)
+    link = memory(door=0)
     with pytest.raises(InputError, match="interlock door") as caught:
         Output(link).take()
     assert caught.value.field == "safety"
@@ -193,7 +156,7 @@ def test_an_open_interlock_is_refused_before_anything_is_written(clock):
 
 
 def test_zero_is_not_believed_while_the_monitor_shows_voltage(clock):
-    link = Memory()
+    link = memory()
     output = Output(link)
     output.take()
     link.values["voltage"] = 404

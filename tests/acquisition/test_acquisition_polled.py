@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from memory_link import Clock
 
 from dea.acquisition import (
     AcquisitionSettings,
@@ -39,19 +40,6 @@ def test_every_sample_is_in_its_place(serve_bench, tmp_path, read_write_multiple
     assert np.array_equal(result.record.displacement_counts, bench.displacement[index])
     assert bench.applied[-1] == 0
     assert (result.link.sizes["polled_sample"] > 0) == (not virtual_clock)
-
-
-class Clock:
-    """Time that passes only while somebody sleeps."""
-
-    def __init__(self):
-        self.now = 0.0
-
-    def monotonic(self):
-        return self.now
-
-    def sleep(self, seconds):
-        self.now += seconds
 
 
 class Module:

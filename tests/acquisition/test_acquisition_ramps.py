@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from memory_link import Clock
 
 from dea.acquisition.output import Output
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
@@ -31,19 +32,6 @@ def device(**registers):
         },
         source=Path("module.yaml"),
     )
-
-
-class Clock:
-    """Time that passes only while somebody sleeps or waits for a reply."""
-
-    def __init__(self):
-        self.now = 0.0
-
-    def monotonic(self):
-        return self.now
-
-    def sleep(self, seconds):
-        self.now += seconds
 
 
 class ModuleLink:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from memory_link import Clock, MemoryLink
 
 from dea.acquisition import LinkError, ReadBackError, ZeroNotVerifiedError
 from dea.acquisition.output import Output
@@ -14,7 +15,7 @@ from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import check_excitation
 from dea.acquisition.zero import STOP, Evidence, WayToZero
 from dea.errors import InputError
-from dea.modbus import encode, parse_device
+from dea.modbus import parse_device
 
 STEP = 0.001  # V, one count
 OUTPUT = {"address": 0, "type": "int16", "access": "write", "scale": STEP, "unit": "V"}
@@ -35,41 +36,6 @@ def module(limits=(-10, 4), quarantine=0, **registers):
     )
 
 
-class Memory:
-    """A link to a device whose registers hold raw values by name, or what a function returns."""
-
-    def __init__(self, device, **values):
-        self.device, self.values, self.written = device, values, []
-        self.check = self.on_connect = None
-
-    def read(self, address, count, table):
-        [name] = [n for n, r in self.device.registers.items() if r.address == address]
-        value = self.values[name]
-        return encode(self.device[name], value() if callable(value) else value)
-
-    def write(self, address, words, table="holding", *, retry=True):
-        self.written.append((address, words))
-
-    def open(self):
-        pass
-
-    def close(self):
-        pass
-
-
-class Clock:
-    """Time that passes only while somebody sleeps."""
-
-    def __init__(self):
-        self.now = 0.0
-
-    def monotonic(self):
-        return self.now
-
-    def sleep(self, seconds):
-        self.now += seconds
-
-
 @pytest.fixture
 def clock(monkeypatch):
     made = Clock()
@@ -83,15 +49,15 @@ def way(link, ramp_rate=1.0, requested=0.0):
 
 @pytest.mark.parametrize("counts", [-1, 0, 1])
 def test_one_count_is_zero_to_the_read_back(clock, counts):
-    link = Memory(module(applied_output=ECHO), applied_output=counts)
+    link = MemoryLink(module(applied_output=ECHO), applied_output=counts)
     Output(link).take()
     assert way(link)() == Evidence.READ_BACK
-    assert link.written[-1] == (0, [0])
+    assert link.written[-1] == ("output", [0])
 
 
 @pytest.mark.parametrize("counts", [-5000, -2, 2, 5000])
 def test_more_than_one_count_is_driven(clock, counts):
-    link = Memory(module(applied_output=ECHO), applied_output=counts)
+    link = MemoryLink(module(applied_output=ECHO), applied_output=counts)
     with pytest.raises(InputError, match=f"the output is not zero: {STEP * counts:g} V"):
         Output(link).take()
     assert link.written == []
@@ -100,7 +66,7 @@ def test_more_than_one_count_is_driven(clock, counts):
 
 
 def test_the_way_to_zero_takes_its_time(clock):
-    link = Memory(module(), output=0)
+    link = MemoryLink(module(), output=0)
     assert way(link, 2.0, requested=4.0)() == Evidence.ANSWERED
     # 4 V at 2 V/s; the last step needs no pause after it.
     assert clock.now == pytest.approx(2.0, abs=0.021)
@@ -110,7 +76,7 @@ def test_the_way_to_zero_takes_its_time(clock):
 def test_a_ramp_of_the_device_is_waited_for_twice_as_long_as_it_may_take(clock, seconds, ends):
     """Its limits are 10 V from zero at most, and its rate is 2 V/s."""
     device = module(applied_output=ECHO, state={"address": 2}, command={"address": 3})
-    link = Memory(device, applied_output=0, state=lambda: 1 if clock.now < seconds else 0)
+    link = MemoryLink(device, applied_output=0, state=lambda: 1 if clock.now < seconds else 0)
     if ends:
         way(link, 2.0)()
         assert clock.now == pytest.approx(seconds, abs=0.1)
@@ -118,12 +84,12 @@ def test_a_ramp_of_the_device_is_waited_for_twice_as_long_as_it_may_take(clock, 
         with pytest.raises(ZeroNotVerifiedError, match="does not end its ramp"):
             way(link, 2.0)()
         assert 10.0 < clock.now < 15.0
-    assert link.written == [(3, [STOP])]
+    assert link.written == [("command", [STOP])]
 
 
 def test_a_tripped_device_is_at_zero_already(clock):
     device = module(applied_output=ECHO, state={"address": 2}, command={"address": 3})
-    link = Memory(device, applied_output=0, state=3)
+    link = MemoryLink(device, applied_output=0, state=3)
     way(link, 2.0)()
     assert link.written == []
 
@@ -163,7 +129,7 @@ def reported(**values):
         name: {"address": 10 + 2 * i, "type": "float32", "unit": "V"}
         for i, name in enumerate(values)
     }
-    return Panel(Memory(module(**names), **values))
+    return Panel(MemoryLink(module(**names), **values))
 
 
 @pytest.mark.parametrize("low", [-10.5, -10.0, -9.9995])
@@ -186,7 +152,7 @@ def test_a_range_may_differ_by_a_hundred_thousandth_of_its_span(end, share, same
         **{f"sensor_range_{end}": {"address": 10, "type": "float32"}},
     )
     found = (5.0 if end == "high" else -3.0) + 8.0 * share
-    panel = Panel(Memory(device, **{f"sensor_range_{end}": found}))
+    panel = Panel(MemoryLink(device, **{f"sensor_range_{end}": found}))
     if same:
         verify_device(panel)
     else:
@@ -199,7 +165,7 @@ READ_BACK = {"applied_output": ECHO, "state": {"address": 2}}
 
 def checked(volts, reading, *, state=2, at=(2, 4)):
     """Read ``reading`` (V) after two of the samples ``volts`` were played; check it after four."""
-    link = Memory(
+    link = MemoryLink(
         module(limits=(0, 10), **READ_BACK), applied_output=round(reading / STEP), state=state
     )
     read_back = ReadBack(Panel(link), np.rint(np.array(volts) / STEP), 0.05)
@@ -236,7 +202,7 @@ def test_a_reading_is_compared_only_with_the_output_clear_of_zero():
 
 def test_a_value_is_confirmed_by_the_next_reading_alone():
     def panel(readings):
-        return Panel(Memory(module(state={"address": 2}), state=iter(readings).__next__))
+        return Panel(MemoryLink(module(state={"address": 2}), state=iter(readings).__next__))
 
     assert panel([1, 2, 1, 3, 3]).confirmed("state") == 3
     # A first reading and as many more as are allowed, of which the last two agree.
@@ -251,6 +217,6 @@ def test_a_sample_takes_one_request_where_its_registers_are_near(apart, requests
         applied_output={"address": 10, "unit": "V"}, displacement={"address": 10 + apart},
         device_index={"address": 9, "table": "input"},
     )  # fmt: skip
-    windows = Poll(Panel(Memory(device))).windows
+    windows = Poll(Panel(MemoryLink(device))).windows
     assert len(windows) == requests + 1
     assert "displacement" in [register.name for register in windows[0].registers]

@@ -1,5 +1,6 @@
 """The safety model of a device at work: what is checked with every sample, and what breaks it."""
 
+import math
 import time
 from collections import deque
 
@@ -25,7 +26,7 @@ class Laws:
         self.safety = self.device.safety or Safety()
         self.interval = self.safety.interval if self.device.safety else float("inf")
         self._asked: deque[tuple[float, float, float]] = deque()  # time, lowest and highest V
-        self._beats, self._beaten, self._checked = 0, 0.0, 0.0
+        self._beats, self._beaten, self._checked = 0, -math.inf, -math.inf
 
     def arm(self) -> None:
         """Check the conditions, then switch the high voltage on."""
