@@ -14,6 +14,7 @@ from typing import Any
 
 from benchmarks.faults.host_faults import CLOCK_STEP, SLOW_SYNC
 from benchmarks.faults.schedule import HostFault
+from dea.acquisition.shared_file import OWN_FOLDER
 
 ROOT = Path(__file__).parents[2]
 MARK = "FAULTS_RUN"  # in the environment of every process that a run has started
@@ -89,7 +90,7 @@ class Client:
         return {
             MARK: self.mark,
             # Locks and latches belong to an address; ports are used again by other runs.
-            "TMPDIR": str(self.folder),
+            OWN_FOLDER: str(self.folder),
             "XDG_STATE_HOME": str(self.folder / "state"), "PYTHONPATH": path, "COLUMNS": "200",
             SLOW_SYNC: str(self.folder / "slow_sync"),
             CLOCK_STEP: str(self.folder / "clock_step"),

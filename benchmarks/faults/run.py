@@ -100,7 +100,8 @@ async def run(
         again = None
         if device is not None and not left and _tripping(schedule, trace, proxy.origin):
             device.faults.clear()
-            again = await _again(folder, launcher, request)
+            again, stays = await _again(folder, launcher, request)
+            left += stays
         for process in left:
             with suppress(ProcessLookupError):
                 os.kill(process, signal.SIGCONT)
@@ -170,15 +171,25 @@ def _tripping(schedule: Schedule, trace: Trace, origin: float | None) -> bool:
     return any(fault.start + (origin or 0.0) + NOTICED < lit for fault in schedule.device)
 
 
-async def _again(folder: Path, launcher: Launcher, request: dict[str, Any]) -> int:
-    """Run the same command once more, the fault of the device mended, and return its status."""
+async def _again(
+    folder: Path, launcher: Launcher, request: dict[str, Any]
+) -> tuple[int | None, list[int]]:
+    """Run the same command once more, the fault of the device mended, before a person who reads.
+
+    Return its status, or the process that does not end.
+    """
     arguments = [
         str(folder / "again.nc") if argument == str(folder / "record.nc") else argument
         for argument in request["arguments"]
     ]
-    request |= {"arguments": arguments, "printed": str(folder / "again_printed")}
-    _, ended = await launcher.launch(**request)
-    return await ended
+    request |= {
+        "arguments": arguments, "printed": str(folder / "again_printed"), "stuck_terminal": False,
+    }  # fmt: skip
+    process, ended = await launcher.launch(**request)
+    try:
+        return await asyncio.wait_for(asyncio.shield(ended), PATIENCE), []
+    except TimeoutError:
+        return None, [process]
 
 
 async def _gone(client: Client, patience: float) -> list[int]:
