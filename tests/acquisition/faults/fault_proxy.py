@@ -7,6 +7,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
+from dea.modbus import Device
+
 Way = Literal["request", "reply"]
 TIMEOUT = 0.08  # s, that the client under test waits for a reply
 
@@ -16,19 +18,36 @@ class Fault:
     """``kind`` befalls frame ``number`` going one ``way``, counted over all connections.
 
     ``amount`` in [0, 1) says where in the frame, how long, or with which code, see ``FAULTS``.
+    With ``driven`` the first frame that drives the output, or its reply, is number 0: how many
+    frames go before that depends on how busy the host is.
     """
 
     way: Way
     number: int
     kind: str
     amount: float = 0.5
+    driven: bool = False
+
+
+def drives(frame: bytes, device: Device) -> bool:
+    """Whether a request of Modbus TCP hands over samples, or writes an output above zero."""
+    function, body = frame[7], frame[8:]
+    if function == 23:
+        body = body[4:]
+    elif function not in (6, 16):
+        return False
+    address, content = int.from_bytes(body[:2], "big"), body[2 if function == 6 else 5 :]
+    if address == device["output"].address:
+        return any(content[:2])
+    # A block with the sequence number 0 only reads.
+    return address == device["block_crc"].address and any(content[4:8])
 
 
 class FaultProxy:
     """Listens on a free loopback port, :attr:`port`, and passes frames on to ``target``.
 
-    ``restart`` is called where the schedule restarts the bench. ``rtu`` says that the frames are
-    RTU's, for which faults of Modbus TCP's header mean nothing. :attr:`done` lists the faults that
+    ``restart`` is called where the schedule restarts the bench. ``device`` describes it; where its
+    frames are RTU's, faults of Modbus TCP's header mean nothing. :attr:`done` lists the faults that
     came to pass.
     """
 
@@ -37,14 +56,15 @@ class FaultProxy:
         target: tuple[str, int],
         faults: Sequence[Fault],
         restart: Callable[[], None],
-        *,
-        rtu: bool = False,
+        device: Device,
     ) -> None:
-        self.target, self.restart, self.rtu = target, restart, rtu
+        self.target, self.restart, self.device = target, restart, device
+        self.rtu = device.framing == "rtu_over_tcp"
         self.done: list[Fault] = []
         self.closed_until = self.frozen_until = 0.0  # s, the loop's time
-        self._faults = {(fault.way, fault.number): fault for fault in faults}
+        self._faults = {(fault.way, fault.number, fault.driven): fault for fault in faults}
         self._passed = {"request": 0, "reply": 0}
+        self._undriven: dict[str, int] | None = None  # frames that had passed before the drive
 
     def __enter__(self) -> "FaultProxy":
         listening = threading.Event()
@@ -57,9 +77,15 @@ class FaultProxy:
         self._loop.call_soon_threadsafe(self._ended.set)
         self._thread.join()
 
-    def next_fault(self, way: Way) -> Fault | None:
+    def next_fault(self, way: Way, frame: bytes) -> Fault | None:
         """What befalls the frame that passes now."""
-        fault = self._faults.get((way, self._passed[way]))
+        number = self._passed[way]
+        fault = self._faults.get((way, number, False))
+        undriven = self._undriven is None and way == "request" and not self.rtu
+        if undriven and drives(frame, self.device):
+            self._undriven = self._passed.copy()
+        if self._undriven is not None:
+            fault = self._faults.get((way, number - self._undriven[way], True), fault)
         self._passed[way] += 1
         if fault is not None:
             self.done.append(fault)
@@ -118,7 +144,7 @@ class Wire:
         try:
             while True:
                 frame = await self._frame()
-                fault = self.proxy.next_fault(self.way)
+                fault = self.proxy.next_fault(self.way, frame)
                 await self.proxy.thaw()
                 if fault is None:
                     self.send(frame)

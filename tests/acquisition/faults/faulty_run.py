@@ -60,8 +60,8 @@ def run_with_faults(
     """Acquire ``VOLTS`` from ``bench`` through a proxy with ``faults``."""
     partial = folder / f"{len(list(folder.iterdir()))}.partial"
     record = failure = None
-    target, rtu = ("127.0.0.1", bench.endpoint.port), bench.description.framing == "rtu_over_tcp"
-    with FaultProxy(target, faults, bench.restart, rtu=rtu) as proxy:
+    target = ("127.0.0.1", bench.endpoint.port)
+    with FaultProxy(target, faults, bench.restart, bench.description) as proxy:
         device = replace(bench.endpoint, port=proxy.port)
         with _ends_within(PATIENCE):
             try:
