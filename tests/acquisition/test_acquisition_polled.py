@@ -156,7 +156,8 @@ def test_a_read_back_that_is_not_what_was_asked_for_ends_the_record(clock, reads
     assert isinstance(failure, ReadBackError)
     wrong = np.flatnonzero(samples[5] == Quality.CLAMPED)
     asked = samples[2] * 10 / 65535
-    assert wrong.tolist() == [samples[0].size - 2, samples[0].size - 1]
+    # The first may still be that of the sample before; the next two may not.
+    assert wrong.tolist() == list(range(samples[0].size - 3, samples[0].size))
     assert 0.2 < asked[wrong[0]] < 0.25  # V, beyond 5 % of the span of the limits
 
 

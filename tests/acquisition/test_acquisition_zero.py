@@ -10,7 +10,7 @@ from dea.acquisition import LinkError, ReadBackError, ZeroNotVerifiedError
 from dea.acquisition.output import Output
 from dea.acquisition.panel import CONFIRMATIONS, Panel
 from dea.acquisition.poll import NEIGHBOURS, Poll
-from dea.acquisition.read_back import ReadBack
+from dea.acquisition.read_back import Echo, ReadBack
 from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import check_excitation
 from dea.acquisition.zero import STOP, Evidence, WayToZero
@@ -198,6 +198,18 @@ def test_a_reading_is_compared_only_with_the_output_clear_of_zero():
     assert checked([3.0, 1.1, 1.1, 0.9, 3.0], 0.0).pending
     with pytest.raises(ReadBackError):
         checked([3.0, 1.1, 1.1, 1.1, 0.0], 0.0)
+
+
+def test_a_read_back_one_sample_late_is_trusted_but_its_sample_flagged():
+    panel = Panel(MemoryLink(module(limits=(0, 10), applied_output=ECHO)))
+    echo = Echo(panel, "applied_output", 0.05)  # 0.5 V
+    asked = [1000, 1400, 2000, 2600, 3200]
+    assert [echo(now, before) for before, now in zip([1000, *asked], asked, strict=False)] == [
+        True, True, False, False, False,
+    ]  # fmt: skip
+    assert [echo(count, 1000) for count in (4000, 5000)] == [False, False]
+    with pytest.raises(ReadBackError, match="cannot say whether the output is at zero"):
+        echo(6000, 1000)
 
 
 def test_a_value_is_confirmed_by_the_next_reading_alone():

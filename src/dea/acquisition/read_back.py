@@ -116,19 +116,20 @@ class Echo:
         return np.asarray(np.abs(found - asked) <= self.tolerance)
 
     def __call__(self, count: int, applied: float) -> bool:
-        """Return whether the raw read-back of one sample is right.
+        """Return whether the raw read-back of one sample is what was asked for with it.
 
         Raises
         ------
         ReadBackError
-            Where it has been wrong too often in a row.
+            Where it has too often in a row been neither that nor what was asked for just before.
         """
-        self._asked.append(self.output.offset + self.output.scale * count)
+        asked = self.output.offset + self.output.scale * count
+        self._asked.append(asked)
         found = self.register.offset + self.register.scale * applied
         low, high = min(self._asked), max(self._asked)
         if low - self.tolerance <= found <= high + self.tolerance:
             self._wrong = 0
-            return True
+            return abs(found - asked) <= self.tolerance
         self._wrong += 1
         if self._wrong >= STRIKES:
             raise ReadBackError(
