@@ -3,6 +3,7 @@
 from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.files import atomic, read, sha256, write
 from dea.store.foreign import import_record
+from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
 from dea.store.record_file import read_record
 from dea.store.records import Signals, check_record, signals
 from dea.store.sources import Sources
@@ -10,6 +11,7 @@ from dea.store.sources import Sources
 __all__ = [
     "CONTRACTS",
     "Contract",
+    "ForeignTable",
     "Signals",
     "Sources",
     "Variable",
@@ -17,8 +19,10 @@ __all__ = [
     "check_record",
     "import_record",
     "read",
+    "read_foreign",
     "read_record",
     "sha256",
     "signals",
+    "time_factor",
     "write",
 ]

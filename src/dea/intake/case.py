@@ -1,0 +1,127 @@
+"""From a file and what its user says of it to a case that can be run."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea import store
+from dea.errors import InputError
+from dea.intake.bandwidth import samples_to_average
+from dea.intake.plan import make_plan
+from dea.intake.roles import Answers, Roles, find_roles
+from dea.missing import filled
+from dea.store.resampling import check_order, usual_interval
+
+Array = NDArray[np.float64]
+
+_JITTER = 1e-3  # share of the interval up to which times count as uniform
+
+
+@dataclass(frozen=True)
+class Inferred:
+    """The content of a case file, and in words what it rests on."""
+
+    content: Mapping[str, Any]
+    inferred: tuple[str, ...]
+
+
+def infer_case(
+    file: Path,
+    answers: Answers,
+    *,
+    simulation: str | None = None,
+    goal: str = "case",
+    given: Mapping[str, str] | None = None,
+) -> Inferred:
+    """Return the case of a file, whose record has been read and checked.
+
+    Parameters
+    ----------
+    goal, given
+        Target and variables of the command that was typed, for what is asked back.
+
+    Raises
+    ------
+    dea.intake.UnansweredError
+        Where the file does not say what its columns are.
+    InputError
+        If it cannot be read, or its record is not usable.
+    """
+    if not file.exists():
+        raise InputError("it does not exist", file=file, remedy="Correct the path")
+    table = store.read_foreign(file)
+    roles = find_roles(table, answers, file, goal, given or {})
+    record = _described(file, roles)
+    try:
+        time = _times(table, roles)
+        resample, notes = _resampling(table, roles, time)
+        record |= {"resample": resample} if resample else {}
+        signals = store.signals(store.import_record(record))
+        plan = make_plan(signals)
+    except InputError as error:
+        raise InputError(
+            error.problem, file=error.file or file, field=error.field, remedy=error.remedy
+        ) from error
+    known = np.flatnonzero(np.isfinite(time))
+    begin = np.searchsorted(time[known] - time[known[0]], plan.held_out)
+    tested = record | {"rows": [int(known[begin]), time.size]}
+    sections = dict(plan.sections)
+    split = sections.pop("split")
+    content = {
+        "title": file.stem,
+        "record": record,
+        "test_records": {"held_out": tested},
+        **sections,
+        **({"simulation": simulation, "split": split} if simulation else {}),
+    }
+    return Inferred(content, (*roles.inferred, *notes, *plan.inferred))
+
+
+def _described(file: Path, roles: Roles) -> dict[str, Any]:
+    record: dict[str, Any] = {"file": str(file)}
+    for role, column in (("time", roles.time), ("input", roles.input), ("output", roles.output)):
+        if column is not None:
+            record[role] = {"column": column[0], "units": column[1]}
+    if roles.interval is not None:
+        record["sampling_interval"] = float(f"{roles.interval:.12g}")
+    return record
+
+
+def _times(table: store.ForeignTable, roles: Roles) -> Array:
+    """Return the time of each row in s."""
+    if roles.time is not None:
+        return table.columns[roles.time[0]] * (store.time_factor(roles.time[1]) or 1.0)
+    assert roles.interval is not None
+    return roles.interval * np.arange(table.columns[roles.input[0]].size, dtype=float)
+
+
+def _resampling(
+    table: store.ForeignTable, roles: Roles, time: Array
+) -> tuple[float | None, list[str]]:
+    """Return the interval to which the record is resampled, None where it may stay as it is."""
+    u, y = table.columns[roles.input[0]], table.columns[roles.output[0]]
+    known = np.isfinite(time) & np.isfinite(u) & np.isfinite(y)
+    if np.count_nonzero(known) < 3:
+        raise InputError(f"{np.count_nonzero(known)} rows have both input and output")
+    check_order(time[known])
+    interval = usual_interval(time[known])
+    steps = np.diff(time[known])
+    several = samples_to_average(filled(y)[0], 1.0 / interval)
+    notes = []
+    gaps = steps[steps > 1.6 * interval]
+    if gaps.size:
+        notes.append(f"{gaps.size} gaps, the longest of {gaps.max():.4g} s: flagged as missing")
+    uneven = float(np.max(np.abs(steps - interval), initial=0.0, where=steps <= 1.6 * interval))
+    if uneven > _JITTER * interval:
+        notes.append(f"times jitter by up to {uneven:.2g} s: interpolated to {interval:g} s")
+    if several > 1:
+        notes.append(
+            f"the output holds no power beyond {1 / (20 * several * interval):.3g} Hz: {several}"
+            " samples are averaged into one"
+        )
+    needed = gaps.size or uneven > _JITTER * interval or several > 1 or not known.all()
+    return (float(f"{several * interval:.9g}") if needed else None), notes

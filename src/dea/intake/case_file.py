@@ -1,0 +1,93 @@
+"""The case file that intake writes, and how it tells its own from one that a person edited."""
+
+import hashlib
+import re
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from dea.configuration.case import check_case
+from dea.configuration.files import read_yaml
+from dea.configuration.section import NAME
+from dea.configuration.study import RESERVED, check_study
+from dea.errors import InputError
+from dea.intake.case import Inferred
+from dea.store import atomic
+
+_MARK = "# As written: "
+
+
+class _Plain(yaml.SafeDumper):
+    """Writes a value that occurs twice twice, where YAML would refer to the first."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def case_name(file: Path, name: str | None = None) -> str:
+    """Return the name of a case: the one given, or that of the file with letters it may have."""
+    if name is not None:
+        if not re.fullmatch(NAME, name):
+            raise InputError(
+                f"{name!r} is no name of a case",
+                field="NAME",
+                remedy="Use letters, digits, _ and -",
+            )
+        return name
+    plain = re.sub(r"[^A-Za-z0-9_-]+", "_", file.stem).strip("_") or "record"
+    return f"{plain}_case" if plain in RESERVED else plain
+
+
+def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Path:
+    """Write ``NAME.yaml``, unless a person has edited the one that is there.
+
+    Parameters
+    ----------
+    command
+        What was typed, for the first line of the file.
+
+    Raises
+    ------
+    InputError
+        If the name is an actuator's, the content does not fit the study's configuration, or the
+        file there was written or edited by a person.
+    """
+    study_file = Path("config/config.yaml")
+    study = check_study(read_yaml(study_file, what="the configuration", example=str(study_file)))
+    if name in {actuator.name for actuator in study.actuators}:
+        raise InputError(
+            f"{name!r} is an actuator's name", field="NAME", remedy="Give another: NAME=other"
+        )
+    file = folder / f"{name}.yaml"
+    check_case(dict(inferred.content), study, file)
+    text = _text(inferred, command)
+    if file.exists() and _edited(file.read_text(encoding="utf-8")):
+        raise InputError(
+            "it is there already, written or edited by a person",
+            file=file,
+            remedy=f"Run it as it is: `make case NAME={name}`; or give NAME=other, or delete it",
+        )
+    with atomic(file) as partial:
+        partial.write_text(text, encoding="utf-8")
+    return file
+
+
+def _text(inferred: Inferred, command: str) -> str:
+    remarks = [f"Inferred by `{command}`. Any key may be edited: config/cases/README.md.",
+               *inferred.inferred]  # fmt: skip
+    body = yaml.dump(
+        dict(inferred.content), Dumper=_Plain, sort_keys=False, allow_unicode=True, width=100,
+        default_flow_style=None,
+    )  # fmt: skip
+    text = "".join(f"# {line}\n" for line in remarks) + body
+    return f"{text}{_MARK}{_digest(text)}\n"
+
+
+def _edited(text: str) -> bool:
+    body, mark, digest = text.rpartition(_MARK)
+    return not mark or digest.strip() != _digest(body)
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -1,0 +1,183 @@
+"""The settings of a case, from its rate, its length, its band and its dynamics."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import comb
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.errors import InputError
+from dea.intake.bandwidth import band
+from dea.intake.dynamics import Dynamics, linear_dynamics, written
+from dea.missing import filled
+from dea.store import Signals
+
+Array = NDArray[np.float64]
+
+_HELD_OUT = 1 / 3  # share of the record, at its end, that identification does not see
+_LONGEST = 4000  # samples to identify from: more take longer and change little
+_SHORTEST = 60  # samples of a record
+_PER_CANDIDATE = 4  # samples for each term that could be selected
+_POOR = 0.5  # error of the linear model over the output's deviation, above which it says little
+_MOST_LAGS = 4
+_WINDOWS = 3
+_RESPONSES = 120  # times at which responses are taken, at most
+_SETTLINGS = 20  # settling times in a window of the local tracker
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a record is studied: sections of its case, and where the part held out begins, in s.
+
+    ``inferred`` says in words what the settings rest on.
+    """
+
+    sections: Mapping[str, Any]
+    held_out: float
+    inferred: tuple[str, ...]
+
+
+def make_plan(signals: Signals) -> Plan:
+    """Return the settings for a record on uniform times.
+
+    Raises
+    ------
+    InputError
+        If it is too short to identify from one part and test on another.
+    """
+    u, y, rate = signals.u, signals.y, signals.sampling_rate
+    if y.size < _SHORTEST:
+        raise InputError(
+            f"it holds {y.size} samples at {rate:g} Hz",
+            remedy=f"Record at least {_SHORTEST}: two thirds to identify from, the rest to test",
+        )
+    outputs, seen = filled(y)
+    known = round((1 - _HELD_OUT) * y.size)
+    used = min(known, _LONGEST)
+    part = _longest_stretch(seen[:used])
+    if part.stop - part.start < _SHORTEST // 2:
+        raise InputError(
+            f"the longest part without a missing sample, within the first {used}, holds"
+            f" {part.stop - part.start}",
+            remedy=f"At least {_SHORTEST // 2} in a row are needed: record it again, or cut it",
+        )
+    linear = linear_dynamics(u[part], outputs[part])
+    lags, degree = _size(linear, part.stop - part.start)
+    held = y.size - known
+    reach = min(50, held // (2 * _WINDOWS) - 1)
+    windows = _windows(known, y.size, max(reach, 3), seen)
+    low, high = band(u, rate)
+    time = y.size / rate
+    sections = {
+        "identification": {
+            "length": _in_seconds(used, rate),
+            "y_lags": lags.y_lags,
+            "u_lags": written(lags.u_lags),
+            "degree": degree,
+            "threshold": None,
+            "resamples": 10 if used > 40 * lags.u_lags[-1] else 0,
+        },
+        "orders": {
+            "start": _in_seconds(known, rate),
+            "length": _in_seconds(min(held, used), rate),
+            "dynamic": min(5, max(used // 60, 2)),
+            "polynomial": degree,
+            "lags": min(lags.y_lags, 2),
+        },
+        "validation": {
+            "windows": [[_in_seconds(a, rate), _in_seconds(b, rate)] for a, b in windows],
+            "before": _in_seconds(min(used, windows[0][0]), rate),
+            "max_lag": max(reach, 3),
+        },
+        "tracking": _tracking(y.size, linear.settling, lags),
+        "gfrf": _responses(low, max(high, band(outputs, rate)[1]), rate, y.size),
+        "split": {
+            "slowest_time": float(f"{min(max(linear.settling, 2) / rate, time / 8):.3g}"),
+            "warm_up": float(f"{min(linear.settling / rate, time / 20):.3g}"),
+        },
+    }
+    inferred = (
+        f"{y.size} samples at {rate:.6g} Hz, {time:.5g} s"
+        + (f", {signals.left_out} of them missing" if signals.left_out else ""),
+        f"the input holds its power between {low:.3g} and {high:.3g} Hz",
+        f"a step settles within {linear.settling / rate:.3g} s; lags {_listed(lags)} explain"
+        f" {100 * max(1 - linear.error**2, 0):.1f} % of an unseen part linearly",
+        f"models come from the first {used / rate:.4g} s, tests from the last {held / rate:.4g} s",
+    )
+    return Plan(sections, (known - 0.5) / rate, inferred)
+
+
+def _listed(lags: Dynamics) -> str:
+    first, last = lags.u_lags[0], lags.u_lags[-1]
+    return f"1 to {lags.y_lags} of the output and {first} to {last} of the input"
+
+
+def _size(linear: Dynamics, samples: int) -> tuple[Dynamics, int]:
+    """Return lags and degree with at most one candidate term for every few samples.
+
+    A nonlinear system needs no fewer lags than its linear part. Two are offered at least, and four
+    where the linear part explains little, so that its order says little too.
+    """
+    order = _MOST_LAGS if linear.error > _POOR else max(linear.y_lags, 2)
+    first = linear.u_lags[0]
+    while True:
+        for degree in (3, 2, 1):
+            if comb(2 * order + degree, degree) * _PER_CANDIDATE <= samples or order == degree == 1:
+                lags = tuple(range(first, first + order))
+                return Dynamics(order, lags, linear.settling, linear.error), degree
+        order -= 1
+
+
+def _tracking(samples: int, settling: int, lags: Dynamics) -> dict[str, Any]:
+    window = int(np.clip(_SETTLINGS * settling, samples // 12, samples // 3))
+    window = max(window, 40 * (lags.y_lags + len(lags.u_lags)))
+    memory = int(np.clip(_SETTLINGS * settling, 100, max(samples // 4, 100)))
+    return {
+        "trackers": {
+            "rls": {
+                "forgetting": float(f"{1 - 1 / memory:.5g}"),
+                "leakage": float(f"{0.1 / memory:.2g}"),
+                "delta": 1.0,
+            },
+            "kalman": {"delta": 1e-4, "thinning": int(np.clip(settling // 2, 1, 20))},
+            "local": {"window": window},
+        },
+        "instants": min(_RESPONSES, samples // 4),
+        "frozen_window": int(np.clip(samples // 20, 20, 1000)),
+    }
+
+
+def _responses(low: float, high: float, rate: float, samples: int) -> dict[str, Any]:
+    """Return the frequencies of responses, as shares of the sampling rate."""
+    top = min(1.5 * high / rate, 0.45)
+    bottom = max(min(low / rate, top / 20), 2 / samples)
+    return {
+        "instants": min(_RESPONSES, samples // 4),
+        "lowest": float(f"{bottom:.3g}"),
+        "highest": float(f"{top:.3g}"),
+        "plane_highest": float(f"{top / 1.5:.3g}"),
+        "third_frequency": float(f"{top / 4:.3g}"),
+    }
+
+
+def _windows(first: int, last: int, reach: int, seen: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return up to three windows of one length in the part held out, those with most samples."""
+    count = max(min(_WINDOWS, (last - first) // (2 * reach + 2)), 1)
+    length = min((last - first) // count, _LONGEST)
+    starts = [first + round(i * (last - first - length) / max(count - 1, 1)) for i in range(count)]
+    found = [(a, a + length) for a in starts]
+    whole = [(a, b) for a, b in found if seen[a:b].all()]
+    return whole or found
+
+
+def _longest_stretch(seen: NDArray[np.bool_]) -> slice:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], seen.astype(int), [0]])))
+    runs = list(zip(edges[::2], edges[1::2], strict=True))
+    first, last = max(runs, key=lambda run: run[1] - run[0])
+    return slice(int(first), int(last))
+
+
+def _in_seconds(samples: int, rate: float) -> float:
+    return float(f"{samples / rate:.9g}")

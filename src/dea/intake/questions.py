@@ -1,0 +1,40 @@
+"""What a file does not say of itself, asked in one message with the command that answers."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from dea.errors import InputError
+from dea.store import ForeignTable
+
+
+class UnansweredError(InputError):
+    """Something that only the user knows; the message shows the columns and how to answer."""
+
+    def __init__(self, asked: Sequence[str], command: str, file: Path, columns: str) -> None:
+        super().__init__(f"it does not say {', nor '.join(asked)}", file=file)
+        self.command, self.columns = command, columns
+
+    def __str__(self) -> str:
+        """Return the message of several lines."""
+        return f"{super().__str__()}.\n\n{self.columns}\n\nAnswer with\n\n  {self.command}\n"
+
+
+def described(table: ForeignTable) -> str:
+    """Return one line for each column: its name, its units, its range."""
+    width = max(map(len, [*table.columns, "column"]))
+    lines = [f"  {'column':{width}}  units   values"]
+    for name, values in table.columns.items():
+        there = values[np.isfinite(values)]
+        span = f"{there.min():.5g} to {there.max():.5g}" if there.size else "none"
+        missing = values.size - there.size
+        note = f"{missing} of {values.size} missing" if missing else f"{values.size} of them"
+        lines.append(f"  {name:{width}}  {table.units.get(name, '?'):6}  {span}, {note}")
+    return "\n".join(lines)
+
+
+def command(goal: str, answers: Mapping[str, str]) -> str:
+    """Return the command line that gives these answers."""
+    words = (f"{key}={value}" for key, value in answers.items())
+    return " ".join(["make", goal, *(f'"{word}"' if " " in word else word for word in words)])

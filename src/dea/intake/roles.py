@@ -1,0 +1,193 @@
+"""Which column of a file is the time, which the input, which the output, and in what units."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dea.errors import InputError
+from dea.intake.questions import UnansweredError, command, described
+from dea.store import ForeignTable, time_factor
+
+# Whole words of a name. Names that could be either (voltage, position) are asked about.
+_INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest", "u1"}
+_OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest", "y1"}
+_TIME = {"t", "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock"}
+_INTERVAL = {"ts", "dt", "tsample", "sampling_interval", "sample_time"}
+_RATE = {"fs", "rate", "sampling_rate", "samplerate", "sample_rate"}
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What the user said of a file; what is None is looked for in it.
+
+    Parameters
+    ----------
+    input, output
+        ``COLUMN`` or ``COLUMN:UNITS``.
+    time
+        The same of the time column.
+    rate
+        Samples per second.
+    """
+
+    input: str | None = None
+    output: str | None = None
+    time: str | None = None
+    rate: float | None = None
+
+
+@dataclass(frozen=True)
+class Roles:
+    """The columns of a record; ``time`` or ``interval`` (s) is None.
+
+    ``inferred`` says in words what the user did not.
+    """
+
+    input: tuple[str, str]
+    output: tuple[str, str]
+    time: tuple[str, str] | None
+    interval: float | None
+    inferred: tuple[str, ...] = ()
+
+
+def find_roles(
+    table: ForeignTable, answers: Answers, file: Path, goal: str, given: Mapping[str, str]
+) -> Roles:
+    """Return what each column is, by the answers, names and units of the file.
+
+    Parameters
+    ----------
+    goal, given
+        Target and variables of the command that was typed, for the question.
+
+    Raises
+    ------
+    UnansweredError
+        Where the file does not say which columns are input and output, what their units are, or how
+        far apart the samples are.
+    InputError
+        Where an answer names no column, or one column twice.
+    """
+    said = {
+        role: _answer(getattr(answers, role), table, role, file)
+        for role in ("input", "output", "time")
+    }
+    inferred: list[str] = []
+    time, interval = _timing(table, said["time"], answers.rate, inferred)
+    free = [name for name in table.columns if time is None or name != time[0]]
+    found = {
+        "input": said["input"] or _guess(free, _INPUT, table),
+        "output": said["output"] or _guess(free, _OUTPUT, table),
+    }
+    _fill_the_other(found, free, table)
+    names = [each[0] for each in found.values() if each is not None]
+    if len(names) == 2 and names[0] == names[1]:
+        raise InputError(f"{names[0]!r} is input and output", file=file, remedy="Name two columns")
+    asked: list[str] = []
+    lines = dict(given)
+    if None in found.values():
+        asked.append("which column is the input, which the output, and their units")
+    # Two columns are likely input and output, in this order; of more, none is likelier.
+    rest = [name for name in free if name not in names]
+    guesses = rest if len(free) == 2 else []
+    for role, known in found.items():
+        name = known[0] if known else guesses.pop(0) if guesses else "COLUMN"
+        units = known[1] if known else table.units.get(name)
+        if known and not units:
+            asked.append(f"the units of {name!r}")
+        lines[role.upper()] = f"{name}:{units or 'UNITS'}"
+    if time is None and interval is None:
+        asked.append("how many samples there are in a second")
+        lines["RATE"] = "SAMPLES_PER_SECOND"
+    if asked:
+        raise UnansweredError(asked, command(goal, lines), file, described(table))
+    u, y = found["input"], found["output"]
+    assert u is not None
+    assert y is not None
+    unsaid = [role for role in ("input", "output") if said[role] is None]
+    columns = {"input": u, "output": y}
+    inferred += [f"{role}: column {columns[role][0]!r}, by the names" for role in unsaid]
+    return Roles((u[0], u[1] or ""), (y[0], y[1] or ""), time, interval, tuple(inferred))
+
+
+def _answer(
+    text: str | None, table: ForeignTable, role: str, file: Path
+) -> tuple[str, str | None] | None:
+    if text is None:
+        return None
+    name, mark, units = text.rpartition(":")
+    if text in table.columns or not mark:
+        name, units = text, ""
+    if name not in table.columns:
+        raise InputError(
+            f"it has no column {name!r}",
+            file=file,
+            field=role.upper(),
+            remedy=f"Its columns of numbers are {', '.join(table.columns) or 'none'}",
+        )
+    return name, units or table.units.get(name)
+
+
+def _timing(
+    table: ForeignTable,
+    said: tuple[str, str | None] | None,
+    rate: float | None,
+    inferred: list[str],
+) -> tuple[tuple[str, str] | None, float | None]:
+    """Return the time column with its units, or the interval in s, or neither."""
+    if rate is not None:
+        return None, 1.0 / rate
+    name, units = said or (next(filter(_named(_TIME), table.columns), None), None)
+    if name is None and table.columns:
+        first = next(iter(table.columns))
+        name = first if table.units.get(first) in ("s", "ms", "us", "min", "h") else None
+    if name is not None and (said or _ascends(table.columns[name])):
+        units = units or table.units.get(name)
+        if units is None:
+            inferred.append(f"time: column {name!r}, taken to be in s")
+        elif said is None:
+            inferred.append(f"time: column {name!r}, in {units}")
+        if time_factor(units or "s") is not None:
+            return (name, units or "s"), None
+    for known, of in ((_INTERVAL, "interval"), (_RATE, "rate")):
+        constant = next(filter(_named(known), table.constants), None)
+        if constant is not None and table.constants[constant] > 0:
+            value = table.constants[constant]
+            interval = value if of == "interval" else 1.0 / value
+            inferred.append(f"{interval:g} s between samples, from {constant!r}")
+            return None, interval
+    return None, None
+
+
+def _fill_the_other(
+    found: dict[str, tuple[str, str | None] | None], free: list[str], table: ForeignTable
+) -> None:
+    """Where one of two columns is known, the other is what remains."""
+    known = [role for role, column in found.items() if column is not None]
+    if len(known) == 1 and len(free) == 2:
+        column = found[known[0]]
+        other = next(name for name in free if column is None or name != column[0])
+        missing = "output" if known[0] == "input" else "input"
+        found[missing] = (other, table.units.get(other))
+
+
+def _guess(free: list[str], words: set[str], table: ForeignTable) -> tuple[str, str | None] | None:
+    """Return the only column whose name holds one of these words."""
+    found = list(filter(_named(words), free))
+    return (found[0], table.units.get(found[0])) if len(found) == 1 else None
+
+
+def _named(words: set[str]) -> Callable[[str], bool]:
+    def matches(name: str) -> bool:
+        parts = re.split(r"[^a-z0-9]+", name.lower())
+        return name.lower() in words or bool(words.intersection(parts))
+
+    return matches
+
+
+def _ascends(values: np.ndarray) -> bool:
+    there = values[np.isfinite(values)]
+    return there.size > 2 and bool(np.all(np.diff(there) >= 0)) and there[-1] > there[0]

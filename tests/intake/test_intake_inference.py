@@ -1,0 +1,75 @@
+"""What is inferred from a record whose system is known."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from dea.intake.bandwidth import band, samples_to_average
+from dea.intake.dynamics import linear_dynamics
+from dea.intake.plan import make_plan
+from dea.store import Signals
+
+
+def excitation(size, pole):
+    return lfilter([1 - pole], [1, -pole], np.random.default_rng(0).standard_normal(size))
+
+
+def of_pole(u, pole, delay):
+    return lfilter([0.0] * delay + [1 - pole], [1, -pole], u)
+
+
+def test_the_band_of_band_limited_noise_is_found():
+    rate, highest = 100.0, 5.0
+    spectrum = np.fft.rfft(np.random.default_rng(1).standard_normal(20_000))
+    spectrum[np.fft.rfftfreq(20_000, 1 / rate) > highest] = 0.0
+    signal = np.fft.irfft(spectrum)
+    assert band(signal, rate)[1] == pytest.approx(highest, rel=0.05)
+    assert samples_to_average(signal, rate) == 1
+    assert samples_to_average(np.interp(np.arange(0, 20_000, 0.1), range(20_000), signal), 1e3) in (
+        9,
+        10,
+    )
+
+
+@pytest.mark.parametrize("delay", [0, 1, 2, 7])
+def test_the_delay_of_a_first_order_system_is_found(delay):
+    u = excitation(1500, 0.5)
+    y = of_pole(u, 0.8, delay) + 1e-3 * np.random.default_rng(2).standard_normal(u.size)
+    found = linear_dynamics(u, y)
+    assert found.u_lags[0] == delay
+    assert found.y_lags == 1
+    assert found.error < 0.02
+
+
+@pytest.mark.parametrize("pole", [0.5, 0.9, 0.98])
+def test_the_settling_time_is_that_of_the_pole(pole):
+    u = excitation(4000, 0.5)
+    found = linear_dynamics(u, of_pole(u, pole, 1))
+    assert found.settling == pytest.approx(np.log(0.02) / np.log(pole), abs=2)
+
+
+def signals(size, rate, missing=()):
+    u = excitation(size, 0.7)
+    y = of_pole(u, 0.8, 1) + 0.1 * of_pole(u, 0.8, 1) ** 2
+    y[list(missing)] = np.nan
+    return Signals(np.arange(size) / rate, u, y, rate, "V", "mm", "drive", "position")
+
+
+@pytest.mark.parametrize("size", [60, 200, 1000, 20_000])
+@pytest.mark.parametrize("rate", [0.1, 1000.0])
+def test_every_segment_and_window_lies_inside_the_record(size, rate):
+    plan = make_plan(signals(size, rate)).sections
+    duration = size / rate
+    segment = plan["identification"]["length"]
+    assert segment <= plan["orders"]["start"] + 1e-6 * duration
+    assert plan["orders"]["start"] + plan["orders"]["length"] <= duration * (1 + 1e-6)
+    for first, last in plan["validation"]["windows"]:
+        assert segment <= first * (1 + 1e-6)
+        assert last <= duration * (1 + 1e-6)
+        assert (last - first) * rate > 2 * plan["validation"]["max_lag"]
+    assert 0 < plan["gfrf"]["lowest"] < plan["gfrf"]["highest"] <= 0.5
+
+
+def test_windows_with_a_gap_are_passed_over():
+    plan = make_plan(signals(1200, 1.0, range(850, 870))).sections
+    assert all(last <= 850 or first >= 870 for first, last in plan["validation"]["windows"])

@@ -1,0 +1,67 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dea.errors import InputError
+from dea.intake import Answers, UnansweredError
+from dea.intake.roles import find_roles
+from dea.store import ForeignTable
+
+FILE = Path("mine.csv")
+NOTHING = Answers()
+
+
+def roles(units, answers=NOTHING, constants=None):
+    known = {name: unit for name, unit in units.items() if unit}
+    table = ForeignTable(dict.fromkeys(units, np.arange(5.0)), known, constants or {})
+    return find_roles(table, answers, FILE, "case", {"FILE": "mine.csv"})
+
+
+def test_clear_names_and_units_need_no_answer():
+    found = roles({"t": "ms", "u": "V", "y": "mm"})
+    assert (found.time, found.input, found.output) == (("t", "ms"), ("u", "V"), ("y", "mm"))
+
+
+def test_of_two_columns_the_other_is_the_other():
+    found = roles({"time": "s", "volts": "V", "displacement": "um"})
+    assert found.input == ("volts", "V")
+    assert found.output == ("displacement", "um")
+
+
+def test_everything_unknown_is_asked_at_once_with_the_command_that_answers():
+    with pytest.raises(UnansweredError) as caught:
+        roles({"a": None, "b": None})
+    text = str(caught.value)
+    assert "which column is the input" in text
+    assert "how many samples" in text
+    assert "make case FILE=mine.csv INPUT=a:UNITS OUTPUT=b:UNITS RATE=SAMPLES_PER_SECOND" in text
+
+
+def test_the_answer_is_enough():
+    found = roles({"a b": None, "c": "K"}, Answers("a b:%", "c", rate=10.0))
+    assert (found.input, found.output, found.interval) == (("a b", "%"), ("c", "K"), 0.1)
+
+
+def test_units_alone_are_asked_where_names_are_clear():
+    with pytest.raises(UnansweredError) as caught:
+        roles({"t": "s", "u": None, "y": "mm"})
+    assert caught.value.command == "make case FILE=mine.csv INPUT=u:UNITS OUTPUT=y:mm"
+    assert "which column" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("constants", "interval"), [({"Ts": 4.0}, 4.0), ({"fs": 50.0}, 0.02)])
+def test_a_lone_number_may_be_the_interval_or_the_rate(constants, interval):
+    assert roles({"u": "V", "y": "mm"}, constants=constants).interval == interval
+
+
+@pytest.mark.parametrize(
+    ("answers", "message"),
+    [
+        (Answers(input="v:V"), "INPUT: it has no column 'v'. Its columns of numbers are t, u, y"),
+        (Answers(input="u:V", output="u:V"), "'u' is input and output"),
+    ],
+)
+def test_a_wrong_answer_is_refused(answers, message):
+    with pytest.raises(InputError, match=message):
+        roles({"t": "s", "u": "V", "y": "mm"}, answers)
