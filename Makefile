@@ -35,9 +35,15 @@ record: $(VENV)/installed ## drive a device and keep its record: make record NAM
 	python -m dea.stages.record $(NAME) $(EXCITATION:%=--excitation %) \
 		$(if $(OPERATOR),--operator "$(OPERATOR)")
 
-case: $(VENV)/installed ## identify and follow a record made elsewhere: make case NAME=mine
-	$(if $(NAME),,$(error Name a file of config/cases: make case NAME=cascaded_tanks))
-	$(SNAKEMAKE) case_$(NAME)
+# What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50.
+INTAKE = python -m dea.intake "$(FILE)" $(if $(INPUT),--input "$(INPUT)") \
+	$(if $(OUTPUT),--output "$(OUTPUT)") $(if $(TIME),--time "$(TIME)") $(RATE:%=--rate %) \
+	$(NAME:%=--name %) $(SIMULATION:%=--simulation %)
+
+case: $(VENV)/installed ## identify and follow a record made elsewhere: make case FILE=mine.csv
+	$(if $(FILE)$(NAME),,$(error Name a file, or a case of config/cases: make case FILE=mine.csv))
+	@name=$(if $(FILE),$$($(INTAKE)),$(NAME)) && $(SNAKEMAKE) case_$$name && \
+		cat results/$$name/summary.txt
 
 cases: $(VENV)/installed ## every case of config/cases, and their errors on unseen records in one table
 	$(SNAKEMAKE) cases
@@ -50,10 +56,13 @@ handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handove
 report: study ## write results/report.html with captions
 	$(SNAKEMAKE) study --report results/report.html
 
-diagnose: $(VENV)/installed ## name what one simulation is missing: make diagnose NAME=mine
-	$(if $(NAME),,$(error Name a file of config/cases, or an actuator: make diagnose NAME=dea1))
-	$(SNAKEMAKE) results/figures/discrepancy/$(NAME).png
-	@python -c "import json; print(json.load(open('results/discrepancy/$(NAME)/verdict.json'))['sentence'])"
+diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=mine.csv SIMULATION=mine.py
+	$(if $(FILE)$(NAME),,$(error Name a file, a case of config/cases, or an actuator: make diagnose NAME=dea1))
+	$(if $(FILE),$(if $(SIMULATION),,$(error Name its simulation: make diagnose FILE=mine.csv SIMULATION=mine.py)))
+	@name=$(if $(FILE),$$($(INTAKE) --goal diagnose),$(NAME)) && \
+		$(SNAKEMAKE) $(if $(FILE),case_$$name,results/figures/discrepancy/$(NAME).png) && \
+		$(if $(FILE),cat results/$$name/summary.txt,python -c "import json; \
+		print(json.load(open('results/discrepancy/$(NAME)/verdict.json'))['sentence'])")
 
 discrepancy: $(VENV)/installed ## name what the simulation of each actuator is missing
 	$(SNAKEMAKE) discrepancy

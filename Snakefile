@@ -57,6 +57,7 @@ for name in CASES:
             f"case_{name}"
         input:
             of_case(name),
+            f"results/{name}/page.html",
 
 
 rule cases:

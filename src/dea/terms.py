@@ -89,6 +89,15 @@ class Term(NamedTuple):
         ]
         return f"${''.join(factors) or 1}$"
 
+    def html(self) -> str:
+        """Return the term for HTML: signals in italics, powers raised."""
+        factors = [
+            f"<i>{signal}</i>({_instant(lag).replace('t', '<i>t</i>').replace('-', '−')})"
+            + (f"<sup>{power}</sup>" if power > 1 else "")
+            for signal, lag, power in self._factors()
+        ]
+        return "".join(factors) or "1"
+
     def __str__(self) -> str:
         factors = [
             f"{signal}({_instant(lag)})" + (f"^{power}" if power > 1 else "")

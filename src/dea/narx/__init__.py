@@ -1,7 +1,7 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
 from dea.narx.autoregression import fit_autoregression, whiten
-from dea.narx.baselines import baselines
+from dea.narx.baselines import baselines, constant
 from dea.narx.candidate_terms import candidate_terms, linear_terms
 from dea.narx.checks import as_signal
 from dea.narx.common import compare_structures
@@ -53,6 +53,7 @@ __all__ = [
     "candidate_terms",
     "compare_orders",
     "compare_structures",
+    "constant",
     "correlation_tests",
     "covariance_of",
     "estimate",

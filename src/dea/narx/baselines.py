@@ -28,3 +28,8 @@ def baselines(model: NarxModel) -> Mapping[str, NarxModel]:
         name: NarxModel(terms, np.zeros(len(terms)), model.scaling)
         for name, terms in structures.items()
     }
+
+
+def constant(model: NarxModel) -> NarxModel:
+    """Return the structure that holds a constant alone, in the scaling of ``model``."""
+    return NarxModel((Term(),), np.zeros(1), model.scaling)

@@ -2,28 +2,43 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dea.stages.command import run
 
+if TYPE_CHECKING:
+    from dea import store
+    from dea.narx import NarxModel
 
-def score_tests(settings: Mapping[str, Any], model: Path, test: list[Path], scores: Path) -> None:
+
+def score_tests(
+    settings: Mapping[str, Any], record: Path, model: Path, test: list[Path], scores: Path
+) -> None:
     """Write ``test_scores.nc`` of one case; a file's name is the test record's.
 
     Each run starts from the first measured outputs, as many as the model's largest lag; they are
-    not scored.
+    not scored. Simpler structures are estimated from the segment that the model comes from, by the
+    same criterion, and scored alike.
     """
     import numpy as np
     import xarray as xr
 
     from dea import store
     from dea.errors import InputError
-    from dea.missing import filled
-    from dea.narx import NarxModel, nmse, rmse
+    from dea.narx import NarxModel, baselines, constant, estimate_refined
+    from dea.stages.identification import good_stretches, segment
 
     narx = NarxModel.load(model)
-    start = narx.max_lag
-    rows = []
+    identification = settings["identification"]
+    known = store.signals(store.read_record(record))
+    part = segment(known, identification["start"], identification["length"], record)
+    u, y = good_stretches(known, part, record, identification)
+    simpler = {
+        name: estimate_refined(each.terms, u, y, scaling=narx.scaling)
+        for name, each in {"constant": constant(narx), **baselines(narx)}.items()
+    }
+    start = max(each.max_lag for each in (narx, *simpler.values()))
+    rows, others = [], []
     for file in test:
         signals = store.signals(store.read_record(file))
         if signals.y.size < start + 2:
@@ -33,12 +48,8 @@ def score_tests(settings: Mapping[str, Any], model: Path, test: list[Path], scor
                 field="rows",
                 remedy="Test on a longer stretch",
             )
-        outputs, seen = filled(signals.y)
-        scored = np.arange(outputs.size) >= start
-        scored &= seen
-        run_freely = narx.simulate(signals.u, outputs)[scored]
-        measured = outputs[scored]
-        rows.append((nmse(measured, run_freely), rmse(measured, run_freely), measured.size))
+        rows.append(_scores(narx, signals, narx.max_lag))
+        others.append([_scores(each, signals, start)[:2] for each in simpler.values()])
     columns = zip(*rows, strict=True)
     labels = {
         "nmse": ("1", "SSE/SST of the free run"),
@@ -52,6 +63,12 @@ def score_tests(settings: Mapping[str, Any], model: Path, test: list[Path], scor
         },
         coords={"part": ("part", [file.stem for file in test], {"units": "1"})},
     )
+    dataset = dataset.assign_coords(baseline=("baseline", list(simpler), {"units": "1"}))
+    compared = np.moveaxis(np.array(others), -1, 0)
+    for name, values in zip(("nmse", "rmse"), compared, strict=True):
+        units, label = labels[name]
+        described = {"units": units, "long_name": f"{label}, of simpler structures"}
+        dataset[f"baseline_{name}"] = (("part", "baseline"), values, described)
     for name, value, label in (
         ("terms", len(narx.terms), "number of terms"),
         ("initial_outputs", start, "measured outputs that a run starts from"),
@@ -61,10 +78,24 @@ def score_tests(settings: Mapping[str, Any], model: Path, test: list[Path], scor
         dataset,
         scores,
         title=f"Free-run scores of {settings['system']} on its test records",
-        inputs={"model": model} | {f"test_{file.stem}": file for file in test},
+        inputs={"record": record, "model": model} | {f"test_{file.stem}": file for file in test},
         settings=settings,
     )
 
 
+def _scores(model: "NarxModel", signals: "store.Signals", start: int) -> tuple[float, float, int]:
+    """Return nmse, rmse and the number of the samples scored, from sample ``start`` on."""
+    import numpy as np
+
+    from dea.missing import filled
+    from dea.narx import nmse, rmse
+
+    outputs, seen = filled(signals.y)
+    scored = seen & (np.arange(outputs.size) >= start)
+    run = model.simulate(signals.u, outputs)[scored]
+    measured = outputs[scored]
+    return nmse(measured, run), rmse(measured, run), measured.size
+
+
 if __name__ == "__main__":
-    run(score_tests, inputs=("model", "test*"), outputs=("scores",))
+    run(score_tests, inputs=("record", "model", "test*"), outputs=("scores",))

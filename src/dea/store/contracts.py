@@ -169,6 +169,8 @@ CONTRACTS: Mapping[str, Contract] = {
             "samples": _plain("part", units="1"),
             "terms": _plain(units="1"),
             "initial_outputs": _plain(units="1"),
+            "baseline_nmse": _plain("part", "baseline", units="1"),
+            "baseline_rmse": _plain("part", "baseline"),
         }
     ),
     "recovery": Contract(

@@ -1,0 +1,107 @@
+"""The page of a case: one file of HTML that holds its pictures."""
+
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from html import escape
+
+from dea.case_page.findings import Findings, Score, percentage
+from dea.number_format import number
+
+# The pictures that belong to a section, by the beginning of their names.
+_CAPTIONS = {
+    "fig2": "Orders compared on independent data (A, B), and windows that the models did not see:"
+    " measured, and simulated with parameters from before the window.",
+    "residual_tests": "What remains of the output: correlations of the residual with its past and"
+    " with the input. Inside the band there is none.",
+    "tracked_parameters": "Parameters followed through the record. What drifts shows here.",
+    "fig3": "Gain of the frequency response over time, and at three times with 95 % bands.",
+    "fig4_h2": "Second-order response: which output two input frequencies produce together.",
+    "discrepancy": "The simulation beside the record, and what it lacks.",
+}
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
+  color: #1a1a1a; background: #fff; }
+h1, h2 { line-height: 1.2; } h2 { margin-top: 2.5rem; }
+.equation { background: #f4f4f4; padding: .5rem 1rem; overflow-x: auto; }
+table { border-collapse: collapse; } th, td { padding: .3rem .9rem .3rem 0; text-align: left; }
+td + td { text-align: right; } tbody tr:first-child { font-weight: 600; }
+tr { border-bottom: 1px solid #ddd; } img { max-width: 100%; } figcaption { color: #555; }
+.verdict { border-left: 4px solid #0072b2; padding-left: 1rem; }
+"""
+
+
+def page(findings: Findings, pictures: Mapping[str, bytes]) -> str:
+    """Return the page as HTML.
+
+    Parameters
+    ----------
+    pictures
+        PNG files by their names: ``fig2``, ``residual_tests``, ``tracked_parameters``, ``fig3``,
+        ``fig4_h2``, ``discrepancy``; those that are there are shown.
+    """
+    missing = findings.missing_effect
+    parts = [
+        f"<h1>{escape(findings.title)}</h1>",
+        f"<p>{escape(findings.record)}</p>",
+        f'<div class="equation">{findings.equation_in_html}</div>',
+        *_section("What the simulation is missing", missing, pictures, ["discrepancy"]),
+        *_scores(findings),
+        *_section("Windows", "", pictures, ["fig2"]),
+        *_section("Stability", findings.stability, {}, []),
+        *_section("Residuals", findings.residuals, pictures, ["residual_tests"]),
+        *_section("Frequency responses", _responses(findings), pictures, ["fig3", "fig4_h2"]),
+        *_section("Change over time", "", pictures, ["tracked_parameters"]),
+        f"<p>Files: <code>results/{escape(findings.name)}/</code>; settings:"
+        f" <code>config/cases/{escape(findings.name)}.yaml</code>.</p>",
+    ]
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        f"<title>{escape(findings.title)}</title><style>{_STYLE}</style></head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body></html>\n"
+    )
+
+
+def _responses(findings: Findings) -> str:
+    withheld = findings.responses_withheld
+    return f"No bands are given: {withheld}." if withheld else ""
+
+
+def _section(
+    heading: str, text: str, pictures: Mapping[str, bytes], names: Sequence[str]
+) -> list[str]:
+    """Return a section with its text and those of its pictures that there are."""
+    shown = [name for name in names if name in pictures]
+    if not text and not shown:
+        return []
+    told = [f'<p class="verdict">{escape(text)}</p>'] if text else []
+    return [f"<h2>{heading}</h2>", *told, *(_figure(pictures[n], _CAPTIONS[n]) for n in shown)]
+
+
+def _figure(png: bytes, caption: str) -> str:
+    data = b64encode(png).decode("ascii")
+    text = escape(caption)
+    return (
+        f'<figure><img alt="{text}" src="data:image/png;base64,{data}">'
+        f"<figcaption>{text}</figcaption></figure>"
+    )
+
+
+def _scores(findings: Findings) -> list[str]:
+    tables = []
+    for part, scores in findings.scores().items():
+        tables += [f"<p>Free run on <code>{escape(part)}</code>:</p>", _table(scores, findings)]
+    return ["<h2>On unseen data</h2>", *tables] if tables else []
+
+
+def _table(scores: Sequence[Score], findings: Findings) -> str:
+    units = escape(findings.signals.y_units)
+    rows = "".join(
+        f"<tr><td>{escape(score.name)}</td><td>{percentage(score.nmse)}</td>"
+        f"<td>{number(score.rmse)}</td></tr>"
+        for score in scores
+    )
+    return (
+        "<table><thead><tr><th></th><th>variance explained</th>"
+        f"<th>rmse ({units})</th></tr></thead><tbody>{rows}</tbody></table>"
+    )

@@ -1,0 +1,26 @@
+"""The findings of a case in a few lines of a terminal."""
+
+from textwrap import fill
+
+from dea.case_page.findings import Findings, percentage
+from dea.number_format import number
+
+_WIDTH = 100
+
+
+def summary(findings: Findings, page: str) -> str:
+    """Return equation, scores, stability, what the simulation is missing and the page's path."""
+    lines = ["", fill(findings.equation, _WIDTH, subsequent_indent="       "), ""]
+    units = findings.signals.y_units
+    for part, scores in findings.scores().items():
+        lines.append(f"free run on unseen data ({part}):")
+        width = max(len(score.name) for score in scores)
+        lines += [
+            f"  {score.name:{width}}  {percentage(score.nmse):>9} explained,"
+            f" rmse {number(score.rmse)} {units}"
+            for score in scores
+        ]
+    lines += ["", fill(findings.stability, _WIDTH), fill(findings.residuals, _WIDTH)]
+    if findings.missing_effect:
+        lines += ["", fill(findings.missing_effect, _WIDTH)]
+    return "\n".join([*lines, "", page, ""])

@@ -1,0 +1,103 @@
+"""The page says what the datasets hold, and holds its pictures."""
+
+import re
+from base64 import b64decode
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import made_datasets as made
+from dea import store
+from dea.case_page import Findings, page, summary
+
+PICTURE = b"\x89PNG not really"
+
+
+class Tags(HTMLParser):
+    """Fails where a tag is closed that is not open."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.images = [], []
+
+    def handle_starttag(self, tag, attributes):
+        if tag == "img":
+            self.images.append(dict(attributes))
+        elif tag not in ("meta", "br"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def test_scores():
+    baselines = ["constant", "linear", "hammerstein", "cubic"]
+    return made.checked(
+        xr.Dataset(
+            {
+                "nmse": made.over("part", [0.01]),
+                "rmse": made.over("part", [0.05], "mm"),
+                "samples": made.over("part", [100]),
+                "terms": made.over((), 6),
+                "initial_outputs": made.over((), 3),
+                "baseline_nmse": made.over(("part", "baseline"), [[1.0, 0.2, 0.5, np.inf]]),
+                "baseline_rmse": made.over(("part", "baseline"), [[0.5, 0.2, 0.3, np.inf]], "mm"),
+            },
+            coords={
+                "part": made.over("part", ["held_out"]),
+                "baseline": made.over("baseline", baselines),
+            },
+        ),
+        "test_scores",
+    )
+
+
+test_scores.__test__ = False
+
+
+@pytest.fixture
+def findings(tmp_path):
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    record = made.record(1, 60.0).rename(voltage="input", displacement="output")
+    record.attrs["source_file"] = "<mine & yours>.csv"
+    datasets = {
+        "record": record,
+        "model": made.model(1).assign_attrs(stability="slow"),
+        "validation": made.validation(1),
+        "gfrf": made.gfrf(1).assign_attrs(withheld="one step is not white"),
+        "test_scores": test_scores(),
+    }
+    for name, dataset in datasets.items():
+        contract = "imported_record" if name == "record" else name
+        store.write(dataset.assign_attrs(contract=contract), folder / f"{name}.nc", title=name)
+    (folder / "verdict.json").write_text('{"sentence": "It lacks a <delay>."}')
+    return Findings("My & mine", store.Sources(sorted(folder.iterdir())))
+
+
+def test_the_page_is_whole_and_holds_its_pictures(findings):
+    text = page(findings, {"fig2": PICTURE, "discrepancy": PICTURE})
+    tags = Tags()
+    tags.feed(text)
+    assert not tags.open
+    assert [b64decode(i["src"].partition(",")[2]) for i in tags.images] == [PICTURE] * 2
+    assert "&lt;mine &amp; yours&gt;.csv" in text
+    assert "It lacks a &lt;delay&gt;." in text
+    assert "one step is not white" in text
+    assert not re.search(r'(src|href)="(?!data:)', text), "it must stand alone"
+
+
+def test_the_scores_of_the_model_come_first_and_divergence_is_said(findings):
+    rows = re.findall(r"<tr><td>(.*?)</td><td>(.*?)</td>", page(findings, {}))
+    assert rows[0] == ("NARX, 6 terms", "99.0 %")
+    assert ("linear model with as many lags", "80.0 %") in rows
+    assert ("static cubic of the input", "diverged") in rows
+
+
+def test_the_summary_ends_with_the_path(findings):
+    text = summary(findings, "results/mine/page.html")
+    assert text.split()[-1] == "results/mine/page.html"
+    assert "It lacks a <delay>." in text
+    assert "99.0 % explained, rmse 0.0500 mm" in text
