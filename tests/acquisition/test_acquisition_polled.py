@@ -17,6 +17,7 @@ from dea.acquisition.laws import Laws
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.polled import drive
+from dea.acquisition.voltage_plan import Planned
 from dea.modbus import parse_device
 
 POLLED = AcquisitionSettings(mode="polled", ramp_rate=50.0, timeout=0.5, reconnect_time=1.0)
@@ -90,7 +91,7 @@ def driven(module, counts, late_after=0.005):
     blocks, failure = [], None
     try:
         panel = Panel(module)
-        blocks += drive(panel, counts, Laws(panel), late_after=late_after, tolerance=0.05)
+        blocks += drive(panel, Planned(counts), Laws(panel), late_after=late_after, tolerance=0.05)
     except (BrokenRecordError, ReadBackError) as error:
         failure = error
     return [np.concatenate(column) for column in zip(*blocks, strict=True)], failure

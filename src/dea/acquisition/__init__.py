@@ -1,6 +1,7 @@
 """The Modbus client that drives an actuator and records it."""
 
 from dea.acquisition.acquire import Acquisition, acquire
+from dea.acquisition.closed_loop import ClosedLoop, ControllerError
 from dea.acquisition.commissioning import report_file
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.laws import TripError
@@ -19,6 +20,8 @@ __all__ = [
     "Acquisition",
     "AcquisitionSettings",
     "BrokenRecordError",
+    "ClosedLoop",
+    "ControllerError",
     "DeviceRefusedError",
     "GuardianLostError",
     "Interrupted",

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import asdict
+from functools import partial as partial_function
 from pathlib import Path
 from secrets import randbits
 from typing import NamedTuple
@@ -10,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from dea.acquisition.closed_loop import ClosedLoop
 from dea.acquisition.device_clock import flag_clock
 from dea.acquisition.disk import refuse_without_room
 from dea.acquisition.guardian import Job
@@ -37,7 +39,7 @@ class Acquisition(NamedTuple):
 
 def acquire(
     device: Device,
-    excitation: np.ndarray,
+    excitation: np.ndarray | ClosedLoop,
     partial: Path,
     settings: AcquisitionSettings | None = None,
     *,
@@ -54,7 +56,8 @@ def acquire(
     device
         What to drive, see :func:`dea.modbus.read_device`.
     excitation
-        V before the amplifier, one per sample period, shape (samples,).
+        V before the amplifier, one per sample period, shape (samples,); or a controller that gives
+        them one by one.
     partial
         File for the samples while it runs; one left by an earlier run is renamed.
     watch
@@ -65,30 +68,42 @@ def acquire(
     Raises
     ------
     InputError
-        Before any voltage: the excitation leaves the limits, the disk cannot take the record, or
-        the device does not match its description, does not answer, is driven or owned by another
-        master, or has tripped.
+        Before any voltage: the excitation leaves the limits, a controller is to drive buffered, the
+        disk cannot take the record, or the device does not match its description, does not answer,
+        is driven or owned by another master, or has tripped.
     BrokenRecordError
         Where samples were lost or not driven, and the settings do not restart.
+    ControllerError
+        Where a controller asks for a voltage that is not allowed, or gives none in time; what it
+        raises itself is raised.
     LinkError, ZeroNotVerifiedError
         Where the connection is lost, or the output cannot be read back as zero.
     ReadBackError
         Where the register of the applied output does not hold what is played.
     """
     settings = settings or AcquisitionSettings()
-    plan = plan_sequence(device, excitation, settings.ramp_rate)
+    loop = excitation if isinstance(excitation, ClosedLoop) else None
+    if loop is None:
+        plan = plan_sequence(device, np.asarray(excitation), settings.ramp_rate)
+        asked = {}
+    else:
+        _refuse_unless_polled(settings)
+        plan = loop.plan(device, settings.ramp_rate)
+        asked = {"asked": plan.length, "longest_step": loop.step(device)}
     _refuse_unbuffered(device, settings)
     _refuse_unarmed(device, settings)
     refuse_latched(device)
-    refuse_without_room(partial, plan.counts.size)
+    refuse_without_room(partial, max(plan.counts.size, plan.lead + plan.length))
     log, broken = LinkLog(), None
     for attempt in range(settings.restarts + 1 if settings.on_break == "restart" else 1):
         # A latch that the device has set meanwhile is not the restart's to clear.
         again = reset and attempt == 0
         token = randbits(31) + 1
-        job = Job(device, settings, plan.counts, again, token, latch_file(device), log.started)
+        job = Job(
+            device, settings, plan.counts, again, token, latch_file(device), log.started, **asked
+        )
         try:
-            samples = _attempt(job, plan, partial, watch, log)
+            samples = _attempt(job, plan, partial, watch, log, loop)
             break
         except BrokenRecordError as error:
             broken = error
@@ -107,7 +122,14 @@ def acquire(
     return Acquisition(record, link_dataset(log, samples))
 
 
-def _attempt(job: Job, plan: Plan, partial: Path, watch: Watcher | None, log: LinkLog) -> Samples:
+def _attempt(
+    job: Job,
+    plan: Plan,
+    partial: Path,
+    watch: Watcher | None,
+    log: LinkLog,
+    loop: ClosedLoop | None,
+) -> Samples:
     """Return everything measured while a guardian drove the plan, zero shown before and after."""
     blocks = []
     interruption = Interruption()
@@ -117,6 +139,8 @@ def _attempt(job: Job, plan: Plan, partial: Path, watch: Watcher | None, log: Li
         set_aside(partial)
         with PartialFile(partial, note | {"settings": asdict(job.settings)}) as file:
             recorder.kept = file.kept
+            if loop is not None:
+                recorder.answer = partial_function(loop.answer, job.device)
             try:
                 for samples in recorder.samples():
                     file.samples(samples)
@@ -141,6 +165,15 @@ def _refuse_unarmed(device: Device, settings: AcquisitionSettings) -> None:
             file=device.source,
             field="safety",
             remedy="Check the setup, then arm it: drive --arm NAME, or acquisition.armed_by.",
+        )
+
+
+def _refuse_unless_polled(settings: AcquisitionSettings) -> None:
+    if settings.mode != "polled" or settings.on_break != "stop":
+        raise InputError(
+            f"a controller is to drive with mode {settings.mode}, on_break {settings.on_break}",
+            field="acquisition.mode, on_break",
+            remedy="Set mode to polled and on_break to stop: a controller cannot begin again.",
         )
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from dea.acquisition import buffered, polled
 from dea.acquisition.alarm import Alarm
+from dea.acquisition.closed_loop import Asked, ControllerError
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.latch import latch
@@ -30,6 +31,7 @@ from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError, StoppedError
 from dea.acquisition.samples import Samples
 from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.voltage_plan import Plan, Planned
 from dea.acquisition.wire import Wire, packed
 from dea.acquisition.zero import Evidence, WayToZero
 from dea.errors import InputError
@@ -38,6 +40,7 @@ from dea.modbus import Device, adjoining, to_physical
 SERVICE = 5e-3  # s between two looks at the recorder
 ZERO_RETRIES = 3  # of one request on the way to zero
 COUNTERS = ("clamped", "underruns", "overruns", "refused_blocks")
+ANSWER_TIME = 1.0  # s that a controller may take for one sample
 WAITING = 0.05  # s between two signs of life before the recorder begins
 RETRY = 0.1  # s between two attempts to reach zero
 ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
@@ -54,7 +57,8 @@ class Job(NamedTuple):
     ``counts`` are played from zero to zero; without any, the output is only taken to zero.
     ``token`` claims the outputs of a device that has owners; 0 is that of the guardian before.
     ``latch`` is where a trip is kept. ``started`` is the origin of the link's times, s of the
-    monotonic clock.
+    monotonic clock. Of a closed loop, ``counts`` are the ramp to its start; ``asked`` samples
+    follow, which the recorder is asked for, no two more than ``longest_step`` counts apart.
     """
 
     device: Device
@@ -64,6 +68,8 @@ class Job(NamedTuple):
     token: int
     latch: Path
     started: float
+    asked: int = 0
+    longest_step: int = 0
 
 
 def nursery(handle: int) -> None:
@@ -115,6 +121,7 @@ class Guardian:
         self._looked = self._heard = time.monotonic()
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
+        self._answers: deque[int] = deque()
 
     def asked(self, number: int, _frame: object) -> None:
         """Note a signal that asks for zero; the next check acts on it."""
@@ -200,12 +207,47 @@ class Guardian:
         settings, counts = self.job.settings, self.job.counts
         if settings.mode == "polled":
             return polled.drive(
-                self.output.panel, counts, self.output.laws, late_after=settings.late_after,
-                tolerance=settings.read_back_tolerance, paced=settings.paced,
+                self.output.panel, self._sequence(), self.output.laws,
+                late_after=settings.late_after, tolerance=settings.read_back_tolerance,
+                paced=settings.paced,
             )  # fmt: skip
         return buffered.play(
             self.output.panel, counts, self.output.laws, tolerance=settings.read_back_tolerance
         )
+
+    def _sequence(self) -> polled.Sequence:
+        job = self.job
+        if not job.asked:
+            return Planned(job.counts)
+        plan = Plan(job.counts, job.counts.size, job.asked)
+        return Asked(self.device, plan, job.longest_step, self._ask, self._answer)
+
+    def _ask(self, displacement: float) -> None:
+        """Ask the recorder for the next count."""
+        self.wire.post("ask", displacement)
+
+    def _answer(self) -> int:
+        """Wait for the count that was asked for."""
+        end = time.monotonic() + ANSWER_TIME
+        while not self._answers:
+            if time.monotonic() > end:
+                raise ControllerError(f"the controller gave no voltage for {ANSWER_TIME:g} s")
+            self.wire.wait(SERVICE)
+            self._listen()
+            self._check()
+        return self._answers.popleft()
+
+    def _listen(self) -> None:
+        """Take what the recorder has said."""
+        messages, self._early = self._early + self.wire.take(), []
+        for kind, content in messages:
+            if kind == "stop":
+                raise StoppedError(f"ended by the recorder: {content}")
+            if kind == "count":
+                self._answers.append(content)
+                continue
+            self._begun |= kind == "begin"
+            self._heard, self._kept = time.monotonic(), content
 
     def _check(self) -> None:
         """Note the voltage asked for, and end the drive where the recorder does not keep up."""
@@ -214,12 +256,7 @@ class Guardian:
             return
         self._looked = now
         self.duty.put(Phase.DRIVING, self._requested())
-        messages, self._early = self._early + self.wire.take(), []
-        for kind, content in messages:
-            if kind == "stop":
-                raise StoppedError(f"ended by the recorder: {content}")
-            self._begun |= kind == "begin"
-            self._heard, self._kept = now, content
+        self._listen()
         if self.wire.closed:
             raise StoppedError("the recorder has died")
         if self._signal is not None:

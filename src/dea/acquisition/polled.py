@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterator
+from typing import Protocol
 
 import numpy as np
 
@@ -19,16 +20,31 @@ from dea.modbus import to_physical
 START = 1  # command
 
 
+class Sequence(Protocol):
+    """The counts to be driven: all known beforehand, or asked for one by one."""
+
+    size: int
+    longest_step: int
+
+    def count(self, number: int) -> int:
+        """Return the count of a sample, after all samples before it were measured."""
+        ...
+
+    def measured(self, number: int, displacement: float) -> None:
+        """Note the raw displacement of a sample."""
+        ...
+
+
 def drive(
     panel: Panel,
-    counts: np.ndarray,
+    sequence: Sequence,
     laws: Laws,
     *,
     late_after: float,
     tolerance: float,
     paced: bool = True,
 ) -> Iterator[Samples]:
-    """Drive ``counts`` one by one and yield what was measured, in blocks.
+    """Drive a sequence one by one and yield what was measured, in blocks.
 
     Sample k is written at its deadline k/sampling_rate after the first; one written more than
     ``late_after`` s behind it is flagged. Nothing is ever made up for in a burst: a sample whose
@@ -53,17 +69,19 @@ def drive(
     poll, rows = Poll(panel), Rows()
     poll.learn()
     echo = Echo(panel, poll.echo, tolerance) if poll.echo else None
-    schedule = Schedule(panel, counts) if paced else None
+    schedule = Schedule(panel, sequence.size, sequence.longest_step) if paced else None
     number, expected = 0, None
     try:
-        while number < counts.size:
+        while number < sequence.size:
+            count = sequence.count(number)
             lateness = schedule.wait(number) if schedule else 0.0
             if schedule and lateness > schedule.longest_pause:
-                raise _broken(f"held up for {lateness:.1f} s", number, number, counts, 1)
+                raise _broken(f"held up for {lateness:.1f} s", number, number, count, 1)
             if schedule and (missed := schedule.missed(number, lateness)):
-                rows.leave_out(number, counts[number : number + missed])
+                passed = range(number, number + missed)
+                rows.leave_out(number, [sequence.count(each) for each in passed])
                 number, expected = number + missed, number + missed
-            count = int(counts[number])
+                count = sequence.count(number)
             sent = schedule.approach(count) if schedule else count
             flag = Quality.LATE if lateness > late_after or sent != count else Quality.GOOD
             begun = time.monotonic() - panel.link.log.started
@@ -72,11 +90,11 @@ def drive(
             except (LinkError, DeviceRefusedError) as error:
                 place = number if expected is None else expected
                 reason = f"never driven or read ({error})"
-                raise _broken(reason, number, place, counts, 1) from error
+                raise _broken(reason, number, place, count, 1) from error
             if expected is not None and index != expected:
                 missing = index - expected
                 what = f"the device measured {missing} more" if missing > 0 else "nothing new"
-                raise _broken(what, number, expected, counts, max(missing, 1))
+                raise _broken(what, number, expected, count, max(missing, 1))
             if schedule:
                 schedule.written(sent)
             if panel.device.safety is not None:
@@ -86,6 +104,7 @@ def drive(
                 flag |= Quality.CLAMPED
             ended = time.monotonic() - panel.link.log.started
             rows.add(number, index, count, applied, displacement, flag, begun, ended)
+            sequence.measured(number, displacement)
             number, expected = number + 1, index + 1
             yield from rows.due()
     except DeviceError:
@@ -95,9 +114,9 @@ def drive(
 
 
 def _broken(
-    reason: str, number: int, device_index: int, counts: np.ndarray, missing: int
+    reason: str, number: int, device_index: int, count: int, missing: int
 ) -> BrokenRecordError:
     """Return the error for ``missing`` samples from sample ``number`` on as lost."""
-    requested = np.repeat(counts[number], missing)
+    requested = np.repeat(count, missing)
     lost = Samples.lost(number, device_index, requested)._replace(position=np.full(missing, number))
     return BrokenRecordError(reason, number, missing, lost)

@@ -38,6 +38,7 @@ class Recorder:
     def __init__(self, job: Job, log: LinkLog, check: Callable[[], None]) -> None:
         self.job, self.log, self.check = job, log, check
         self.kept: Callable[[], int] = lambda: 0
+        self.answer: Callable[[float], int] | None = None  # of a closed loop
         self.evidence = ""
         self._zero = False  # whether nothing is left to be taken to zero
         self._beat = 0.0
@@ -87,7 +88,7 @@ class Recorder:
         ZeroNotVerifiedError
             Where the guardian has raised its alarm; it goes on trying.
         """
-        self.check = lambda: None
+        self.check, self.answer = lambda: None, None
         if not self._zero:
             self._say("stop", str(error) or type(error).__name__)
         while not self._zero:
@@ -129,6 +130,8 @@ class Recorder:
                 self._say("kept", self.kept())
 
     def _heed(self, kind: str, *content: Any) -> None:
+        if kind == "ask" and self.answer is not None:
+            self.wire.post("count", self.answer(content[0]))
         if kind in ("samples", "broken", "zero"):
             self.log.add(content[1])
         if kind == "zero":

@@ -21,9 +21,9 @@ class Rows:
         """Add a sample, its columns in the order of :class:`Samples`."""
         self._rows.append(row)
 
-    def leave_out(self, number: int, counts: np.ndarray) -> None:
+    def leave_out(self, number: int, counts: list[int]) -> None:
         """Add samples that are not driven, from ``number`` on."""
-        for place, count in enumerate(counts.tolist(), start=number):
+        for place, count in enumerate(counts, start=number):
             flag = Quality.LATE | Quality.LOST
             self.add(place, place, count, 0, 0, flag, np.nan, np.nan)
 

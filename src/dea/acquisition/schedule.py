@@ -2,8 +2,6 @@
 
 import time
 
-import numpy as np
-
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import LONGEST_SLEEP
 
@@ -14,11 +12,11 @@ LONGEST_PAUSE, PERIODS = 1.0, 5  # s, or periods if that is longer, that a hold-
 class Schedule:
     """The deadlines of samples, and what becomes of those that pass."""
 
-    def __init__(self, panel: Panel, counts: np.ndarray) -> None:
+    def __init__(self, panel: Panel, samples: int, longest_step: int) -> None:
         self.link, self.period = panel.link, 1.0 / panel.device.sampling_rate
-        self.total, self.counted = counts.size, "device_index" in panel
+        self.total, self.counted = samples, "device_index" in panel
         self.longest_pause = max(LONGEST_PAUSE, PERIODS * self.period)
-        self.longest_step = int(np.abs(np.diff(counts, prepend=0)).max())
+        self.longest_step = longest_step
         self.start = time.monotonic() + self.period
         self._last, self._done, self._behind = 0, self.start - self.period, False
 
@@ -42,7 +40,7 @@ class Schedule:
     def approach(self, count: int) -> int:
         """Return what to write for ``count``: after samples were left out, it is approached.
 
-        No step is larger than the largest of the whole sequence.
+        No step is larger than the largest that the sequence may have.
         """
         if self._behind:
             step = min(max(count - self._last, -self.longest_step), self.longest_step)

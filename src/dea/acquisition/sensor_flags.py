@@ -3,7 +3,7 @@
 import numpy as np
 
 from dea.acquisition.samples import Quality, Samples
-from dea.modbus import Device, to_physical
+from dea.modbus import Device, Register, to_physical
 
 STUCK_SAMPLES = 25  # equal readings in a row that are no chance
 STUCK_SHARE = 0.1  # of the span of the output's limits, that the output moves meanwhile
@@ -17,13 +17,15 @@ def flag_sensor(device: Device, samples: Samples) -> Samples:
     has been the same for many samples while the output moved.
     """
     read = (samples.quality & int(_READ)) == 0
-    flags = np.where(read & _saturated(device, samples.displacement), Quality.SATURATED, 0)
+    flags = np.where(
+        read & saturated(device["displacement"], samples.displacement), Quality.SATURATED, 0
+    )
     flags = flags | np.where(read & _stuck(device, samples), Quality.STUCK, 0)
     return samples._replace(quality=samples.quality | flags)
 
 
-def _saturated(device: Device, raw: np.ndarray) -> np.ndarray:
-    register = device["displacement"]
+def saturated(register: Register, raw: np.ndarray) -> np.ndarray:
+    """Whether raw readings are an end of the register's range."""
     if "float" in register.type:
         return np.asarray(~np.isfinite(raw))
     if register.range is None:

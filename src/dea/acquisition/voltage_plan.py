@@ -8,8 +8,26 @@ from dea.errors import InputError
 from dea.modbus import Device, limit_counts, representable, to_counts, to_physical
 
 
+class Planned:
+    """The counts of a polled drive that are all known beforehand."""
+
+    def __init__(self, counts: np.ndarray) -> None:
+        self._counts, self.size = counts.tolist(), counts.size
+        self.longest_step = int(np.abs(np.diff(counts, prepend=0)).max())
+
+    def count(self, number: int) -> int:
+        """Return the count of a sample."""
+        return int(self._counts[number])
+
+    def measured(self, number: int, displacement: float) -> None:
+        """Take no notice of what was measured."""
+
+
 class Plan(NamedTuple):
-    """Output counts from zero to zero: ``lead`` samples of ramp, ``length`` of excitation, ramp."""
+    """Output counts from zero to zero: ``lead`` samples of ramp, ``length`` of excitation, ramp.
+
+    Those of a closed loop are the ramp alone: the others are asked for.
+    """
 
     counts: np.ndarray
     lead: int
