@@ -103,12 +103,12 @@ def _delay(record: xr.Dataset, link: xr.Dataset, hold: int) -> float:
     applied = record.voltage.values.reshape(-1, hold)
     before = np.nanmean(applied[:-1, -round(SETTLED * hold) :], axis=1)
     steps = (applied[1:] - before[:, None]) / np.diff(asked)[:, None]
-    whole = np.isfinite(steps + since).all(axis=1)  # no sample left out
-    if not whole.any():
+    there = np.isfinite(steps + since)  # a busy host leaves samples out
+    if not there.any(axis=0).all():
         return np.nan
-    response = steps[whole].mean(axis=0)
-    shown = np.flatnonzero(response >= 0.5 * response[-round(SETTLED * hold) :].mean())
-    return float(np.median(since[whole][:, shown[0]]))
+    response = np.mean(steps, axis=0, where=there)
+    shown = np.flatnonzero(response >= 0.5 * response[-round(SETTLED * hold) :].mean())[0]
+    return float(np.median(since[there[:, shown], shown]))
 
 
 def _noise(asked: np.ndarray, values: np.ndarray) -> float:
