@@ -130,6 +130,18 @@ def test_a_model_without_a_bounded_run_is_refused():
         track_parameters(unstable, u, y + 1.0, method="local", window=400)
 
 
+@pytest.mark.parametrize("short", [slice(0, 1200), slice(2800, 4000)], ids=["first", "last"])
+def test_a_window_whose_run_diverges_begins_from_another(short):
+    """An unstable model: only runs between missing outputs, which are short, stay bounded."""
+    unstable = NarxModel(PLANT.terms, PLANT.parameters * [1.0, 1.29, 1.0], scaling=Scaling())
+    u, y = record(4000)
+    gaps = np.arange(short.start, short.stop, 40)
+    y[gaps] = np.nan
+    found = local_estimates(unstable, u, y, 1000)
+    assert found.failed == 0
+    np.testing.assert_allclose(found.theta, np.tile(PLANT.parameters, (25, 1)), atol=0.03)
+
+
 def test_missing_outputs_are_left_out():
     u, y = record(3000)
     whole = track_parameters(PLANT, u, y, method="local", window=1000)

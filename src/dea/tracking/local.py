@@ -8,6 +8,8 @@ in proportion to time within a window cancels at its centre, to which the estima
 centres estimates are interpolated.
 """
 
+from collections import deque
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +25,7 @@ Indices = NDArray[np.int64]
 _OVERLAP = 8  # windows that hold a sample
 _PER_UNKNOWN = 2  # samples of a stretch, at least
 _TREND = 2  # degree of the level within a window
+_STARTS = 4  # estimates of other windows that one may begin from
 _ITERATIONS = 10
 _TOLERANCE = 1e-6  # of the squared error: a small part of a standard deviation
 
@@ -83,9 +86,10 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
     Outputs that are missing are NaN; a window has a run for each stretch between them. A shorter
     record is one window, whose parameters are constant.
 
-    Each begins from the estimate of the window before, and from the model's own parameters where
-    its run diverges. The covariance is that of the noise of each window, times the factor by which
-    estimates of separate windows scatter more than it explains.
+    Each begins from the estimate of the window before; where the run diverges, from those of
+    windows farther back, of windows after it, or from the model's own parameters. The covariance is
+    that of the noise of each window, times the factor by which estimates of separate windows
+    scatter more than it explains.
 
     Raises
     ------
@@ -102,23 +106,23 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
         )
     count = 1 + -(-(u.size - length) * _OVERLAP // length)
     starts = np.linspace(0, u.size - length, count).astype(np.int64)
-    fits = []
-    theta = model.parameters
-    for start in starts:
-        segments = _stretches(u[start : start + length], y[start : start + length], least)
-        fit = _fitted(model, theta, segments)
-        if not np.isfinite(fit.msse):
-            fit = _fitted(model, model.parameters, segments)
-        theta = fit.parameters if np.isfinite(fit.msse) else model.parameters
-        fits.append(fit)
-    kept = np.array([np.isfinite(fit.msse) and np.isfinite(fit.covariance).all() for fit in fits])
+    windows = [_stretches(u[a : a + length], y[a : a + length], least) for a in starts]
+    fits: list[Fit | None] = [None] * count
+    for order in (range(count), range(count - 1, -1, -1)):
+        latest: deque[Array] = deque(maxlen=_STARTS)
+        for k in order:
+            if fits[k] is None:
+                fits[k] = _fitted(model, (*latest, model.parameters), windows[k])
+            if (fit := fits[k]) is not None:
+                latest.appendleft(fit.parameters)
+    kept = np.array([fit is not None for fit in fits])
     if not kept.any():
         raise InputError(
             "its free run diverges in every window of the record",
             field="model",
             remedy="Take a model that is stable on this record, or another method",
         )
-    chosen = [fit for fit, good in zip(fits, kept, strict=True) if good]
+    chosen = [fit for fit in fits if fit is not None]
     theta = np.stack([fit.parameters for fit in chosen])
     covariance = np.stack([fit.covariance for fit in chosen])
     centre = starts[kept] + (length - 1) / 2.0
@@ -134,8 +138,12 @@ def _stretches(u: Array, y: Array, least: int) -> list[tuple[Array, Array]]:
     return [(u[a:b], y[a:b]) for a, b in edges if b - a >= least]
 
 
-def _fitted(model: NarxModel, start: Array, segments: list[tuple[Array, Array]]) -> Fit:
-    if not segments:
-        unknown = np.full((start.size, start.size), np.nan)
-        return Fit(start, unknown, np.inf, unknown)
-    return fit_free_runs(model.terms, start, segments, _ITERATIONS, _TOLERANCE, _TREND)
+def _fitted(
+    model: NarxModel, starts: Iterable[Array], segments: list[tuple[Array, Array]]
+) -> Fit | None:
+    """Return the estimate from the first start whose run stays bounded, None where none does."""
+    for start in starts if segments else ():
+        fit = fit_free_runs(model.terms, start, segments, _ITERATIONS, _TOLERANCE, _TREND)
+        if np.isfinite(fit.msse) and np.isfinite(fit.covariance).all():
+            return fit
+    return None
