@@ -45,6 +45,12 @@ def test_a_text_table_is_read_however_it_is_written(text, names, units, tmp_path
         np.testing.assert_allclose(found.columns[name], values, atol=1e-12)
 
 
+def test_the_last_field_of_the_units_may_be_empty(tmp_path):
+    rows = [f"{i},0;{i},5;OK" for i in range(6)]
+    (tmp_path / "mine.csv").write_text("\n".join(["Rig 3", "u;y;state", "V;µm;", *rows]))
+    assert read_foreign(tmp_path / "mine.csv").units == {"u": "V", "y": "um"}
+
+
 @pytest.mark.parametrize(
     ("stamps", "elapsed"),
     [

@@ -14,7 +14,6 @@ from dea.intake.bandwidth import samples_to_average
 from dea.intake.plan import make_plan
 from dea.intake.roles import Answers, Roles, find_roles
 from dea.missing import filled
-from dea.store.resampling import check_order, usual_interval
 
 Array = NDArray[np.float64]
 
@@ -107,8 +106,8 @@ def _resampling(
     known = np.isfinite(time) & np.isfinite(u) & np.isfinite(y)
     if np.count_nonzero(known) < 3:
         raise InputError(f"{np.count_nonzero(known)} rows have both input and output")
-    check_order(time[known])
-    interval = usual_interval(time[known])
+    store.check_order(time[known])
+    interval = store.usual_interval(time[known])
     steps = np.diff(time[known])
     several = samples_to_average(filled(y)[0], 1.0 / interval)
     notes = []

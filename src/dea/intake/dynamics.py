@@ -9,9 +9,11 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dea.narx import NarxModel, candidate_terms, estimate, rmse
-from dea.narx.checks import Array
+
+Array = NDArray[np.float64]
 
 _ORDERS = (1, 2, 3, 4)
 _DELAYS = 24  # samples; the largest that is tried

@@ -6,6 +6,7 @@ from dea.store.foreign import import_record
 from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
 from dea.store.record_file import read_record
 from dea.store.records import Signals, check_record, signals
+from dea.store.resampling import check_order, usual_interval
 from dea.store.sources import Sources
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "Sources",
     "Variable",
     "atomic",
+    "check_order",
     "check_record",
     "import_record",
     "read",
@@ -24,5 +26,6 @@ __all__ = [
     "sha256",
     "signals",
     "time_factor",
+    "usual_interval",
     "write",
 ]

@@ -54,7 +54,7 @@ def plain_units(text: str) -> str:
     bare = text.strip().strip("[]()").strip()
     if bare.lower().startswith("seconds since"):
         return "s"
-    return _SPELLINGS.get(bare.lower(), bare)
+    return _SPELLINGS.get(bare.lower(), bare.replace("µ", "u").replace("μ", "u"))
 
 
 def name_and_units(heading: str) -> tuple[str, str | None]:

@@ -50,11 +50,7 @@ def read_text(file: Path) -> ForeignTable:
             "no line of it holds two numbers", file=file, remedy="Write it as a table of numbers"
         )
     begin = next(i for i, row in enumerate(rows) if _is_data(_fields(row, layout), layout))
-    above = [_fields(row, layout) for row in rows[:begin]]
-    above = [row for row in above if len(row) == layout.columns]
-    if not above and remarks:
-        last = _fields(remarks[-1], layout)
-        above = [last] if len(last) == layout.columns else []
+    above = _of_width(rows[:begin], layout) or _of_width(remarks[-1:], layout)
     headings, units = _headings(above, layout.columns)
     frame = pd.read_csv(
         StringIO("\n".join(rows[begin:])),
@@ -122,6 +118,14 @@ def _fields(row: str, layout: Layout) -> list[str]:
     return stripped[:-1] if len(stripped) > 2 and not stripped[-1] else stripped
 
 
+def _of_width(rows: Sequence[str], layout: Layout) -> list[list[str]]:
+    """Return the fields of the rows as wide as the table, the last of which may be empty."""
+    padded = [[*row, ""] if len(row) == layout.columns - 1 else row for row in (
+        _fields(row, layout) for row in rows
+    )]  # fmt: skip
+    return [row for row in padded if len(row) == layout.columns]
+
+
 def _pointed(fields: Sequence[str], decimal: str) -> list[str]:
     if decimal == ".":
         return list(fields)
@@ -148,5 +152,4 @@ def _headings(
         return [f"column {i + 1}" for i in range(columns)], None
     if len(above) > 1 and all(len(field) <= _LONGEST_UNITS for field in above[-1]):
         return list(above[-2]), [plain_units(field) for field in above[-1]]
-    named = [field or f"column {i + 1}" for i, field in enumerate(above[-1])]
-    return named, None
+    return [field or f"column {i + 1}" for i, field in enumerate(above[-1])], None
