@@ -62,6 +62,12 @@ def test_where_the_package_cannot_be_written_the_home_is_used(package, tmp_path)
     assert list((tmp_path / ".cache" / "dea").rglob("*.nbi"))
 
 
+def test_an_import_makes_no_folder(package):
+    before = set(package.parent.rglob("*"))
+    run(package, "import dea", PYTHONDONTWRITEBYTECODE="1")
+    assert set(package.parent.rglob("*")) == before
+
+
 def test_folders_unused_for_long_are_removed_and_recent_ones_are_not(package):
     old, recent = (package / "__pycache__" / f"{PREFIX}{name}" for name in ("old", "recent"))
     old.mkdir(parents=True)

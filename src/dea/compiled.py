@@ -52,15 +52,20 @@ def source_state(package: Path) -> str:
 
 
 def _writable(name: str, places: Iterable[Path]) -> Path | None:
-    """Return the folder ``name`` in the first of ``places`` that can be written to, or ``None``."""
+    """Return the folder ``name`` in the first of ``places`` that can be written to, or ``None``.
+
+    Numba makes it when it first compiles: an import makes no folder.
+    """
     for place in places:
         try:
             folder = place.expanduser() / name
-            if not folder.exists():
-                folder.mkdir(parents=True, exist_ok=True)
+            if folder.exists():
+                os.utime(folder)
+                return folder
+            there = next(parent for parent in folder.parents if parent.exists())
+            if there.is_dir() and os.access(there, os.W_OK | os.X_OK):
                 _remove_unused(folder.parent)
-            os.utime(folder)
-            return folder
+                return folder
         # RuntimeError: the user has no home directory.
         except (OSError, RuntimeError):
             continue
