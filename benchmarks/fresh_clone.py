@@ -1,0 +1,56 @@
+"""What a clone takes: time and space of its environment and of its first study.
+
+``python -m benchmarks.fresh_clone`` clones the commit that is checked out into a new folder. Other
+programs stretch the time that passes, and hardly that of the processor.
+"""
+
+import argparse
+import os
+import resource
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+from benchmarks.stored import ROOT, store
+
+
+def measured(command: list[str], folder: Path, environment: dict[str, str]) -> dict[str, float]:
+    """Run a command; return the minutes that passed and those of the processor."""
+    used, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    subprocess.run(command, cwd=folder, env=environment, check=True)
+    passed, now = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    processor = now.ru_utime + now.ru_stime - used.ru_utime - used.ru_stime
+    return {"minutes": round(passed / 60, 2), "processor_minutes": round(processor / 60, 2)}
+
+
+def megabytes(folder: Path) -> int:
+    """Return the size of the files below ``folder``, as stored."""
+    files = [path for path in folder.rglob("*") if path.is_file() and not path.is_symlink()]
+    return round(sum(path.stat().st_blocks * 512 for path in files) / 1e6)
+
+
+def main() -> None:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cores", type=int, default=os.cpu_count(), help="of the study")
+    parser.add_argument("--keep", type=Path, help="clone to here and leave it there")
+    options = parser.parse_args()
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    with tempfile.TemporaryDirectory() as temporary:
+        clone = options.keep or Path(temporary, "clone")
+        subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
+        make = ["make", f"CORES={options.cores}"]
+        values = {
+            "cores": options.cores,
+            "environment": measured([*make, "env"], clone, environment),
+            "study": measured([*make, "study"], clone, environment),
+            "again": measured([*make, "study"], clone, environment),
+        }
+        values["environment"]["megabytes"] = megabytes(clone / ".venv")
+        values["study"]["megabytes"] = megabytes(clone / "results")
+    print(store("fresh_clone", "make fresh", values).read_text())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+"""Results of campaigns that the documents quote: ``docs/measured/NAME.json``.
+
+Each says what was run, from which commit, when and where.
+"""
+
+import datetime
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dea import provenance
+
+ROOT = Path(__file__).parents[1]
+FOLDER = ROOT / "docs" / "measured"
+
+
+def store(name: str, command: str, values: Mapping[str, Any]) -> Path:
+    """Keep what ``command`` measured; return the file."""
+    file = FOLDER / f"{name}.json"
+    content = {
+        "command": command,
+        "commit": _commit(),
+        "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
+        "machine": {
+            "processor": provenance.run_facts()["processor"],
+            "cores": os.cpu_count(),
+            "system": platform.system(),
+            "python": platform.python_version(),
+        },
+        "values": values,
+    }
+    FOLDER.mkdir(exist_ok=True)
+    file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    return file
+
+
+def _commit() -> str:
+    """Return the commit that is checked out, ``-dirty`` where a file differs from it."""
+    described = subprocess.run(
+        ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude", "*"],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return described.stdout.strip() or "unknown"
