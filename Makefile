@@ -8,13 +8,13 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-SNAKEMAKE := snakemake --profile workflow/profiles/default --cores $(CORES)
+SNAKEMAKE := workflow/alone.sh snakemake --profile workflow/profiles/default --cores $(CORES)
 
 comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report handover diagnose discrepancy real trials records faults \
-	peers interoperability soak coverage configuration audit sign check test mutants benchmark clean
+	peers interoperability soak coverage configuration audit sign check test mutants benchmark clean FORCE
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -29,6 +29,9 @@ env: $(VENV)/installed ## create the pinned environment in .venv
 
 study: $(VENV)/installed ## regenerate every figure and table
 	$(SNAKEMAKE) study
+
+results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
+	$(SNAKEMAKE) $@
 
 record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 EXCITATION=second
 	$(if $(NAME),,$(error Name an actuator of config/config.yaml without bench: make record NAME=film1))

@@ -30,7 +30,11 @@ include: "workflow/rules/tables.smk"
 include: "workflow/functions/datasets.smk"
 
 
-# `make audit` compares the results with the manifest.
+# `make audit` compares the results with the manifest. A run that is killed leaves none.
+onstart:
+    withdraw()
+
+
 onsuccess:
     collect().write()
 

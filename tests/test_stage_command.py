@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import pytest
 
 from dea.errors import DeviceError, InputError
@@ -38,9 +41,30 @@ def test_settings_and_paths_reach_the_stage(tmp_path):
     assert reached == {"settings": {"a": 1}, "tests": ["x.nc", "y.nc"], "model": "m.nc"}
 
 
-def test_an_error_in_the_code_is_not_hidden():
+def test_an_error_in_the_code_is_not_hidden(capsys):
     def stage(settings):
-        raise ZeroDivisionError
+        raise ZeroDivisionError("of a length")
 
-    with pytest.raises(ZeroDivisionError):
+    with pytest.raises(SystemExit) as caught:
         run(stage, arguments=[])
+    assert caught.value.code == 1
+    said = capsys.readouterr().err
+    assert said.startswith("Traceback")
+    assert said.endswith("ZeroDivisionError: of a length\n")
+
+
+@pytest.mark.parametrize("error", ["InputError('too short')", "ValueError('too short')"])
+def test_the_reason_is_on_the_terminal_where_the_logs_disk_is_full(error):
+    stage = f"""
+from dea.errors import InputError
+from dea.stages.command import run
+def stage(settings):
+    raise {error}
+run(stage, arguments=[])
+"""
+    with open("/dev/full", "w") as log:  # every write to it fails, as to a full disk
+        ended = subprocess.run(
+            [sys.executable, "-c", stage], stdout=subprocess.PIPE, stderr=log, text=True
+        )
+    assert ended.returncode == (2 if error.startswith("Input") else 1)
+    assert "too short" in ended.stdout

@@ -6,6 +6,7 @@ job runs, and has an identity, which the product itself may carry (:func:`curren
 processor and linear algebra of the run stand apart.
 """
 
+import fcntl
 import hashlib
 import json
 import os
@@ -13,7 +14,7 @@ import platform
 import sys
 import sysconfig
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -76,36 +77,54 @@ def job(
     if JOB not in os.environ:
         yield
         return
-    found = {str(path): digest(path) for path in inputs}
-    for path, sha in found.items():
-        check(Path(path), sha)
-    code = {path: digest(Path(path)) for path in os.environ[CODE].split()}
-    described = Job(
-        _name(os.environ[JOB]),
-        os.environ[RULE],
-        command,
-        dict(settings),
-        found,
-        code,
-        environment(),
-    )
-    _current[:] = [described]
-    try:
+    products = list(outputs)
+    with _alone(Path(os.environ[JOB])):
+        for file in [*products, *map(description_of, products)]:
+            _forget_partial(file)
+        found = {str(path): digest(path) for path in inputs}
+        for path, sha in found.items():
+            check(Path(path), sha)
+        code = {path: digest(Path(path)) for path in os.environ[CODE].split()}
+        name, rule = _name(os.environ[JOB]), os.environ[RULE]
+        described = Job(name, rule, command, dict(settings), found, code, environment())
+        _current[:] = [described]
+        try:
+            yield
+        finally:
+            _current.clear()
+        run = run_facts() | {"options": list(free)}
+        for product in products:
+            _describe(product, described, run)
+
+
+@contextmanager
+def _alone(log: Path) -> Iterator[None]:
+    """Wait until no other process runs the job with this log, as an earlier run's may.
+
+    Jobs outlive a workflow that is killed.
+    """
+    log.parent.mkdir(parents=True, exist_ok=True)
+    with log.open("a") as file:
+        # Some shared file systems of clusters know no such locks.
+        with suppress(OSError):
+            fcntl.flock(file, fcntl.LOCK_EX)
         yield
-    finally:
-        _current.clear()
-    content = {
-        "job": asdict(described),
-        "identity": described.identity,
-        "run": run_facts() | {"options": list(free)},
-    }
-    for product in outputs:
-        text = json.dumps({**content, "sha256": digest(product)}, indent=1, sort_keys=True)
-        kept = description_of(product)
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        partial = kept.with_name(f".{kept.name}.{os.getpid()}.partial")
-        partial.write_text(f"{text}\n", encoding="utf-8")
-        partial.replace(kept)
+
+
+def _forget_partial(file: Path) -> None:
+    """Remove what a killed process left of a file that it did not finish."""
+    for partial in file.parent.glob(f".{file.name}.*.partial"):
+        partial.unlink()
+
+
+def _describe(product: Path, described: Job, run: Mapping[str, Any]) -> None:
+    content = {"job": asdict(described), "identity": described.identity, "run": run}
+    text = json.dumps({**content, "sha256": digest(product)}, indent=1, sort_keys=True)
+    kept = description_of(product)
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    partial = kept.with_name(f".{kept.name}.{os.getpid()}.partial")
+    partial.write_text(f"{text}\n", encoding="utf-8")
+    partial.replace(kept)
 
 
 def current_job() -> str:

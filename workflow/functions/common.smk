@@ -5,7 +5,7 @@ import time
 
 import imports
 
-from dea.audit import collect
+from dea.audit import collect, withdraw
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.case import check_cases, read_cases
 from dea.configuration.study import check_actuators, check_names, check_study
@@ -101,11 +101,10 @@ def stage(command):
 
 
 def failures(folder, since):
-    """How the logs that end in an error and are younger than ``since`` end, each with its name."""
-    ends = []
+    """The last error in each log that is younger than ``since``, with the log's name."""
+    last = []
     for log in sorted(Path(folder).rglob("log/*.log")):
-        lines = log.read_text().splitlines()
-        young = log.stat().st_mtime >= since
-        if young and lines and re.search(r"[Ee]rror\b", lines[-1]):
-            ends.append(f"{log}: {lines[-1]}")
-    return "\n".join(ends)
+        if log.stat().st_mtime >= since:
+            errors = re.findall(r"^\S*[Ee]rror: .*", log.read_text(), re.MULTILINE)
+            last += [f"{log}: {line}" for line in errors[-1:]]
+    return "\n".join(last)

@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from dea import provenance
-from dea.audit.manifest import Manifest
+from dea.audit.manifest import FILE, Manifest, collect
 from dea.audit.page import page
 from dea.audit.signature import unsigned
 from dea.audit.verify import resting_on, verify
@@ -25,7 +25,12 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--sample", type=int, default=0, metavar="N", help="jobs to run again")
     parser.add_argument("--seed", type=int, default=None, help="of the draw; the time otherwise")
     parser.add_argument("--signers", type=Path, help="who may have signed the manifest")
+    parser.add_argument("--collect", action="store_true", help="write a manifest where none is")
     options = parser.parse_args(arguments)
+    if options.collect:
+        if not FILE.exists():
+            collect().write()
+        return
     seed = int(time.time()) if options.seed is None else options.seed
     try:
         manifest = Manifest.read()

@@ -73,6 +73,11 @@ class Manifest:
         return found
 
 
+def withdraw() -> None:
+    """Remove the manifest, since results are about to change."""
+    FILE.unlink(missing_ok=True)
+
+
 def collect() -> Manifest:
     """Return the manifest of the results that lie there, from what their jobs kept."""
     products, jobs = {}, {}

@@ -39,7 +39,8 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
             field=f"actuators.{actuator}",
             remedy="Run again.",
         )
-    partial = record.with_suffix(".partial")
+    # Named as what the next run of this job removes: a virtual actuator can be driven again.
+    partial = record.with_name(f".{record.name}.samples.partial")
     with bench_process(**bench, device=device, seed=played.noise_seed) as port:
         answering = replace(description, host="127.0.0.1", port=port, virtual=True)
         acquired = played.label(acquisition.acquire(answering, played.volts, partial, options))

@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ def run(
     (:mod:`dea.provenance`).
     An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2; where
     it knows no file, since it comes from arrays, the stage's inputs are named. A
-    :class:`~dea.errors.DeviceError` exits with status 1.
+    :class:`~dea.errors.DeviceError` exits with status 1, as any other error does, with a traceback.
     """
     parser = argparse.ArgumentParser(description=stage.__doc__)
     parser.add_argument("--settings", type=json.loads, default={}, metavar="JSON")
@@ -54,11 +55,25 @@ def run(
     except InputError as error:
         files = [] if error.file else _files(values, inputs)
         place = f"{', '.join(map(str, files))}: " if files else ""
-        print(f"error: {place}{error}", file=sys.stderr)
+        _say(f"error: {place}{error}\n")
         raise SystemExit(2) from None
     except DeviceError as error:
-        print(f"error: {error}", file=sys.stderr)
+        _say(f"error: {error}\n")
         raise SystemExit(1) from None
+    except Exception:
+        _say(traceback.format_exc())
+        raise SystemExit(1) from None
+
+
+def _say(text: str) -> None:
+    """Print to the log, which standard error is, or to the terminal where the log takes no more."""
+    try:
+        sys.stderr.write(text)
+        sys.stderr.flush()
+    except OSError:
+        sys.stdout.write(text)
+        # Else the interpreter tries the log again when it ends.
+        sys.stderr = None
 
 
 def _command(
