@@ -56,8 +56,9 @@ handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handove
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 	pytest -m campaign tests/control/test_handed_over.py
 
-report: study ## write results/report.html with captions
-	$(SNAKEMAKE) study --report results/report.html
+report: $(VENV)/installed ## results/report.html: the findings, and how each figure and table was made
+	$(SNAKEMAKE) study discrepancy
+	python -m dea.report
 
 diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=mine.csv SIMULATION=mine.py
 	$(if $(FILE)$(NAME),,$(error Name a file, a case of config/cases, or an actuator: make diagnose NAME=dea1))

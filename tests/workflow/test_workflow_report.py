@@ -1,0 +1,77 @@
+"""The report of a small study, as a browser shows it."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+from dea.errors import InputError
+from dea.report import write
+
+pytestmark = pytest.mark.slow
+BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
+# Says in the title what the browser made of the page.
+PROBE = """<script>addEventListener("load", () => { document.title = JSON.stringify({
+    pictures: document.images.length,
+    drawn: [...document.images].filter(image => image.naturalWidth > 300).length,
+    wide: document.documentElement.scrollWidth > innerWidth,
+    origins: document.querySelectorAll("figure details").length,
+}) })</script>"""
+
+
+@pytest.fixture
+def study(finished, tmp_path, monkeypatch):
+    shutil.copytree(finished.folder / "results", tmp_path / "results")
+    for folder in ("config", "build"):
+        (tmp_path / folder).symlink_to(finished.folder / folder)
+    for folder in ("src", "workflow"):
+        (tmp_path / folder).symlink_to(ROOT / folder)
+    monkeypatch.chdir(tmp_path)
+    return Path("results/report.html")
+
+
+def test_the_report_opens_with_the_findings_and_says_how_each_result_was_made(study):
+    write(study)
+    text = study.read_text()
+    assert study.stat().st_size < 10e6
+    headings = re.findall(r"<h2[^>]*>([^<]+)", text)
+    assert headings == [
+        "Findings", "Method", "Quality of the data", "Each actuator", "Cases and trials", "Limits",
+    ]  # fmt: skip
+    opening = "First-order frequency response", "Root mean square error of forecasts", 'id="method"'
+    assert sorted(opening, key=text.index) == list(opening)
+    for link in re.findall(r'href="([^"#]+)"', text):
+        assert (study.parent / link).exists(), link
+    figures = text.count("<figcaption>")
+    assert figures == text.count("how it was made</summary>")
+    assert text.count("rule figures_measurement") == 2  # one for each actuator
+    assert not re.search(r"{{|{%|\*\*|\|---", text)
+
+
+def test_the_report_refuses_a_figure_that_is_not_what_its_job_made(study):
+    figure = Path("results/figures/fig3.png")
+    figure.write_bytes(figure.read_bytes() + b"x")
+    with pytest.raises(InputError, match="it is not what the job"):
+        write(study)
+    assert not study.exists()
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
+def test_a_browser_draws_every_picture_within_its_window(study, tmp_path):
+    write(study)
+    probed = study.with_name("probed.html")
+    probed.write_text(study.read_text().replace("</body>", f"{PROBE}</body>"))
+    shown = subprocess.run(
+        [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--window-size=1200,900",
+         f"--user-data-dir={tmp_path}/browser", "--virtual-time-budget=10000", "--dump-dom",
+         probed.resolve().as_uri()],
+        capture_output=True, text=True, check=True, timeout=120,
+    ).stdout  # fmt: skip
+    pictures = study.read_text().count("<img ")
+    found = re.search(r"<title>({.*?})</title>", shown)
+    assert found, shown[:300]
+    assert f'"pictures":{pictures},"drawn":{pictures},"wide":false' in found[1]
+    assert f'"origins":{study.read_text().count("<figcaption>")}' in found[1]
