@@ -112,11 +112,18 @@ sign: ## sign the manifest of the results: make sign KEY=~/.ssh/id_ed25519
 	rm -f results/MANIFEST.json.sig
 	ssh-keygen -Y sign -f $(KEY) -n dea-study results/MANIFEST.json
 
-check: $(VENV)/installed ## linters, formatters, the type checker and the import contracts
+numbers: $(VENV)/installed ## write the numbers that the documents quote, from results and campaigns
+	python -m dea.audit.numbers
+
+fresh: $(VENV)/installed ## time and space that a clone, its environment and its first study take
+	python -m benchmarks.fresh_clone --cores $(CORES)
+
+check: $(VENV)/installed ## linters, formatters, the type checker, import contracts, quoted numbers
 	ruff check .
 	ruff format --check .
 	mypy
 	lint-imports --no-cache --no-logo
+	python -m dea.audit.numbers --check
 	snakefmt --check Snakefile workflow
 	snakemake --lint
 

@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from benchmarks.stored import store
 from dea.configuration.bench import read_bench
 from dea.excitation import design
 from dea.figures import style
@@ -168,11 +169,22 @@ def main() -> int:
     limits = GAIN_WITHIN, PHASE_WITHIN, CURVATURE_WITHIN
     print("largest misses          gain   phase   curvature   mean displacement, end over start")
     missed = False
+    rows = [
+        "| | gain, 0.05 to 1 Hz | phase | curvature | mean displacement, last 100 s over first |",
+        "|---|---|---|---|---|",
+    ]
     for name in names:
         gain, phase, curvature = misses = made[name].misses(measured[name])
         change = drift[name][-1] / drift[name][0]
         print(f"{name:<20}{gain:>8.3f}{phase:>7.1f}°{100 * curvature:>10.0f} %{change:>12.3f}")
+        rows.append(
+            f"| {name} | {gain:.3f} | {phase:.1f}° | {100 * curvature:.0f} % | {change:.2f} |"
+        )
         missed |= any(miss > limit for miss, limit in zip(misses, limits, strict=True))
+    rise = {name: float(measured[name].gain[-1] - 1.0) for name in names}
+    virtual_rise = {name: float(made[name].gain[-1] - 1.0) for name in names}
+    values = {"misses": rows, "measured_rise": rise, "virtual_rise": virtual_rise}
+    store("calibration", "make calibration", values)
     return int(missed)
 
 

@@ -39,9 +39,13 @@ def store(name: str, command: str, values: Mapping[str, Any]) -> Path:
 
 
 def _commit() -> str:
-    """Return the commit that is checked out, ``-dirty`` where a file differs from it."""
-    described = subprocess.run(
-        ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude", "*"],
-        cwd=ROOT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    return described.stdout.strip() or "unknown"
+    """Return the commit that is checked out, ``-dirty`` where the program differs from it."""
+    head = _git("rev-parse", "HEAD").stdout.strip() or "unknown"
+    changed = _git("diff", "--quiet", "HEAD", "--", ".", ":!docs", ":!README.md").returncode
+    return f"{head}-dirty" if changed else head
+
+
+def _git(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False
+    )

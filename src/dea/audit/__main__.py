@@ -10,13 +10,14 @@ import time
 from pathlib import Path
 
 from dea import provenance
+from dea.audit import quotations
 from dea.audit.manifest import FILE, Manifest, collect
 from dea.audit.page import page
 from dea.audit.signature import unsigned
 from dea.audit.verify import resting_on, verify
 from dea.errors import InputError
 
-SHOWN = 10  # results named on the terminal; the page names all
+SHOWN = 10  # results and sentences named on the terminal; the page names all
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -58,6 +59,7 @@ def main(arguments: list[str] | None = None) -> None:
     first = findings[0]
     print(f"broken: {first.path}: {first.problem}")
     resting = resting_on(first.path, manifest)
+    resting += quotations.resting([first.path, *resting])
     for path in resting[:SHOWN]:
         print(f"  rests on it: {path}")
     if len(resting) > SHOWN:

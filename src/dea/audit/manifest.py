@@ -15,7 +15,15 @@ FILE = provenance.RESULTS / "MANIFEST.json"
 # Made by targets outside of the workflow, or by the audit itself.
 UNLISTED = {
     provenance.RESULTS / name
-    for name in ("MANIFEST.json", "MANIFEST.json.sig", "audit.md", "report.html")
+    for name in (
+        "MANIFEST.json",
+        "MANIFEST.json.sig",
+        "audit.md",
+        "report.html",
+        "benchmark.json",
+        "calibration.csv",
+        "figures/calibration.png",
+    )
 }
 
 

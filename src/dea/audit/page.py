@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 
+from dea.audit import quotations
 from dea.audit.manifest import Manifest
 from dea.audit.verify import Finding, resting_on
 
@@ -39,6 +40,9 @@ def page(manifest: Manifest, findings: Sequence[Finding], repeated: Sequence[str
         resting = resting_on(finding.path, manifest)
         if resting:
             lines += ["Results that rest on it:", "", *(f"- {path}" for path in resting), ""]
+        sentences = quotations.resting([finding.path, *resting])
+        if sentences:
+            lines += ["Sentences that rest on it:", "", *(f"- {line}" for line in sentences), ""]
     return "\n".join(lines)
 
 
