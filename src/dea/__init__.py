@@ -28,12 +28,13 @@ if TYPE_CHECKING:
         simulation_interval,
     )
     from dea.nonparametric import best_linear_approximation
-    from dea.store import read_record
+    from dea.store import Record, read_record
     from dea.tracking import track_parameters
 
 __all__ = [
     "NarxModel",
     "OnlineTracker",
+    "Record",
     "best_linear_approximation",
     "diagnose",
     "frequency_response",
@@ -59,6 +60,7 @@ refuse_undeclared_code()
 _ROOM_OF = {
     "NarxModel": "dea.narx",
     "OnlineTracker": "dea.control",
+    "Record": "dea.store",
     "best_linear_approximation": "dea.nonparametric",
     "diagnose": "dea.discrepancy",
     "frequency_response": "dea.gfrf",

@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 from dea.intake.bandwidth import band, samples_to_average
 from dea.intake.dynamics import linear_dynamics
 from dea.intake.plan import make_plan
-from dea.store import Signals
+from dea.store import Record
 
 
 def excitation(size, pole):
@@ -52,7 +52,7 @@ def signals(size, rate, missing=()):
     u = excitation(size, 0.7)
     y = of_pole(u, 0.8, 1) + 0.1 * of_pole(u, 0.8, 1) ** 2
     y[list(missing)] = np.nan
-    return Signals(np.arange(size) / rate, u, y, rate, "V", "mm", "drive", "position")
+    return Record(np.arange(size) / rate, u, y, rate, "V", "mm", "drive", "position")
 
 
 @pytest.mark.parametrize("size", [60, 200, 1000, 20_000])

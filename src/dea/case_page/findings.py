@@ -9,7 +9,7 @@ import xarray as xr
 
 from dea.equation import equation_html, equation_text
 from dea.number_format import number
-from dea.store import Signals, Sources, signals
+from dea.store import Record, Sources, signals
 from dea.terms import Term
 
 _BASELINES = {
@@ -55,7 +55,7 @@ class Findings:
         return next(iter(self.sources.datasets("record")))
 
     @cached_property
-    def signals(self) -> Signals:
+    def signals(self) -> Record:
         """The record."""
         return signals(self.sources.dataset("record"))
 

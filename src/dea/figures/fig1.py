@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from dea.errors import InputError
 from dea.figures import style
 from dea.figures.bench_drawing import draw_bench, draw_cone
-from dea.store import Signals, Sources, signals
+from dea.store import Record, Sources, signals
 
 
 def draw(sources: Sources, zoom: tuple[float, float]) -> Figure:
@@ -67,7 +67,7 @@ def fig1(record: xr.Dataset, name: str, zoom: tuple[float, float]) -> Figure:
     return figure
 
 
-def _whole_record(top: Axes, bottom: Axes, whole: Signals, zoom: tuple[float, float]) -> None:
+def _whole_record(top: Axes, bottom: Axes, whole: Record, zoom: tuple[float, float]) -> None:
     minutes = whole.time / style.MINUTE
     for ax, values, units, symbol, colour in (
         (top, whole.u, whole.u_units, "input $u$", style.BLUE),
@@ -82,7 +82,7 @@ def _whole_record(top: Axes, bottom: Axes, whole: Signals, zoom: tuple[float, fl
     bottom.set_xlabel("time (min)")
 
 
-def _input_output(figure: Figure, ax: Axes, whole: Signals) -> None:
+def _input_output(figure: Figure, ax: Axes, whole: Record) -> None:
     points = ax.scatter(
         whole.u,
         whole.y,

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from dea.errors import InputError
 from dea.gfrf.operating_point import rest_slope
 from dea.gfrf.response import normalised_input, parameter_sets, response_and_slope, rests
-from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile
+from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile, rate_of
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def frequency_response_band(
     model: NarxModel,
     order: int = 1,
     frequencies: ArrayLike | Sequence[ArrayLike] = (),
-    sampling_rate: float = 1.0,
+    sampling_rate: float | None = None,
     *,
     level: float = LEVEL,
     parameters: ArrayLike | None = None,
@@ -78,7 +78,7 @@ def frequency_response_band(
         model,
         order,
         frequencies,
-        sampling_rate,
+        rate_of(model.labels, sampling_rate),
         parameters=parameters,
         operating_point=operating_point,
         allow_missing=allow_missing,

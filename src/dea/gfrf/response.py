@@ -11,7 +11,7 @@ from dea.gfrf.differentiable import Differentiable
 from dea.gfrf.expansion import expand
 from dea.gfrf.operating_point import rest_along, rest_slope
 from dea.gfrf.probing import probe
-from dea.narx import NarxModel
+from dea.narx import NarxModel, rate_of
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ def frequency_response(
     model: NarxModel,
     order: int = 1,
     frequencies: ArrayLike | Sequence[ArrayLike] = (),
-    sampling_rate: float = 1.0,
+    sampling_rate: float | None = None,
     *,
     parameters: ArrayLike | None = None,
     operating_point: float | None = None,
@@ -39,7 +39,7 @@ def frequency_response(
         n arrays in Hz that broadcast like numpy, negative ones allowed; for ``order=1`` the array
         itself will do.
     sampling_rate
-        In Hz.
+        In Hz; by default that of the record which the model comes from.
     parameters
         Other parameters for the model's terms, shape (..., terms), as a tracker gives them; by
         default the model's own.
@@ -60,7 +60,7 @@ def frequency_response(
         If the frequencies do not fit the order, lie above half the sampling rate or do not
         broadcast, or if the model does not come to rest at the operating point.
     """
-    omega = _radians(order, frequencies, sampling_rate)
+    omega = _radians(order, frequencies, rate_of(model.labels, sampling_rate))
     theta, sets = parameter_sets(model, parameters)
     u0 = normalised_input(model, operating_point)
     y0 = rests(model, theta, u0, allow_missing)

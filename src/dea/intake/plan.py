@@ -12,7 +12,7 @@ from dea.errors import InputError
 from dea.intake.bandwidth import band
 from dea.intake.dynamics import Dynamics, linear_dynamics, written
 from dea.missing import filled
-from dea.store import Signals
+from dea.store import Record
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class Plan:
     inferred: tuple[str, ...]
 
 
-def make_plan(signals: Signals) -> Plan:
+def make_plan(signals: Record) -> Plan:
     """Return the settings for a record on uniform times.
 
     Raises

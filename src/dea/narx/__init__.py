@@ -17,6 +17,7 @@ from dea.narx.intervals import (
     quantile,
     simulation_interval,
 )
+from dea.narx.labels import Labels, pair, rate_of
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
@@ -41,6 +42,7 @@ __all__ = [
     "Forward",
     "FreeRun",
     "Interval",
+    "Labels",
     "NarxModel",
     "Orthogonal",
     "Refined",
@@ -71,8 +73,10 @@ __all__ = [
     "load_published",
     "nmse",
     "noise_model",
+    "pair",
     "parameter_interval",
     "quantile",
+    "rate_of",
     "refine",
     "regressor_matrix",
     "remove_feedback",

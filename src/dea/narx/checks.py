@@ -64,9 +64,12 @@ def as_record(
             remedy="Use a longer record, smaller lags or fewer terms.",
         )
     for name, signal in (("u", inputs), ("y", outputs)):
-        if np.ptp(signal[np.isfinite(signal)]) == 0.0:
+        there = signal[np.isfinite(signal)]
+        if not there.size:
+            raise InputError("every sample is missing", field=name, remedy="Record it again.")
+        if np.ptp(there) == 0.0:
             raise InputError(
-                f"it is constant at {signal[0]:g}",
+                f"it is constant at {there[0]:g}",
                 field=name,
                 remedy="A model can only be identified from signals that vary.",
             )

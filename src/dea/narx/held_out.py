@@ -8,12 +8,16 @@ from numpy.typing import ArrayLike
 from dea.errors import InputError
 from dea.narx.checks import as_record
 from dea.narx.estimation import normalised
+from dea.narx.labels import pair
 from dea.narx.metrics import rmse
 from dea.narx.model import NarxModel
 from dea.narx.refinement import fit_free_runs
+from dea.store import Record
 
 
-def held_out_error(model: NarxModel, u: ArrayLike, y: ArrayLike, *, parts: int = 6) -> float:
+def held_out_error(
+    model: NarxModel, u: ArrayLike | Record, y: ArrayLike | None = None, *, parts: int = 6
+) -> float:
     """Free-run error of a model's structure by cross-validation on one record.
 
     The record is cut into contiguous parts. For each, the parameters that minimise the simulated
@@ -26,7 +30,8 @@ def held_out_error(model: NarxModel, u: ArrayLike, y: ArrayLike, *, parts: int =
     model
         As :func:`dea.select_terms` found it on this record.
     u, y
-        Input and output in physical units, shape (samples,).
+        Input and output in physical units, shape (samples,), or a :class:`dea.Record` alone, of
+        which no sample may be missing.
     parts
         At least two.
 
@@ -41,7 +46,8 @@ def held_out_error(model: NarxModel, u: ArrayLike, y: ArrayLike, *, parts: int =
     InputError
         If a part is too short for the model's lags.
     """
-    inputs, outputs = as_record(u, y, model.max_lag, len(model.terms))
+    whole = pair(u, y, model.max_lag)
+    inputs, outputs = as_record(*whole, model.max_lag, len(model.terms))
     if parts < 2 or inputs.size // parts < model.max_lag + 2:
         raise InputError(
             f"{parts} parts of {inputs.size} samples, for a largest lag of {model.max_lag}",

@@ -1,22 +1,30 @@
 """Polynomial NARX models: build, simulate, predict, print, save and load."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, field, fields, replace
+from dataclasses import asdict, astuple, dataclass, field, fields, replace
 from pathlib import Path
-from typing import Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from dea import store
+from dea.equation import equation_html, equation_latex
 from dea.errors import InputError
+from dea.missing import filled
 from dea.narx.checks import Array, as_record, as_signal
-from dea.narx.regressors import regressor_matrix
+from dea.narx.labels import Labels, pair
+from dea.narx.metrics import nmse
+from dea.narx.prediction import predicted
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import simulate
 from dea.narx.stability import Stability, Trials, assess
+from dea.store import Record
 from dea.terms import Term, max_lag
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +48,8 @@ class NarxModel:
         exchanged, rejected, unstable, selected). Where the record set it, ``threshold``.
     checked
         Where the terms were selected, the stability of the final parameters.
+    labels
+        Rate, units and names of the signals, where the model comes from a :class:`dea.Record`.
     """
 
     terms: tuple[Term, ...]
@@ -49,6 +59,7 @@ class NarxModel:
     trace: xr.Dataset | None = None
     withheld: str = ""
     checked: Stability | None = None
+    labels: Labels = field(default_factory=Labels)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "terms", tuple(self.terms))
@@ -118,28 +129,46 @@ class NarxModel:
             initial = self.scaling.normalise_output(as_signal(y_initial, "y_initial"))
         return self.scaling.restore_output(simulate(self.terms, self.parameters, inputs, initial))
 
-    def predict(self, u: ArrayLike, y: ArrayLike) -> Array:
-        """One-step prediction: the model is fed the measured past outputs.
+    def predict(
+        self, u: ArrayLike | Record, y: ArrayLike | None = None, *, steps: int = 1
+    ) -> Array:
+        """Prediction from measured outputs up to ``steps`` samples ago.
 
         Parameters
         ----------
         u, y
-            Measured input and output in physical units, shape (samples,).
+            Measured input and output in physical units, shape (samples,), or a record alone. The
+            prediction is NaN where a missing output (NaN) enters it.
+        steps
+            How many samples ahead; from the outputs measured until then the model runs freely.
 
         Returns
         -------
         ndarray
-            Predicted output in physical units, shape (samples,); its first ``max_lag`` samples,
-            whose past is unknown, are the measured ones.
+            Predicted output in physical units, shape (samples,); its first ``max_lag + steps - 1``
+            samples, whose past is unknown, are the measured ones.
         """
-        inputs, outputs = as_record(u, y, self.max_lag)
-        matrix = regressor_matrix(
-            self.terms,
-            self.scaling.normalise_input(inputs),
-            self.scaling.normalise_output(outputs),
-        )
-        predicted = self.scaling.restore_output(matrix @ self.parameters)
-        return np.concatenate([outputs[: self.max_lag], predicted])
+        inputs, outputs = pair(u, y, self.max_lag + steps)
+        return predicted(self.terms, self.parameters, self.scaling, inputs, outputs, steps)
+
+    def score(self, u: ArrayLike | Record, y: ArrayLike | None = None) -> float:
+        """Return the share of the output's variance that the free run explains, 1 - nmse.
+
+        The run starts from the first measured outputs, which are not scored; missing ones are not
+        either. A run that diverges scores minus infinity.
+        """
+        inputs, recorded = pair(u, y, self.max_lag + 1)
+        outputs, seen = filled(recorded)
+        seen[: self.max_lag] = False
+        run = self.simulate(inputs, outputs)
+        return 1.0 - nmse(outputs[seen], run[seen])
+
+    def plot(self, u: ArrayLike | Record, y: ArrayLike | None = None) -> "Axes":
+        """Draw measured output and free run over time with matplotlib; return the axes."""
+        from dea.narx.plot import plot_run
+
+        inputs, outputs = pair(u, y, self.max_lag + 1)
+        return plot_run(self.labels, outputs, self.simulate(inputs, filled(outputs)[0]))
 
     def with_parameters(
         self, parameters: ArrayLike, covariance: Array | None = None, withheld: str = ""
@@ -179,8 +208,13 @@ class NarxModel:
         segment = self.scaling.normalise_input(inputs), self.scaling.normalise_output(outputs)
         return assess(self.terms, self.parameters, self.scaling, Trials([segment]))
 
-    def to_dataset(self, u_units: str = "1", y_units: str = "1") -> xr.Dataset:
-        """Return the model and its trace as labelled data, as ``model.nc`` holds them."""
+    def to_dataset(self, u_units: str | None = None, y_units: str | None = None) -> xr.Dataset:
+        """Return the model and its trace as labelled data, as ``model.nc`` holds them.
+
+        Units are by default those of the model's labels.
+        """
+        known = self.labels
+        u_units, y_units = u_units or known.u_units, y_units or known.y_units
         scaling = {
             name: ((), value, {"units": units, "long_name": f"{what} of the {signal}"})
             for (name, value), (signal, what, units) in zip(
@@ -198,6 +232,8 @@ class NarxModel:
             coords={"term": ("term", list(map(str, self.terms)), _plain("term"))},
             attrs={"contract": "model", "equation": str(self), "withheld": self.withheld},
         )
+        if known.sampling_rate is not None:
+            dataset.attrs |= asdict(known) | {"u_units": u_units, "y_units": y_units}
         if self.covariance is not None:
             label = _plain("covariance of the parameters")
             dataset["covariance"] = (("term", "term_2"), self.covariance, label)
@@ -221,9 +257,20 @@ class NarxModel:
             dataset[trace].drop_attrs(deep=False) if trace else None,
             dataset.attrs.get("withheld", ""),
             Stability.from_dataset(dataset) if "rest_pole" in dataset else None,
+            Labels.from_attributes(dataset.attrs),
         )
 
-    def save(self, path: str | Path, *, u_units: str = "1", y_units: str = "1") -> None:
+    def to_dict(self) -> dict[str, Any]:
+        """Return terms, parameters, scaling and labels as plain values, for JSON or YAML."""
+        return {
+            "terms": dict(zip(map(str, self.terms), self.parameters.tolist(), strict=True)),
+            "scaling": asdict(self.scaling),
+            "labels": asdict(self.labels),
+        }
+
+    def save(
+        self, path: str | Path, *, u_units: str | None = None, y_units: str | None = None
+    ) -> None:
         """Write the model, and its selection trace where it has one, as NetCDF."""
         store.write(self.to_dataset(u_units, y_units), path, title="Polynomial NARX model")
 
@@ -231,6 +278,15 @@ class NarxModel:
     def load(cls, path: str | Path) -> "NarxModel":
         """Read a model that :meth:`save` or the study wrote."""
         return NarxModel.from_dataset(store.read(path, "model"))
+
+    def _repr_latex_(self) -> str:
+        """Return the equation with four digits, as a notebook sets it."""
+        return f"$\\displaystyle {equation_latex(self.terms, self.parameters)}$"
+
+    def _repr_html_(self) -> str:
+        """Return the equation with four digits and the scaling of its signals, for a notebook."""
+        units = self.labels.u_units, self.labels.y_units
+        return equation_html(self.terms, self.parameters, asdict(self.scaling), units)
 
     def __str__(self) -> str:
         """Return the equation that is simulated, every digit of its parameters included."""

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,18 +19,20 @@ from dea.narx.estimation import (
     scaling_of,
 )
 from dea.narx.forward import forward_and_prune
+from dea.narx.labels import unpacked
 from dea.narx.model import NarxModel
 from dea.narx.refined_search import FoundModel, every_run_diverges, find
 from dea.narx.scaling import Scaling
 from dea.narx.search import Forward, Orthogonal, Refined, Search
 from dea.narx.stability import Trials, UnstableModel, assess
 from dea.narx.trace import Trace
+from dea.store import Record
 from dea.terms import Term, max_lag
 
 
 def select_terms(
-    u: Signals,
-    y: Signals,
+    u: Signals | Record | Sequence[Record],
+    y: Signals | None = None,
     *,
     y_lags: int | Sequence[int] = 3,
     u_lags: int | Sequence[int] = 3,
@@ -50,7 +53,8 @@ def select_terms(
     ----------
     u, y
         Measured input and output in physical units, shape (samples,), or equally long lists of
-        such records, which share one model.
+        such records, which share one model. Or one or several :class:`dea.Record` alone: their
+        missing samples are left out, and the model carries their rate, units and names.
     y_lags, u_lags
         Largest lag of output and input, or the lags themselves (input lags may include 0).
     degree
@@ -82,7 +86,9 @@ def select_terms(
         If the records are not usable or too short, or if no model's run on them is bounded.
     """
     candidates = _candidates(y_lags, u_lags, degree, even_in_input)
-    records = as_segments(u, y, max_lag(candidates), _linear(candidates))
+    lag, linear = max_lag(candidates), _linear(candidates)
+    inputs, outputs, labels = unpacked(u, y, lag, linear)
+    records = as_segments(inputs, outputs, lag, linear)
     scale = scaling_of(records, not even_in_input) if scaling is None else scaling
     segments, trace = normalised(records, scale), Trace()
     trials = Trials(segments)
@@ -93,7 +99,7 @@ def select_terms(
         found = FoundModel(terms, theta, covariance, withheld)
     else:
         found = find(candidates, [segments], [trials], search or Refined(), trace)[0]
-    return _model(found, scale, trials, trace)
+    return replace(_model(found, scale, trials, trace), labels=labels)
 
 
 def select_common_terms(

@@ -13,7 +13,7 @@ from dea.missing import stretches
 
 
 def segment(
-    signals: store.Signals,
+    signals: store.Record,
     start: float,
     length: float,
     file: Path,
@@ -40,7 +40,7 @@ def segment(
 
 
 def good_stretches(
-    signals: store.Signals, part: slice, file: Path, identification: Mapping[str, Any]
+    signals: store.Record, part: slice, file: Path, identification: Mapping[str, Any]
 ) -> tuple[list[Any], list[Any]]:
     """Return inputs and outputs of the stretches of ``part`` without a flagged sample.
 

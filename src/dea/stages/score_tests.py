@@ -83,7 +83,7 @@ def score_tests(
     )
 
 
-def _scores(model: "NarxModel", signals: "store.Signals", start: int) -> tuple[float, float, int]:
+def _scores(model: "NarxModel", signals: "store.Record", start: int) -> tuple[float, float, int]:
     """Return nmse, rmse and the number of the samples scored, from sample ``start`` on."""
     import numpy as np
 

@@ -5,7 +5,7 @@ from dea.store.files import atomic, read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
 from dea.store.record_file import read_record
-from dea.store.records import Signals, check_record, signals
+from dea.store.records import Record, check_record, signals
 from dea.store.resampling import check_order, usual_interval
 from dea.store.sources import Sources
 
@@ -13,7 +13,7 @@ __all__ = [
     "CONTRACTS",
     "Contract",
     "ForeignTable",
-    "Signals",
+    "Record",
     "Sources",
     "Variable",
     "atomic",

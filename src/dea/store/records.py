@@ -1,7 +1,7 @@
 """Records of a system's input and output: what makes one usable, and its arrays."""
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,10 +12,11 @@ _INPUTS = ("voltage", "input")
 _OUTPUTS = ("displacement", "output")
 
 
-class Signals(NamedTuple):
-    """The arrays of a record, shape (samples,), and what they are.
+class Record(NamedTuple):
+    """A record of a system: its signals, shape (samples,), their rate, units and names.
 
-    Where a sample is not good ``y`` is NaN; ``u`` is known throughout.
+    Where a sample is not good ``y`` is NaN; ``u`` is known throughout. Built from a file by
+    :meth:`read`, from arrays by :meth:`of`.
     """
 
     time: np.ndarray
@@ -27,13 +28,78 @@ class Signals(NamedTuple):
     u_name: str
     y_name: str
 
+    @classmethod
+    def of(
+        cls,
+        u: Any,
+        y: Any,
+        sampling_rate: float,
+        *,
+        units: tuple[str, str] | None = None,
+        names: tuple[str, str] | None = None,
+    ) -> "Record":
+        """Return the record of two signals.
+
+        Parameters
+        ----------
+        u, y
+            Input and output: arrays, columns of a pandas frame, or variables of xarray, whose
+            ``units`` and names are taken over. A missing output is NaN.
+        sampling_rate
+            In Hz.
+        units, names
+            Of input and output, where the signals do not carry them.
+
+        Raises
+        ------
+        InputError
+            If the signals differ in length, the input has a missing value, or the rate is not
+            positive.
+        """
+        inputs, outputs = (np.asarray(each, dtype=float) for each in (u, y))
+        if inputs.ndim != 1 or inputs.shape != outputs.shape or inputs.size < 2:
+            raise InputError(
+                f"input and output have shapes {inputs.shape} and {outputs.shape}",
+                field="u, y",
+                remedy="Give two signals of one length, each with one dimension",
+            )
+        if not np.isfinite(inputs).all():
+            raise InputError(
+                "the input has missing values", field="u", remedy="Fill them: it is applied, known"
+            )
+        if not sampling_rate > 0.0:
+            raise InputError(
+                f"it is {sampling_rate}", field="sampling_rate", remedy="Give it in Hz"
+            )
+        carried = [getattr(each, "attrs", {}) for each in (u, y)]
+        own = [getattr(each, "name", None) for each in (u, y)]
+        u_units, y_units = units or [str(each.get("units", "1")) for each in carried]
+        u_name, y_name = names or [
+            str(attributes.get("long_name", name or role))
+            for attributes, name, role in zip(carried, own, ("input", "output"), strict=True)
+        ]
+        time = np.arange(inputs.size) / sampling_rate
+        return cls(time, inputs, outputs, sampling_rate, u_units, y_units, u_name, y_name)
+
+    @classmethod
+    def read(cls, path: str | Path, **columns: Any) -> "Record":
+        """Return the record of a file; parameters are those of :func:`dea.read_record`."""
+        from dea.store.record_file import read_record
+
+        return signals(read_record(path, **columns))
+
+    def part(self, first: float, last: float) -> "Record":
+        """Return the samples from ``first`` to before ``last``, both in s."""
+        begin, end = np.searchsorted(self.time, [first, last])
+        return self._replace(time=self.time[begin:end], u=self.u[begin:end], y=self.y[begin:end])
+
     @property
     def left_out(self) -> int:
         """Number of samples that are not good."""
         return int(np.count_nonzero(np.isnan(self.y)))
 
 
-def signals(record: xr.Dataset) -> Signals:
+def signals(record: xr.Dataset) -> Record:
     """Return input and output of a record as arrays, whatever it calls them.
 
     The output of a flagged sample is NaN, its input what was applied. A lost sample of a record
@@ -42,7 +108,7 @@ def signals(record: xr.Dataset) -> Signals:
     u, y = (_first(record, names) for names in (_INPUTS, _OUTPUTS))
     time = record["time"].values.astype(float)
     flagged = _flagged(record)
-    return Signals(
+    return Record(
         time=time,
         u=_held(u.values.astype(float)),
         y=np.where(flagged, np.nan, y.values.astype(float)),

@@ -6,8 +6,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from dea import store
 from dea.errors import InputError
-from dea.narx import LEVEL, NarxModel, quantile, regressor_matrix
+from dea.narx import LEVEL, NarxModel, pair, quantile, regressor_matrix
 from dea.tracking.bands import (
     NOT_MOVED,
     NOT_SETTLED,
@@ -40,8 +41,8 @@ METHODS = tuple(_DEFAULTS)
 
 def track_parameters(
     model: NarxModel,
-    u: ArrayLike,
-    y: ArrayLike,
+    u: ArrayLike | store.Record,
+    y: ArrayLike | None = None,
     *,
     method: str = "rls",
     forgetting: float | None = None,
@@ -51,7 +52,7 @@ def track_parameters(
     thinning: int | None = None,
     window: int | None = None,
     instants: int | None = None,
-    sampling_rate: float = 1.0,
+    sampling_rate: float | None = None,
 ) -> xr.Dataset:
     """Track the parameters of ``model`` through a record, (10).
 
@@ -61,8 +62,8 @@ def track_parameters(
     Parameters
     ----------
     u, y
-        Measured input and output in physical units, shape (samples,). A missing output is NaN;
-        equations that it enters are left out.
+        Measured input and output in physical units, shape (samples,), or a :class:`dea.Record`
+        alone. A missing output is NaN; equations that it enters are left out.
     method
         ``rls``: recursive least squares (11)-(16) with forgetting and leakage towards the model's
         own parameters; uses the past alone. ``kalman``: random-walk Kalman filter and smoother;
@@ -89,7 +90,8 @@ def track_parameters(
         At how many times, evenly spread, the whole covariance and the intervals are given; by
         default 360, at every sample of a shorter record.
     sampling_rate
-        In Hz; only labels the time.
+        In Hz; only labels the time. By default that of the record or of the model's own record, and
+        without one a sample counts as a second.
 
     Returns
     -------
@@ -120,11 +122,13 @@ def track_parameters(
         instants=instants,
     )
     model = with_constant(model)
-    record = normalised_record(model, u, y)
+    record = normalised_record(model, *pair(u, y, model.max_lag))
+    rate = sampling_rate or (u.sampling_rate if isinstance(u, store.Record) else None)
     at = np.maximum(instants_of(record.u.size, chosen.pop("instants")), model.max_lag)
     tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
     found = tracker(model, record, at - model.max_lag, method, chosen)
-    return _labelled(model, found, at, sampling_rate, {"method": method, **chosen})
+    rate = rate or model.labels.sampling_rate or 1.0
+    return _labelled(model, found, at, rate, {"method": method, **chosen})
 
 
 def _recursive(

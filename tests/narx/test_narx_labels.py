@@ -1,0 +1,138 @@
+"""Models that carry rate, units and names, and take records in the place of two arrays."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import dea
+from dea.errors import InputError
+from dea.narx import NarxModel, held_out_error
+from dea.terms import Term
+
+RATE = 20.0
+
+
+def made(size=400, seed=0):
+    u = np.random.default_rng(seed).uniform(-1.0, 1.0, size)
+    y = np.zeros(size)
+    for t in range(2, size):
+        y[t] = 0.6 * y[t - 1] + 0.5 * u[t - 1] + 0.2 * u[t - 2] ** 2
+    return u, y
+
+
+def record(size=400, seed=0, **changes):
+    u, y = made(size, seed)
+    given = {"units": ("V", "mm"), "names": ("drive", "position")} | changes
+    return dea.Record.of(u, y, RATE, **given)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return dea.select_terms(record(), y_lags=1, u_lags=2, degree=2)
+
+
+def test_the_model_of_a_record_is_that_of_its_arrays_and_knows_them(found):
+    plain = dea.select_terms(*made(), y_lags=1, u_lags=2, degree=2)
+    assert found.terms == plain.terms
+    np.testing.assert_array_equal(found.parameters, plain.parameters)
+    assert (found.labels.sampling_rate, found.labels.y_units) == (RATE, "mm")
+    assert plain.labels.sampling_rate is None
+
+
+def test_labels_survive_a_file(found, tmp_path):
+    found.save(tmp_path / "model.nc")
+    loaded = NarxModel.load(tmp_path / "model.nc")
+    assert loaded.labels == found.labels
+    assert loaded.to_dict() == found.to_dict()
+    assert json.loads(json.dumps(found.to_dict()))["labels"]["u_name"] == "drive"
+
+
+def test_a_response_takes_the_rate_of_the_model_and_asks_where_there_is_none(found):
+    known = dea.frequency_response(found, 1, 2.0)
+    np.testing.assert_array_equal(known, dea.frequency_response(found, 1, 2.0, RATE))
+    plain = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.0})
+    with pytest.raises(InputError, match="does not know its sampling rate"):
+        dea.frequency_response(plain, 1, 0.1)
+
+
+def test_missing_samples_of_a_record_are_left_out(found):
+    whole = record()
+    y = whole.y.copy()
+    y[150:160] = np.nan
+    with_gap = dea.select_terms(whole._replace(y=y), y_lags=1, u_lags=2, degree=2)
+    assert set(with_gap.terms) == set(found.terms)
+    assert found.score(whole._replace(y=y)) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_several_records_share_a_model_and_must_agree():
+    both = dea.select_terms([record(200, 1), record(200, 2)], y_lags=1, u_lags=2, degree=2)
+    assert both.score(record(200, 3)) > 1 - 1e-6
+    with pytest.raises(InputError, match="records of one rate"):
+        dea.select_terms([record(), record(units=("V", "um"))])
+
+
+@pytest.mark.parametrize("steps", [1, 2, 5])
+def test_a_prediction_runs_freely_from_the_outputs_measured_so_far(found, steps):
+    u, y = made(60, 4)
+    y += 0.05 * np.random.default_rng(5).standard_normal(y.size)
+    ahead = found.predict(u, y, steps=steps)
+    for t in range(found.max_lag + steps - 1, y.size):
+        start = t - steps + 1 - found.max_lag
+        run = found.simulate(u[start : t + 1], y[start : start + found.max_lag])
+        assert ahead[t] == pytest.approx(run[-1], abs=1e-12)
+
+
+def test_the_score_is_the_variance_explained_by_the_free_run(found):
+    u, y = made(200, 6)
+    noisy = y + 0.1 * np.random.default_rng(7).standard_normal(y.size)
+    lag = found.max_lag
+    error = noisy[lag:] - found.simulate(u, noisy)[lag:]
+    expected = 1 - np.sum(error**2) / np.sum((noisy[lag:] - noisy[lag:].mean()) ** 2)
+    assert found.score(u, noisy) == pytest.approx(expected)
+
+
+def test_tracking_and_cross_validation_take_the_record(found):
+    whole = record()
+    track = dea.track_parameters(found, whole)
+    assert float(track["time"][-1]) == pytest.approx(whole.time[-1])
+    assert held_out_error(found, whole) == held_out_error(found, whole.u, whole.y)
+
+
+def test_signals_bring_their_units_and_names():
+    u, y = made()
+    labelled = xr.DataArray(y, dims="time", attrs={"units": "um", "long_name": "stroke"})
+    found = dea.Record.of(pd.Series(u, name="volts"), labelled, 10.0)
+    assert (found.u_name, found.u_units, found.y_name, found.y_units) == (
+        "volts", "1", "stroke", "um"
+    )  # fmt: skip
+    assert found.part(1.0, 2.0).u.size == 10
+
+
+@pytest.mark.parametrize(
+    ("u", "y", "rate", "message"),
+    [
+        ([0.0, 1.0], [0.0], 1.0, "input and output have shapes"),
+        ([0.0, np.nan], [0.0, 1.0], 1.0, "the input has missing values"),
+        ([0.0, 1.0], [0.0, 1.0], 0.0, "sampling_rate: it is 0"),
+    ],
+)
+def test_signals_that_make_no_record_are_refused(u, y, rate, message):
+    with pytest.raises(InputError, match=message):
+        dea.Record.of(u, y, rate)
+
+
+def test_a_notebook_shows_the_equation_with_four_digits(found):
+    shown = NarxModel((Term.parse("y(t-1)"),), [0.123456], labels=found.labels)
+    assert shown._repr_latex_() == r"$\displaystyle y_{t} = 0.1235 y_{t-1}$"
+    assert "0.1235 <i>y</i>" in shown._repr_html_()
+
+
+def test_the_plot_shows_both_outputs_with_their_units(found):
+    axes = found.plot(record())
+    assert axes.get_xlabel() == "time (s)"
+    assert axes.get_ylabel() == "position (mm)"
+    measured, run = (line.get_ydata() for line in axes.get_lines())
+    np.testing.assert_allclose(measured, run, atol=1e-6)
