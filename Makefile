@@ -8,7 +8,8 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-SNAKEMAKE := workflow/alone.sh snakemake --profile workflow/profiles/default --cores $(CORES)
+SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --logger progress \
+	--profile workflow/profiles/default --cores $(CORES)
 
 comma := ,
 
@@ -39,13 +40,13 @@ record: $(VENV)/installed ## drive a device and keep its record: make record NAM
 		$(if $(OPERATOR),--operator "$(OPERATOR)")
 
 # What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50.
-INTAKE = python -m dea.intake "$(FILE)" $(if $(INPUT),--input "$(INPUT)") \
+INTAKE = python -m dea.intake $(if $(FILE),"$(FILE)") $(if $(INPUT),--input "$(INPUT)") \
 	$(if $(OUTPUT),--output "$(OUTPUT)") $(if $(TIME),--time "$(TIME)") $(RATE:%=--rate %) \
 	$(NAME:%=--name %) $(SIMULATION:%=--simulation %)
 
 case: $(VENV)/installed ## identify and follow a record made elsewhere: make case FILE=mine.csv
 	$(if $(FILE)$(NAME),,$(error Name a file, or a case of config/cases: make case FILE=mine.csv))
-	@name=$(if $(FILE),$$($(INTAKE)),$(NAME)) && $(SNAKEMAKE) case_$$name && \
+	@name=$$($(INTAKE)) && $(SNAKEMAKE) case_$$name && \
 		cat results/$$name/summary.txt
 
 cases: $(VENV)/installed ## every case of config/cases, and their errors on unseen records in one table
@@ -63,7 +64,7 @@ report: $(VENV)/installed ## results/report.html: the findings, and how each fig
 diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=mine.csv SIMULATION=mine.py
 	$(if $(FILE)$(NAME),,$(error Name a file, a case of config/cases, or an actuator: make diagnose NAME=dea1))
 	$(if $(FILE),$(if $(SIMULATION),,$(error Name its simulation: make diagnose FILE=mine.csv SIMULATION=mine.py)))
-	@name=$(if $(FILE),$$($(INTAKE) --goal diagnose),$(NAME)) && \
+	@name=$$($(INTAKE) --goal diagnose) && \
 		$(SNAKEMAKE) $(if $(FILE),case_$$name,results/figures/discrepancy/$(NAME).png) && \
 		$(if $(FILE),cat results/$$name/summary.txt,python -c "import json; \
 		print(json.load(open('results/discrepancy/$(NAME)/verdict.json'))['sentence'])")

@@ -1,4 +1,7 @@
-"""Write the case of a file and print its name: ``python -m dea.intake mine.csv``."""
+"""Write the case of a file and print its name: ``python -m dea.intake mine.csv``.
+
+Without a file, check the name of a case.
+"""
 
 import argparse
 import sys
@@ -7,7 +10,7 @@ from pathlib import Path
 
 from dea.errors import InputError
 from dea.intake.case import infer_case
-from dea.intake.case_file import case_name, write_case
+from dea.intake.case_file import case_name, known_name, write_case
 from dea.intake.questions import command
 from dea.intake.roles import Answers
 
@@ -17,7 +20,7 @@ _CASES = Path("config/cases")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line. The name goes to stdout, what was inferred to stderr."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("file", type=Path)
+    parser.add_argument("file", type=Path, nargs="?")
     parser.add_argument("--input", metavar="COLUMN:UNITS")
     parser.add_argument("--output", metavar="COLUMN:UNITS")
     parser.add_argument("--time", metavar="COLUMN:UNITS")
@@ -32,6 +35,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if (value := getattr(options, key)) is not None
     }
     try:
+        if options.file is None:
+            known = known_name(options.name or "", _CASES, actuators=options.goal == "diagnose")
+            print(known)
+            return 0
         if options.rate is not None and not options.rate > 0:
             raise InputError(f"{options.rate:g}", field="RATE", remedy="Give samples per second")
         inferred = infer_case(

@@ -9,8 +9,9 @@ import yaml
 
 from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
+from dea.configuration.problems import did_you_mean
 from dea.configuration.section import NAME
-from dea.configuration.study import RESERVED, check_study
+from dea.configuration.study import FILE, RESERVED, Study, check_study
 from dea.errors import InputError
 from dea.intake.case import Inferred
 from dea.store import atomic
@@ -39,6 +40,25 @@ def case_name(file: Path, name: str | None = None) -> str:
     return f"{plain}_case" if plain in RESERVED else plain
 
 
+def known_name(name: str, folder: Path, *, actuators: bool) -> str:
+    """Return the name of a case in ``folder``, or where ``actuators`` may be meant of one of them.
+
+    Raises
+    ------
+    InputError
+        With the nearest name that is known.
+    """
+    names = [file.stem for file in sorted(folder.glob("*.yaml"))]
+    names += [actuator.name for actuator in _study().actuators] if actuators else []
+    if name not in names:
+        raise InputError(
+            f"there is none called {name!r}",
+            field="NAME",
+            remedy=f"{did_you_mean(name, names)}Known: {', '.join(names)}",
+        )
+    return name
+
+
 def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Path:
     """Write ``NAME.yaml``, unless a person has edited the one that is there.
 
@@ -53,8 +73,7 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
         If the name is an actuator's, the content does not fit the study's configuration, or the
         file there was written or edited by a person.
     """
-    study_file = Path("config/config.yaml")
-    study = check_study(read_yaml(study_file, what="the configuration", example=str(study_file)))
+    study = _study()
     if name in {actuator.name for actuator in study.actuators}:
         raise InputError(
             f"{name!r} is an actuator's name", field="NAME", remedy="Give another: NAME=other"
@@ -71,6 +90,10 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
     with atomic(file) as partial:
         partial.write_text(text, encoding="utf-8")
     return file
+
+
+def _study() -> Study:
+    return check_study(read_yaml(FILE, what="the configuration", example=FILE))
 
 
 def _text(inferred: Inferred, command: str) -> str:

@@ -1,0 +1,92 @@
+"""From a file to a case file that the study accepts."""
+
+import os
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from conftest import ROOT
+from dea import store
+from dea.configuration.case import check_case
+from dea.configuration.files import read_yaml
+from dea.configuration.study import check_study
+from dea.errors import InputError
+from dea.intake.__main__ import main
+
+N, RATE = 600, 20.0
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "config" / "cases").mkdir(parents=True)
+    for part in ("devices", "config.yaml", "bench.yaml"):
+        os.symlink(ROOT / "config" / part, tmp_path / "config" / part)
+    monkeypatch.chdir(tmp_path)
+    rng = np.random.default_rng(0)
+    t = np.arange(N) / RATE + rng.uniform(-0.002, 0.002, N)
+    u = np.convolve(rng.standard_normal(N), np.ones(8) / 8, "same")
+    y = np.convolve(u, 0.7 ** np.arange(1, 30))[:N]
+    table = pd.DataFrame({"t (s)": t, "u (V)": u, "y (mm)": y}).drop(index=range(300, 310))
+    table.to_csv(tmp_path / "mine.csv", index=False)
+    return tmp_path
+
+
+def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(folder, capsys):
+    assert main(["mine.csv"]) == 0
+    assert capsys.readouterr().out == "mine\n"
+    file = folder / "config" / "cases" / "mine.yaml"
+    content = yaml.safe_load(file.read_text())
+    study = check_study(read_yaml("config/config.yaml", what="", example=""))
+    case = check_case(content, study, file)
+    record = store.signals(store.import_record(content["record"]))
+    assert record.u.size == N
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(record.y)), range(300, 310))
+    held_out = store.signals(store.import_record(content["test_records"]["held_out"]))
+    seen = round(case.identification.length * RATE)
+    assert held_out.u.size + seen <= N
+    np.testing.assert_allclose(held_out.u[:-1], record.u[-held_out.u.size : -1], atol=0.05)
+
+
+def test_an_edited_case_is_never_written_over(folder, capsys):
+    main(["mine.csv"])
+    assert main(["mine.csv", "--rate", "20"]) == 0, "what intake wrote itself it may write again"
+    file = folder / "config" / "cases" / "mine.yaml"
+    edited = file.read_text().replace("degree: 3", "degree: 2")
+    file.write_text(edited)
+    assert main(["mine.csv"]) == 2
+    assert "edited by a person" in capsys.readouterr().err
+    assert file.read_text() == edited
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["absent.csv"], "absent.csv: it does not exist"),
+        (["mine.csv", "--name", "dea1"], "'dea1' is an actuator's name"),
+        (["mine.csv", "--rate", "0"], "RATE: 0"),
+        (["--name", "mime"], "none called 'mime'"),
+    ],
+)
+def test_a_mistake_writes_nothing(folder, capsys, arguments, message):
+    assert main(arguments) == 2
+    assert message in capsys.readouterr().err
+    assert not list((folder / "config" / "cases").iterdir())
+
+
+def test_a_name_is_checked_with_the_nearest_one(folder, capsys):
+    main(["mine.csv"])
+    assert main(["--name", "mime"]) == 2
+    assert "Did you mean 'mine'?" in capsys.readouterr().err
+    assert main(["--name", "dea1", "--goal", "diagnose"]) == 0
+
+
+def test_a_short_record_is_refused_with_what_it_needs(folder):
+    from dea.intake import Answers, infer_case
+
+    (folder / "short.csv").write_text("t (s),u (V),y (mm)\n" + "".join(
+        f"{i},{np.sin(i)},{np.cos(i)}\n" for i in range(30)
+    ))  # fmt: skip
+    with pytest.raises(InputError, match="Record at least 60"):
+        infer_case(folder / "short.csv", Answers())
