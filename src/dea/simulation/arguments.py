@@ -52,7 +52,8 @@ class Course(NamedTuple):
     """The input, and the factor on the drive, over a run of n samples."""
 
     u: np.ndarray  # (n,) input at each sample, which the output may depend on
-    steps: np.ndarray  # (n substeps + 1,) input at the start of each step and at the end
+    steps: np.ndarray
+    """(n substeps + 1,) input, or its action, at the start of each step and at the end."""
     straight: int  # 1: the input is straight from one step to the next; 0: it is held
     drive_scale: np.ndarray  # (n,)
     interval: float  # s between samples

@@ -214,6 +214,10 @@ class ExtendedSimulation:
                 drive_scale = drive_scale * effect.scale_drive(t, q)
         v, drive_scale = (np.concatenate([np.full(lead, x[0]), x]) for x in (v, drive_scale))
         substeps = self.substeps * max([1, *(a.effect.refine for a, _ in self._pushing)])
+        steps = at_steps(v, substeps, own.input_interpolation)
+        if own.action:
+            scale = at_steps(drive_scale, substeps, "zero")
+            steps = own.action.law(steps, scale, values[:p_count])
         result: np.ndarray = integrate(
             self._slots.equations([a for a, _ in self._pushing]),
             Values(
@@ -223,7 +227,7 @@ class ExtendedSimulation:
             ),
             Course(
                 u=v,
-                steps=at_steps(v, substeps, own.input_interpolation),
+                steps=steps,
                 straight=int(own.input_interpolation != "zero"),
                 drive_scale=drive_scale,
                 interval=interval,

@@ -28,7 +28,7 @@ class ForceSlots:
         ]
         empty = ForceLaw(first_class(no_force), first_class(no_update))
         return Equations(
-            first_class(own.compiled_derivative),
+            first_class(own.action.derivative if own.action else own.compiled_derivative),
             first_class(own.compiled_output),
             *laws,
             *[empty] * (SLOTS - len(laws)),

@@ -9,6 +9,7 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.simulation.force_port import ForcePort
+from dea.simulation.input_action import InputAction
 from dea.simulation.interpolation import INTERPOLATIONS, InputInterpolation
 from dea.simulation.parameter import Parameter
 from dea.simulation.signatures import DERIVATIVE, OUTPUT, compiled
@@ -46,6 +47,9 @@ class Simulation:
     input_interpolation
         What the input does between samples: ``zero`` holds it, as a converter does, ``linear``
         joins samples by straight lines, ``smooth`` suits a band-limited input that is measured.
+    action
+        The same equations with what the input does computed beforehand, once for each input and
+        not in every evaluation of the derivative; none where that would save nothing.
     """
 
     name: str
@@ -63,6 +67,7 @@ class Simulation:
     accuracy: float = 0.0
     lead_in: float = 0.0
     input_interpolation: InputInterpolation = "zero"
+    action: InputAction | None = None
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:

@@ -9,14 +9,15 @@ dashpot. Wissler and Mazza (2007), Sensors and Actuators A 134:494, for the film
 Mechanica Solida Sinica 23:549, for the field.
 """
 
-from math import log, nan, pi
+from math import inf, log, nan, pi, sqrt
 
 import numpy as np
 from numba import njit
 
 from dea.simulation.force_port import ForcePort
+from dea.simulation.input_action import InputAction
 from dea.simulation.parameter import Parameter
-from dea.simulation.signatures import DERIVATIVE, OUTPUT
+from dea.simulation.signatures import DERIVATIVE, OUTPUT, VECTOR
 from dea.simulation.simulation import Simulation
 from dea.simulation.state import State
 
@@ -27,6 +28,8 @@ POINT = 0.1127016653792583
 WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 TRIES = 40
 CLOSE = 1e-7
+# Nodes of the table of stiffnesses, and the nodes next to pull-in between which none is interpolated.
+NODES, NEAR_PULL_IN = 256, 16
 
 
 @njit(cache=True, error_model="numpy")
@@ -104,12 +107,52 @@ def stiffness(u: float, p: np.ndarray) -> float:
     return nan
 
 
+@njit(VECTOR(VECTOR, VECTOR, VECTOR), cache=True, nogil=True, error_model="numpy")
+def stiffnesses(u: np.ndarray, scale: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Return the vertical stiffness (m,) in N/m at voltages ``u`` (m,), NaN beyond pull-in.
+
+    The permittivity is that in ``p`` times ``scale`` (m,). It acts together with the square of the
+    voltage, in equal steps of which the stiffness is tabulated and interpolated by cubics.
+    """
+    pull = scale * u * u
+    low, high = pull.min(), pull.max()
+    spacing = (high - low) / (NODES - 3)
+    result, nodes = np.empty(u.size), np.empty(NODES)
+    tabulated = u.size > NODES and spacing > 0.0
+    whole = NODES
+    if tabulated:
+        for k in range(NODES):
+            # The first node lies below the range, and may be that of an opposite force.
+            root = low + (k - 1) * spacing
+            nodes[k] = stiffness(sqrt(max(root, 0.0)), p)
+            if not nodes[k] < inf:
+                whole = min(whole, k - NEAR_PULL_IN)
+        if low < spacing:
+            nodes[0] = 3.0 * nodes[1] - 3.0 * nodes[2] + nodes[3]
+    for k in range(u.size):
+        place = (pull[k] - low) / spacing if tabulated else 0.0
+        node = min(int(place), NODES - 4)
+        if not tabulated or node + 3 >= whole:
+            result[k] = stiffness(sqrt(pull[k]), p)
+            continue
+        b = place - node
+        a, c, d = b + 1.0, b - 1.0, b - 2.0
+        result[k] = 0.5 * (nodes[node + 1] * a * c * d - nodes[node + 2] * a * b * d)
+        result[k] += (nodes[node + 3] * a * b * c - nodes[node] * b * c * d) / 6.0
+    return result
+
+
+@njit(DERIVATIVE, cache=True, error_model="numpy")
+def suspended(x: np.ndarray, k: float, p: np.ndarray, dx: np.ndarray) -> None:
+    """Force balance of the mass on a film of stiffness ``k``: m ÿ = m g - c ẏ - k y."""
+    dx[0] = x[1]
+    dx[1] = GRAVITY - (p[1] * x[1] + k * x[0]) / p[0]
+
+
 @njit(DERIVATIVE, cache=True, error_model="numpy")
 def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
     """Force balance of the mass: m ÿ = m g - c ẏ - k(u) y."""
-    mass, c = p[0], p[1]
-    dx[0] = x[1]
-    dx[1] = GRAVITY - (c * x[1] + stiffness(u, p) * x[0]) / mass
+    suspended(x, stiffness(u, p), p, dx)
 
 
 @njit(OUTPUT, cache=True, error_model="numpy")
@@ -145,4 +188,5 @@ simulation = Simulation(
     ),
     output_offset_spread=0.1,
     lead_in=2.0,
+    action=InputAction(stiffnesses, suspended),
 )
