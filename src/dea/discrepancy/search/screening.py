@@ -10,8 +10,10 @@ from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.sensitivity import unabsorbed
 from dea.simulation import Effect, ExtendedSimulation, Scales
 
-# Fits beyond the kept ones that go on after the cheap steps, which rank them only roughly.
+# Starts that get cheap steps beyond the kept ones, and fits that go on after them beyond the two
+# that are used: both are ranked only roughly.
 _MORE = 1
+_USED = 2
 # Change of the output, in noise deviations, up to which a law does nothing; and the distance from
 # the prior, in spreads, at which it is looked for where there is no bound.
 _NOTHING, _FAR = 0.3, 6.0
@@ -45,11 +47,10 @@ def screen(
 ) -> list[Fit]:
     """Fit an effect by a few cheap ``steps``; return at most ``kept`` stable fits, best first.
 
-    From each of the ``bases`` (fits of the same simulation) the most promising starts go on, half
-    as many as are ``kept``. Their first steps use the base's Jacobian for all parameters that the
-    base has; the best of them, one more than are kept (or the best alone), get steps with a
-    Jacobian of their own. Parameters that shape a law are held. An effect without a start in this
-    record has no fit.
+    Of the starts from all ``bases`` (fits of the same simulation) the most promising go on, one
+    more than are ``kept``. Their first steps use the base's Jacobian for all parameters that the
+    base has; the best of them get steps with a Jacobian of their own. Parameters that shape a law
+    are held. An effect without a start in this record has no fit.
     """
     extended = bases[0].fit.extended.attach(
         offer.effect, offer.scales, offer.force_port, offer.upstream
@@ -68,8 +69,7 @@ def screen(
 
     cheap = [
         first_steps(base, start)
-        for base in bases
-        for start in promising(problem, base, extended, starts)[: max(1, kept // 2)]
+        for base, start in promising(problem, bases, extended, starts, kept)
     ]
     if min(map(error, cheap)) > error(bases[0].fit):
         # A law contains the simulation without it: no fit needs to end worse.
@@ -78,7 +78,7 @@ def screen(
     cheap.sort(key=error)
     whole = [
         refine(problem, each, steps, held)
-        for each in cheap[: kept + min(_MORE, kept - 1)]
+        for each in cheap[: min(kept, _USED + _MORE)]
         if each.stable
     ]
     return sorted((each for each in whole if each.stable), key=error)[:kept]
@@ -86,31 +86,35 @@ def screen(
 
 def promising(
     problem: Problem,
-    base: Base,
+    bases: Sequence[Base],
     extended: ExtendedSimulation,
     starts: Sequence[tuple[float, ...]],
-) -> list[np.ndarray]:
-    """Return the coordinates of the starts, first those that explain most of a base's residual.
+    kept: int,
+) -> list[tuple[Base, np.ndarray]]:
+    """Return bases with the coordinates of a start, first those that promise the least residual.
 
-    A start explains what the change of the output that the law causes there does, scaled to its
-    best size, with the simulation's parameters refitted by a linear step.
+    What is left of a base's residual is what neither its parameters nor the change of the output
+    that the law causes there, scaled to its best size, make up for by a linear step. There is one
+    pair more than are ``kept``, of one base half as many at most.
     """
-    seen, before = problem.seen, base.fit.residual
-    left = base.remainder(before[seen])
-
-    def explained(coordinates: np.ndarray) -> float:
-        residual = problem.residual(extended, extended.values(coordinates))
-        if not np.isfinite(residual).all():
-            return -1.0
-        change = base.remainder((before - residual)[seen])
-        return float(max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300))
-
+    seen = problem.seen
     law = extended.attached[-1]
-    placed = [
-        extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
-        for start in starts
-    ]
-    return sorted(placed, key=explained, reverse=True)
+    found: list[tuple[float, Base, np.ndarray]] = []
+    for base in bases:
+        before = base.fit.residual
+        left = base.remainder(before[seen])
+        own: list[tuple[float, Base, np.ndarray]] = []
+        for start in starts:
+            placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
+            residual = problem.residual(extended, extended.values(placed))
+            explained = -1.0
+            if np.isfinite(residual).all():
+                change = base.remainder((before - residual)[seen])
+                explained = max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
+            own.append((float(left @ left - explained), base, placed))
+        found += sorted(own, key=lambda pair: pair[0])[: max(1, kept // 2)]
+    found.sort(key=lambda pair: pair[0])
+    return [(base, placed) for _, base, placed in found[: kept + min(_MORE, kept - 1)]]
 
 
 def where_it_does_nothing(
