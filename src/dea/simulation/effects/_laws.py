@@ -1,6 +1,7 @@
 """Functions that several laws share."""
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from numba import float64, njit, types
@@ -81,11 +82,51 @@ def low_pass(y: np.ndarray, polynomial: Sequence[float]) -> np.ndarray:
     return smooth
 
 
-DRIFT_DEGREES = 8
+@njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
+def spline(place: float, weights: np.ndarray) -> float:
+    """Return the uniform cubic B-spline with ``weights`` (k + 3,) at 0 <= ``place`` <= k."""
+    first = min(int(place), weights.size - 4)
+    right = place - first
+    left = 1.0 - right
+    found = weights[first] * left**3 + weights[first + 3] * right**3
+    found += weights[first + 1] * (4.0 - 6.0 * right**2 + 3.0 * right**3)
+    found += weights[first + 2] * (4.0 - 6.0 * left**2 + 3.0 * left**3)
+    return float(found / 6.0)
 
 
-def drift(t: np.ndarray, duration: float, weights: np.ndarray) -> np.ndarray:
-    """Return the sum of Legendre polynomials of degree 1, 2, ... in time over the record."""
-    x = 2.0 * t / duration - 1.0
-    found: np.ndarray = np.polynomial.legendre.legval(x, np.concatenate([[0.0], weights]))
-    return found
+# Pieces of a drift, and the prior deviation of the second difference of its weights.
+_PIECES, _BEND = 10, 0.06
+DRIFT_MODES = _PIECES + 2
+
+
+@njit(_VECTOR(_VECTOR, float64, _VECTOR), cache=True, error_model="numpy")
+def _course(t: np.ndarray, duration: float, weights: np.ndarray) -> np.ndarray:
+    result = np.empty(t.size)
+    for k in range(t.size):
+        result[k] = spline(_PIECES * min(max(t[k] / duration, 0.0), 1.0), weights)
+    return result
+
+
+def drift(t: np.ndarray, duration: float, modes: np.ndarray) -> np.ndarray:
+    """Return a smooth course over the record: a cubic spline, given by its modes.
+
+    The prior of the modes is that of an integrated random walk, so that the course is interpolated
+    where no sample tells it, and goes on straight at its ends (P-splines: Eilers and Marx 1996,
+    Statistical Science 11:89).
+    """
+    result: np.ndarray = _course(t, duration, drift_modes()[0] @ modes)
+    return result
+
+
+@cache
+def drift_modes() -> tuple[np.ndarray, np.ndarray]:
+    """Return the spline weights (k, m) of each mode, the smoothest first, and prior deviations.
+
+    A constant is no drift.
+    """
+    size = _PIECES + 3
+    slope, bend = (np.diff(np.eye(size), degree, axis=0) for degree in (1, 2))
+    precision = np.eye(size) / size + 1e-3 * slope.T @ slope + bend.T @ bend / _BEND**2
+    eigenvalues, modes = np.linalg.eigh(precision)
+    modes = np.sqrt(size) * modes * np.sign(modes[-1])
+    return np.ascontiguousarray(modes[:, 1:]), 1.0 / np.sqrt(size * eigenvalues[1:])

@@ -3,31 +3,31 @@
 import numpy as np
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import DRIFT_DEGREES, drift
+from dea.simulation.effects._laws import DRIFT_MODES, drift, drift_modes
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Add a polynomial of time."""
-    result: np.ndarray = y + drift(t, q[DRIFT_DEGREES], q[:DRIFT_DEGREES])
+    """Add a smooth course of time."""
+    result: np.ndarray = y + drift(t, q[DRIFT_MODES], q[:DRIFT_MODES])
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the weights of Legendre polynomials of time."""
+    """Return the modes of the course, the smoothest first."""
     return (
         *(
-            Parameter(f"degree_{n}", scales.y_unit, 0.0, 0.1 * scales.y_span)
-            for n in range(1, DRIFT_DEGREES + 1)
+            Parameter(f"mode_{n}", scales.y_unit, 0.0, 0.1 * spread * scales.y_span)
+            for n, spread in enumerate(drift_modes()[1], 1)
         ),
         Parameter("duration", "s", scales.duration, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return a slow rise; the law is linear in its weights."""
-    return ((0.02 * scales.y_span, *(0.0,) * (DRIFT_DEGREES - 1), scales.duration),)
+    """Return a slow rise; the law is linear in its modes."""
+    return ((0.02 * scales.y_span, *(0.0,) * (DRIFT_MODES - 1), scales.duration),)
 
 
 EFFECT = Effect(

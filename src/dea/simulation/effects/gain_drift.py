@@ -3,27 +3,30 @@
 import numpy as np
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import DRIFT_DEGREES, drift
+from dea.simulation.effects._laws import DRIFT_MODES, drift, drift_modes
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
 
 def law(t: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return the factor on the drive, a polynomial of time."""
-    return np.maximum(1.0 + drift(t, q[DRIFT_DEGREES], q[:DRIFT_DEGREES]), 1e-3)
+    """Return the factor on the drive, a smooth course of time."""
+    return np.maximum(1.0 + drift(t, q[DRIFT_MODES], q[:DRIFT_MODES]), 1e-3)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the weights of Legendre polynomials of time."""
+    """Return the modes of the course, the smoothest first."""
     return (
-        *(Parameter(f"degree_{n}", "1", 0.0, 0.1, -2.0, 2.0) for n in range(1, DRIFT_DEGREES + 1)),
+        *(
+            Parameter(f"mode_{n}", "1", 0.0, 0.1 * spread, -2.0, 2.0)
+            for n, spread in enumerate(drift_modes()[1], 1)
+        ),
         Parameter("duration", "s", scales.duration, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return a slow growth; the law is linear in its weights."""
-    return ((0.02, *(0.0,) * (DRIFT_DEGREES - 1), scales.duration),)
+    """Return a slow growth; the law is linear in its modes."""
+    return ((0.02, *(0.0,) * (DRIFT_MODES - 1), scales.duration),)
 
 
 EFFECT = Effect(

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import knee
+from dea.simulation.effects._laws import knee, spline
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
@@ -24,13 +24,7 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
     for k in range(y.size):
         read = y[k] + 2.0 * knee(fold - y[k], corner)
         place = 0.5 * INTERVALS * (1.0 + min(max((read - middle) / half, -1.0), 1.0))
-        first = min(int(place), INTERVALS - 1)
-        right = place - first
-        left = 1.0 - right
-        bend = q[first] * left**3 + q[first + 3] * right**3
-        bend += q[first + 1] * (4.0 - 6.0 * right**2 + 3.0 * right**3)
-        bend += q[first + 2] * (4.0 - 6.0 * left**2 + 3.0 * left**3)
-        result[k] = read + half * bend / 6.0
+        result[k] = read + half * spline(place, q[:WEIGHTS])
     return result
 
 
