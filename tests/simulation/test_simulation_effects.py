@@ -9,6 +9,7 @@ from scipy.interpolate import BSpline
 from scipy.signal import lfilter
 
 from dea.simulation import Port, Scales, catalogue
+from dea.simulation.effects._laws import DRIFT_MODES, drift_modes
 from dea.simulation.signatures import MEMORY, SLOTS, no_force, no_update
 
 DT = 0.02
@@ -39,7 +40,7 @@ def forces(name, q, z=Z, h=DT):
     return np.array(result)
 
 
-def test_the_catalogue_holds_the_twenty_effects_of_four_ports():
+def test_the_catalogue_holds_the_effects_of_four_ports():
     ports = {port: {e.name for e in catalogue().values() if e.port is port} for port in Port}
     assert ports[Port.INPUT] == {
         "dead_zone", "input_saturation", "slew_limit", "transport_delay", "electrode_lag",
@@ -47,7 +48,7 @@ def test_the_catalogue_holds_the_twenty_effects_of_four_ports():
     }  # fmt: skip
     assert ports[Port.FORCE] == {
         "viscoelastic_creep", "rate_independent_hysteresis", "coulomb_friction",
-        "strain_stiffening", "cyclic_softening", "second_mode", "end_stop",
+        "strain_stiffening", "cyclic_softening", "second_mode", "end_stop", "stress_relaxation",
     }  # fmt: skip
     assert ports[Port.TIME] == {"gain_drift", "baseline_drift", "step_fault"}
     assert ports[Port.OUTPUT] == {
@@ -280,6 +281,13 @@ def test_softening_grows_with_the_way_and_not_with_time():
         assert law(0.7, 0.0, travelled, q) == pytest.approx(0.21 * (1 - np.exp(-exponent)))
 
 
+def test_stress_relaxes_with_time_and_not_with_the_way():
+    q = values("stress_relaxation", relaxation=0.3, time=5.0, exponent=0.7, prestress=0.1)
+    since = DT * np.arange(Z.size - 1)
+    expected = (0.3 * Z[:-1] + 0.1) * (1 - np.exp(-((since / 5.0) ** 0.7)))
+    assert np.allclose(forces("stress_relaxation", q), expected)
+
+
 def test_second_mode_resonates_at_its_frequency():
     q = values("second_mode", coupling=1.0, frequency=1.5, damping_ratio=0.05, start_position=0.0)
     omega, h = 2 * np.pi * 1.5, 1e-3
@@ -353,22 +361,47 @@ def test_what_an_output_limit_takes_is_kept_in_part_at_either_end():
 
 
 def test_a_gain_never_changes_its_sign():
-    slope = values("gain_drift", degree_1=-2.0)
-    found = catalogue()["gain_drift"].scale_drive(T, slope)
-    x = 2 * T / 40.0 - 1
-    assert np.allclose(found, np.maximum(1 - 2 * x, 1e-3))
+    falling = values("gain_drift", mode_1=-2.0)
+    found = catalogue()["gain_drift"].scale_drive(T, falling)
+    assert found.min() == pytest.approx(1e-3)
+    assert found.max() > 2.0
     fault = values("step_fault", instant=11.0, gain_step=-3.0, rise_time=1.0)
     assert catalogue()["step_fault"].scale_drive(T, fault).min() == pytest.approx(1e-3)
 
 
-def test_drifts_are_polynomials_of_time():
-    x = 2 * T / 40.0 - 1
-    expected = 0.1 * x + 0.02 * (1.5 * x**2 - 0.5) - 0.03 * (2.5 * x**3 - 1.5 * x)
-    own = {"degree_1": 0.1, "degree_2": 0.02, "degree_3": -0.03}
+def test_drifts_are_splines_of_time():
+    own = {"mode_1": 0.1, "mode_2": 0.02, "mode_5": -0.03}
     gain = catalogue()["gain_drift"].scale_drive(T, values("gain_drift", **own))
-    assert np.allclose(gain, 1 + expected)
     base = catalogue()["baseline_drift"].shape_output(Y, T, values("baseline_drift", **own), DT)
+    weights = drift_modes()[0] @ [0.1, 0.02, 0.0, 0.0, -0.03, *[0.0] * (DRIFT_MODES - 5)]
+    knots = np.arange(-3.0, 14.0)
+    expected = BSpline(knots, weights, 3)(10.0 * T / 40.0)
+    assert np.allclose(gain, 1 + expected)
     assert np.allclose(base, Y + expected)
+
+
+def test_the_smoothest_mode_of_a_drift_is_straight_and_none_is_constant():
+    for number in range(1, DRIFT_MODES + 1):
+        q = values("baseline_drift", **{f"mode_{number}": 1.0})
+        course = catalogue()["baseline_drift"].shape_output(np.zeros(T.size), T, q, DT)
+        assert course.std() > abs(course.mean())
+        if number == 1:
+            assert np.corrcoef(course, T)[0, 1] > 0.9999
+
+
+def test_a_drift_goes_on_straight_where_no_sample_tells_it():
+    effect = catalogue()["baseline_drift"]
+    prior = [p for p in effect.parameters(SCALES) if p.spread > 0]
+    basis = []
+    for p in prior:
+        one = values("baseline_drift", **{p.name: p.spread})
+        basis.append(effect.shape_output(np.zeros(T.size), T, one, DT))
+    X = np.column_stack(basis)
+    course = 0.04 * np.sqrt(T / 40.0) + 0.02 * np.sin(0.25 * T)
+    known = T < 38.0
+    A = X[known] / 1e-3
+    weights = np.linalg.solve(A.T @ A + np.eye(A.shape[1]), A.T @ (course[known] / 1e-3))
+    assert np.abs(X @ weights - course)[~known].max() < 0.01
 
 
 def test_step_fault_changes_gain_and_offset_at_one_instant():

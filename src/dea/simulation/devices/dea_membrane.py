@@ -28,7 +28,7 @@ POINT = 0.1127016653792583
 WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 TRIES = 40
 CLOSE = 1e-7
-# Nodes of the table of stiffnesses, and the nodes next to pull-in between which none is interpolated.
+# Nodes of the table of stiffnesses, and those next to pull-in between which none is interpolated.
 NODES, NEAR_PULL_IN = 256, 16
 
 
