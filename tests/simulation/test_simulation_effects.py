@@ -392,7 +392,7 @@ def test_the_smoothest_mode_of_a_drift_is_straight_and_none_is_constant():
 def test_a_drift_goes_on_straight_where_no_sample_tells_it():
     effect = catalogue()["baseline_drift"]
     prior = [p for p in effect.parameters(SCALES) if p.spread > 0]
-    basis = []
+    basis = [np.ones(T.size)]
     for p in prior:
         one = values("baseline_drift", **{p.name: p.spread})
         basis.append(effect.shape_output(np.zeros(T.size), T, one, DT))
@@ -401,7 +401,7 @@ def test_a_drift_goes_on_straight_where_no_sample_tells_it():
     known = T < 38.0
     A = X[known] / 1e-3
     weights = np.linalg.solve(A.T @ A + np.eye(A.shape[1]), A.T @ (course[known] / 1e-3))
-    assert np.abs(X @ weights - course)[~known].max() < 0.01
+    assert np.abs(X @ weights - course)[~known].max() < 0.003
 
 
 def test_step_fault_changes_gain_and_offset_at_one_instant():
