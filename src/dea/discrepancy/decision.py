@@ -9,7 +9,7 @@ import numpy as np
 from dea.discrepancy.evidence.bootstrap import Gains, beaten
 from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.evidence.presence import Presence, Share, share_removed
+from dea.discrepancy.evidence.presence import Presence, Share, families_of, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
@@ -103,6 +103,9 @@ def best_extension(
                 chosen = best
             continue
         needed = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
+        if len(families_of(best)) < len(best.names):
+            whole = misfit(evidence.nominal_error, floor)
+            needed = needed and misfit(chosen.rmse, floor) > 2 * rules.room * whole
         left = (1.0 - rules.second) * misfit(chosen.rmse, floor)
         if needed and low > rules.needed_gain and misfit(best.rmse, floor) <= left:
             chosen = best

@@ -23,6 +23,9 @@ class Rules:
     grow
         A further effect is looked for if the residual exceeds this many noise floors, or the
         misfit exceeds what may remain.
+    room
+        Part of the nominal misfit that must be left for a further effect, and twice that for one
+        of the same family: less is the error of a law that is only nearly right.
     second
         Part of the remaining misfit that a further effect must remove. A law that is only nearly
         right leaves a small structured residual, part of which almost any second law removes.
@@ -59,6 +62,7 @@ class Rules:
     misfit: float = 0.25
     further: float = 0.4
     grow: float = 1.25
+    room: float = 0.12
     second: float = 0.65
     rival_margin: float = 1.05
     predictable: float = 0.80
@@ -81,6 +85,8 @@ class Rules:
         if error <= self.clean * floor:
             return False
         left, whole = misfit(error, floor), misfit(nominal_error, floor)
+        if left <= self.room * whole:
+            return False
         return error > self.grow * floor or left > self.misfit * whole
 
     def as_good(self, error: float, best: float, floor: float) -> bool:

@@ -19,7 +19,7 @@ from dea.simulation import Effect, measured_scales, with_fine_steps
 _RUNNERS_UP = 2
 # Leaders whose last steps have every column of the Jacobian computed anew.
 _POLISHED = 2
-# A short record affords more fits of one effect than the budget's least number: so many samples
+# A short record affords more fits of a first effect than the budget's least number: so many samples
 # are shared among them, and there are at most so many fits.
 _SHORT, _MOST_KEPT = 24_000, 6
 
@@ -44,7 +44,9 @@ def extend_by_each(
     ``bases`` are fits of that simulation to start from; the first is the one to beat.
     """
     before = bases[0]
-    kept = int(np.clip(_SHORT // problem.u.size, budget.kept, _MOST_KEPT))
+    kept = budget.kept
+    if not before.extended.attached:
+        kept = int(np.clip(_SHORT // problem.u.size, kept, _MOST_KEPT))
     offers = _offers(problem, before, effects)
     prepared = [Base.of(problem, each) for each in bases]
     screened = in_parallel(
