@@ -10,7 +10,7 @@ from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import best_of_each_set, judged
-from dea.discrepancy.search.hints import jumps, lines
+from dea.discrepancy.search.hints import foreign_lines, jumps, lines
 
 INTERVAL, SAMPLES = 0.02, 3000
 T = np.arange(SAMPLES) * INTERVAL  # 60 s: bins of 1/60 Hz
@@ -30,6 +30,18 @@ def test_lines_are_found_between_the_bins(frequency):
     found = lines(recorded(u, residual), residual + 1e-3 * rng.standard_normal(SAMPLES))
     assert found[0] == pytest.approx(frequency, abs=0.1 / 60)
     assert found[1] == pytest.approx(3.1, abs=0.1 / 60)
+
+
+def test_what_a_periodic_input_repeats_is_no_foreign_line():
+    u = np.sign(np.sin(2 * np.pi * 0.2 * T + 0.1))
+    own = np.sin(2 * np.pi * 0.6 * T) + 0.5 * np.cos(2 * np.pi * 1.4 * T)
+    foreign = 0.2 * np.sin(2 * np.pi * 2.713 * T)
+    problem = recorded(u, own + foreign)
+    assert problem.period == 250
+    assert lines(problem, own + foreign)[0] == pytest.approx(0.6, abs=0.1 / 60)
+    assert foreign_lines(problem, own + foreign)[0] == pytest.approx(2.713, abs=0.1 / 60)
+    noise = np.random.default_rng(3).standard_normal(SAMPLES)
+    assert foreign_lines(recorded(noise, own), own) == lines(recorded(noise, own), own)
 
 
 def test_a_line_is_weighed_by_what_the_input_has_around_it():

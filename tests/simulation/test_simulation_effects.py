@@ -15,7 +15,8 @@ from dea.simulation.signatures import MEMORY, SLOTS, no_force, no_update
 DT = 0.02
 SCALES = Scales(
     u_unit="V", y_unit="mm", u_low=1.1, u_high=3.75, u_rate=4.0, y_low=0.4, y_high=1.2,
-    z_low=0.4, z_high=1.0, interval=DT, duration=40.0, frequencies=(1.3,), jumps=(11.0,),
+    z_low=0.4, z_high=1.0, interval=DT, duration=40.0, frequencies=(1.3,),
+    foreign_frequencies=(1.3,), jumps=(11.0,),
 )  # fmt: skip
 T = np.arange(2000) * DT
 U = 2.4 + np.sin(2 * np.pi * 0.31 * T) * np.cos(2 * np.pi * 0.05 * T)

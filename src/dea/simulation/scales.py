@@ -8,7 +8,9 @@ class Scales:
     """Typical sizes in a record, to which the priors and starting values of effects refer.
 
     Input in ``u_unit``, output in ``y_unit``, times in s. ``z`` is the normalised position of the
-    force balance (zero at rest, one at the largest excursion of the nominal simulation).
+    force balance (zero at rest, one at the largest excursion of the nominal simulation). Of a
+    residual, ``frequencies`` are those of its lines (Hz), ``foreign_frequencies`` those that an
+    input which repeats does not have, and ``jumps`` the instants at which it changes (s).
     """
 
     u_unit: str
@@ -23,6 +25,7 @@ class Scales:
     interval: float
     duration: float
     frequencies: tuple[float, ...] = ()
+    foreign_frequencies: tuple[float, ...] = ()
     jumps: tuple[float, ...] = ()
 
     @property

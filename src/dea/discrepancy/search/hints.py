@@ -7,24 +7,57 @@ from dea.discrepancy.problem import Problem
 _LINES = 2
 _JUMPS = 3
 _GRID = 8
+# Bins beside a harmonic that its window spreads to.
+_BESIDE = 2.0
 
 
 def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """Return frequencies (Hz) at which the residual, or its ratio to the input, has a line."""
-    window = np.hanning(residual.size)
-    power = np.abs(np.fft.rfft((residual - residual.mean()) * window)) ** 2
-    drive = np.abs(np.fft.rfft((problem.u - problem.u.mean()) * window)) ** 2
-    frequency = np.fft.rfftfreq(residual.size, problem.interval)
+    frequency, power = _spectrum(residual, problem.interval)
+    drive = _spectrum(problem.u, problem.interval)[1]
     surroundings = np.convolve(drive, np.ones(9) / 9, "same")
-    found: list[float] = []
-    for prominence in (power.copy(), power / (surroundings / surroundings.max() + 1e-3)):
-        # The first bins hold trends.
-        prominence[:4] = 0.0
-        for _ in range(_LINES):
-            peak = int(np.argmax(prominence))
+    ratio = power / (surroundings / surroundings.max() + 1e-3)
+    nothing = np.zeros(power.size, bool)
+    return (
+        *_peaks(frequency, power, power, nothing),
+        *_peaks(frequency, power, ratio, nothing),
+    )
+
+
+def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
+    """Return the frequencies (Hz) of lines that are no harmonics of a periodic input.
+
+    Where the input repeats, whatever is missing repeats with it, and a wave of any shape with the
+    input's period would explain it.
+    """
+    if not problem.period:
+        return lines(problem, residual)
+    frequency, power = _spectrum(residual, problem.interval)
+    orders = frequency * problem.period * problem.interval
+    harmonic = np.abs(orders - np.round(orders)) <= _BESIDE * orders[1]
+    return tuple(_peaks(frequency, power, power, harmonic))
+
+
+def _spectrum(signal: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
+    window = np.hanning(signal.size)
+    power = np.abs(np.fft.rfft((signal - signal.mean()) * window)) ** 2
+    return np.fft.rfftfreq(signal.size, interval), power
+
+
+def _peaks(
+    frequency: np.ndarray, power: np.ndarray, prominence: np.ndarray, without: np.ndarray
+) -> list[float]:
+    """Return the frequencies of the highest peaks of a prominence, none of them ``without``."""
+    left = np.where(without, 0.0, prominence)
+    # The first bins hold trends.
+    left[:4] = 0.0
+    found = []
+    for _ in range(_LINES):
+        peak = int(np.argmax(left))
+        if left[peak] > 0.0:
             found.append(float(frequency[peak] + _offset(power, peak) * frequency[1]))
-            prominence[max(0, peak - 6) : peak + 7] = 0.0
-    return tuple(found)
+        left[max(0, peak - 6) : peak + 7] = 0.0
+    return found
 
 
 def _offset(power: np.ndarray, peak: int) -> float:

@@ -26,7 +26,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return frequency, amplitudes, and the weights of Legendre polynomials of the phase."""
     unit, size = scales.y_unit, 0.03 * scales.y_span
     nyquist = 0.5 / scales.interval
-    frequency = scales.frequencies[0] if scales.frequencies else 0.1 * nyquist
+    frequency = scales.foreign_frequencies[0] if scales.foreign_frequencies else 0.1 * nyquist
     return (
         Parameter("frequency", "Hz", frequency, 0.1 / scales.duration, 0.0, nyquist),
         *(
@@ -49,7 +49,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     rest = (*(0.0,) * (2 * _HARMONICS - 2 + len(_WANDERS)), scales.duration)
     return tuple(
         (frequency, *phase, *rest)
-        for frequency in dict.fromkeys(scales.frequencies)
+        for frequency in dict.fromkeys(scales.foreign_frequencies)
         for phase in ((size, 0.0), (0.0, size), (-size, 0.0), (0.0, -size))
     )
 
