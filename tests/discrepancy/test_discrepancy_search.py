@@ -17,7 +17,7 @@ from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.rounds import extend_by_each
-from dea.discrepancy.search.screening import Base, promising
+from dea.discrepancy.search.screening import Base, Offer, promising
 from dea.discrepancy.search.search import Search, pool_of
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
@@ -62,13 +62,13 @@ def test_a_disturbance_promises_most_at_its_frequency_whatever_its_phase(phase):
     wave = 0.1 * np.sin(2 * np.pi * 1.3 * problem.time + phase)
     shaken = replace(problem, y=problem.y + wave + 0.1 * wave**3)
     nominal = fit(shaken, extended, np.zeros(extended.free.size))
-    told = replace(measured_scales(extended, nominal.values, shaken), frequencies=(1.3, 3.9))
+    scales = measured_scales(extended, nominal.values, shaken)
+    told = replace(scales, foreign_frequencies=(1.3, 3.9))
     effect = catalogue()["periodic_disturbance"]
-    longer = extended.attach(effect, told)
     base = Base.of(shaken, nominal)
-    [(_, best), *_] = promising(shaken, [base], longer, effect.starts(told), 2)
-    frequency = longer.names.index("periodic_disturbance.frequency")
-    assert longer.values(best)[frequency] == pytest.approx(1.3)
+    best, *_ = promising(shaken, [base], Offer(effect, told), 2)
+    frequency = best.extended.names.index("periodic_disturbance.frequency")
+    assert best.extended.values(best.coordinates)[frequency] == pytest.approx(1.3)
 
 
 @pytest.mark.parametrize("first", ["slew_limit", "input_saturation"])

@@ -17,6 +17,8 @@ class Budget:
         Best candidates that the next round extends.
     effects
         Effects attached at most.
+    offered
+        Effects that are screened beside another one: those that promise most by a linear step.
     kept
         Fits of one effect that go on after the screening, at least; a short record affords more.
     screening
@@ -47,6 +49,7 @@ class Budget:
     finished: int = 6
     beam: int = 2
     effects: int = 2
+    offered: int = 8
     kept: int = 2
     screening: int = 4
     first_steps: int = 6

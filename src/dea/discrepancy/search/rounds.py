@@ -11,8 +11,8 @@ from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
-from dea.discrepancy.search.hints import jumps, lines
-from dea.discrepancy.search.screening import Base, Offer, refine, screen
+from dea.discrepancy.search.hints import foreign_lines, jumps, lines
+from dea.discrepancy.search.screening import Base, Offer, promising, refine, screen
 from dea.simulation import Effect, measured_scales, with_fine_steps
 
 # Fits of one effect, from different bases, that go beyond the screening.
@@ -49,8 +49,13 @@ def extend_by_each(
         kept = int(np.clip(_SHORT // problem.u.size, kept, _MOST_KEPT))
     offers = _offers(problem, before, effects)
     prepared = [Base.of(problem, each) for each in bases]
+    starts = in_parallel(lambda offer: promising(problem, prepared, offer, kept), offers, workers)
+    offered = [pair for pair in zip(offers, starts, strict=True) if pair[1]]
+    if before.extended.attached:
+        offered = sorted(offered, key=lambda pair: pair[1][0].left)[: budget.offered]
+    spent = (kept, budget.screening)
     screened = in_parallel(
-        lambda offer: screen(problem, prepared, offer, kept, budget.screening), offers, workers
+        lambda pair: screen(problem, prepared[0], *pair, spent), offered, workers
     )
 
     def error(candidate: Fit) -> float:
@@ -125,11 +130,14 @@ def _offers(problem: Problem, before: Fit, effects: Sequence[Effect]) -> list[Of
     """Return every effect at every port it can attach to and is not attached to yet."""
     extended = before.extended
     ports = extended.simulation.force_ports
-    frequencies, instants = lines(problem, before.residual), jumps(problem, before.residual)
+    residual = before.residual
+    frequencies, foreign = lines(problem, residual), foreign_lines(problem, residual)
+    instants = jumps(problem, residual)
     scales = [
         replace(
             measured_scales(extended, before.values, problem, i),
             frequencies=frequencies,
+            foreign_frequencies=foreign,
             jumps=instants,
         )
         for i in range(max(1, len(ports)))

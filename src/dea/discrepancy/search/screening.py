@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,15 +22,17 @@ _NOTHING, _FAR = 0.3, 6.0
 
 @dataclass(frozen=True)
 class Base:
-    """A fit to start from, and what its parameters cannot absorb of a change of the output."""
+    """A fit to start from, what its parameters cannot absorb of a change, and of its residual."""
 
     fit: Fit
     remainder: Callable[[np.ndarray], np.ndarray]
+    left: np.ndarray
 
     @classmethod
     def of(cls, problem: Problem, fitted: Fit) -> "Base":
         """Prepare a fit; all effects offered share it."""
-        return cls(fitted, unabsorbed(fitted.jacobian[problem.seen], problem.noise))
+        remainder = unabsorbed(fitted.jacobian[problem.seen], problem.noise)
+        return cls(fitted, remainder, remainder(fitted.residual[problem.seen]))
 
 
 @dataclass(frozen=True)
@@ -42,88 +45,88 @@ class Offer:
     upstream: bool = False
 
 
-def screen(
-    problem: Problem, bases: Sequence[Base], offer: Offer, kept: int, steps: int
-) -> list[Fit]:
-    """Fit an effect by a few cheap ``steps``; return at most ``kept`` stable fits, best first.
+class Start(NamedTuple):
+    """A place to fit a law from, and what it promises.
 
-    Of the starts from all ``bases`` (fits of the same simulation) the most promising go on, one
-    more than are ``kept``. Their first steps use the base's Jacobian for all parameters that the
-    base has; the best of them get steps with a Jacobian of their own. Parameters that shape a law
-    are held. An effect without a start in this record has no fit.
+    Parameters
+    ----------
+    left
+        Sum of squares of a base's residual that neither its parameters nor the change of the
+        output that the law causes there, scaled to its best size, make up for by a linear step.
+    """
+
+    left: float
+    base: Base
+    extended: ExtendedSimulation
+    coordinates: np.ndarray
+
+
+def promising(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) -> list[Start]:
+    """Return the starts of an effect that promise most, from all ``bases``, best first.
+
+    The bases are fits of one simulation. There is one start more than are ``kept``, from one base
+    half as many at most; none where this record gives the effect no start.
     """
     extended = bases[0].fit.extended.attach(
         offer.effect, offer.scales, offer.force_port, offer.upstream
     )
-    held = extended.shapes
-    starts = offer.effect.starts(offer.scales)
-    if not starts:
-        return []
+    law = extended.attached[-1]
+    found: list[Start] = []
+    for base in bases:
+        own = [
+            _promised(problem, base, extended, law.started(start))
+            for start in offer.effect.starts(offer.scales)
+        ]
+        found += sorted(own, key=lambda start: start.left)[: max(1, kept // 2)]
+    return sorted(found, key=lambda start: start.left)[: kept + min(_MORE, kept - 1)]
+
+
+def _promised(problem: Problem, base: Base, extended: ExtendedSimulation, law: np.ndarray) -> Start:
+    placed = extended.coordinates(np.concatenate([base.fit.values, law]))
+    residual = problem.residual(extended, extended.values(placed))
+    explained = -1.0
+    if np.isfinite(residual).all():
+        change = base.remainder((base.fit.residual - residual)[problem.seen])
+        explained = max(change @ base.left, 0.0) ** 2 / max(change @ change, 1e-300)
+    return Start(float(base.left @ base.left - explained), base, extended, placed)
+
+
+def screen(
+    problem: Problem, base: Base, offer: Offer, starts: Sequence[Start], budget: tuple[int, int]
+) -> list[Fit]:
+    """Fit an effect from its ``starts``; return at most so many stable fits, best first.
+
+    ``budget`` is the number of fits to return and of the steps of each. The first steps use the
+    start's Jacobian for all parameters that its base has; the best fits get steps with a Jacobian
+    of their own. Parameters that shape a law are held. No fit needs to end worse than ``base``.
+    """
+    kept, steps = budget
 
     def error(candidate: Fit) -> float:
         return problem.seen_rmse(candidate.residual)
 
-    def first_steps(base: Base, start: np.ndarray) -> Fit:
-        kept_columns = Columns(held=held, kept=base.fit.jacobian)
-        return fit(problem, extended, start, iterations=steps, columns=kept_columns)
+    def first_steps(start: Start) -> Fit:
+        columns = Columns(held=start.extended.shapes, kept=start.base.fit.jacobian)
+        return fit(problem, start.extended, start.coordinates, iterations=steps, columns=columns)
 
-    cheap = [
-        first_steps(base, start)
-        for base, start in promising(problem, bases, extended, starts, kept)
-    ]
-    if min(map(error, cheap)) > error(bases[0].fit):
-        # A law contains the simulation without it: no fit needs to end worse.
-        start = where_it_does_nothing(problem, bases[0], extended, starts)
-        cheap += [] if start is None else [first_steps(bases[0], start)]
+    cheap = [first_steps(start) for start in starts]
+    if min(map(error, cheap), default=0.0) > error(base.fit):
+        # A law contains the simulation without it.
+        nothing = where_it_does_nothing(problem, base, starts[0].extended, offer)
+        cheap += [] if nothing is None else [first_steps(nothing)]
     cheap.sort(key=error)
     whole = [
-        refine(problem, each, steps, held)
+        refine(problem, each, steps, each.extended.shapes)
         for each in cheap[: min(kept, _USED + _MORE)]
         if each.stable
     ]
     return sorted((each for each in whole if each.stable), key=error)[:kept]
 
 
-def promising(
-    problem: Problem,
-    bases: Sequence[Base],
-    extended: ExtendedSimulation,
-    starts: Sequence[tuple[float, ...]],
-    kept: int,
-) -> list[tuple[Base, np.ndarray]]:
-    """Return bases with the coordinates of a start, first those that promise the least residual.
-
-    What is left of a base's residual is what neither its parameters nor the change of the output
-    that the law causes there, scaled to its best size, make up for by a linear step. There is one
-    pair more than are ``kept``, of one base half as many at most.
-    """
-    seen = problem.seen
-    law = extended.attached[-1]
-    found: list[tuple[float, Base, np.ndarray]] = []
-    for base in bases:
-        before = base.fit.residual
-        left = base.remainder(before[seen])
-        own: list[tuple[float, Base, np.ndarray]] = []
-        for start in starts:
-            placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
-            residual = problem.residual(extended, extended.values(placed))
-            explained = -1.0
-            if np.isfinite(residual).all():
-                change = base.remainder((before - residual)[seen])
-                explained = max(change @ left, 0.0) ** 2 / max(change @ change, 1e-300)
-            own.append((float(left @ left - explained), base, placed))
-        found += sorted(own, key=lambda pair: pair[0])[: max(1, kept // 2)]
-    found.sort(key=lambda pair: pair[0])
-    return [(base, placed) for _, base, placed in found[: kept + min(_MORE, kept - 1)]]
-
-
 def where_it_does_nothing(
-    problem: Problem,
-    base: Base,
-    extended: ExtendedSimulation,
-    starts: Sequence[tuple[float, ...]],
-) -> np.ndarray | None:
-    """Return coordinates at which the last law attached changes least, if it then hardly does.
+    problem: Problem, base: Base, extended: ExtendedSimulation, offer: Offer
+) -> Start | None:
+    """Return the start at which the last law attached changes least, if it then hardly does.
 
     One parameter of a start at a time is put at its bounds, or far from its prior: a threshold at
     zero, a limit beyond the range, a stiffness of nothing.
@@ -133,7 +136,7 @@ def where_it_does_nothing(
     low, high = extended.bounds
     seen, noise = problem.seen, problem.noise
     least, found = _NOTHING * noise, None
-    for start in starts:
+    for start in offer.effect.starts(offer.scales):
         placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
         for i in range(first, placed.size):
             for end in (max(low[i], -_FAR), min(high[i], _FAR)):
@@ -142,7 +145,8 @@ def where_it_does_nothing(
                 change = problem.residual(extended, extended.values(moved)) - base.fit.residual
                 size = rmse(change, seen)
                 if size < least:
-                    least, found = size, moved
+                    least = size
+                    found = Start(float(base.left @ base.left), base, extended, moved)
     return found
 
 
