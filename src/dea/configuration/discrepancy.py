@@ -58,7 +58,6 @@ class Rules(Section):
         "residual up to which the record counts as explained", unit="noise floors"
     )
     misfit: Share = key("part of the nominal misfit that may remain")
-    further: Share = key("factor on it for each effect beyond the first")
     grow: Positive = key("residual above which a further effect is looked for", unit="noise floors")
     room: Share = key("part of the nominal misfit that must be left for a further effect")
     second: Share = key("part of the remaining misfit that a further effect must remove")

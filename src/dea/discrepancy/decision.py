@@ -105,7 +105,7 @@ def best_extension(
         needed = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
         if len(families_of(best)) < len(best.names):
             whole = misfit(evidence.nominal_error, floor)
-            needed = needed and misfit(chosen.rmse, floor) > 2 * rules.room * whole
+            needed = needed and misfit(chosen.rmse, floor) > 4 * rules.room * whole
         left = (1.0 - rules.second) * misfit(chosen.rmse, floor)
         if needed and low > rules.needed_gain and misfit(best.rmse, floor) <= left:
             chosen = best
@@ -174,21 +174,17 @@ def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
 def _certain_part(
     evidence: Evidence, pool: Sequence[Candidate], weighed: Presence
 ) -> Candidate | None:
-    """Return the candidate made of effects that are certain alone, if it explains most of the gap.
+    """Return the single effect that is certain, if it explains most of the gap.
 
-    Whatever else the answer holds, these effects are in it. The best explanation without any of
-    them must leave much more of the misfit than the best one with them, since an effect that the
-    catalogue lacks is often half explained by several.
+    Whatever else the answer holds, this effect is in it. The best explanation without it must
+    leave much more of the misfit than the best one with it, since an effect that the catalogue
+    lacks is often half explained by several.
     """
     rules, floor = evidence.rules, evidence.floor
     sure = {name for name, value in weighed.effects.items() if value >= rules.certain}
     finished = [c for c in pool if c.finished]
-    made = [c for c in finished if c.effects <= sure]
-    singles = sorted((c for c in made if len(c.names) == 1), key=lambda c: c.error)
-    # As for a whole answer, a law that is only nearly right must not bring a second effect.
-    least = (1.0 - rules.second) * misfit(singles[0].rmse, floor) if singles else np.inf
-    larger = [c for c in made if len(c.names) > 1 and misfit(c.rmse, floor) <= least]
-    for part in [*sorted(larger, key=lambda c: c.error), *singles]:
+    singles = [c for c in finished if len(c.names) == 1 and c.effects <= sure]
+    for part in sorted(singles, key=lambda c: c.error):
         within = min(c.rmse for c in finished if c.effects >= part.effects)
         without = min((c.rmse for c in finished if not c.effects & part.effects), default=np.inf)
         ahead = misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
@@ -225,7 +221,7 @@ def confirmed(
 
 
 def same_class(first: Candidate, second: Candidate) -> bool:
-    """Return whether the effects in which two candidates differ share their port or their physics.
+    """Return whether the effects in which two candidates differ are of the same families.
 
     Such effects form one class: a record hardly distinguishes them, or not at all.
     """
@@ -237,9 +233,7 @@ def same_class(first: Candidate, second: Candidate) -> bool:
         ]
         for mine, theirs in ((first, second), (second, first))
     )
-    return len(own) == len(other) and all(
-        any(a.port is b.port or a.family is b.family for b in other) for a in own
-    )
+    return len(own) == len(other) and all(any(a.family is b.family for b in other) for a in own)
 
 
 def _explained(evidence: Evidence, chosen: Candidate) -> bool:
@@ -247,8 +241,11 @@ def _explained(evidence: Evidence, chosen: Candidate) -> bool:
     floor, rules = evidence.floor, evidence.rules
     if chosen.rmse <= rules.clean * floor:
         return True
+    if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
+        # Several laws together fit almost any residual, so that they must leave noise alone.
+        return False
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
-    if left > rules.misfit * whole * rules.further ** (len(chosen.names) - 1):
+    if left > rules.misfit * whole:
         return False
     if left <= 0.5 * rules.misfit * whole:
         return True

@@ -17,15 +17,12 @@ class Rules:
         Residual, in noise floors, up to which a record counts as explained.
     misfit
         Part of the nominal misfit (RMS above the noise floor) that may remain.
-    further
-        Factor on ``misfit`` for each effect beyond the first, since several laws together fit
-        almost any residual more easily than one.
     grow
         A further effect is looked for if the residual exceeds this many noise floors, or the
-        misfit exceeds what may remain.
+        misfit exceeds what may remain. Two effects together may not leave more.
     room
-        Part of the nominal misfit that must be left for a further effect, and twice that for one
-        of the same family: less is the error of a law that is only nearly right.
+        Part of the nominal misfit that must be left for a further effect, and four times that for
+        one of the same family: less is the error of a law that is only nearly right.
     second
         Part of the remaining misfit that a further effect must remove. A law that is only nearly
         right leaves a small structured residual, part of which almost any second law removes.
@@ -60,9 +57,8 @@ class Rules:
     margin: float = 0.10
     clean: float = 1.15
     misfit: float = 0.25
-    further: float = 0.4
     grow: float = 1.25
-    room: float = 0.12
+    room: float = 0.06
     second: float = 0.65
     rival_margin: float = 1.05
     predictable: float = 0.80
