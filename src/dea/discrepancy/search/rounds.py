@@ -17,8 +17,10 @@ from dea.simulation import Effect, measured_scales, with_fine_steps
 
 # Fits of one effect, from different bases, that go beyond the screening.
 _RUNNERS_UP = 2
-# Leaders whose last steps have every column of the Jacobian computed anew.
+# Leaders whose last steps have every column of the Jacobian computed anew; of second effects one.
 _POLISHED = 2
+# Part of the candidates that are fitted to the end where they are second effects.
+_SECOND = 2 / 3
 # A short record affords more fits of a first effect than the budget's least number: so many samples
 # are shared among them, and there are at most so many fits.
 _SHORT, _MOST_KEPT = 24_000, 6
@@ -44,14 +46,16 @@ def extend_by_each(
     ``bases`` are fits of that simulation to start from; the first is the one to beat.
     """
     before = bases[0]
-    kept = budget.kept
-    if not before.extended.attached:
+    kept, count, polished = budget.kept, round(_SECOND * budget.finished), 1
+    first = not before.extended.attached
+    if first:
         kept = int(np.clip(_SHORT // problem.u.size, kept, _MOST_KEPT))
+        count, polished = budget.finished, _POLISHED
     offers = _offers(problem, before, effects)
     prepared = [Base.of(problem, each) for each in bases]
     starts = in_parallel(lambda offer: promising(problem, prepared, offer, kept), offers, workers)
     offered = [pair for pair in zip(offers, starts, strict=True) if pair[1]]
-    if before.extended.attached:
+    if not first:
         offered = sorted(offered, key=lambda pair: pair[1][0].left)[: budget.offered]
     spent = (kept, budget.screening)
     screened = in_parallel(
@@ -71,7 +75,7 @@ def extend_by_each(
             (refine(problem, each, budget.first_steps) for each in fits[:_RUNNERS_UP]),
             key=error,
         ),
-        leaders[: budget.finished],
+        leaders[:count],
         workers,
     )
     limit = budget.near * min(map(error, ahead), default=0.0)
@@ -82,12 +86,12 @@ def extend_by_each(
         workers,
     )
     finished.sort(key=error)
-    finished[:_POLISHED] = in_parallel(
-        lambda each: _polished(problem, each, budget), finished[:_POLISHED], workers
+    finished[:polished] = in_parallel(
+        lambda each: _polished(problem, each, budget), finished[:polished], workers
     )
     finished += [each for each in ahead if error(each) > limit]
     candidates = [judged(problem, each) for each in finished]
-    candidates += [judged(problem, fits[0], finished=False) for fits in leaders[budget.finished :]]
+    candidates += [judged(problem, fits[0], finished=False) for fits in leaders[count:]]
     return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
 
 
