@@ -3,6 +3,7 @@ PYTHON ?= python3.11
 # nproc alone would count the threads that OMP_NUM_THREADS allows one program.
 CORES ?= $(shell env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
 VENV := .venv
+VALIDATOR := .venv-validator
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 # One thread per job: the same sums in the same order, whatever the machine.
 export OPENBLAS_NUM_THREADS := 1
@@ -15,7 +16,8 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report handover diagnose discrepancy real trials records faults \
-	peers interoperability soak coverage configuration audit sign check test mutants benchmark clean FORCE
+	peers interoperability soak coverage configuration audit sign crate numbers fresh \
+	check test mutants benchmark clean FORCE
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -112,6 +114,18 @@ sign: ## sign the manifest of the results: make sign KEY=~/.ssh/id_ed25519
 	$(if $(KEY),,$(error Name a private key: make sign KEY=~/.ssh/id_ed25519))
 	rm -f results/MANIFEST.json.sig
 	ssh-keygen -Y sign -f $(KEY) -n dea-study results/MANIFEST.json
+
+$(VALIDATOR)/installed: workflow/validator.txt
+	$(PYTHON) -m venv $(VALIDATOR)
+	$(VALIDATOR)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
+	touch $@
+
+crate: $(VENV)/installed $(VALIDATOR)/installed ## build/crate: the results and what made each, as RO-Crate
+	$(SNAKEMAKE) study
+	rm -rf build/crate
+	PYTHONPATH=workflow/plugins snakemake --profile workflow/profiles/default --cores 1 \
+		--reporter crate --report-crate-folder build/crate study
+	$(VALIDATOR)/bin/python workflow/validate_crate.py build/crate
 
 numbers: $(VENV)/installed ## write the numbers that the documents quote, from results and campaigns
 	python -m dea.audit.numbers

@@ -54,7 +54,7 @@ class Project:
         command = ["snakemake", "--cores", str(cores), "--profile", "workflow/profiles/default"]
         config = ["--configfile", "config/config.yaml", "small.yaml"] if small else []
         environment = os.environ | {
-            "PYTHONPATH": str(ROOT / "src"),
+            "PYTHONPATH": f"{ROOT / 'src'}:{ROOT / 'workflow/plugins'}",
             "OPENBLAS_NUM_THREADS": "1",
         }
         return subprocess.run(

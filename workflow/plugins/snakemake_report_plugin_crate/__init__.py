@@ -1,0 +1,33 @@
+"""Reporter of Snakemake that writes an RO-Crate: ``snakemake --reporter crate``."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Optional
+
+from snakemake_interface_report_plugins.reporter import ReporterBase
+from snakemake_interface_report_plugins.settings import ReportSettingsBase
+
+from dea.audit.crate import Span, write
+
+
+@dataclass
+class ReportSettings(ReportSettingsBase):
+    """What the command line may set."""
+
+    folder: Optional[Path] = field(  # noqa: UP045 (read by Snakemake, which knows no unions)
+        default=None,
+        metadata={"help": "New folder for the crate", "env_var": False, "required": True},
+    )
+
+
+class Reporter(ReporterBase):
+    """Hands the times of the jobs, which Snakemake knows, to the crate."""
+
+    def render(self) -> None:
+        """Write the crate."""
+        spans = {
+            str(path): Span(record.starttime, record.endtime)
+            for record in self.jobs
+            for path in record.output
+        }
+        write(Path(self.settings.folder), spans)
