@@ -67,11 +67,12 @@ def end(project, running):
 
 
 def below(process, name):
-    """The processes below one that run the program or module ``name``."""
+    """The processes of Python below one that run the program or module ``name``."""
     found = []
     for child in psutil.Process(process.pid).children(recursive=True):
         with suppress(psutil.NoSuchProcess):
-            if name in [Path(word).name for word in child.cmdline()[:3]]:
+            program, *words = (Path(word).name for word in child.cmdline()[:3])
+            if program.startswith("python") and name in words:
                 found.append(child)
     return found
 
