@@ -1,0 +1,100 @@
+"""A NARX model as an estimator of scikit-learn, for its model selection."""
+
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from dea.errors import InputError
+from dea.narx import Forward, NarxModel, Orthogonal, Refined, select_terms
+
+Array = NDArray[np.float64]
+SEARCHES = {"refined": Refined, "forward": Forward, "orthogonal": Orthogonal}
+
+
+class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+    """Select and simulate a NARX model with one input: rows are samples in the order of time.
+
+    Cross-validate it with :class:`sklearn.model_selection.TimeSeriesSplit`; splits that shuffle
+    rows take the order away.
+
+    Parameters
+    ----------
+    y_lags, u_lags, degree, even_in_input
+        As those of :func:`dea.select_terms`.
+    search
+        ``refined``, ``forward`` or ``orthogonal``; the last is the quickest.
+
+    Attributes
+    ----------
+    model_
+        The :class:`dea.NarxModel` found.
+    """
+
+    def __init__(
+        self,
+        y_lags: int = 3,
+        u_lags: int = 3,
+        degree: int = 3,
+        even_in_input: bool = False,
+        search: str = "refined",
+    ) -> None:
+        self.y_lags = y_lags
+        self.u_lags = u_lags
+        self.degree = degree
+        self.even_in_input = even_in_input
+        self.search = search
+
+    def fit(self, X: Any, y: Any) -> Self:
+        """Select a model from the input ``X``, shape (samples, 1), and the output ``y``.
+
+        Raises
+        ------
+        InputError
+            As :func:`dea.select_terms`; for several inputs, or a search that there is not.
+        """
+        inputs, outputs = validate_data(self, X, y, dtype=float, y_numeric=True)
+        if self.search not in SEARCHES:
+            raise InputError(
+                f"there is none called {self.search!r}",
+                field="search",
+                remedy=f"Choose one of {', '.join(SEARCHES)}",
+            )
+        self.model_: NarxModel = select_terms(
+            _only_input(inputs),
+            outputs,
+            y_lags=self.y_lags,
+            u_lags=self.u_lags,
+            degree=self.degree,
+            even_in_input=self.even_in_input,
+            search=SEARCHES[self.search](),
+        )
+        return self
+
+    def predict(self, X: Any) -> Array:
+        """Return the free run on the input ``X``, shape (samples,), from rest on."""
+        inputs = _only_input(self._checked(X))
+        return self.model_.simulate(inputs)
+
+    def score(self, X: Any, y: Any, sample_weight: None = None) -> float:
+        """Return the share of the output's variance that the free run explains (R^2).
+
+        The run starts from the first measured outputs, which are not scored.
+        """
+        inputs = _only_input(self._checked(X))
+        return self.model_.score(inputs, np.asarray(y, dtype=float))
+
+    def _checked(self, X: Any) -> Array:
+        check_is_fitted(self)
+        checked: Array = validate_data(self, X, dtype=float, reset=False)
+        return checked
+
+
+def _only_input(X: Array) -> Array:
+    if X.shape[1] != 1:
+        raise InputError(
+            f"X has {X.shape[1]} columns", field="X", remedy="Give one input, shape (samples, 1)"
+        )
+    return np.ascontiguousarray(X[:, 0])
