@@ -139,8 +139,11 @@ def decide(
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = _rivals(evidence, chosen, pool)
     if not rivals:
-        akin = _rivals(evidence, chosen, pool, akin=True)
-        return Decision(Status.NAMED, chosen, tuple(akin))
+        akin = tuple(_rivals(evidence, chosen, pool, akin=True))
+        sure = min(weighed.effects.get(name, 0.0) for name in chosen.names) >= rules.certain
+        if sure or not akin:
+            return Decision(Status.NAMED, chosen, akin)
+        return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)
     shared = chosen.effects.intersection(*(rival.effects for rival in rivals))
     for candidate in proven:
         # If many second effects do as well, the shared one is certain, and the second one stands
