@@ -128,6 +128,9 @@ class _Refit:
     def evaluate(self, x: Array) -> Point[Array]:
         """Return the RMS residual at the changes ``x`` of the logarithms, and the response."""
         response = self._yardstick.respond(x) if x.any() else self._yardstick.response
+        if not np.isfinite(response).all():
+            # Such changes break the device.
+            return Point(x, np.inf, response)
         linear = np.column_stack([response, np.ones_like(response)])
         return Point(x, _rms(_project(linear, self._reading)[1]), response)
 
