@@ -1,5 +1,6 @@
-"""From model to control: code, linear models and trackers that run beside a device."""
+"""From model to control: code, linear models, trackers and controllers beside a device."""
 
+from dea.control.adaptive_inverse import AdaptiveInverse, Guard, LostError, RunIn, Task
 from dea.control.c_code import CCode, c_identifier, to_c
 from dea.control.feedback import Follower, Gains, tune_feedback
 from dea.control.fmu import write_fmu
@@ -7,19 +8,36 @@ from dea.control.inverse import inverse_input
 from dea.control.iosystem import to_iosystem
 from dea.control.linear import Linearised, linearise, linearise_over_time
 from dea.control.online import OnlineTracker
+from dea.control.planning import Plan, inverse_of
+from dea.control.reference import Reach, design_reference, reach_of
+from dea.control.through_inverse import tune_through_inverse
+from dea.control.trial import Controller, Trial
 
 __all__ = [
+    "AdaptiveInverse",
     "CCode",
+    "Controller",
     "Follower",
     "Gains",
+    "Guard",
     "Linearised",
+    "LostError",
     "OnlineTracker",
+    "Plan",
+    "Reach",
+    "RunIn",
+    "Task",
+    "Trial",
     "c_identifier",
+    "design_reference",
     "inverse_input",
+    "inverse_of",
     "linearise",
     "linearise_over_time",
+    "reach_of",
     "to_c",
     "to_iosystem",
     "tune_feedback",
+    "tune_through_inverse",
     "write_fmu",
 ]

@@ -15,17 +15,22 @@ _GAINS = np.geomspace(1e-4, 1e4, 801)  # of the loop, times the gain at the lowe
 
 @dataclass(frozen=True)
 class Gains:
-    """C(z) = K (1 + (T/Ti) z/(z - 1)): ``proportional`` K, and ``integral_time`` Ti in s."""
+    """C(z) = K (1 + (T/Ti) z/(z - 1)) / (1 + (Tf/T) (1 - 1/z)), a controller of a filtered error.
+
+    ``proportional`` is K, ``integral_time`` Ti and ``filter_time`` Tf in s.
+    """
 
     proportional: float
     integral_time: float
     sampling_rate: float
+    filter_time: float = 0.0
 
     def response(self, frequencies: Array) -> NDArray[np.complex128]:
         """Return C at these frequencies in Hz."""
         z = np.exp(2j * np.pi * frequencies / self.sampling_rate)
         integral = z / (z - 1.0) / (self.sampling_rate * self.integral_time)
-        response: NDArray[np.complex128] = self.proportional * (1.0 + integral)
+        low_pass = 1.0 + self.filter_time * self.sampling_rate * (1.0 - 1.0 / z)
+        response: NDArray[np.complex128] = self.proportional * (1.0 + integral) / low_pass
         return response
 
 
@@ -35,6 +40,7 @@ def tune_feedback(
     sampling_rate: float,
     *,
     integral_time: float,
+    filter_time: float = 0.0,
     largest_sensitivity: float = 1.6,
 ) -> Gains:
     """Return the largest gain that keeps its margins for every response in a band of H1.
@@ -53,6 +59,9 @@ def tune_feedback(
         In Hz, rising, from well below 1/integral_time to half the sampling rate.
     integral_time
         Ti in s; about the time in which the system settles.
+    filter_time
+        Tf in s, of the low-pass filter of the error; it is for a band that is wide where the input
+        has no power.
     largest_sensitivity
         Ms, above 1; from 1.2 (careful) to 2 (brisk).
 
@@ -74,7 +83,7 @@ def tune_feedback(
             field="band",
             remedy="Take an estimate whose covariance holds: docs/method/bands.md.",
         )
-    shape = Gains(1.0, integral_time, sampling_rate).response(frequencies)
+    shape = Gains(1.0, integral_time, sampling_rate, filter_time).response(frequencies)
     sign = float(np.sign(band.response[0].real))
     unit = sign / float(band.gain[0])
     kept = 0.0
@@ -88,7 +97,7 @@ def tune_feedback(
             field="band",
             remedy="Identify from a longer record, or accept a larger sensitivity.",
         )
-    return Gains(kept * unit, integral_time, sampling_rate)
+    return Gains(kept * unit, integral_time, sampling_rate, filter_time)
 
 
 def _nearest(controller: NDArray[np.complex128], band: ResponseBand) -> Array:

@@ -66,8 +66,8 @@ class OnlineTracker:
         self._target = self._model.parameters * self._scale
         self._state = initial_state(self._target, self._target, delta)
         self._lags = (
-            _padded([term.y_lags for term in terms]),
-            _padded([term.u_lags for term in terms]),
+            padded_lags([term.y_lags for term in terms]),
+            padded_lags([term.u_lags for term in terms]),
         )
         self._lag = self._model.max_lag
         self._past = np.zeros((3, max(self._lag, 1)))
@@ -186,6 +186,7 @@ class OnlineTracker:
         return scaling.restore_output(run[lag:])
 
 
-def _padded(lags: Sequence[tuple[int, ...]]) -> NDArray[np.int64]:
+def padded_lags(lags: Sequence[tuple[int, ...]]) -> NDArray[np.int64]:
+    """Return the lags of each term as the rows of an array, padded with ``NONE``."""
     width = max(map(len, lags), default=0)
     return np.array([[*row, *[NONE] * (width - len(row))] for row in lags], dtype=np.int64)

@@ -1,0 +1,204 @@
+"""The controller of the study: the inverse of the tracked model, and feedback through it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.control.feedback import Gains
+from dea.control.online import OnlineTracker
+from dea.control.planning import Plan
+from dea.control.reference import least_jerk
+from dea.errors import DeviceError
+
+Array = NDArray[np.float64]
+# Makes a tracker that begins at these parameters, or at the model's own.
+NewTracker = Callable[[Array | None], OnlineTracker]
+
+
+class LostError(DeviceError):
+    """The output does not follow, and no model at hand says how to bring it back."""
+
+
+class RunIn(NamedTuple):
+    """Samples at the start voltage, and samples in which the reference is approached then."""
+
+    hold: int
+    approach: int
+
+    def approached(self, reference: Array, measured: float) -> Array:
+        """Return the reference with a way to it from where the output is after the hold."""
+        way = least_jerk((np.arange(reference.size) - self.hold) / self.approach)
+        begun: Array = measured + (reference - measured) * way
+        return begun
+
+
+@dataclass(frozen=True)
+class Guard:
+    """What the controller does where the output does not follow; errors are shares of the stroke.
+
+    An error above ``doubt`` puts the model's own parameters in the place of the tracked ones, at
+    most once in ``patience`` samples. An error above ``lost`` for so long ends the drive, and so
+    does a sensor that is silent for so long. ``authority`` bounds what the feedback adds to the
+    reference.
+    """
+
+    doubt: float = 0.25
+    lost: float = 0.5
+    patience: int = 100
+    authority: float = 0.3
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a controller is to do: the output wanted, (samples,), its stroke, and how it begins.
+
+    The input is ``start`` during the hold of ``run_in``, and stays between the ends of ``limits``.
+    """
+
+    reference: Array
+    stroke: float
+    start: float
+    run_in: RunIn
+    limits: tuple[float, float]
+
+
+class AdaptiveInverse:
+    """Feedforward by the inverse of the tracked model, feedback of the error through that inverse.
+
+    The plan follows r + v, where v = C e is what the feedback C makes of the error e = r - y. The
+    loop is closed over the ratio of actuator and model, which is near one where the model is right,
+    whatever the gain of the actuator at that voltage is. v is bounded; its integral stands still
+    at the bound, and where the input is at a limit.
+
+    Parameters
+    ----------
+    plan
+        The inverse of the model.
+    gains
+        Of :func:`dea.control.tune_through_inverse`.
+    task
+        What to follow.
+    new_tracker
+        None keeps the model's own parameters.
+    renewal
+        Samples after which tracking begins anew at the mean of the parameters found in them, so
+        that the leakage pulls to what the actuator has become.
+    guard
+        What to do where the output does not follow.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        gains: Gains,
+        task: Task,
+        *,
+        new_tracker: NewTracker | None,
+        renewal: int = 3000,
+        guard: Guard | None = None,
+    ) -> None:
+        self._plan, self._gains, self._task = plan, gains, task
+        self._guard, self._renewal = guard or Guard(), renewal
+        self._new_tracker = new_tracker
+        self._tracker = new_tracker(None) if new_tracker is not None else None
+        self._sum, self._summed = np.zeros(1), 0
+        self._ahead, self._last, self._sample = np.empty(0), task.start, 0
+        self._added = self._integral = self._filtered = 0.0
+        self._off = self._silent = self._trusted = 0
+        self.fallbacks = 0
+
+    def __call__(self, measured: float) -> float:
+        """Return the input of the next sample, given the output of the last (NaN if unknown).
+
+        Raises
+        ------
+        LostError
+            Where the output does not follow for long, or the sensor is silent.
+        """
+        k = self._sample
+        self._sample += 1
+        self._silent = 0 if isfinite(measured) else self._silent + 1
+        if self._silent > self._guard.patience:
+            raise LostError(f"the sensor has given no reading for {self._silent} samples")
+        if k < self._task.run_in.hold:
+            return self._task.start
+        if self._tracker is not None:
+            self._tracker.update(self._last, measured)
+            self._renew(self._tracker.parameters)
+        if not self._ahead.size:
+            self._begin(measured)
+        elif isfinite(measured):
+            self._feed_back(self._ahead[k - 1] - measured)
+        self._last = self._plan_at(k)
+        return self._last
+
+    @property
+    def reference(self) -> Array:
+        """The output wanted, with the way to it from where the output was, shape (samples,)."""
+        return self._ahead[: self._task.reference.size]
+
+    def _plan_at(self, k: int) -> float:
+        wanted = self._ahead[k : k + self._plan.horizon] + self._added
+        found = None
+        if self._tracker is not None:
+            found = self._plan.step(wanted, self._tracker.parameters)
+            if found is None:
+                self._fall_back()
+        if found is None:
+            found = self._plan.step(wanted)
+        if found is None:
+            raise LostError("the model diverges from where the output is")
+        self._plan.advance()
+        return found
+
+    def _renew(self, tracked: Array) -> None:
+        self._sum = tracked + self._sum
+        self._summed += 1
+        if self._summed == self._renewal and self._new_tracker is not None:
+            self._track_from(self._sum / self._summed)
+
+    def _track_from(self, parameters: Array | None) -> None:
+        if self._new_tracker is not None:
+            self._tracker = self._new_tracker(parameters)
+        self._sum, self._summed = np.zeros(1), 0
+
+    def _begin(self, measured: float) -> None:
+        if not isfinite(measured):
+            raise LostError("the sensor gives no reading where the reference begins")
+        begun = self._task.run_in.approached(self._task.reference, measured)
+        self._ahead = np.concatenate([begun, np.full(self._plan.horizon, begun[-1])])
+        self._plan.rest(self._task.start, measured)
+
+    def _feed_back(self, error: float) -> None:
+        self._judge(abs(error) / self._task.stroke)
+        gains, bound = self._gains, self._guard.authority * self._task.stroke
+        period = 1.0 / gains.sampling_rate
+        self._filtered += (error - self._filtered) / (1.0 + gains.filter_time / period)
+        growth = gains.proportional * period / gains.integral_time * self._filtered
+        wanted = self._integral + growth + gains.proportional * self._filtered
+        low, high = self._task.limits
+        held = (self._last >= high and growth > 0.0) or (self._last <= low and growth < 0.0)
+        if abs(wanted) <= bound and not held:
+            self._integral += growth
+        self._added = min(max(wanted, -bound), bound)
+
+    def _judge(self, share: float) -> None:
+        self._off = self._off + 1 if share > self._guard.lost else 0
+        if self._off > self._guard.patience:
+            raise LostError(
+                f"the output has been off by more than {self._guard.lost:.0%} of the stroke for"
+                f" {self._off} samples"
+            )
+        self._trusted += 1
+        if share > self._guard.doubt and self._trusted > self._guard.patience:
+            self._fall_back()
+
+    def _fall_back(self) -> None:
+        if self._tracker is not None:
+            self.fallbacks += 1
+            self._trusted = 0
+            self._track_from(None)

@@ -1,0 +1,152 @@
+"""The inverse of a model along a reference that is known ahead."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.control.online import padded_lags
+from dea.control.planning_kernels import improve
+from dea.errors import InputError
+from dea.narx import NarxModel
+from dea.tracking import with_constant
+
+Array = NDArray[np.float64]
+
+
+class Plan:
+    """The inputs of the next samples, with which a model follows a reference.
+
+    The inputs minimise the squared errors over the horizon and ``smoothness`` times their squared
+    second differences, in the units of the equation. The first is applied and the rest is where the
+    next sample begins: one Gauss-Newton step for each sample (real-time iteration: M. Diehl et al.,
+    J. Process Control 12 (2002) 577-585). Inputs keep limits and rate.
+
+    The model is run freely: its past outputs are its own, so that the plan is a feedforward and
+    the margins of the feedback beside it hold.
+
+    Parameters
+    ----------
+    model
+        Whose inverse is wanted; a constant is added to it where it has none.
+    horizon
+        Samples that the plan looks ahead.
+    smoothness
+        Weight of the second differences. It makes the inverse of a system bounded whose own inverse
+        is not.
+    lowest, highest, rate
+        Of the input, in its units, the last per second.
+    sampling_rate
+        In Hz.
+
+    Raises
+    ------
+    InputError
+        If a setting is out of range.
+    """
+
+    def __init__(
+        self,
+        model: NarxModel,
+        *,
+        horizon: int,
+        smoothness: float,
+        lowest: float,
+        highest: float,
+        rate: float,
+        sampling_rate: float,
+    ) -> None:
+        if horizon < 3 or not (smoothness > 0.0 and lowest < highest and rate > 0.0):
+            raise InputError(
+                f"a horizon of {horizon}, smoothness {smoothness:g}, inputs from {lowest:g} to"
+                f" {highest:g} at {rate:g} per second",
+                field="horizon, smoothness, lowest, highest, rate",
+                remedy="Take three samples or more, limits that rise, and positive numbers.",
+            )
+        self.model, self.horizon, self._smoothness = with_constant(model), horizon, smoothness
+        self._scaling = scaling = model.scaling
+        terms = self.model.terms
+        self._lags = (
+            padded_lags([term.y_lags for term in terms]),
+            padded_lags([term.u_lags for term in terms]),
+        )
+        ends = np.array([lowest, highest])
+        low, high = ((ends - scaling.u_offset) / scaling.u_scale).tolist()
+        self._limits = low, high, rate / sampling_rate / scaling.u_scale
+        self._past = max(self.model.max_lag, 2)  # the second differences reach back so far
+        self._u, self._y = np.zeros((2, self._past + horizon))
+
+    def rest(self, u: float, y: float) -> None:
+        """Begin at a constant input and output."""
+        self._u[:] = (u - self._scaling.u_offset) / self._scaling.u_scale
+        self._y[:] = (y - self._scaling.y_offset) / self._scaling.y_scale
+
+    def step(self, reference: Array, parameters: Array | None = None) -> float | None:
+        """Return the input of this sample, None where the model diverges.
+
+        Parameters
+        ----------
+        reference
+            Output wanted at this sample and the next ones, shape (horizon,).
+        parameters
+            Of ``model``, shape (terms,), where they are others than its own.
+        """
+        scaling = self._scaling
+        bounded = improve(
+            self.model.parameters if parameters is None else parameters,
+            *self._lags,
+            self._past,
+            self._y,
+            self._u,
+            (reference - scaling.y_offset) / scaling.y_scale,
+            self._smoothness,
+            *self._limits,
+        )
+        return float(self._u[self._past] * scaling.u_scale + scaling.u_offset) if bounded else None
+
+    def advance(self) -> float:
+        """Let the sample become the past; return the output that the model has at it."""
+        u, y = self._u, self._y
+        output = float(y[self._past] * self._scaling.y_scale + self._scaling.y_offset)
+        u[:-1], y[:-1] = u[1:].copy(), y[1:].copy()
+        u[-1] = min(max(2.0 * u[-2] - u[-3], self._limits[0]), self._limits[1])
+        return output
+
+    def shift(self, samples: int, u: float, y: float) -> None:
+        """Add to the input and output that lie so many samples back, in their units."""
+        self._u[self._past - samples] += u / self._scaling.u_scale
+        self._y[self._past - samples] += y / self._scaling.y_scale
+
+    @property
+    def past(self) -> int:
+        """Samples of the past that the plan depends on."""
+        return self._past
+
+
+def inverse_of(plan: Plan, reference: Array, u: float, y: float) -> Array:
+    """Return the inputs with which the plan's model, at rest at first, follows a reference.
+
+    Parameters
+    ----------
+    reference
+        Output wanted, shape (samples,); after its end it is held.
+    u, y
+        Input and output at rest.
+
+    Raises
+    ------
+    InputError
+        If the model diverges on the way.
+    """
+    plan.rest(u, y)
+    ahead = np.concatenate([reference, np.full(plan.horizon, reference[-1])])
+    inputs = np.empty(reference.size)
+    for k in range(reference.size):
+        found = plan.step(ahead[k : k + plan.horizon])
+        if found is None:
+            raise InputError(
+                f"the model diverges at sample {k} of the reference",
+                field="model",
+                remedy="Identify it from a record that reaches as far, or narrow the reference.",
+            )
+        inputs[k] = found
+        plan.advance()
+    return inputs

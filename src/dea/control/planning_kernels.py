@@ -1,0 +1,134 @@
+"""The compiled step of the plan: a model's free run, its slopes, and one Gauss-Newton step."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from dea.control.online_kernels import NONE
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+DIVERGED = 1e3  # in the units of the equation, whose signals are about one
+
+
+@njit(cache=True, error_model="numpy")
+def output_and_slopes(
+    theta: Array, y_lags: Indices, u_lags: Indices, y: Array, u: Array, t: int, a: Array, b: Array
+) -> float:
+    """Return y_t of the model, and write its slopes: a_k by y_{t-k}, b_k by u_{t-k}."""
+    total = 0.0
+    a[:] = 0.0
+    b[:] = 0.0
+    for j in range(theta.size):
+        value = theta[j]
+        for factor in range(y_lags.shape[1]):
+            if y_lags[j, factor] == NONE:
+                break
+            value *= y[t - y_lags[j, factor]]
+        for factor in range(u_lags.shape[1]):
+            if u_lags[j, factor] == NONE:
+                break
+            value *= u[t - u_lags[j, factor]]
+        total += value
+        for factor in range(y_lags.shape[1]):
+            lag = y_lags[j, factor]
+            if lag == NONE:
+                break
+            a[lag] += _without(theta[j], y_lags[j], u_lags[j], y, u, t, factor, NONE)
+        for factor in range(u_lags.shape[1]):
+            lag = u_lags[j, factor]
+            if lag == NONE:
+                break
+            b[lag] += _without(theta[j], y_lags[j], u_lags[j], y, u, t, NONE, factor)
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _without(
+    value: float, y_lags: Indices, u_lags: Indices, y: Array, u: Array, t: int, own_y: int,
+    own_u: int,
+) -> float:  # fmt: skip
+    """Return a term's product without one factor of the outputs, or one of the inputs."""
+    for factor in range(y_lags.size):
+        if y_lags[factor] == NONE:
+            break
+        if factor != own_y:
+            value *= y[t - y_lags[factor]]
+    for factor in range(u_lags.size):
+        if u_lags[factor] == NONE:
+            break
+        if factor != own_u:
+            value *= u[t - u_lags[factor]]
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def improve(
+    theta: Array,
+    y_lags: Indices,
+    u_lags: Indices,
+    past: int,
+    y: Array,
+    u: Array,
+    reference: Array,
+    smoothness: float,
+    low: float,
+    high: float,
+    reach: float,
+) -> bool:
+    """Improve a plan by one Gauss-Newton step, in place, within limits and rate.
+
+    Parameters
+    ----------
+    theta, y_lags, u_lags
+        The model, in the units of its equation.
+    past
+        Samples of ``y`` and ``u`` before the plan; as many as the largest lag, two at least.
+    y, u
+        The past and then the plan, (past + n,): outputs are written, inputs are improved.
+    reference
+        Outputs wanted, (n,).
+    smoothness
+        Weight of the squared second differences of the inputs.
+    low, high, reach
+        Limits of the inputs, and their largest change from sample to sample.
+
+    Returns
+    -------
+    bool
+        Whether the run stayed bounded; otherwise the inputs are as they were.
+    """
+    n = reference.size
+    a, b = np.empty(past + 1), np.empty(past + 1)
+    S = np.zeros((n, n))  # of y_i by u_j
+    error = np.empty(n)
+    for i in range(n):
+        y[past + i] = output_and_slopes(theta, y_lags, u_lags, y, u, past + i, a, b)
+        if not abs(y[past + i]) < DIVERGED:
+            return False
+        error[i] = reference[i] - y[past + i]
+        for k in range(min(past, i) + 1):
+            S[i, i - k] += b[k]
+        for k in range(1, min(past, i) + 1):
+            for j in range(i - k + 1):
+                S[i, j] += a[k] * S[i - k, j]
+    normal, slope = S.T @ S, S.T @ error
+    # Second differences u_j - 2 u_{j-1} + u_{j-2} of the plan, the first of which reach back.
+    for j in range(n):
+        curve = u[past + j] - 2.0 * u[past + j - 1] + u[past + j - 2]
+        for d_1 in range(3):
+            if j < d_1:
+                continue
+            w_1 = -2.0 if d_1 == 1 else 1.0
+            slope[j - d_1] -= smoothness * w_1 * curve
+            for d_2 in range(3):
+                if j >= d_2:
+                    w_2 = -2.0 if d_2 == 1 else 1.0
+                    normal[j - d_1, j - d_2] += smoothness * w_1 * w_2
+    step = np.linalg.solve(normal, slope)
+    for i in range(n):
+        before = u[past + i - 1]
+        wanted = u[past + i] + step[i]
+        u[past + i] = min(max(wanted, low, before - reach), high, before + reach)
+    return True

@@ -1,0 +1,114 @@
+"""References that an actuator can follow: steps, a sine and band-limited noise, in turn."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.errors import InputError
+
+Array = NDArray[np.float64]
+STRETCH = 60.0  # s of a record, in each of which the actuator was where the reference goes
+
+
+class Reach(NamedTuple):
+    """The outputs between which a reference moves; their difference is its stroke."""
+
+    low: float
+    high: float
+
+    @property
+    def stroke(self) -> float:
+        """The reference from end to end."""
+        return self.high - self.low
+
+
+def reach_of(y: Array, sampling_rate: float, shares: tuple[float, float]) -> Reach:
+    """Return where a reference may go: where the actuator was in every minute of a record.
+
+    Parameters
+    ----------
+    y
+        Output of the record, shape (samples,); it may hold NaN.
+    shares
+        The part of the range common to all minutes that is used, from 0 to 1.
+
+    Raises
+    ------
+    InputError
+        If the minutes of the record have no range in common.
+    """
+    length = min(round(STRETCH * sampling_rate), y.size)
+    rows = y[: y.size // length * length].reshape(-1, length)
+    low, high = np.nanmin(rows, axis=1).max(), np.nanmax(rows, axis=1).min()
+    if not low < high:
+        raise InputError(
+            f"its minutes have no range in common: one begins at {low:g}, another ends at {high:g}",
+            field="y",
+            remedy="Take a record whose outputs stay in one range.",
+        )
+    first, last = (float(low + share * (high - low)) for share in shares)
+    return Reach(first, last)
+
+
+def design_reference(
+    reach: Reach, samples: int, sampling_rate: float, seed: int, *,
+    turn: float, hold: float, rise: float, frequency: float,
+) -> Array:  # fmt: skip
+    """Return a reference, shape (samples,): turns of steps, a sine and noise, one after the other.
+
+    Steps go to random levels, the ends of the reach among them, along the polynomial of fifth
+    degree with least jerk (T. Flash and N. Hogan, J. Neuroscience 5 (1985) 1688-1703): no actuator
+    follows a corner. Each turn begins and ends in the middle of the reach.
+
+    Parameters
+    ----------
+    turn
+        Length of each kind in s.
+    hold, rise
+        Time from step to step, and of each, in s.
+    frequency
+        Of the sine, and half the band of the noise, in Hz.
+    """
+    rng = np.random.default_rng(seed)
+    length = round(turn * sampling_rate)
+    time = np.arange(length) / sampling_rate
+    fade = least_jerk(time) * least_jerk(turn - time)
+    kinds = (
+        lambda: _steps(time, turn, hold, rise, rng),
+        lambda: np.sin(2.0 * np.pi * frequency * time) * fade,
+        lambda: _noise(length, sampling_rate, 2.0 * frequency, rng) * fade,
+    )
+    turns = [kinds[k % 3]() for k in range(-(-samples // length))]
+    middle, half = 0.5 * (reach.low + reach.high), 0.5 * reach.stroke
+    reference: Array = middle + half * np.concatenate(turns)[:samples]
+    return reference
+
+
+def least_jerk(time: Array) -> Array:
+    """Return the way from 0 to 1 with least jerk, which takes as long as from 0 to 1."""
+    x = np.clip(time, 0.0, 1.0)
+    way: Array = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    return way
+
+
+def _steps(time: Array, turn: float, hold: float, rise: float, rng: np.random.Generator) -> Array:
+    count = int(turn / hold)
+    levels = rng.uniform(-1.0, 1.0, count)
+    levels[:3] = [levels[0], 1.0, -1.0][:count]
+    levels[-1:] = 0.0
+    before = np.concatenate([[0.0], levels[:-1]])
+    steps = (levels - before)[:, None] * least_jerk(
+        (time - hold * np.arange(count)[:, None]) / rise
+    )
+    total: Array = steps.sum(axis=0)
+    return total
+
+
+def _noise(length: int, sampling_rate: float, band: float, rng: np.random.Generator) -> Array:
+    frequencies = np.fft.rfftfreq(length, 1.0 / sampling_rate)
+    phases = rng.uniform(0.0, 2.0 * np.pi, frequencies.size)
+    inside = (frequencies > 0.0) & (frequencies <= band)
+    noise = np.fft.irfft(np.where(inside, np.exp(1j * phases), 0.0), length)
+    scaled: Array = noise / np.abs(noise).max()
+    return scaled

@@ -1,0 +1,104 @@
+"""Feedback through the inverse of a model, tuned for every response in a band."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.control.feedback import Gains, tune_feedback
+from dea.control.planning import Plan
+from dea.errors import InputError
+from dea.gfrf import ResponseBand
+
+Array = NDArray[np.float64]
+_SMALL = 1e-5  # of the scales: a change whose effect on the plan is linear
+
+
+def plan_response(plan: Plan, u: float, y: float, band: ResponseBand, z: Array) -> Array:
+    """Return the response Q(z) of the plan's first input to what is added to its reference.
+
+    Around a rest the plan is linear: u = f_v v + sum_k (p_k u_{t-k} + q_k y_{t-k}), where y is the
+    model's, so that Q = f_v / (1 - sum_k z^{-k} (p_k + q_k H)).
+
+    Parameters
+    ----------
+    u, y
+        Input and output of the rest.
+    band
+        Its ``response`` is that of the plan's model there, at the points ``z``.
+    """
+    wanted = np.full(plan.horizon, y)
+    scaling = plan.model.scaling
+    du, dy = _SMALL * scaling.u_scale, _SMALL * scaling.y_scale
+
+    def moved(added: float = 0.0, past: tuple[int, float, float] | None = None) -> float:
+        plan.rest(u, y)
+        if past is not None:
+            plan.shift(*past)
+        found = plan.step(wanted + added)
+        return np.nan if found is None else found
+
+    still = moved()
+    loop = np.ones_like(z, dtype=complex)
+    for k in range(1, plan.past + 1):
+        by_input = (moved(past=(k, du, 0.0)) - still) / du
+        by_output = (moved(past=(k, 0.0, dy)) - still) / dy
+        loop -= z**-k * (by_input + by_output * band.response)
+    response: Array = (moved(dy) - still) / dy / loop
+    return response
+
+
+def tune_through_inverse(
+    plan: Plan,
+    rests: list[tuple[float, float]],
+    bands: list[ResponseBand],
+    frequencies: Array,
+    sampling_rate: float,
+    *,
+    integral_time: float,
+    filter_time: float,
+    largest_sensitivity: float,
+) -> Gains:
+    """Return the largest gain that keeps its margins at every rest, for every response in its band.
+
+    The loop is C(z) z^{-1} Q(z) H(z): a measurement acts one sample later, through the plan's
+    response Q on the actuator's H, whose band is that of the model. :func:`tune_feedback` says what
+    margins are.
+
+    Parameters
+    ----------
+    rests
+        Input and output of the rests over which the reference goes.
+    bands
+        Of H1 at each of them, at ``frequencies`` (Hz).
+
+    Raises
+    ------
+    InputError
+        As :func:`tune_feedback`; also where there is no rest.
+    """
+    if not rests:
+        raise InputError(
+            "the model rests at no output of the reference",
+            field="rests",
+            remedy="Identify it from a record that reaches as far, or narrow the reference.",
+        )
+    z = np.exp(2j * np.pi * frequencies / sampling_rate)
+    found = [
+        tune_feedback(
+            _times(band, plan_response(plan, u, y, band, z) / z), frequencies, sampling_rate,
+            integral_time=integral_time, filter_time=filter_time,
+            largest_sensitivity=largest_sensitivity,
+        )
+        for (u, y), band in zip(rests, bands, strict=True)
+    ]  # fmt: skip
+    return min(found, key=lambda gains: abs(gains.proportional))
+
+
+def _times(band: ResponseBand, factor: NDArray[np.complex128]) -> ResponseBand:
+    size, angle = np.abs(factor), np.degrees(np.angle(factor))
+    return band._replace(
+        response=band.response * factor,
+        gain_low=band.gain_low * size,
+        gain_high=band.gain_high * size,
+        phase_low=band.phase_low + angle,
+        phase_high=band.phase_high + angle,
+    )

@@ -1,0 +1,215 @@
+"""Controllers of one actuator, designed from its record and model, and what they are to follow."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.control.adaptive_inverse import AdaptiveInverse, RunIn, Task
+from dea.control.feedback import Follower, Gains, tune_feedback
+from dea.control.online import OnlineTracker
+from dea.control.planning import Plan, inverse_of
+from dea.control.reference import design_reference, reach_of
+from dea.control.through_inverse import tune_through_inverse
+from dea.gfrf import ResponseBand, frequency_response_band, zero_input_interval
+from dea.narx import NarxModel, regressor_matrix
+from dea.tracking import root_mean_square, with_constant
+
+Array = NDArray[np.float64]
+Controller = Callable[[float], float]
+RESTS = 3  # over the reach, at which margins are kept
+_TRIED = 200  # inputs between the limits, among which rests are looked for
+_TIMES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # s, integral times that are tried for PI
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What controllers of an actuator are made from.
+
+    Parameters
+    ----------
+    model
+        Of the actuator, or of another one.
+    scale
+        Of the regressors of the tracker, shape (terms,).
+    task
+        What they follow.
+    rests
+        Input and output of the model's rests over the reach.
+    settings
+        The section ``control`` of the config.
+    sampling_rate
+        In Hz.
+    """
+
+    model: NarxModel
+    scale: Array
+    task: Task
+    rests: list[tuple[float, float]]
+    settings: Mapping[str, Any]
+    sampling_rate: float
+
+    @classmethod
+    def design(
+        cls,
+        model: NarxModel,
+        u: Array,
+        y: Array,
+        sampling_rate: float,
+        settings: Mapping[str, Any],
+        seed: int,
+    ) -> "Trial":
+        """Return a trial over what a record (u, y) of the actuator reached.
+
+        Raises
+        ------
+        InputError
+            If the record's minutes have no range in common.
+        """
+        chosen = settings["reference"]
+        reach = reach_of(y, sampling_rate, (chosen["shares"][0], chosen["shares"][1]))
+        limits = float(np.nanmin(u)), float(np.nanmax(u))
+        run_in = RunIn(*(round(settings[name] * sampling_rate) for name in ("hold", "approach")))
+        followed = design_reference(
+            reach, round(settings["duration"] * sampling_rate), sampling_rate, seed,
+            **{name: chosen[name] for name in ("turn", "hold", "rise", "frequency")},
+        )  # fmt: skip
+        reference = np.concatenate([np.full(sum(run_in), followed[0]), followed])
+        rests = rests_of(model, limits, np.linspace(reach.low, reach.high, RESTS))
+        middle = 0.5 * (reach.low + reach.high)
+        start = min(rests, key=lambda rest: abs(rest[1] - middle))[0]
+        scaling, tracked = model.scaling, with_constant(model)
+        kept = np.isfinite(u) & np.isfinite(y)
+        inputs, outputs = scaling.normalise_input(u[kept]), scaling.normalise_output(y[kept])
+        scale = root_mean_square(regressor_matrix(tracked.terms, inputs, outputs))
+        task = Task(reference, reach.stroke, start, run_in, limits)
+        return cls(model, scale, task, rests, settings, sampling_rate)
+
+    def plan(self) -> Plan:
+        """Return a new plan of the model."""
+        lowest, highest = self.task.limits
+        return Plan(
+            self.model, horizon=self.settings["horizon"], smoothness=self.settings["smoothness"],
+            lowest=lowest, highest=highest, rate=self.settings["rate"],
+            sampling_rate=self.sampling_rate,
+        )  # fmt: skip
+
+    def gains(self) -> Gains:
+        """Return the feedback through the inverse, tuned at every rest for its band of H1."""
+        frequencies = loop_frequencies(self.sampling_rate)
+        bands = [self._band(u, frequencies) for u, _ in self.rests]
+        names = ("integral_time", "filter_time", "largest_sensitivity")
+        return tune_through_inverse(
+            self.plan(), self.rests, bands, frequencies, self.sampling_rate,
+            **{name: self.settings[name] for name in names},
+        )  # fmt: skip
+
+    def adaptive(self, gains: Gains) -> AdaptiveInverse:
+        """Return the controller whose model is tracked."""
+        renewal = round(self.settings["adaptation"]["renewal"] * self.sampling_rate)
+        return AdaptiveInverse(
+            self.plan(), gains, self.task, new_tracker=self._tracker, renewal=renewal
+        )
+
+    def fixed(self, gains: Gains) -> AdaptiveInverse:
+        """Return the same controller with the model as it is."""
+        return AdaptiveInverse(self.plan(), gains, self.task, new_tracker=None)
+
+    def feedforward(self) -> Array:
+        """Return the inputs of the fixed model's inverse alone, shape (samples,)."""
+        hold = self.task.run_in.hold
+        start = min(self.rests, key=lambda rest: abs(rest[0] - self.task.start))
+        wanted = self.task.run_in.approached(self.task.reference, start[1])
+        inverse = inverse_of(self.plan(), wanted[hold:], *start)
+        return np.concatenate([np.full(hold, start[0]), inverse])
+
+    def proportional_integral(self) -> tuple["FromStart", Gains]:
+        """Return PI control tuned on the linear model, and its gains.
+
+        At each integral time tried the gain is the largest that keeps the margins at every rest;
+        of these the one with the largest integral gain is taken, which removes slow disturbances
+        best (Astroem and Haegglund, Advanced PID Control, 2006, section 4.9).
+        """
+        frequencies = loop_frequencies(self.sampling_rate)
+        delay = np.exp(-2j * np.pi * frequencies / self.sampling_rate)
+        linear = [_alone(self._band(u, frequencies).response * delay) for u, _ in self.rests]
+        tuned = [
+            min(
+                (
+                    tune_feedback(
+                        band, frequencies, self.sampling_rate, integral_time=time,
+                        largest_sensitivity=self.settings["largest_sensitivity"],
+                    )
+                    for band in linear
+                ),
+                key=lambda gains: abs(gains.proportional),
+            )
+            for time in _TIMES
+        ]  # fmt: skip
+        best = max(tuned, key=lambda gains: abs(gains.proportional) / gains.integral_time)
+        lowest, highest = self.task.limits
+        follower = Follower(best, lowest, highest, self.settings["rate"], self.task.start)
+        return FromStart(follower, self.task), best
+
+    def _band(self, u: float, frequencies: Array) -> ResponseBand:
+        return frequency_response_band(
+            self.model, 1, frequencies, self.sampling_rate, operating_point=u
+        )
+
+    def _tracker(self, parameters: Array | None) -> OnlineTracker:
+        model = with_constant(self.model)
+        begun = model if parameters is None else model.with_parameters(parameters)
+        names = ("forgetting", "leakage", "delta")
+        chosen = {name: self.settings["adaptation"][name] for name in names}
+        return OnlineTracker(begun, self.scale, **chosen)
+
+
+class FromStart:
+    """A follower that begins with the run-in of a task."""
+
+    def __init__(self, follower: Follower, task: Task) -> None:
+        self._follower, self._task, self._sample = follower, task, 0
+        self.reference = np.empty(0)
+
+    def __call__(self, measured: float) -> float:
+        """Return the input of the next sample, given the output of the last."""
+        k, hold = self._sample, self._task.run_in.hold
+        self._sample += 1
+        if k < hold:
+            return self._task.start
+        if k == hold:
+            self.reference = self._task.run_in.approached(self._task.reference, measured)
+        return self._follower.step(self.reference[k - 1], measured, self._task.start)
+
+
+def loop_frequencies(sampling_rate: float) -> Array:
+    """Return the frequencies (Hz) at which a loop is looked at, up to half the sampling rate."""
+    half = 0.5 * sampling_rate
+    low, high = np.geomspace(4e-4 * half, 0.08 * half, 60), np.linspace(0.084, 0.996, 80) * half
+    return np.concatenate([low, high])
+
+
+def rests_of(
+    model: NarxModel, limits: tuple[float, float], outputs: Array
+) -> list[tuple[float, float]]:
+    """Return input and output of the model's rests nearest to these outputs, each once.
+
+    Only rests between the limits count at which the output rises with the input.
+    """
+    inputs = np.linspace(*limits, _TRIED)
+    found = np.array(
+        [
+            float(zero_input_interval(model, operating_point=u, allow_missing=True).value)
+            for u in inputs
+        ]
+    )
+    rising = np.flatnonzero(np.diff(found) > 0.0)
+    nearest = {int(rising[np.argmin(np.abs(found[rising] - y))]) for y in outputs if rising.size}
+    return [(float(inputs[k]), float(found[k])) for k in sorted(nearest)]
+
+
+def _alone(response: NDArray[np.complex128]) -> ResponseBand:
+    gain, phase = np.abs(response), np.degrees(np.angle(response))
+    return ResponseBand(response, gain, gain, phase, phase)

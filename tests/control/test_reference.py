@@ -1,0 +1,57 @@
+"""References stay in their reach, are smooth, and go where every minute of a record was."""
+
+import numpy as np
+import pytest
+
+from dea.control import Reach, design_reference, reach_of
+from dea.errors import InputError
+
+RATE = 50.0
+REACH = Reach(0.8, 1.2)
+SHAPE = {"turn": 20.0, "hold": 2.0, "rise": 0.6, "frequency": 0.5}
+
+
+def reference(seed=1, seconds=60):
+    return design_reference(REACH, round(seconds * RATE), RATE, seed, **SHAPE)
+
+
+def test_it_goes_from_end_to_end_and_no_further():
+    wanted = reference()
+    assert wanted.min() == pytest.approx(0.8)
+    assert wanted.max() == pytest.approx(1.2)
+    assert wanted.size == 3000
+    assert np.array_equal(wanted, reference())
+    assert not np.array_equal(wanted, reference(seed=2))
+
+
+def test_steps_end_on_time_and_no_step_is_faster_than_least_jerk():
+    steps = reference()[:1000]
+    settled = steps.reshape(10, 100)[:, 31:]
+    assert np.ptp(settled, axis=1).max() < 1e-12
+    # The way of least jerk is at most 15/8 of its mean speed.
+    assert np.abs(np.diff(steps)).max() * RATE <= 0.4 / 0.6 * 15 / 8 + 1e-9
+
+
+def test_the_sine_and_the_noise_hold_only_their_frequencies():
+    wanted = reference() - 1.0
+    for part, highest in ((wanted[1050:1950], 0.75), (wanted[2050:2950], 1.5)):
+        power = np.abs(np.fft.rfft(part * np.hanning(part.size))) ** 2
+        frequencies = np.fft.rfftfreq(part.size, 1 / RATE)
+        assert power[frequencies > highest].sum() < 1e-3 * power.sum()
+    peak = np.abs(np.fft.rfft(wanted[1050:1950])).argmax()
+    assert np.fft.rfftfreq(900, 1 / RATE)[peak] == pytest.approx(0.5, abs=0.06)
+
+
+def test_the_reach_is_common_to_every_minute():
+    y = np.concatenate([np.linspace(0.5, 1.5, 3000), np.linspace(0.9, 2.0, 3000)])
+    y[7] = np.nan
+    reach = reach_of(y, RATE, (0.0, 1.0))
+    assert reach.low == pytest.approx(0.9)
+    assert reach.high == pytest.approx(1.5)
+    assert reach_of(y, RATE, (0.5, 1.0)).stroke == pytest.approx(0.3)
+
+
+def test_minutes_apart_have_no_reach():
+    y = np.repeat([0.0, 1.0], 3000)
+    with pytest.raises(InputError, match="no range in common"):
+        reach_of(y, RATE, (0.0, 1.0))
