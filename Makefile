@@ -15,8 +15,8 @@ SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --logger progress \
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study record case cases report handover diagnose discrepancy real trials records faults \
-	peers interoperability soak coverage configuration audit sign crate numbers fresh \
+.PHONY: help study record case cases report handover control diagnose discrepancy real trials records \
+	faults peers interoperability soak coverage configuration audit sign crate numbers fresh \
 	check test mutants benchmark clean FORCE
 
 help: ## list the targets
@@ -58,6 +58,10 @@ handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handove
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make handover NAME=dea1))
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 	pytest -m campaign tests/control/test_handed_over.py
+
+control: $(VENV)/installed ## controllers follow a reference on every virtual actuator, in a table and figures
+	$(SNAKEMAKE) control_all
+	pytest -m campaign tests/control/test_control_trials.py
 
 report: $(VENV)/installed ## results/report.html: the findings, and how each figure and table was made
 	$(SNAKEMAKE) study discrepancy

@@ -22,6 +22,7 @@ include: "workflow/rules/recovery.smk"
 include: "workflow/rules/tracking.smk"
 include: "workflow/rules/frequency.smk"
 include: "workflow/rules/handover.smk"
+include: "workflow/rules/control.smk"
 include: "workflow/rules/discrepancy.smk"
 include: "workflow/rules/trials.smk"
 include: "workflow/rules/cases.smk"
@@ -73,6 +74,12 @@ rule cases:
 rule discrepancy:
     input:
         [file for name in ACTUATORS for file in of_diagnosis(name)],
+
+
+rule control_all:
+    input:
+        FIGURES["control"].files("png", "pdf", system=VIRTUAL),
+        TABLES["control"].files("csv", "md", "tex"),
 
 
 rule real_records:

@@ -374,3 +374,38 @@ def confirmation(seed: int) -> xr.Dataset:
         ),
         "confirmation",
     )  # fmt: skip
+
+
+def control(seed: int) -> xr.Dataset:
+    """Two controllers that followed a sine for two minutes; the second was stopped."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(6000) / 50.0
+    reference = 1.0 + 0.2 * np.sin(np.pi * time)
+    measured = reference + np.array([[0.002], [np.nan]]) * rng.standard_normal((2, time.size))
+    pieces = (measured - reference).reshape(2, 2, 3000)
+    each = ("controller", "time")
+    return checked(
+        xr.Dataset(
+            {
+                "reference": over("time", reference, "mm"),
+                "measured": over(each, measured, "mm"),
+                "voltage": over(each, 2.5 + 0.5 * (measured - 1.0), "V"),
+                "quality": over(each, np.zeros((2, time.size), np.uint8)),
+                "rms_error": over(
+                    ("controller", "minute"), np.sqrt(np.mean(pieces**2, axis=2)), "mm"
+                ),
+                "stroke": over((), 0.4, "mm"),
+                "outcome": over("controller", np.array(["to the end", "it hung"], dtype=object)),
+                "fallbacks": over("controller", np.array([1, 0])),
+                "proportional": over("controller", np.array([0.5, np.nan])),
+                "integral_time": over("controller", np.array([0.1, np.nan]), "s"),
+            },
+            coords={
+                "controller": ("controller", np.array(["adaptive inverse", "PI"], dtype=object)),
+                "minute": over("minute", np.array([1, 2])),
+                "time": over("time", time, "s", "time"),
+            },
+            attrs={"sampling_rate": 50.0},
+        ),
+        "control",
+    )

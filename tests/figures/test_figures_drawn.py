@@ -15,6 +15,7 @@ from matplotlib.text import Text
 import made_datasets as made
 from dea.errors import InputError
 from dea.figures import style
+from dea.figures.control import control
 from dea.figures.fig1 import fig1
 from dea.figures.fig2 import fig2
 from dea.figures.fig3 import fig3
@@ -27,6 +28,7 @@ from dea.figures.residual_tests import as_mathematics, residual_tests
 from dea.figures.tracked_parameters import tracked_parameters
 
 OF_ONE = {
+    "control": lambda: control(made.control(1)),
     "fig1": lambda: fig1(made.record(1), "dea1", (100, 130)),
     "fig2": lambda: fig2(made.orders(1), made.validation(1), "dea1"),
     "recovery": lambda: recovery(made.recovery(1)),

@@ -39,12 +39,29 @@ def acquisition_settings(excitation):
             "excitation_name": excitation,
             "acquisition": config["acquisition"],
         } | sections(config["excitation"], excitation)
-        served = ACTUATORS[wildcards.actuator]["bench"]
-        leaves["bench"] = config["bench"] | {
-            "actuator": served,
-            "config": BENCH,
-            "plant": PLANTS[served].model_dump(),
-        }
+        leaves["bench"] = bench_settings(wildcards.actuator)
         return json.dumps(leaves, sort_keys=True)
 
     return resolve
+
+
+def control_settings(wildcards):
+    """The settings of the job that tries controllers on an actuator, as JSON."""
+    leaves = {
+        "seed": config["seed"],
+        "system": wildcards.actuator,
+        "acquisition": config["acquisition"],
+        "bench": bench_settings(wildcards.actuator),
+        "control": config["control"],
+    }
+    return json.dumps(leaves, sort_keys=True)
+
+
+def bench_settings(actuator):
+    """What serves a virtual actuator, and the parameters that its plant has."""
+    served = ACTUATORS[actuator]["bench"]
+    return config["bench"] | {
+        "actuator": served,
+        "config": BENCH,
+        "plant": PLANTS[served].model_dump(),
+    }

@@ -46,6 +46,11 @@ FIGURES = filled(
             path="results/figures/{name}",
             system="all",
         ),
+        "control": Group(
+            sources="results/{system}/control.nc",
+            path="results/figures/actuators/{name}_{system}",
+            system="{system}",
+        ),
         "discrepancy": Group(
             sources=expand(
                 "results/discrepancy/{{system}}/{file}",

@@ -24,6 +24,11 @@ TABLES = filled(
             path="results/tables/{name}",
             system="all",
         ),
+        "control": Group(
+            sources=expand("results/{actuator}/control.nc", actuator=VIRTUAL),
+            path="results/tables/{name}",
+            system="all",
+        ),
         "recovery": Group(
             sources="results/recovery.nc",
             path="results/tables/{name}",

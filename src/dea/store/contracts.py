@@ -221,6 +221,20 @@ CONTRACTS: Mapping[str, Contract] = {
             "frequency_3": _plain(units="Hz"),
         },
     ),
+    "control": Contract(
+        required={
+            "reference": _plain("time"),
+            "measured": _plain("controller", "time"),
+            "voltage": _plain("controller", "time"),
+            "quality": _plain("controller", "time", units="1"),
+            "rms_error": _plain("controller", "minute"),
+            "stroke": _plain(),
+            "outcome": _plain("controller", units="1"),
+            "fallbacks": _plain("controller", units="1"),
+            "proportional": _plain("controller"),
+            "integral_time": _plain("controller", units="s"),
+        }
+    ),
     "forecast": Contract(
         required={
             "error": _plain("forecaster", "horizon", "origin"),

@@ -1,0 +1,199 @@
+"""Let controllers follow a reference with a virtual actuator, and keep how well they did."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dea.stages.command import run
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+
+    from dea.control import Gains, Trial
+    from dea.modbus import Device
+
+MINUTE = 60.0  # s
+
+
+class Followed(NamedTuple):
+    """What came of one controller: its record, or why it was stopped."""
+
+    record: "xr.Dataset | None"
+    reference: "np.ndarray"
+    outcome: str
+    fallbacks: int
+    gains: "Gains | None"
+
+
+def control(
+    settings: Mapping[str, Any], device: Path, record: Path, model: Path, control: Path
+) -> None:
+    """Try every controller on the actuator, each from the same rest and with the same reference.
+
+    ``settings`` holds ``control``, ``acquisition`` and ``bench`` as :mod:`dea.stages.acquire` has
+    it.
+    """
+    import tempfile
+
+    from dea import modbus, seeds, store
+    from dea.control import Trial
+    from dea.narx import NarxModel
+
+    description = modbus.read_device(device)
+    signals = store.signals(store.read_record(record))
+    generator = seeds.generator(settings["seed"], settings["system"], "control")
+    seed, noise_seed = (int(n) for n in generator.integers(2**31, size=2))
+    rate = description.sampling_rate
+    trial = Trial.design(
+        NarxModel.load(model), signals.u, signals.y, rate, settings["control"], seed
+    )
+    # Files of a drive that fails are kept nowhere: a run of the workflow begins anew.
+    with tempfile.TemporaryDirectory() as folder:
+        found = {
+            name: _follow(trial, follower, settings, description, device, noise_seed, Path(folder))
+            for name, follower in _controllers(trial).items()
+        }
+    store.write(
+        _dataset(found, trial, signals.u_units, signals.y_units),
+        control,
+        title=f"Controllers tried on {settings['system']}",
+        inputs={"device": device, "record": record, "model": model,
+                "bench": Path(settings["bench"]["config"])},
+        settings=settings,
+        seed=settings["seed"],
+    )  # fmt: skip
+
+
+class Follower(NamedTuple):
+    """A controller, or the voltages of an inverse that is played; its gains where it has any."""
+
+    controller: Callable[[float], float] | None
+    voltage: "np.ndarray | None"
+    gains: "Gains | None"
+
+
+def _controllers(trial: "Trial") -> dict[str, Follower]:
+    gains = trial.gains()
+    proportional_integral, own = trial.proportional_integral()
+    return {
+        "adaptive inverse": Follower(trial.adaptive(gains), None, gains),
+        "fixed inverse with feedback": Follower(trial.fixed(gains), None, gains),
+        "fixed inverse": Follower(None, trial.feedforward(), None),
+        "PI": Follower(proportional_integral, None, own),
+    }
+
+
+def _follow(
+    trial: "Trial", follower: Follower, settings: Mapping[str, Any], description: "Device",
+    device: Path, noise_seed: int, folder: Path,
+) -> Followed:  # fmt: skip
+    """Drive a fresh bench with one controller; what stops it is its outcome."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from dea import acquisition
+    from dea.control import LostError
+    from dea.stages.bench_process import bench_process
+
+    options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
+    task, bench = trial.task, settings["bench"]
+    played: acquisition.ClosedLoop | np.ndarray
+    if follower.controller is None:
+        assert follower.voltage is not None
+        played, options = follower.voltage, replace(options, mode="buffered")
+    else:
+        played = acquisition.ClosedLoop(
+            follower.controller, task.reference.size, task.start, settings["control"]["rate"]
+        )
+        options = replace(options, mode="polled", paced=False, on_break="stop")
+    record, outcome = None, "to the end"
+    with bench_process(**bench, device=device, seed=noise_seed) as port:
+        answering = replace(description, host="127.0.0.1", port=port, virtual=True)
+        try:
+            record = acquisition.acquire(answering, played, folder / "partial", options).record
+        except (LostError, acquisition.ControllerError) as error:
+            outcome = str(error)
+    own = getattr(follower.controller, "reference", np.empty(0))
+    return Followed(
+        record, own if own.size else task.reference, outcome,
+        getattr(follower.controller, "fallbacks", 0), follower.gains,
+    )  # fmt: skip
+
+
+def _dataset(
+    found: Mapping[str, Followed], trial: "Trial", u_units: str, y_units: str
+) -> "xr.Dataset":
+    import numpy as np
+    import xarray as xr
+
+    lead = sum(trial.task.run_in)
+    reference = trial.task.reference[lead:]
+    size = reference.size
+    minute = min(round(MINUTE * trial.sampling_rate), size)
+    whole = size // minute
+    rows: dict[str, list[np.ndarray]] = {"displacement": [], "voltage": [], "quality": []}
+    for followed in found.values():
+        for name, kept in rows.items():
+            missing = 2.0 if name == "quality" else np.nan  # lost
+            kept.append(
+                np.full(size, missing)
+                if followed.record is None
+                else followed.record[name].values[lead:]
+            )
+    measured = np.array(rows["displacement"])
+    error = (measured - reference)[:, -whole * minute :]  # whole minutes, to the end
+    rms = np.sqrt(np.mean(error.reshape(len(found), whole, minute) ** 2, axis=2))
+
+    def variable(dims: Any, values: Any, units: str, long_name: str) -> tuple[Any, Any, Any]:
+        return dims, values, {"units": units, "long_name": long_name}
+
+    each, gains = "controller", [one.gains for one in found.values()]
+    of_all = (each, "time")
+    return xr.Dataset(
+        {
+            "reference": variable("time", reference, y_units, "displacement wanted"),
+            "measured": variable(of_all, measured, y_units, "displacement"),
+            "voltage": variable(of_all, np.array(rows["voltage"]), u_units, "applied output"),
+            "quality": variable(
+                of_all, np.array(rows["quality"]).astype(np.uint8), "1", "quality flags, 0 is good"
+            ),
+            "rms_error": variable(
+                (each, "minute"),
+                rms,
+                y_units, "root mean square of measured minus wanted",
+            ),
+            "stroke": variable((), trial.task.stroke, y_units, "reference from end to end"),
+            "outcome": variable(
+                each, np.array([one.outcome for one in found.values()], dtype=object), "1",
+                "whether the controller came to the end, or what stopped it",
+            ),
+            "fallbacks": variable(
+                each, [one.fallbacks for one in found.values()], "1",
+                "times that the model's own parameters replaced the tracked ones",
+            ),
+            "proportional": variable(
+                each, [np.nan if one is None else one.proportional for one in gains],
+                "1", "K: of PI in input units per output unit, of an inverse a number",
+            ),
+            "integral_time": variable(
+                each, [np.nan if one is None else one.integral_time for one in gains], "s", "Ti"
+            ),
+        },
+        coords={
+            each: (each, np.array(list(found), dtype=object)),
+            "minute": variable("minute", np.arange(1, whole + 1), "1", "number of the minute"),
+            "time": variable("time", np.arange(size) / trial.sampling_rate, "s", "time"),
+        },
+        attrs={"contract": "control", "sampling_rate": trial.sampling_rate},
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    run(
+        control,
+        inputs=("device", "record", "model"),
+        outputs=("control",),
+        named=("bench.config",),
+    )

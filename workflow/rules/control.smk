@@ -1,0 +1,24 @@
+# Controllers tried on each virtual actuator over Modbus: `make control`.
+rule control:
+    input:
+        device=lambda wildcards: ACTUATORS[wildcards.actuator]["device"],
+        bench=BENCH,
+        record="results/{actuator}/record.nc",
+        model="results/{actuator}/model.nc",
+        code=modules("dea.stages.control", "dea.bench.__main__"),
+    output:
+        control="results/{actuator}/control.nc",
+    log:
+        "results/{actuator}/log/control.log",
+    benchmark:
+        "results/{actuator}/benchmark/control.tsv"
+    wildcard_constraints:
+        actuator=names(VIRTUAL),
+    params:
+        settings=control_settings,
+    shell:
+        stage(
+            "control --settings {params.settings:q} --device {input.device:q}"
+            " --record {input.record:q} --model {input.model:q}"
+            " --control {output.control:q} 2> {log:q}"
+        )
