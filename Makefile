@@ -9,8 +9,12 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
+# PROFILE=slurm JOBS=100 runs the jobs on a cluster.
+PLACE := $(if $(PROFILE),--workflow-profile workflow/profiles/default \
+	--profile workflow/profiles/$(PROFILE) --jobs $(or $(JOBS),100),\
+	--profile workflow/profiles/default --cores $(CORES))
 SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --logger progress \
-	--profile workflow/profiles/default --cores $(CORES)
+	$(PLACE)
 
 comma := ,
 
