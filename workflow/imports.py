@@ -1,8 +1,11 @@
 """Which files of ``src/dea`` a stage depends on, from the package's import graph.
 
-Listing them as inputs of a rule makes an edited module rerun what depends on it and nothing else.
+A list of them, with their hashes, as an input of a rule makes an edited module rerun what depends
+on it and nothing else.
 """
 
+import hashlib
+import os
 from functools import cache
 from pathlib import Path
 
@@ -13,6 +16,7 @@ from dea import provenance
 SOURCE = Path("src")
 PACKAGE = "dea"
 ENVIRONMENT = Path("build/environment.txt")
+LISTS = Path("build/code")
 
 
 def modules(*names: str) -> list[str]:
@@ -45,11 +49,32 @@ def _graph() -> grimp.ImportGraph:
 @cache
 def environment() -> str:
     """Return the file that lists the installed packages, brought up to date."""
-    text = "\n".join([*provenance.packages(), ""])
-    if not ENVIRONMENT.exists() or ENVIRONMENT.read_text() != text:
-        ENVIRONMENT.parent.mkdir(exist_ok=True)
-        ENVIRONMENT.write_text(text)
-    return str(ENVIRONMENT)
+    return _kept(ENVIRONMENT, "\n".join([*provenance.packages(), ""]))
+
+
+def listed(files: list[str]) -> str:
+    """Return the file that lists ``files`` with their SHA-256, as ``sha256sum`` does.
+
+    One input for a job instead of a hundred, since hundreds of actuators have thousands of jobs.
+    """
+    names = sorted(set(files))
+    digest = hashlib.sha256("\n".join(names).encode()).hexdigest()
+    return _kept(LISTS / f"{digest[:16]}.txt", "".join(f"{_sha(name)}  {name}\n" for name in names))
+
+
+@cache
+def _sha(name: str) -> str:
+    return provenance.digest(Path(name))
+
+
+def _kept(file: Path, text: str) -> str:
+    """Write a file where it says something else, whole or not at all; return its name."""
+    if not file.exists() or file.read_text() != text:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
+        partial.write_text(text)
+        partial.replace(file)
+    return str(file)
 
 
 def _file(module: str) -> str:

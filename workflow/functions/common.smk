@@ -83,12 +83,13 @@ def settings(*sections, **own_leaves):
     return resolve
 
 
-def modules(*names):
-    """The code of a job, which are the files of these modules and of all that they import.
+def modules(*names, files=()):
+    """A list of the code of a job: of these modules, of all that they import, and these files.
 
-    The list of installed packages is among them, since another version of a package is other code.
+    The list of installed packages is on it, since another version of a package is other code.
     """
-    return [*imports.modules(*names), imports.environment()]
+    code = [*imports.modules(*names), *files, imports.environment()]
+    return imports.listed(code)
 
 
 def stage(command):
@@ -96,7 +97,8 @@ def stage(command):
 
     It refuses code that the rule's ``code`` does not list. Its log names the job.
     """
-    job = "DEA_JOB={log:q} DEA_RULE={rule} DEA_CODE='{input.code}'"
+    code = 'DEA_CODE="$(cut -c 67- {input.code:q})"'
+    job = f"DEA_JOB={{log:q}} DEA_RULE={{rule}} {code}"
     return f"{job} python -m dea.stages.{command}"
 
 

@@ -3,11 +3,10 @@ rule handover:
     input:
         record="results/{system}/record.nc",
         model="results/{system}/model.nc",
-        code=[
-            *modules("dea.stages.handover"),
-            "src/dea/control/fmi/fmi2.c",
-            "src/dea/control/fmi/fmi2.h",
-        ],
+        code=modules(
+            "dea.stages.handover",
+            files=["src/dea/control/fmi/fmi2.c", "src/dea/control/fmi/fmi2.h"],
+        ),
     output:
         header="results/{system}/handover/model.h",
         source="results/{system}/handover/model.c",
