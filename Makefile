@@ -20,7 +20,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report handover control diagnose discrepancy real trials records \
-	faults peers interoperability soak coverage configuration audit sign crate numbers fresh \
+	faults peers interoperability soak coverage configuration audit sign crate slurm killed numbers fresh \
 	check test mutants benchmark clean FORCE
 
 help: ## list the targets
@@ -134,6 +134,13 @@ crate: $(VENV)/installed $(VALIDATOR)/installed ## build/crate: the results and 
 	PYTHONPATH=workflow/plugins snakemake --profile workflow/profiles/default --cores 1 \
 		--reporter crate --report-crate-folder build/crate study
 	$(VALIDATOR)/bin/python workflow/validate_crate.py build/crate
+
+slurm: $(VENV)/installed ## a small study on a Slurm of one node (Debian, as root), and 600 actuators planned
+	tests/workflow/slurm_here.sh
+	pytest -m campaign tests/workflow/test_workflow_cluster.py
+
+killed: $(VENV)/installed ## kill runs of a small study at random moments, fill its disk, go on
+	pytest -m campaign tests/workflow/test_workflow_killed.py
 
 numbers: $(VENV)/installed ## write the numbers that the documents quote, from results and campaigns
 	python -m dea.audit.numbers

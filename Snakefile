@@ -46,6 +46,11 @@ onerror:
     print(failures("results", STARTED), file=sys.stderr)
 
 
+# Copies of files are too small for a job of a cluster.
+localrules:
+    first_actuator,
+
+
 rule study:
     default_target: True
     input:
