@@ -7,6 +7,7 @@ outputs to start from does the value interpolated between the neighbours take it
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator
 
 from dea.errors import InputError
 
@@ -29,7 +30,12 @@ def filled(y: Array) -> tuple[Array, NDArray[np.bool_]]:
     if not seen.any():
         raise InputError("every sample is missing", field="y", remedy="Record it again")
     at = np.arange(y.size)
-    return np.where(seen, y, np.interp(at, at[seen], y[seen])), seen
+    between = np.interp(at, at[seen], y[seen])
+    if np.count_nonzero(seen) > 1:
+        # A line misses the top of a curve by more than the noise of a good sensor.
+        curve = Akima1DInterpolator(at[seen], y[seen], method="makima")(at)
+        between = np.where(np.isfinite(curve), curve, between)
+    return np.where(seen, y, between), seen
 
 
 def stretches(seen: NDArray[np.bool_], part: slice, lag: int, terms: int = 0) -> list[slice]:

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from dea.discrepancy.evidence.period import period_of
+from dea.missing import filled
 from dea.simulation import ExtendedSimulation
 
 
@@ -82,12 +83,17 @@ class Problem(Samples):
     ) -> np.ndarray:
         """Return measured minus simulated output, shape (n,); infinite where unstable.
 
-        ``output`` is that before the sensor, if it is known already.
+        ``output`` is that before the sensor, if it is known already. Where the measured output is
+        missing, the residual is interpolated: it bends less than the output, and spectra of it need
+        a whole signal.
         """
         if output is None:
             output = self.moved(extended, values)
         y = extended.read(output, values, self.interval)
-        return np.where(np.isfinite(y), self.y - y, np.inf)
+        residual = np.where(np.isfinite(y), self.y - y, np.inf)
+        if self.measured is None or not np.isfinite(residual).all():
+            return residual
+        return filled(np.where(self.measured, residual, np.nan))[0]
 
     def seeing(self, samples: np.ndarray) -> "Problem":
         """Return the same record with only some ``samples`` (n, bool) for fits to see."""
