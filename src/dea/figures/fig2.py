@@ -74,7 +74,7 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
     ax.set_xticks(order.values)
     ax.set_xlabel(f"{kind} order")
     ax.set_ylabel("error over the least")
-    ax.legend(loc="upper right")
+    ax.legend(loc="best")
 
 
 def _predicted(ax: Axes, validation: xr.Dataset) -> None:

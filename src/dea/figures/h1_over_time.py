@@ -22,6 +22,7 @@ from dea.store import signals
 _COLUMNS = 2
 _TIMES = (0.05, 0.5, 0.95)  # of the record, at which curves are drawn
 _PALENESS = 0.3
+_LINEAR_TICKS = 4
 _BEYOND = 2.0  # highest frequency shown over the highest excited one
 
 
@@ -71,7 +72,12 @@ def h1_over_time(
         _curves(curves, response, shown.curves[name], shown)
     colour_bar(figure, mesh, np.array(figure.axes), shown.map_label)
     time = next(iter(responses.values()))["time"].values
-    handles = [veil_handle(), *_curve_handles(time), *missing_handles(shown.maps)]
+    veiled = any(map(_extrapolates, responses.values()))
+    handles = [
+        *([veil_handle()] if veiled else []),
+        *_curve_handles(time, responses, shown),
+        *missing_handles(shown.maps),
+    ]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=3,
         title=reservations(responses, style.FULL_WIDTH), title_fontsize=6,
@@ -100,6 +106,12 @@ def _highest(response: xr.Dataset) -> float:
     frequency = response["frequency"].values
     known = frequency[_excited(response)].max(initial=frequency[0])
     return float(min(frequency[-1], max(_BEYOND * known, frequency[1])))
+
+
+def _extrapolates(response: xr.Dataset) -> bool:
+    """Whether frequencies are shown at which the input held no power."""
+    shown = response["frequency"].values <= _highest(response)
+    return bool((shown & ~_excited(response)).any())
 
 
 def _series(ax: Axes, record: xr.Dataset) -> None:
@@ -151,18 +163,27 @@ def _curves(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantit
 
 def _log_if_wide(ax: Axes, which: str) -> None:
     low, high = ax.get_ylim() if which == "y" else ax.get_xlim()
+    axis = ax.yaxis if which == "y" else ax.xaxis
+    axis.set_major_locator(MaxNLocator(_LINEAR_TICKS))
     if low > 0 and high > 20 * low:
-        axis = ax.yaxis if which == "y" else ax.xaxis
         ax.set(**{f"{which}scale": "log"})
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter("")
 
 
-def _curve_handles(time: NDArray[np.float64]) -> list[Line2D | Patch]:
+def _curve_handles(
+    time: NDArray[np.float64], responses: Mapping[str, xr.Dataset], shown: Quantity
+) -> list[Line2D | Patch]:
+    """Return the handles of the times at which some curve is drawn, and of bands if there are."""
     unit, name = style.clock(time)
-    at = [time[round(share * (time.size - 1))] / unit for share in _TIMES]
-    lines: list[Line2D | Patch] = [
-        Line2D([], [], color=colour, lw=0.9, label=f"at {each:.3g} {name}")
-        for each, colour in zip(at, style.THREE, strict=True)
-    ]
-    return [*lines, Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band")]
+    handles: list[Line2D | Patch] = []
+    for share, colour in zip(_TIMES, style.THREE, strict=True):
+        rows = [
+            each.isel(time=round(share * (each["time"].size - 1))) for each in shown.curves.values()
+        ]
+        if any(bool(np.isfinite(row.values).any()) for row in rows):
+            at = time[round(share * (time.size - 1))] / unit
+            handles.append(Line2D([], [], color=colour, lw=0.9, label=f"at {at:.3g} {name}"))
+    if any(bool(np.isfinite(each[shown.low].values).any()) for each in responses.values()):
+        handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))
+    return handles

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from dea.figures import style
 from dea.store import Sources
@@ -22,15 +23,18 @@ def draw(sources: Sources) -> Figure:
 def link(links: Mapping[str, xr.Dataset]) -> Figure:
     """Draw the quality of each link (contract ``link``), by the actuators' names."""
     figure = style.page_figure(style.FULL_WIDTH, max(112, 40 + 12 * len(links)))
-    (trips, course), (lateness, repairs) = figure.subplots(2, 2)
+    polled = {name: each["jitter"].values for name, each in links.items() if each["jitter"].size}
+    axes = figure.subplot_mosaic("tc;lr" if polled else "tc;rr")
+    trips, course, repairs = axes["t"], axes["c"], axes["r"]
     colours = {name: style.CYCLE[i % len(style.CYCLE)] for i, name in enumerate(links)}
     _round_trips(trips, links, colours)
     _course(course, links, colours)
-    _lateness(lateness, links, colours)
+    if polled:
+        _lateness(axes["l"], polled, colours)
     _repairs(repairs, links)
     handles, labels = trips.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=min(len(links), 8))
-    style.panel_letters([trips, course, lateness, repairs], x=-22)
+    style.panel_letters(list(axes.values()), x=-22)
     return figure
 
 
@@ -59,22 +63,16 @@ def _course(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str
     style.plain_log_ticks(ax.yaxis)
 
 
-def _lateness(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str]) -> None:
-    """Draw the share of samples against their lateness; there is none if the device paces them."""
+def _lateness(
+    ax: Axes, polled: Mapping[str, NDArray[np.float64]], colours: Mapping[str, str]
+) -> None:
+    """Draw the share of samples against their lateness, of the links that the host paces."""
     ax.set(xlabel="lateness behind the deadline (ms)", ylabel="share at least as late")
-    polled = {name: each["jitter"].values for name, each in links.items() if each["jitter"].size}
     for name, jitter in polled.items():
         late = np.sort(jitter)[::-1] * _MILLI
         share = np.arange(1, late.size + 1) / late.size
         ax.plot(late, share, color=colours[name], rasterized=True)
-    if polled:
-        ax.set(yscale="log", ylim=(None, 1), xlim=(0, None))
-    else:
-        ax.text(
-            0.5, 0.5, "buffered: the device clocks every sample,\nthe host meets no deadlines",
-            ha="center", va="center", transform=ax.transAxes, color=style.GREY,
-        )  # fmt: skip
-        ax.set(xticks=[], yticks=[])
+    ax.set(yscale="log", ylim=(None, 1), xlim=(0, None))
 
 
 def _repairs(ax: Axes, links: Mapping[str, xr.Dataset]) -> None:
