@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from dea.errors import InputError
 from dea.intake.bandwidth import band, samples_to_average
 from dea.intake.dynamics import linear_dynamics
 from dea.intake.plan import make_plan
@@ -73,3 +74,19 @@ def test_every_segment_and_window_lies_inside_the_record(size, rate):
 def test_windows_with_a_gap_are_passed_over():
     plan = make_plan(signals(1200, 1.0, range(850, 870))).sections
     assert all(last <= 850 or first >= 870 for first, last in plan["validation"]["windows"])
+
+
+def test_an_input_of_steps_has_windows_in_which_it_moves_and_no_blocks_drawn():
+    record = signals(600, 1.0)
+    steps = np.repeat(np.random.default_rng(3).uniform(size=4), 150)
+    plan = make_plan(record._replace(u=steps, y=of_pole(steps, 0.9, 1))).sections
+    assert plan["identification"]["resamples"] == 0
+    for first, last in plan["validation"]["windows"]:
+        assert np.ptp(steps[int(first) : int(last)]) > 0
+
+
+def test_an_input_that_no_longer_moves_is_refused():
+    record = signals(600, 1.0)
+    u = np.where(np.arange(600) < 300, record.u, 0.0)
+    with pytest.raises(InputError, match="constant from sample 400 on"):
+        make_plan(record._replace(u=u))

@@ -23,6 +23,7 @@ _PER_CANDIDATE = 4  # samples for each term that could be selected
 _POOR = 0.5  # error of the linear model over the output's deviation, above which it says little
 _MOST_LAGS = 4
 _WINDOWS = 3
+_RESAMPLES = 10
 _RESPONSES = 120  # times at which responses are taken, at most
 _SETTLINGS = 20  # settling times in a window of the local tracker
 
@@ -67,7 +68,7 @@ def make_plan(signals: Record) -> Plan:
     lags, degree = _size(linear, part.stop - part.start)
     held = y.size - known
     reach = min(50, held // (2 * _WINDOWS) - 1)
-    windows = _windows(known, y.size, max(reach, 3), seen)
+    windows = _windows(known, max(reach, 3), u, seen)
     low, high = band(u, rate)
     time = y.size / rate
     sections = {
@@ -77,7 +78,7 @@ def make_plan(signals: Record) -> Plan:
             "u_lags": written(lags.u_lags),
             "degree": degree,
             "threshold": None,
-            "resamples": 10 if used > 40 * lags.u_lags[-1] else 0,
+            "resamples": _RESAMPLES if _moves(u[:used], lags.u_lags[-1]) else 0,
         },
         "orders": {
             "start": _in_seconds(known, rate),
@@ -162,14 +163,30 @@ def _responses(low: float, high: float, rate: float, samples: int) -> dict[str, 
     }
 
 
-def _windows(first: int, last: int, reach: int, seen: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return up to three windows of one length in the part held out, those with most samples."""
-    count = max(min(_WINDOWS, (last - first) // (2 * reach + 2)), 1)
-    length = min((last - first) // count, _LONGEST)
-    starts = [first + round(i * (last - first - length) / max(count - 1, 1)) for i in range(count)]
-    found = [(a, a + length) for a in starts]
+def _windows(first: int, reach: int, u: Array, seen: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return up to three windows of one length from ``first`` on, those without a missing sample.
+
+    There are fewer where the input would be constant over one of them.
+    """
+    held = u.size - first
+    for count in range(max(min(_WINDOWS, held // (2 * reach + 2)), 1), 0, -1):
+        length = min(held // count, _LONGEST)
+        apart = (held - length) / max(count - 1, 1)
+        found = [(a, a + length) for a in (first + round(i * apart) for i in range(count))]
+        if all(np.ptp(u[a:b]) > 0.0 for a, b in found):
+            break
+    else:
+        raise InputError(
+            f"the input is constant from sample {first} on, in the part held out for tests",
+            remedy="Cut the record where the input no longer changes",
+        )
     whole = [(a, b) for a, b in found if seen[a:b].all()]
     return whole or found
+
+
+def _moves(u: Array, lag: int) -> bool:
+    """Whether blocks that are drawn from the input anew hold many lags, and none is constant."""
+    return bool(u.size > 40 * lag and np.count_nonzero(np.diff(u)) > u.size / 2)
 
 
 def _longest_stretch(seen: NDArray[np.bool_]) -> slice:
