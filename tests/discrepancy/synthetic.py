@@ -18,7 +18,10 @@ VOLTS = np.sqrt(np.linspace(0.0, 4.3**2, 300))
 
 
 def stiffnesses(p):
-    """Return the vertical stiffness in N/m at VOLTS, from the free energy of the whole film."""
+    """Return the vertical stiffness in N/m at VOLTS, from the free energy of the whole film.
+
+    NaN from where the film pulls in.
+    """
     c10, c20, c30, lp, er = p[2:7]
     a, b, contact, thick, gain = 0.0175, 0.04, 0.002, 5e-4, 800.0
     edges = np.geomspace(a, b, 301)
@@ -43,8 +46,10 @@ def stiffnesses(p):
     def slope(x, volt):
         return (energy(x + 1e-5, volt) - energy(x - 1e-5, volt)) / 2e-5
 
-    found, x = np.empty(VOLTS.size), 1.0
+    found, x = np.full(VOLTS.size, np.nan), 1.0
     for k, volt in enumerate(VOLTS):
+        if slope(x - 1e-3, volt) * slope(x + 0.05, volt) > 0.0:
+            break
         x = brentq(slope, x - 1e-3, x + 0.05, args=(volt,), xtol=1e-10)
         s, t = stretches(x)
         force = (density(s + 1e-6, t) - density(s - 1e-6, t)) / 2e-6
@@ -254,6 +259,7 @@ def record(effects=(), kind="noise", duration=160.0, seed=0, noise=1.5e-3):
             2 * (y - low) / (high - low) - 1
         )
     y = y + rng.normal(0, noise, n)
+    assert np.isfinite(y).all(), "the film pulls in within this record"
     return xr.Dataset(
         {
             "voltage": ("time", u, {"units": "V"}),
