@@ -98,8 +98,9 @@ def stage(command):
     It refuses code that the rule's ``code`` does not list. Its log names the job.
     """
     code = 'DEA_CODE="$(cut -c 67- {input.code:q})"'
-    job = f"DEA_JOB={{log:q}} DEA_RULE={{rule}} {code}"
-    return f"{job} python -m dea.stages.{command}"
+    # In bash this is the rule's name; `snakemake --lint` takes a plain {rule} for a foreign variable.
+    named = "DEA_RULE=${{0:+{rule}}}"
+    return f"DEA_JOB={{log:q}} {named} {code} python -m dea.stages.{command}"
 
 
 def failures(folder, since):
