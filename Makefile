@@ -19,8 +19,9 @@ SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --logger progress \
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study record case cases report handover control diagnose discrepancy real trials records \
-	faults peers interoperability soak coverage configuration audit sign crate slurm killed numbers fresh \
+.PHONY: help study record case cases report handover control control-robustness diagnose discrepancy \
+	real trials records faults peers interoperability soak coverage configuration audit sign crate slurm \
+	killed numbers fresh \
 	check test mutants benchmark clean FORCE
 
 help: ## list the targets
@@ -66,6 +67,9 @@ handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handove
 control: $(VENV)/installed ## controllers follow a reference on every virtual actuator, in a table and figures
 	$(SNAKEMAKE) control_all
 	pytest -m campaign tests/control/test_control_trials.py
+
+control-robustness: $(VENV)/installed ## the controller on drawn actuators under disturbances (COUNT=100 SEED=1)
+	python -m benchmarks.control_robustness $(COUNT:%=--count %) $(SEED:%=--seed %)
 
 report: $(VENV)/installed ## results/report.html: the findings, and how each figure and table was made
 	$(SNAKEMAKE) study discrepancy

@@ -1,0 +1,202 @@
+"""The adaptive inverse on drawn actuators under disturbances: followed, stopped, or off.
+
+Each actuator is one of the study's with other moduli, permittivity and rest. Its controller has the
+model that was identified from the study's actuator, so that no model is quite right. The bench is
+driven in this process, sample by sample, without the link; limits and rate are checked here.
+"""
+
+import argparse
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from dea import store
+from dea.configuration.bench import BENCH
+from dea.configuration.files import read_yaml
+from dea.configuration.study import FILE, check_study
+from dea.configuration.study import settings as written
+from dea.control import AdaptiveInverse, LostError, Trial
+from dea.narx import NarxModel
+from dea.plant import Parameters, Rig, read_parameters
+from dea.seeds import generator
+
+Array = NDArray[np.float64]
+RESULTS, TABLE = Path("results"), Path("results/tables/control_robustness.csv")
+TURN = 7.0  # s: each kind of reference once
+FOLLOWED = 0.05  # of the stroke, up to which an RMS error counts as following
+SPREAD = 0.05  # standard deviation of the logarithm of a drawn parameter
+LOAD = 0.1  # of the stroke, of step disturbances
+DROPPED = (500, 550)  # samples without a reading: a second
+EVENT = 600  # the sample that comes late, and the first of the step disturbance
+LATE = 5  # periods by which it is late
+AGEING = ("stiffness_ageing", "leakage_ageing", "electrode_ageing")
+
+
+class Scenario(NamedTuple):
+    """What is done to an actuator: to its parameters, its reading, its time, its model."""
+
+    parameters: Callable[[Parameters], Parameters] = lambda parameters: parameters
+    reading: Callable[[int, float, float], float] = lambda sample, reading, stroke: reading
+    late: int | None = None
+    foreign: bool = False
+
+
+def _aged(parameters: Parameters) -> Parameters:
+    film = parameters.film
+    twice = {name: 2.0 * getattr(film, name) for name in AGEING}
+    return replace(parameters, film=film._replace(**twice))
+
+
+def _loaded(sample: int, reading: float, stroke: float) -> float:
+    return reading + LOAD * stroke * (EVENT <= sample < EVENT + 250)
+
+
+def _dropped(sample: int, reading: float, stroke: float) -> float:
+    return np.nan if DROPPED[0] <= sample < DROPPED[1] else reading
+
+
+SCENARIOS = {
+    "undisturbed": Scenario(),
+    "step disturbances": Scenario(reading=_loaded),
+    "sensor dropped for a second": Scenario(reading=_dropped),
+    "late sample": Scenario(late=EVENT),
+    "ages twice as fast": Scenario(parameters=_aged),
+    "model of another actuator": Scenario(foreign=True),
+}
+
+
+class Outcome(NamedTuple):
+    """RMS error over the stroke (NaN if stopped), whether a limit was violated, what stopped it."""
+
+    error: float
+    violated: bool
+    stopped: str
+
+
+def drawn(actuator: str, number: int, seed: int) -> Parameters:
+    """Return an actuator of the study with moduli, permittivity and rest of its own."""
+    parameters = read_parameters(Path(BENCH), actuator)
+    rng = generator(seed, "control robustness", str(number))
+    stiffer, permittivity, rest = np.exp(SPREAD * rng.standard_normal(3)).tolist()
+    film = parameters.film
+    moduli = {f"yeoh_{k}": stiffer * getattr(film, f"yeoh_{k}") for k in (1, 2, 3)}
+    film = film._replace(
+        **moduli,
+        branch_modulus=stiffer * film.branch_modulus,
+        permittivity=permittivity * film.permittivity,
+    )
+    return replace(parameters, film=film, rest=rest * parameters.rest)
+
+
+def tried(parameters: Parameters, trial: Trial, controller: AdaptiveInverse, scenario: Scenario,
+          seed: int) -> Outcome:  # fmt: skip
+    """Follow the reference once."""
+    task, rig = trial.task, Rig(scenario.parameters(parameters), seed)
+    output, sensor = parameters.output_converter, parameters.displacement_converter
+
+    def advance(volts: Array) -> float:
+        _, measured = rig.advance(output.to_counts(volts))
+        return float(sensor.to_values(measured)[-1])
+
+    ramp = np.linspace(0.0, task.start, round(task.start * trial.sampling_rate))
+    reading, volts, outputs = advance(ramp), [task.start], []
+    for sample in range(task.reference.size):
+        try:
+            volts.append(controller(scenario.reading(sample, reading, task.stroke)))
+        except LostError as error:
+            return Outcome(np.nan, _violated(volts, trial), str(error))
+        periods = 1 + LATE * (sample == scenario.late)
+        reading = advance(np.full(periods, volts[-1]))
+        outputs.append(scenario.reading(sample, reading, task.stroke))
+    lead = sum(task.run_in)
+    error = (np.array(outputs) - controller.reference)[lead:] / task.stroke
+    return Outcome(float(np.sqrt(np.nanmean(error**2))), _violated(volts, trial), "")
+
+
+def _violated(volts: list[float], trial: Trial) -> bool:
+    low, high = trial.task.limits
+    step = trial.settings["rate"] / trial.sampling_rate
+    small = 1e-9
+    outside = min(volts) < low - small or max(volts) > high + small
+    return outside or bool(np.abs(np.diff(volts)).max(initial=0.0) > step + small)
+
+
+def trials(settings: Mapping[str, Any], actuators: list[str], seed: int) -> dict[str, Trial]:
+    """Return the trial of each actuator that has a model, with a short reference."""
+    short = dict(settings) | {
+        "duration": 3 * TURN,
+        "reference": dict(settings["reference"]) | {"turn": TURN},
+    }
+    found = {}
+    for name in actuators:
+        folder = RESULTS / name
+        signals = store.signals(store.read_record(folder / "record.nc"))
+        rate = float(f"{signals.sampling_rate:.9g}")
+        model = NarxModel.load(folder / "model.nc")
+        found[name] = Trial.design(model, signals.u, signals.y, rate, short, seed)
+    return found
+
+
+def campaign(count: int, seed: int) -> Iterator[tuple[str, Outcome]]:
+    """Yield the outcome of every scenario on each of ``count`` drawn actuators."""
+    study = check_study(read_yaml(FILE, what="the configuration", example=FILE))
+    names = [actuator.name for actuator in study.actuators if actuator.bench]
+    benches = {actuator.name: str(actuator.bench) for actuator in study.actuators}
+    designed = trials(written(study)["control"], names, seed)
+    gains = {name: trial.gains() for name, trial in designed.items()}
+    for number in range(count):
+        name = names[number % len(names)]
+        other = names[(number + 1) % len(names)]
+        parameters = drawn(benches[name], number, seed)
+        for label, scenario in SCENARIOS.items():
+            own = designed[name]
+            source = designed[other] if scenario.foreign else own
+            # A foreign model follows what the actuator itself can reach.
+            trial = replace(source, task=own.task)
+            controller = trial.adaptive(gains[other if scenario.foreign else name])
+            yield label, tried(parameters, trial, controller, scenario, seed + number)
+
+
+def table(outcomes: list[tuple[str, Outcome]]) -> pd.DataFrame:
+    """Return a row for each scenario."""
+    rows = []
+    for label in SCENARIOS:
+        found = [outcome for name, outcome in outcomes if name == label]
+        errors = np.array([each.error for each in found if not each.stopped])
+        rows.append(
+            {
+                "scenario": label,
+                "actuators": len(found),
+                "followed": int((errors <= FOLLOWED).sum()),
+                "off": int((errors > FOLLOWED).sum()),
+                "stopped": sum(bool(each.stopped) for each in found),
+                "limit violated": sum(each.violated for each in found),
+                "median error (%)": 100.0 * float(np.median(errors)) if errors.size else np.nan,
+                "95 % below (%)": (
+                    100.0 * float(np.quantile(errors, 0.95)) if errors.size else np.nan
+                ),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the campaign, write its table, and print it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=100, help="actuators drawn")
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args(arguments)
+    found = table(list(campaign(options.count, options.seed)))
+    TABLE.parent.mkdir(parents=True, exist_ok=True)
+    with store.atomic(TABLE) as partial:
+        found.to_csv(partial, index=False)
+    print(found.round(2).to_markdown(index=False))
+
+
+if __name__ == "__main__":
+    main()
