@@ -9,6 +9,7 @@ import collections
 import sys
 from pathlib import Path
 
+from benchmarks.bars import progress_bars
 from benchmarks.faults.campaign import AT_A_TIME, Campaign, Verdict
 from benchmarks.faults.examples import examples
 from benchmarks.faults.schedule import loads
@@ -45,12 +46,16 @@ def main() -> None:
         ]
     campaign = Campaign(given.at_a_time, given.keep)
 
-    def tell(number: int, verdict: Verdict) -> None:
-        if verdict.broken:
-            name = names[number] if names else ""
-            print(name, verdict.schedule.dumps(), *verdict.broken, sep="\n    ", flush=True)
+    with progress_bars() as progress:
+        bar = progress.add_task("schedules", total=len(schedules))
 
-    verdicts = campaign.judge(schedules, not given.no_reduction, tell)
+        def tell(number: int, verdict: Verdict) -> None:
+            progress.advance(bar)
+            if verdict.broken:
+                name = names[number] if names else ""
+                print(name, verdict.schedule.dumps(), *verdict.broken, sep="\n    ", flush=True)
+
+        verdicts = campaign.judge(schedules, not given.no_reduction, tell)
     laws = collections.Counter(
         sentence.split(":")[0] for verdict in verdicts for sentence in verdict.broken
     )

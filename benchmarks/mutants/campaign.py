@@ -11,8 +11,9 @@ from hashlib import sha256
 from pathlib import Path
 from queue import SimpleQueue
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import Progress
 
+from benchmarks.bars import progress_bars
 from benchmarks.mutants.sites import Mutant, mutants
 from benchmarks.mutants.suite import Selection, TimedFile, read_report, select, test_files
 from benchmarks.mutants.workplace import Workplace
@@ -84,7 +85,7 @@ def run(campaign: Campaign, results: Path) -> list[dict[str, object]]:
         Workplace(campaign.root, campaign.folder / str(number))
         for number in range(campaign.workers)
     ]
-    with _progress() as progress:
+    with progress_bars() as progress:
         suites = _suites(campaign, copies, progress)
         for copy in copies:
             workplaces.put(copy)
@@ -213,9 +214,3 @@ def _keep(
     partial = results.with_suffix(".partial")
     partial.write_text(json.dumps({"tried": list(tried.values())}, indent=1) + "\n")
     partial.replace(results)
-
-
-def _progress() -> Progress:
-    return Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    )
