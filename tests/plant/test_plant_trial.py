@@ -5,14 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_conditions import CONDITIONS
 
 from dea.errors import InputError
 from dea.excitation import design
+from dea.plant.drive import Drive
 from dea.plant.hidden import EFFECTS, Use
 from dea.plant.hidden.devices import DEVICES
 from dea.plant.hidden.draw import FEWEST, MOST, STRONGEST, WEAKEST, draw
 from dea.plant.hidden.effect import Port
-from dea.plant.hidden.noise import NoiseKind
+from dea.plant.hidden.noise import Noise, NoiseKind
 from dea.plant.hidden.schedule import AMBIGUOUS, INSIDE, ROUND, ambiguous_plans, forms_of, plans
 from dea.plant.hidden.trial import Trial
 
@@ -92,6 +94,16 @@ def test_a_trial_survives_its_file_and_reads_the_same(trials, tmp_path):
             trial.readings(CONFIG, volts), again.readings(CONFIG, volts), strict=True
         ):
             np.testing.assert_array_equal(first, second)
+
+
+def test_a_record_of_the_drive_begins_where_the_first_command_holds_it():
+    drive = Drive()
+    trial = Trial(
+        name="rest", device="drive", factors={}, excitation={"sampling_rate": 50.0},
+        conditions=CONDITIONS, effects=(), strength=0.0, noise=Noise(NoiseKind.WHITE, 0.01), seed=1,
+    )  # fmt: skip
+    _, truth = trial.readings(CONFIG, np.full(50, 3.0))
+    np.testing.assert_allclose(truth, drive.gain * 3.0 / drive.stiffness, rtol=1e-6)
 
 
 def test_a_served_trial_keeps_its_truth_whatever_the_cuts():

@@ -214,7 +214,7 @@ DEVICES = {
         DeviceKind(
             name="drive", simulation="config/simulations/positioning_drive.py", unit="deg",
             scale=1.0, time=0.5, power=1.0, force=True, lows=(0.3, 1.0), highs=(4.0, 5.0),
-            rates=(25, 50, 100, 200), durations=(20.0, 300.0), noise=(0.02, 0.06), settling=0.0,
+            rates=(25, 50, 100, 200), durations=(20.0, 300.0), noise=(0.02, 0.06), settling=2.0,
             free=("damping", "stiffness"),
             spread={"gain": 0.15, "damping": 0.3, "stiffness": 0.15},
         ),

@@ -101,8 +101,13 @@ class Trial:
         )  # fmt: skip
 
     def readings(self, bench: Path, commands: Array) -> tuple[Array, Array]:
-        """Return readings with and without noise, in the unit of records, for commands in V."""
-        truth = self.rig(bench).respond(commands)
+        """Return readings with and without noise, in the unit of records, for commands in V.
+
+        The device has settled at the first command.
+        """
+        settling = round(self.kind.settling * self.sampling_rate)
+        played = np.concatenate([np.repeat(commands[:1], settling), commands])
+        truth = self.rig(bench).respond(played)[settling:]
         scale = self.kind.scale
         return scale * NoiseSource(self.noise, self.seed).read(truth), scale * truth
 
