@@ -2,7 +2,6 @@
 rule control:
     input:
         device=lambda wildcards: ACTUATORS[wildcards.actuator]["device"],
-        bench=BENCH,
         record="results/{actuator}/record.nc",
         model="results/{actuator}/model.nc",
         code=modules("dea.stages.control", "dea.bench.__main__"),

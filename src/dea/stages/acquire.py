@@ -17,28 +17,18 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
     Raises
     ------
     InputError
-        Where the file says something else than ``plant``.
+        As :func:`dea.stages.bench_process.as_planned`.
     """
     from dataclasses import replace
 
     from dea import acquisition, modbus
-    from dea.configuration.bench import read_bench
-    from dea.errors import InputError
-    from dea.stages.bench_process import bench_process
+    from dea.stages.bench_process import as_planned, bench_process
     from dea.stages.driving import excitation, write
 
     description = modbus.read_device(device)
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
     played = excitation(settings, description)
-    bench = dict(settings["bench"])
-    actuator, plant = bench["actuator"], bench.pop("plant")
-    if read_bench(bench["config"]).actuators[actuator].model_dump() != plant:
-        raise InputError(
-            "has changed since this run was planned",
-            file=bench["config"],
-            field=f"actuators.{actuator}",
-            remedy="Run again.",
-        )
+    bench = as_planned(settings["bench"])
     # Named as what the next run of this job removes: a virtual actuator can be driven again.
     partial = record.with_name(f".{record.name}.samples.partial")
     with bench_process(**bench, device=device, seed=played.noise_seed) as port:

@@ -3,11 +3,34 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from dea.errors import InputError
+
+
+def as_planned(bench: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings ``bench`` of a stage as :func:`bench_process` takes them.
+
+    Raises
+    ------
+    InputError
+        Where the bench's file says something else of the actuator than their ``plant`` does.
+    """
+    from dea.configuration.bench import read_bench
+
+    served = dict(bench)
+    actuator, plant = served["actuator"], served.pop("plant")
+    if read_bench(served["config"]).actuators[actuator].model_dump() != plant:
+        raise InputError(
+            "has changed since this run was planned",
+            file=served["config"],
+            field=f"actuators.{actuator}",
+            remedy="Run again.",
+        )
+    return served
 
 
 @contextmanager

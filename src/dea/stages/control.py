@@ -58,8 +58,7 @@ def control(
         _dataset(found, trial, signals.u_units, signals.y_units),
         control,
         title=f"Controllers tried on {settings['system']}",
-        inputs={"device": device, "record": record, "model": model,
-                "bench": Path(settings["bench"]["config"])},
+        inputs={"device": device, "record": record, "model": model},
         settings=settings,
         seed=settings["seed"],
     )  # fmt: skip
@@ -95,10 +94,10 @@ def _follow(
 
     from dea import acquisition
     from dea.control import LostError
-    from dea.stages.bench_process import bench_process
+    from dea.stages.bench_process import as_planned, bench_process
 
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
-    task, bench = trial.task, settings["bench"]
+    task, bench = trial.task, as_planned(settings["bench"])
     played: acquisition.ClosedLoop | np.ndarray
     if follower.controller is None:
         assert follower.voltage is not None
@@ -195,5 +194,4 @@ if __name__ == "__main__":
         control,
         inputs=("device", "record", "model"),
         outputs=("control",),
-        named=("bench.config",),
     )
