@@ -399,6 +399,8 @@ def control(seed: int) -> xr.Dataset:
                 "fallbacks": over("controller", np.array([1, 0])),
                 "proportional": over("controller", np.array([0.5, np.nan])),
                 "integral_time": over("controller", np.array([0.1, np.nan]), "s"),
+                "inverse_error": over("controller", np.full(2, np.nan), "mm"),
+                "effects": over("controller", np.array(["", "dead_time"], dtype=object)),
             },
             coords={
                 "controller": ("controller", np.array(["adaptive inverse", "PI"], dtype=object)),

@@ -16,5 +16,6 @@ def test_each_controller_has_its_errors_in_per_cent_and_its_outcome(each, names,
         for minute, part in (("first", error[:3000]), ("last", error[-3000:])):
             expected = 100 * np.sqrt(np.mean(part**2)) / 0.4
             assert np.isclose(row[f"{minute} minute (%)"], expected, equal_nan=True)
+        assert csv["effects"].fillna("")[row.name] == dataset["effects"].item()
         assert row["outcome"] == dataset["outcome"].item()
         assert row["fallbacks"] == int(dataset["fallbacks"])

@@ -35,6 +35,7 @@ def of_diagnosis(system):
             "localisation.nc",
             "candidates.nc",
             "verdict.json",
+            "nominal_simulation.yaml",
             "extended_simulation.yaml",
             "certificate.nc",
         )

@@ -4,7 +4,9 @@ rule control:
         device=lambda wildcards: ACTUATORS[wildcards.actuator]["device"],
         record="results/{actuator}/record.nc",
         model="results/{actuator}/model.nc",
-        code=modules("dea.stages.control", "dea.bench.__main__"),
+        nominal="results/discrepancy/{actuator}/nominal_simulation.yaml",
+        extended="results/discrepancy/{actuator}/extended_simulation.yaml",
+        code=modules("dea.stages.control", "dea.bench.__main__", *CATALOGUE),
     output:
         control="results/{actuator}/control.nc",
     log:
@@ -19,5 +21,6 @@ rule control:
         stage(
             "control --settings {params.settings:q} --device {input.device:q}"
             " --record {input.record:q} --model {input.model:q}"
+            " --nominal {input.nominal:q} --extended {input.extended:q}"
             " --control {output.control:q} 2> {log:q}"
         )

@@ -20,6 +20,7 @@ rule diagnose:
         localisation="results/discrepancy/{system}/localisation.nc",
         candidates="results/discrepancy/{system}/candidates.nc",
         verdict="results/discrepancy/{system}/verdict.json",
+        nominal="results/discrepancy/{system}/nominal_simulation.yaml",
         extended="results/discrepancy/{system}/extended_simulation.yaml",
         certificate="results/discrepancy/{system}/certificate.nc",
     log:
@@ -35,5 +36,6 @@ rule diagnose:
             " --record {input.record:q} --further {input.further:q}"
             " --tests {input.tests:q} --localisation {output.localisation:q}"
             " --candidates {output.candidates:q} --verdict {output.verdict:q}"
+            " --nominal {output.nominal:q}"
             " --extended {output.extended:q} --certificate {output.certificate:q} 2> {log:q}"
         )

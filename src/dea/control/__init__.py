@@ -12,12 +12,14 @@ from dea.control.planning import Plan, inverse_of
 from dea.control.reference import Reach, design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
 from dea.control.trial import Controller, Trial
+from dea.control.whole_inverse import Found, whole_inverse
 
 __all__ = [
     "AdaptiveInverse",
     "CCode",
     "Controller",
     "Follower",
+    "Found",
     "Gains",
     "Guard",
     "Linearised",
@@ -39,5 +41,6 @@ __all__ = [
     "to_iosystem",
     "tune_feedback",
     "tune_through_inverse",
+    "whole_inverse",
     "write_fmu",
 ]

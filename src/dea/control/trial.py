@@ -13,6 +13,7 @@ from dea.control.online import OnlineTracker
 from dea.control.planning import Plan, inverse_of
 from dea.control.reference import design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
+from dea.control.whole_inverse import Found, whole_inverse
 from dea.gfrf import ResponseBand, frequency_response_band, zero_input_interval
 from dea.narx import NarxModel, regressor_matrix
 from dea.tracking import root_mean_square, with_constant
@@ -20,6 +21,8 @@ from dea.tracking import root_mean_square, with_constant
 Array = NDArray[np.float64]
 Controller = Callable[[float], float]
 RESTS = 3  # over the reach, at which margins are kept
+_MEMORY = 0.5  # s for which an input of a simulation acts in the steps to its inverse
+_CHANGE = 1e-3  # of the inputs' scale, of which the effect is linear
 _TRIED = 200  # inputs between the limits, among which rests are looked for
 _TIMES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # s, integral times that are tried for PI
 
@@ -124,6 +127,25 @@ class Trial:
         wanted = self.task.run_in.approached(self.task.reference, start[1])
         inverse = inverse_of(self.plan(), wanted[hold:], *start)
         return np.concatenate([np.full(hold, start[0]), inverse])
+
+    def inverse_of_simulation(self, simulate: Callable[[Array], Array]) -> Found:
+        """Return the inputs with which a simulation of the actuator follows the reference.
+
+        ``simulate`` makes outputs of inputs, both of shape (samples,) and in the units of the
+        task. The reference is approached from where the simulation is after the hold.
+        """
+        task, scaling, hold = self.task, self.model.scaling, self.task.run_in.hold
+        held = simulate(np.full(hold + 1, task.start))[-1]
+        wanted = task.run_in.approached(task.reference, held)
+        wanted[:hold] = np.nan
+        return whole_inverse(
+            simulate, wanted, np.full(wanted.size, task.start),
+            memory=round(_MEMORY * self.sampling_rate),
+            change=_CHANGE * scaling.u_scale,
+            weight=self.settings["smoothness"] * (scaling.y_scale / scaling.u_scale) ** 2,
+            lowest=task.limits[0], highest=task.limits[1],
+            reach=self.settings["rate"] / self.sampling_rate,
+        )  # fmt: skip
 
     def proportional_integral(self) -> tuple["FromStart", Gains]:
         """Return PI control tuned on the linear model, and its gains.

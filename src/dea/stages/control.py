@@ -23,16 +23,18 @@ class Followed(NamedTuple):
     reference: "np.ndarray"
     outcome: str
     fallbacks: int
-    gains: "Gains | None"
+    follower: "Follower"
 
 
 def control(
-    settings: Mapping[str, Any], device: Path, record: Path, model: Path, control: Path
-) -> None:
+    settings: Mapping[str, Any], device: Path, record: Path, model: Path, nominal: Path,
+    extended: Path, control: Path,
+) -> None:  # fmt: skip
     """Try every controller on the actuator, each from the same rest and with the same reference.
 
     ``settings`` holds ``control``, ``acquisition`` and ``bench`` as :mod:`dea.stages.acquire` has
-    it.
+    it. ``nominal`` and ``extended`` are the simulation fitted without and with the effects that
+    the record's diagnosis named.
     """
     import tempfile
 
@@ -52,35 +54,57 @@ def control(
     with tempfile.TemporaryDirectory() as folder:
         found = {
             name: _follow(trial, follower, settings, description, device, noise_seed, Path(folder))
-            for name, follower in _controllers(trial).items()
+            for name, follower in _controllers(trial, nominal, extended).items()
         }
     store.write(
         _dataset(found, trial, signals.u_units, signals.y_units),
         control,
         title=f"Controllers tried on {settings['system']}",
-        inputs={"device": device, "record": record, "model": model},
+        inputs={"device": device, "record": record, "model": model, "nominal": nominal,
+                "extended": extended},
         settings=settings,
         seed=settings["seed"],
     )  # fmt: skip
 
 
 class Follower(NamedTuple):
-    """A controller, or the voltages of an inverse that is played; its gains where it has any."""
+    """A controller, or the voltages of an inverse that is played.
 
-    controller: Callable[[float], float] | None
-    voltage: "np.ndarray | None"
-    gains: "Gains | None"
+    A controller has gains; the inverse of a simulation, an error that is left with it, and the
+    effects that are attached to it.
+    """
+
+    controller: Callable[[float], float] | None = None
+    voltage: "np.ndarray | None" = None
+    gains: "Gains | None" = None
+    error: float = float("nan")
+    effects: str = ""
 
 
-def _controllers(trial: "Trial") -> dict[str, Follower]:
+def _controllers(trial: "Trial", nominal: Path, extended: Path) -> dict[str, Follower]:
     gains = trial.gains()
     proportional_integral, own = trial.proportional_integral()
-    return {
-        "adaptive inverse": Follower(trial.adaptive(gains), None, gains),
-        "fixed inverse with feedback": Follower(trial.fixed(gains), None, gains),
-        "fixed inverse": Follower(None, trial.feedforward(), None),
-        "PI": Follower(proportional_integral, None, own),
+    found = {
+        "adaptive inverse": Follower(trial.adaptive(gains), gains=gains),
+        "fixed inverse with feedback": Follower(trial.fixed(gains), gains=gains),
+        "fixed inverse": Follower(voltage=trial.feedforward()),
+        "PI": Follower(proportional_integral, gains=own),
+        "inverse of the physics": _inverse(trial, nominal),
     }
+    with_effects = _inverse(trial, extended)
+    if with_effects.effects:
+        found["inverse of the physics with effects"] = with_effects
+    return found
+
+
+def _inverse(trial: "Trial", path: Path) -> Follower:
+    """Return the inverse of a saved simulation."""
+    from dea.simulation import load_extended
+
+    simulation, values, interval = load_extended(path)
+    inverse = trial.inverse_of_simulation(lambda u: simulation.simulate(values, u, interval))
+    effects = ", ".join(attached.effect.name for attached in simulation.attached)
+    return Follower(voltage=inverse.inputs, error=inverse.error, effects=effects)
 
 
 def _follow(
@@ -117,7 +141,7 @@ def _follow(
     own = getattr(follower.controller, "reference", np.empty(0))
     return Followed(
         record, own if own.size else task.reference, outcome,
-        getattr(follower.controller, "fallbacks", 0), follower.gains,
+        getattr(follower.controller, "fallbacks", 0), follower,
     )  # fmt: skip
 
 
@@ -148,7 +172,8 @@ def _dataset(
     def variable(dims: Any, values: Any, units: str, long_name: str) -> tuple[Any, Any, Any]:
         return dims, values, {"units": units, "long_name": long_name}
 
-    each, gains = "controller", [one.gains for one in found.values()]
+    each, followers = "controller", [one.follower for one in found.values()]
+    gains = [follower.gains for follower in followers]
     of_all = (each, "time")
     return xr.Dataset(
         {
@@ -179,6 +204,14 @@ def _dataset(
             "integral_time": variable(
                 each, [np.nan if one is None else one.integral_time for one in gains], "s", "Ti"
             ),
+            "inverse_error": variable(
+                each, [follower.error for follower in followers], y_units,
+                "root mean square error that the simulation itself has with its inverse",
+            ),
+            "effects": variable(
+                each, np.array([follower.effects for follower in followers], dtype=object), "1",
+                "effects attached to the simulation that is inverted",
+            ),
         },
         coords={
             each: (each, np.array(list(found), dtype=object)),
@@ -192,6 +225,6 @@ def _dataset(
 if __name__ == "__main__":
     run(
         control,
-        inputs=("device", "record", "model"),
+        inputs=("device", "record", "model", "nominal", "extended"),
         outputs=("control",),
     )

@@ -15,6 +15,7 @@ def diagnose(
     localisation: Path,
     candidates: Path,
     verdict: Path,
+    nominal: Path,
     extended: Path,
     certificate: Path,
     threads: int,
@@ -68,9 +69,9 @@ def diagnose(
             settings=settings,
             seed=settings["seed"],
         )
-    final = found.final.extended
-    values = final.of_record(found.final.values, 0)
-    save_extended(final.alone, values, found.problem.interval, extended)
+    for fit, path in ((found.nominal, nominal), (found.final, extended)):
+        values = fit.extended.of_record(fit.values, 0)
+        save_extended(fit.extended.alone, values, found.problem.interval, path)
     found.verdict.write(verdict)
 
 
@@ -78,7 +79,7 @@ if __name__ == "__main__":
     run(
         diagnose,
         inputs=("record", "further*", "tests*"),
-        outputs=("localisation", "candidates", "verdict", "extended", "certificate"),
+        outputs=("localisation", "candidates", "verdict", "nominal", "extended", "certificate"),
         numbers=("threads",),
         named=("simulation",),
     )

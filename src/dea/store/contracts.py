@@ -233,6 +233,8 @@ CONTRACTS: Mapping[str, Contract] = {
             "fallbacks": _plain("controller", units="1"),
             "proportional": _plain("controller"),
             "integral_time": _plain("controller", units="s"),
+            "inverse_error": _plain("controller"),
+            "effects": _plain("controller", units="1"),
         }
     ),
     "forecast": Contract(

@@ -26,6 +26,7 @@ def control(found: Mapping[str, xr.Dataset]) -> Table:
                 {
                     "actuator": name,
                     "controller": str(controller),
+                    "effects": str(one["effects"].values),
                     f"stroke ({stroke.attrs['units']})": float(stroke),
                     "first minute (%)": float(share.sel(controller=controller)[0]),
                     "last minute (%)": float(share.sel(controller=controller)[-1]),

@@ -1,0 +1,154 @@
+"""The inverse of any simulation along a whole reference, known from beginning to end."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from dea.errors import InputError
+
+Array = NDArray[np.float64]
+_STEPS = 8  # of Gauss-Newton at most
+_ENOUGH = 0.01  # part of its error that a step must remove for another to follow
+
+
+class Found(NamedTuple):
+    """Inputs, shape (samples,), and the RMS error that the simulation has with them."""
+
+    inputs: Array
+    error: float
+
+
+def whole_inverse(
+    simulate: Callable[[Array], Array],
+    reference: Array,
+    begun: Array,
+    *,
+    memory: int,
+    change: float,
+    weight: float,
+    lowest: float,
+    highest: float,
+    reach: float,
+) -> Found:
+    """Return the inputs with which a simulation follows a reference.
+
+    They minimise the squared errors and ``weight`` times their squared second differences. The
+    simulation is a black box: its Jacobian is a band, of which every ``memory``-th column is found
+    by one run in which the inputs of those samples are changed together (A. Curtis, M. Powell and
+    J. Reid, IMA J. Applied Mathematics 13 (1974) 117-119). What it remembers for longer slows the
+    Gauss-Newton steps down and does not change where they end.
+
+    Parameters
+    ----------
+    simulate
+        Inputs (samples,) to outputs (samples,).
+    reference
+        Outputs wanted, (samples,); NaN before they begin, in two samples at least.
+    begun
+        The inputs to begin with; those of the samples without a reference are kept.
+    memory
+        Samples for which an input acts on the output.
+    change
+        Of an input, of which the effect is linear.
+    weight
+        Of the second differences, in squared units of the output per squared unit of the input.
+    lowest, highest, reach
+        Limits of the inputs, and their largest change from sample to sample.
+
+    Raises
+    ------
+    InputError
+        If the simulation diverges on the way, or an output is wanted from the beginning.
+    """
+    wanted = np.isfinite(reference)
+    first = int(np.argmax(wanted))
+    if first < 2:
+        raise InputError(
+            f"an output is wanted from sample {first} on",
+            field="reference",
+            remedy="Put two samples without one (NaN) before it.",
+        )
+
+    def missing(inputs: Array) -> Array:
+        return np.where(wanted, reference - simulate(inputs), 0.0)
+
+    def cost(inputs: Array, gap: Array) -> float:
+        return float(gap @ gap + weight * np.sum(np.diff(inputs, 2) ** 2))
+
+    inputs, gap = begun.copy(), missing(begun)
+    if not np.isfinite(gap).all():
+        raise _diverges(gap)
+    best = cost(inputs, gap)
+    for _ in range(_STEPS):
+        band = _band(missing, inputs, gap, first, memory, change)
+        tried = inputs.copy()
+        tried[first:] += _step(band, gap[first:], np.diff(inputs, 2)[first - 2 :], weight)
+        _limit(tried, first, lowest, highest, reach)
+        gap_tried = missing(tried)
+        found = cost(tried, gap_tried)
+        if not found < best:
+            break
+        enough = found < (1.0 - _ENOUGH) * best
+        inputs, gap, best = tried, gap_tried, found
+        if not enough:
+            break
+    return Found(inputs, float(np.sqrt(np.mean(gap[wanted] ** 2))))
+
+
+def _diverges(gap: Array) -> InputError:
+    return InputError(
+        f"the simulation diverges at sample {int(np.argmin(np.isfinite(gap)))} of the reference",
+        field="simulation",
+        remedy="Correct its parameters, or narrow the reference.",
+    )
+
+
+def _band(
+    missing: Callable[[Array], Array], inputs: Array, gap: Array, first: int, memory: int,
+    change: float,
+) -> Array:  # fmt: skip
+    """Return what input ``first + j`` adds to the output k samples later, [j, k]."""
+    size = inputs.size - first
+    band = np.zeros((size, memory))
+    for begin in range(memory):
+        changed = inputs.copy()
+        changed[first + begin :: memory] += change
+        effect = np.zeros(-(-size // memory) * memory + memory)
+        beside = missing(changed)
+        if not np.isfinite(beside).all():
+            raise _diverges(beside)
+        effect[:size] = ((gap - beside) / change)[first:]
+        columns = band[begin::memory]
+        columns[:] = effect[begin : begin + columns.size].reshape(columns.shape)
+    return band
+
+
+def _step(band: Array, gap: Array, curves: Array, weight: float) -> Array:
+    """Return the least-squares step; ``curves`` are the second differences of the inputs now."""
+    from scipy.linalg import solveh_banded
+
+    size, memory = band.shape
+    normal = np.zeros((max(memory, 3), size))  # lower form of solveh_banded
+    slope = np.zeros(size)
+    for lag in range(min(memory, size)):
+        slope[: size - lag] += band[: size - lag, lag] * gap[lag:]
+        for k in range(memory - lag):
+            normal[lag, : size - lag] += band[: size - lag, k + lag] * band[lag:, k]
+    normal[0] += weight * np.concatenate([np.full(size - 2, 6.0), [5.0, 1.0]])
+    normal[1, :-1] -= weight * np.concatenate([np.full(size - 2, 4.0), [2.0]])
+    normal[2, :-2] += weight
+    slope -= weight * curves
+    slope[:-1] += 2.0 * weight * curves[1:]
+    slope[:-2] -= weight * curves[2:]
+    step: Array = solveh_banded(normal, slope, lower=True)
+    return step
+
+
+@njit(cache=True)
+def _limit(inputs: Array, first: int, lowest: float, highest: float, reach: float) -> None:
+    for k in range(first, inputs.size):
+        before = inputs[k - 1]
+        inputs[k] = min(max(inputs[k], lowest, before - reach), highest, before + reach)
