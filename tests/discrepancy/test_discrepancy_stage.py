@@ -10,7 +10,7 @@ from dea.stages.diagnose import diagnose
 from user_simulation import PORTS, SLOPE, write_simulation
 
 DT = 0.02
-OUTPUTS = ("localisation", "candidates", "verdict", "extended", "certificate")
+OUTPUTS = ("localisation", "candidates", "verdict", "nominal", "extended", "certificate")
 
 
 def settings(simulation):
