@@ -9,6 +9,7 @@ import xarray as xr
 from dea.discrepancy import Settings, diagnose
 from dea.errors import InputError
 from dea.simulation import Parameter, State, catalogue, load_simulation, measured_scales, prepared
+from dea.store import signals
 
 INTERVAL, NOISE = 0.02, 4e-3
 SLOW = load_simulation("mass_spring_damper")
@@ -61,7 +62,7 @@ def test_records_of_one_device_share_their_law_and_not_their_start():
 
 def test_records_sampled_otherwise_are_refused():
     with pytest.raises(InputError, match=r"record 2 is sampled every 0\.03 s"):
-        diagnose([recorded(1, 0.0), recorded(2, 0.0, 0.03)], SLOW)
+        diagnose([recorded(1, 0.0), signals(recorded(2, 0.0, 0.03))], SLOW)
 
 
 def test_no_record_is_refused():

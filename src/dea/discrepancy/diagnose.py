@@ -47,15 +47,17 @@ from dea.simulation import (
 if TYPE_CHECKING:
     import xarray as xr
 
+    from dea.store import Record
+
 # Candidates that are weighed against each other: so many leading ones.
 _WEIGHED = 14
 
 
 def diagnose(
-    record: "xr.Dataset | Sequence[xr.Dataset]",
+    record: "Record | xr.Dataset | Sequence[Record | xr.Dataset]",
     simulation: Simulation | str,
     *,
-    test_records: "Mapping[str, xr.Dataset] | None" = None,
+    test_records: "Mapping[str, Record | xr.Dataset] | None" = None,
     settings: Settings | None = None,
     workers: int = 1,
 ) -> Diagnosis:
@@ -64,8 +66,9 @@ def diagnose(
     Parameters
     ----------
     record
-        Time (s), voltage and displacement, or input and output, in the simulation's units. Of
-        several records of one device each has its own start and its own drift; all else is shared.
+        A :class:`dea.Record`, or a dataset with time (s), voltage and displacement, or input and
+        output; in the simulation's units. Of several records of one device each has its own start
+        and its own drift; all else is shared.
     simulation
         A simulation, the name of one that comes with the study, or a Python file.
     test_records
@@ -159,10 +162,14 @@ def diagnose(
     )
 
 
-def _listed(record: "xr.Dataset | Sequence[xr.Dataset]") -> "list[xr.Dataset]":
+def _listed(
+    record: "Record | xr.Dataset | Sequence[Record | xr.Dataset]",
+) -> "list[Record | xr.Dataset]":
     import xarray as xr
 
-    return [record] if isinstance(record, xr.Dataset) else list(record)
+    from dea.store import Record
+
+    return [record] if isinstance(record, Record | xr.Dataset) else list(record)
 
 
 def _offered(names: Sequence[str]) -> list[Effect]:

@@ -16,6 +16,8 @@ from dea.simulation import ExtendedSimulation, Simulation, prepared, slowest_tim
 if TYPE_CHECKING:
     import xarray as xr
 
+    from dea.store import Record
+
 # Factor by which the integration steps of the simulation alone may be shortened for an effect; a
 # law with corners would be shortened without end.
 _SHORTER = 4
@@ -25,7 +27,7 @@ _LEAST = 1e-6
 _SAME = 1e-6
 
 
-def signals_of(record: "xr.Dataset", simulation: Simulation) -> Samples:
+def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples:
     """Return the signals of a record, whose units must be the simulation's.
 
     Raises
@@ -33,9 +35,9 @@ def signals_of(record: "xr.Dataset", simulation: Simulation) -> Samples:
     InputError
         If they are not.
     """
-    from dea.store import signals
+    from dea.store import Record, signals
 
-    found = signals(record)
+    found = record if isinstance(record, Record) else signals(record)
     for role, unit, expected in (
         ("input", found.u_units, simulation.input_unit),
         ("output", found.y_units, simulation.output_unit),
