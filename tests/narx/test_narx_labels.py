@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 import dea
 from dea.errors import InputError
@@ -136,3 +137,9 @@ def test_the_plot_shows_both_outputs_with_their_units(found):
     assert axes.get_ylabel() == "position (mm)"
     measured, run = (line.get_ydata() for line in axes.get_lines())
     np.testing.assert_allclose(measured, run, atol=1e-6)
+
+
+def test_the_plot_goes_into_axes_that_are_given(found):
+    axes = Figure().add_subplot()
+    assert found.plot(record(), axes=axes) is axes
+    assert len(axes.lines) == 2

@@ -163,12 +163,14 @@ class NarxModel:
         run = self.simulate(inputs, outputs)
         return 1.0 - nmse(outputs[seen], run[seen])
 
-    def plot(self, u: ArrayLike | Record, y: ArrayLike | None = None) -> "Axes":
-        """Draw measured output and free run over time with matplotlib; return the axes."""
+    def plot(
+        self, u: ArrayLike | Record, y: ArrayLike | None = None, *, axes: "Axes | None" = None
+    ) -> "Axes":
+        """Draw measured output and free run over time into matplotlib's ``axes``, or new ones."""
         from dea.narx.plot import plot_run
 
         inputs, outputs = pair(u, y, self.max_lag + 1)
-        return plot_run(self.labels, outputs, self.simulate(inputs, filled(outputs)[0]))
+        return plot_run(self.labels, outputs, self.simulate(inputs, filled(outputs)[0]), axes)
 
     def with_parameters(
         self, parameters: ArrayLike, covariance: Array | None = None, withheld: str = ""

@@ -9,11 +9,15 @@ from dea.narx.checks import Array
 from dea.narx.labels import Labels
 
 
-def plot_run(labels: Labels, measured: Array, run: Array) -> Axes:
-    """Draw both over time in s, or over samples where the rate is not known."""
-    figure = Figure(figsize=(7.0, 3.0), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
+def plot_run(labels: Labels, measured: Array, run: Array, axes: Axes | None = None) -> Axes:
+    """Draw both over time in s, or over samples where the rate is not known.
+
+    Without ``axes`` in a figure of its own, which pyplot does not know.
+    """
+    if axes is None:
+        figure = Figure(figsize=(7.0, 3.0), layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.add_subplot()
     rate = labels.sampling_rate
     time = np.arange(measured.size) / (rate or 1.0)
     axes.plot(time, measured, color="#A6A6A6", lw=2.5, label="measured")
