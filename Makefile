@@ -20,7 +20,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report handover control control-robustness diagnose discrepancy \
-	real trials records faults peers interoperability soak coverage configuration audit sign crate slurm \
+	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
 	killed numbers fresh \
 	check test mutants benchmark clean FORCE
 
@@ -115,6 +115,16 @@ interoperability: peers $(VENV)/installed ## client and bench against libmodbus,
 
 soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
 	python -m benchmarks.acquisition --soak
+
+.venv-docs/installed: docs/site/environment.txt requirements.in environment.txt
+	$(PYTHON) -m venv .venv-docs
+	.venv-docs/bin/python -m pip install --quiet --disable-pip-version-check \
+		--requirement $< --requirement requirements.in --constraint environment.txt
+	touch $@
+
+docs: .venv-docs/installed ## the documentation as a site, in build/site; a dead link is an error
+	NO_MKDOCS_2_WARNING=1 PYTHONPATH=$(CURDIR)/src .venv-docs/bin/mkdocs build --quiet
+	@echo build/site/index.html
 
 configuration: $(VENV)/installed ## write docs/configuration.md from the models of the config
 	python -m dea.configuration page > docs/configuration.md
