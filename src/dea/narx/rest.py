@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import polynomial
 
 from dea.narx.checks import Array
 from dea.terms import Term
@@ -35,31 +34,45 @@ def rests_over(
     limit
         Largest modulus of an output that counts.
     """
+    roots = _real_roots(terms, parameters, inputs, limit)
     middle = int(np.argmin(np.abs(inputs)))
     outputs = np.full(inputs.size, np.nan)
-    outputs[middle] = _nearest_root(terms, parameters, inputs[middle], 0.0, limit)
+    outputs[middle] = _nearest(roots[middle], 0.0)
     for order in (range(middle + 1, inputs.size), range(middle - 1, -1, -1)):
         last = outputs[middle]
         for level in order:
-            near = last if np.isfinite(last) else 0.0
-            last = outputs[level] = _nearest_root(terms, parameters, inputs[level], near, limit)
+            last = outputs[level] = _nearest(roots[level], last if np.isfinite(last) else 0.0)
     return Rests(inputs, outputs, _largest_pole(terms, parameters, inputs, outputs))
 
 
-def _nearest_root(
-    terms: Sequence[Term], parameters: Array, u: float, near: float, limit: float
-) -> float:
-    coefficients = np.zeros(1 + max(1, *(len(term.y_lags) for term in terms)))
-    coefficients[1] = -1.0
+def _real_roots(
+    terms: Sequence[Term], parameters: Array, inputs: Array, limit: float
+) -> list[Array]:
+    """Return the real roots of the static polynomial at each input, up to ``limit`` in modulus.
+
+    They are the eigenvalues of its companion matrix, of all inputs at once: a search asks for the
+    rests of thousands of models.
+    """
+    order = max(1, *(len(term.y_lags) for term in terms))
+    coefficients = np.zeros((inputs.size, order + 1))
+    coefficients[:, 1] = -1.0
     for term, parameter in zip(terms, parameters.tolist(), strict=True):
-        coefficients[len(term.y_lags)] += parameter * u ** len(term.u_lags)
-    trimmed = np.trim_zeros(coefficients, "b")
-    if trimmed.size < 2:
-        return float("nan")
-    roots = polynomial.polyroots(trimmed)
-    real = roots.real[np.abs(roots.imag) <= _REAL * (1.0 + np.abs(roots))]
-    real = real[np.abs(real) <= limit]
-    return float(real[np.argmin(np.abs(real - near))]) if real.size else float("nan")
+        coefficients[:, len(term.y_lags)] += parameter * inputs ** len(term.u_lags)
+    degrees = np.max(np.where(coefficients != 0.0, np.arange(order + 1), 0), axis=1)
+    real = [np.empty(0)] * inputs.size
+    for degree in np.unique(degrees[degrees > 0]).tolist():
+        (levels,) = np.nonzero(degrees == degree)
+        companion = np.zeros((levels.size, degree, degree))
+        companion[:, range(1, degree), range(degree - 1)] = 1.0
+        companion[:, :, -1] = -coefficients[levels, :degree] / coefficients[levels, degree, None]
+        for level, roots in zip(levels.tolist(), np.linalg.eigvals(companion), strict=True):
+            found = roots.real[np.abs(roots.imag) <= _REAL * (1.0 + np.abs(roots))]
+            real[level] = found[np.abs(found) <= limit]
+    return real
+
+
+def _nearest(roots: Array, near: float) -> float:
+    return float(roots[np.argmin(np.abs(roots - near))]) if roots.size else float("nan")
 
 
 def _largest_pole(terms: Sequence[Term], parameters: Array, inputs: Array, outputs: Array) -> Array:
