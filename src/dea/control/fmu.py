@@ -1,4 +1,4 @@
-"""Functional mock-up units: the C code of a model, packed for other simulators (FMI 2.0)."""
+"""Functional mock-up units: the C code of a model, packed for other simulators."""
 
 import hashlib
 import platform
@@ -8,79 +8,45 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
+from typing import Literal, NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from dea.control.c_code import CCode, has_feedthrough, number, to_c
+from dea.control.fmu_templates import BUILD_3, DESCRIPTION_2, DESCRIPTION_3, IDENTITY
 from dea.errors import InputError
 from dea.narx import NarxModel
 
 _FMI = Path(__file__).with_name("fmi")
 _DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip archive can state
 _FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden")
-# FMI 2.0 names no other system that this package runs on.
-_PLATFORMS = {("linux", "x86_64"): ("linux64", "so"), ("darwin", "x86_64"): ("darwin64", "dylib")}
 
-_DESCRIPTION = """\
-<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription
-  fmiVersion="2.0"
-  modelName={name}
-  guid={guid}
-  description="Polynomial NARX model"
-  generationTool="dea-study"
-  variableNamingConvention="flat"
-  numberOfEventIndicators="0">
-  <CoSimulation
-    modelIdentifier={name}
-    canHandleVariableCommunicationStepSize="false"
-    canBeInstantiatedOnlyOncePerProcess="false"
-    canGetAndSetFMUstate="true"
-    canSerializeFMUstate="true">
-    <SourceFiles>
-      <File name="model.c"/>
-      <File name="fmi2.c"/>
-    </SourceFiles>
-  </CoSimulation>
-  <UnitDefinitions>
-{units}
-  </UnitDefinitions>
-  <LogCategories>
-    <Category name="logStatusError"/>
-  </LogCategories>
-  <DefaultExperiment startTime="0" stopTime={stop} stepSize={period}/>
-  <ModelVariables>
-    <ScalarVariable name="u" valueReference="0" causality="input" variability="discrete">
-      <Real start={start} unit={u_units}/>
-    </ScalarVariable>
-    <ScalarVariable name="y" valueReference="1" causality="output" variability="discrete">
-      <Real unit={y_units}/>
-    </ScalarVariable>
-  </ModelVariables>
-  <ModelStructure>
-    <Outputs>
-      <Unknown index="2" dependencies={known}/>
-    </Outputs>
-    <InitialUnknowns>
-      <Unknown index="2" dependencies={known}/>
-    </InitialUnknowns>
-  </ModelStructure>
-</fmiModelDescription>
-"""
 
-_IDENTITY = """\
-/* The model that fmi2.c wraps. */
-#ifndef IDENTITY_H
-#define IDENTITY_H
+class _Standard(NamedTuple):
+    """What differs between versions of FMI.
 
-#include "model.h"
+    ``input_reference`` is what dependencies are stated by, ``platforms`` the names of the systems
+    that this package runs on, as the standard has them.
+    """
 
-#define FMU_MODEL(part) {name}_##part
-#define FMU_GUID "{guid}"
-#define FMU_INPUT_START ({start})
-#define FMU_PERIOD ({guard}_SAMPLING_PERIOD)
+    wrapper: str
+    description: str
+    build: str | None
+    input_reference: str
+    platforms: dict[tuple[str, str], str]
 
-#endif
-"""
+
+_STANDARDS = {
+    "2.0": _Standard(
+        "fmi2", DESCRIPTION_2, None, "1",
+        {("linux", "x86_64"): "linux64", ("darwin", "x86_64"): "darwin64"},
+    ),
+    "3.0": _Standard(
+        "fmi3", DESCRIPTION_3, BUILD_3, "0",
+        {("linux", "x86_64"): "x86_64-linux", ("linux", "aarch64"): "aarch64-linux",
+         ("darwin", "x86_64"): "x86_64-darwin", ("darwin", "arm64"): "aarch64-darwin"},
+    ),
+}  # fmt: skip
+_SUFFIXES = {"linux": "so", "darwin": "dylib"}
 
 
 def write_fmu(
@@ -91,9 +57,10 @@ def write_fmu(
     name: str = "model",
     u_units: str = "1",
     y_units: str = "1",
+    version: Literal["2.0", "3.0"] = "2.0",
     compiler: str | None = "cc",
 ) -> None:
-    """Write a co-simulation unit of FMI 2.0 that computes the free run of ``model``.
+    """Write a co-simulation unit that computes the free run of ``model``.
 
     Its input ``u`` and output ``y`` are in physical units. At a communication point the output is
     y(t) of the equation; each step passes one sampling period, or a whole number of them, through
@@ -105,6 +72,8 @@ def write_fmu(
         In Hz.
     name
         Of the model in the unit; a C identifier.
+    version
+        Of the Functional Mock-up Interface.
     compiler
         Of C, which makes the binary of this machine's system. None leaves it out: some simulators
         compile the sources themselves.
@@ -112,13 +81,20 @@ def write_fmu(
     Raises
     ------
     InputError
-        As :func:`dea.control.to_c`; if there is no such compiler, or FMI 2.0 has no name for this
-        machine's system.
+        As :func:`dea.control.to_c`; if there is no such version or compiler, or the version has no
+        name for this machine's system.
     """
+    if version not in _STANDARDS:
+        raise InputError(
+            f"there is no unit of FMI {version}",
+            field="version",
+            remedy=f"Choose from {', '.join(_STANDARDS)}.",
+        )
+    standard = _STANDARDS[version]
     code = to_c(model, sampling_rate, name=name)
     guid = f"{{{hashlib.sha256(''.join(code).encode()).hexdigest()}}}"
     start = number(model.scaling.u_offset)
-    description = _DESCRIPTION.format(
+    description = standard.description.format(
         name=quoteattr(name),
         guid=quoteattr(guid),
         units="\n".join(f"    <Unit name={quoteattr(u)}/>" for u in sorted({u_units, y_units})),
@@ -127,41 +103,48 @@ def write_fmu(
         start=quoteattr(start),
         u_units=quoteattr(u_units),
         y_units=quoteattr(y_units),
-        known=quoteattr("1" if has_feedthrough(model) else ""),
+        known=quoteattr(standard.input_reference if has_feedthrough(model) else ""),
     )
-    identity = _IDENTITY.format(name=name, guard=name.upper(), guid=guid, start=start)
+    identity = IDENTITY.format(
+        name=name, guard=name.upper(), guid=guid, start=start, wrapper=f"{standard.wrapper}.c"
+    )
     with tempfile.TemporaryDirectory() as folder:
-        _write_sources(Path(folder), code, identity)
+        _write_sources(Path(folder), code, identity, standard.wrapper)
+        if standard.build is not None:
+            build = standard.build.format(name=quoteattr(name))
+            (Path(folder) / "buildDescription.xml").write_text(build, encoding="utf-8")
         members = {
             f"sources/{file.name}": file.read_bytes() for file in sorted(Path(folder).iterdir())
         }
         if compiler is not None:
-            system, suffix = _platform()
-            binary = _compiled(Path(folder), compiler, f"{name}.{suffix}")
+            system = _platform(version)
+            library = f"{name}.{_SUFFIXES[sys.platform]}"
+            binary = _compiled(Path(folder), compiler, standard.wrapper, library)
             members[f"binaries/{system}/{binary.name}"] = binary.read_bytes()
         _pack(Path(path), {"modelDescription.xml": description.encode(), **members})
 
 
-def _write_sources(folder: Path, code: CCode, identity: str) -> None:
+def _write_sources(folder: Path, code: CCode, identity: str, wrapper: str) -> None:
     code.write(folder / "model.h", folder / "model.c")
     (folder / "identity.h").write_text(identity, encoding="utf-8")
-    for name in ("fmi2.h", "fmi2.c"):
+    for name in (f"{wrapper}.h", f"{wrapper}.c"):
         (folder / name).write_text((_FMI / name).read_text(encoding="utf-8"), encoding="utf-8")
 
 
-def _platform() -> tuple[str, str]:
-    """Return what FMI 2.0 calls this system, and how its libraries end."""
+def _platform(version: str) -> str:
+    """Return what this version of FMI calls this system."""
     here = sys.platform, platform.machine()
-    if here not in _PLATFORMS:
+    known = _STANDARDS[version].platforms
+    if here not in known:
         raise InputError(
-            f"FMI 2.0 has no binaries for {' on '.join(here)}",
+            f"FMI {version} has no binaries for {' on '.join(here)}",
             field="compiler",
             remedy="Write the unit with its sources alone: compiler=None.",
         )
-    return _PLATFORMS[here]
+    return known[here]
 
 
-def _compiled(folder: Path, compiler: str, name: str) -> Path:
+def _compiled(folder: Path, compiler: str, wrapper: str, name: str) -> Path:
     command = shutil.which(compiler)
     if command is None:
         raise InputError(
@@ -170,7 +153,8 @@ def _compiled(folder: Path, compiler: str, name: str) -> Path:
             remedy="Install one (Debian: gcc libc6-dev), or give None for sources alone.",
         )
     # Relative names, so that the binary does not depend on where it was made.
-    subprocess.run([command, *_FLAGS, "model.c", "fmi2.c", "-o", name], cwd=folder, check=True)
+    sources = "model.c", f"{wrapper}.c"
+    subprocess.run([command, *_FLAGS, *sources, "-o", name], cwd=folder, check=True)
     return folder / name
 
 
