@@ -88,7 +88,7 @@ def error_of(trial, controller, y):
 
 def test_the_plant_is_followed_to_a_per_cent_and_better_than_by_pi(trial, gains):
     samples = trial.task.reference.size
-    adaptive, (pi, _) = trial.adaptive(gains), trial.proportional_integral()
+    adaptive, pi = trial.adaptive(gains), trial.follower(trial.proportional_integral())
     u, y = close(adaptive, Plant(trial.task.start), samples)
     low, high = trial.task.limits
     assert low <= u.min()

@@ -147,8 +147,8 @@ class Trial:
             reach=self.settings["rate"] / self.sampling_rate,
         )  # fmt: skip
 
-    def proportional_integral(self) -> tuple["FromStart", Gains]:
-        """Return PI control tuned on the linear model, and its gains.
+    def proportional_integral(self) -> Gains:
+        """Return the gains of PI control, tuned on the linear model.
 
         At each integral time tried the gain is the largest that keeps the margins at every rest;
         of these the one with the largest integral gain is taken, which removes slow disturbances
@@ -170,10 +170,13 @@ class Trial:
             )
             for time in _TIMES
         ]  # fmt: skip
-        best = max(tuned, key=lambda gains: abs(gains.proportional) / gains.integral_time)
+        return max(tuned, key=lambda gains: abs(gains.proportional) / gains.integral_time)
+
+    def follower(self, gains: Gains) -> "FromStart":
+        """Return feedback alone."""
         lowest, highest = self.task.limits
-        follower = Follower(best, lowest, highest, self.settings["rate"], self.task.start)
-        return FromStart(follower, self.task), best
+        follower = Follower(gains, lowest, highest, self.settings["rate"], self.task.start)
+        return FromStart(follower, self.task)
 
     def _band(self, u: float, frequencies: Array) -> ResponseBand:
         return frequency_response_band(

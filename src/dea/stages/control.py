@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-    from dea.control import Gains, Trial
+    from dea.control import Controller, Gains, Task, Trial
     from dea.modbus import Device
 
 MINUTE = 60.0  # s
@@ -68,13 +68,13 @@ def control(
 
 
 class Follower(NamedTuple):
-    """A controller, or the voltages of an inverse that is played.
+    """What makes a controller, or the voltages of an inverse that is played.
 
     A controller has gains; the inverse of a simulation, an error that is left with it, and the
     effects that are attached to it.
     """
 
-    controller: Callable[[float], float] | None = None
+    new: "Callable[[], Controller] | None" = None
     voltage: "np.ndarray | None" = None
     gains: "Gains | None" = None
     error: float = float("nan")
@@ -83,12 +83,12 @@ class Follower(NamedTuple):
 
 def _controllers(trial: "Trial", nominal: Path, extended: Path) -> dict[str, Follower]:
     gains = trial.gains()
-    proportional_integral, own = trial.proportional_integral()
+    own = trial.proportional_integral()
     found = {
-        "adaptive inverse": Follower(trial.adaptive(gains), gains=gains),
-        "fixed inverse with feedback": Follower(trial.fixed(gains), gains=gains),
+        "adaptive inverse": Follower(lambda: trial.adaptive(gains), gains=gains),
+        "fixed inverse with feedback": Follower(lambda: trial.fixed(gains), gains=gains),
         "fixed inverse": Follower(voltage=trial.feedforward()),
-        "PI": Follower(proportional_integral, gains=own),
+        "PI": Follower(lambda: trial.follower(own), gains=own),
         "inverse of the physics": _inverse(trial, nominal),
     }
     with_effects = _inverse(trial, extended)
@@ -123,12 +123,15 @@ def _follow(
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
     task, bench = trial.task, as_planned(settings["bench"])
     played: acquisition.ClosedLoop | np.ndarray
-    if follower.controller is None:
+    controller = None
+    if follower.new is None:
         assert follower.voltage is not None
         played, options = follower.voltage, replace(options, mode="buffered")
     else:
+        _rehearse(follower.new(), task)
+        controller = follower.new()
         played = acquisition.ClosedLoop(
-            follower.controller, task.reference.size, task.start, settings["control"]["rate"]
+            controller, task.reference.size, task.start, settings["control"]["rate"]
         )
         options = replace(options, mode="polled", paced=False, on_break="stop")
     record, outcome = None, "to the end"
@@ -138,11 +141,17 @@ def _follow(
             record = acquisition.acquire(answering, played, folder / "partial", options).record
         except (LostError, acquisition.ControllerError) as error:
             outcome = str(error)
-    own = getattr(follower.controller, "reference", np.empty(0))
+    own = getattr(controller, "reference", np.empty(0))
     return Followed(
         record, own if own.size else task.reference, outcome,
-        getattr(follower.controller, "fallbacks", 0), follower,
+        getattr(controller, "fallbacks", 0), follower,
     )  # fmt: skip
+
+
+def _rehearse(controller: "Controller", task: "Task") -> None:
+    """Let a controller that drives nothing begin the reference: what it needs is then compiled."""
+    for _ in range(task.run_in.hold + 2):
+        controller(float(task.reference[0]))
 
 
 def _dataset(
