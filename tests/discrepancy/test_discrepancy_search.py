@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from dea.discrepancy.decision import decide
 from dea.discrepancy.evidence.evidence import Evidence
@@ -125,6 +126,36 @@ def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, statu
     )  # fmt: skip
     weighed = Presence((chosen, rival), np.array([0.5, 0.5]))
     found = decide(evidence, chosen, [chosen, rival], [chosen], 9.0 * gap, weighed)
+    assert found.status == status
+
+
+@pytest.mark.parametrize(
+    ("curve", "before", "status"),
+    [(0.0, 9.0, "named"), (2.5, 9.0, "unknown"), (0.0, 4.0, "unknown")],
+)
+def test_an_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before, status):
+    """What is left is three floors of coloured noise, in part replaced by a curve of the input."""
+    problem, extended = hidden("dead_zone")
+    plain = at(problem, extended, np.zeros(extended.free.size))
+    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    rng = np.random.default_rng(6)
+    slow = lfilter([1.0], [1.0, -0.9], rng.standard_normal(problem.u.size))
+    noise = NOISE * (rng.standard_normal(slow.size) + np.sqrt(8.0 - curve**2) * slow / slow.std())
+    bent = problem.u**3
+    left = noise + curve * bent / bent.std() * NOISE
+    attached = extended.attach(catalogue()["dead_zone"], told)
+    error = problem.seen_rmse(left)
+    chosen = Candidate(
+        Fit(attached, plain.coordinates, left, plain.jacobian, 0.0), error, error, 9.0
+    )
+    nominal = replace(plain, residual=left * before * NOISE / error)
+    evidence = Evidence(
+        problem, nominal, SimpleNamespace(residual=lambda fitted: fitted.residual),
+        [slice(k, k + 100) for k in range(0, 1500, 100)], NOISE, 0.0, Rules(),
+        np.random.default_rng(7),
+    )  # fmt: skip
+    weighed = Presence((chosen,), np.full(1, 0.5))
+    found = decide(evidence, chosen, [chosen], [chosen], problem.u + noise, weighed)
     assert found.status == status
 
 

@@ -249,10 +249,17 @@ def _explained(evidence: Evidence, chosen: Candidate) -> bool:
         return False
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     if left > rules.misfit * whole:
-        return False
+        return _leaves_coloured_noise(evidence, chosen)
     if left <= 0.5 * rules.misfit * whole:
         return True
     return residual_model(evidence.problem, chosen.fit.residual).ratio >= rules.predictable
+
+
+def _leaves_coloured_noise(evidence: Evidence, chosen: Candidate) -> bool:
+    """Return whether most of the gap is explained, and the rest is noise that follows nothing."""
+    if _share_of(evidence, chosen).low < evidence.rules.part:
+        return False
+    return is_coloured_noise(evidence.problem, chosen.fit.residual, evidence.blocks)
 
 
 def _rivals(
