@@ -44,6 +44,7 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     assert record.u.size == N
     np.testing.assert_array_equal(np.flatnonzero(np.isnan(record.y)), range(300, 310))
     held_out = store.signals(store.import_record(content["test_records"]["held_out"]))
+    assert case.identification.start == 0.0, "whatever segment suits the study's own records"
     seen = round(case.identification.length * RATE)
     assert held_out.u.size + seen <= N
     np.testing.assert_allclose(held_out.u[:-1], record.u[-held_out.u.size : -1], atol=0.05)

@@ -12,12 +12,20 @@ from dea import store
 from dea.errors import InputError
 from dea.narx import rmse, select_terms
 from dea.stages.identification import selection_arguments
+from dea.stages.orders import orders
 from dea.stages.select import select
 from measured_records import DATA, needs_records
 
 CASES = ROOT / "config" / "cases"
 QUICK = {
-    "identification": {"length": 30, "y_lags": 1, "u_lags": 1, "degree": 2, "resamples": 0},
+    "identification": {
+        "start": 0,
+        "length": 30,
+        "y_lags": 1,
+        "u_lags": 1,
+        "degree": 2,
+        "resamples": 0,
+    },
     "orders": {"dynamic": 2, "polynomial": 2, "length": 10},
     "validation": {"windows": [[20, 40]], "before": 20, "max_lag": 20},
     "tracking": {
@@ -95,6 +103,21 @@ def test_settings_that_do_not_fit_the_record_are_refused(mine):
     with pytest.raises(InputError, match=r"record\.nc: identification\..*which is 40 s long"):
         select({"identification": identification}, folder / "record.nc", folder / "model.nc")
     assert not (folder / "model.nc").exists()
+
+
+def test_independent_data_before_the_segment_are_refused(mine):
+    folder = mine.project.folder
+    dataset = store.import_record(mine.record, Path("mine.yaml"), folder)
+    store.write(dataset, folder / "record.nc", title="Mine")
+    settings = {
+        "identification": {"start": 20, "length": 10},
+        "orders": {"start": 10, "length": 10},
+    }
+    with pytest.raises(
+        InputError, match=r"record\.nc: orders\.start, identification\.start: .*10 s"
+    ):
+        orders(settings, folder / "record.nc", folder / "orders.nc")
+    assert not (folder / "orders.nc").exists()
 
 
 @needs_records

@@ -73,6 +73,7 @@ def make_plan(signals: Record) -> Plan:
     time = y.size / rate
     sections = {
         "identification": {
+            "start": 0.0,
             "length": _in_seconds(used, rate),
             "y_lags": lags.y_lags,
             "u_lags": written(lags.u_lags),

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dea.errors import InputError
 from dea.stages.command import run
 
 
@@ -18,6 +19,14 @@ def orders(settings: Mapping[str, Any], record: Path, orders: Path) -> None:
     start, end = identification["start"], identification["start"] + identification["length"]
     # A short record spares independent data only by identifying from less than the segment.
     end = min(end, choice.get("start", end))
+    if end <= start:
+        raise InputError(
+            f"the independent data from {end:g} s on leave nothing of the segment from "
+            f"{start:g} s on",
+            file=record,
+            field="orders.start, identification.start",
+            remedy="Begin the segment earlier, or the independent data later.",
+        )
     part = segment(signals, start, end - start, record)
     later = segment(signals, choice.get("start", end), choice["length"], record, "orders")
     dataset = compare_orders(
