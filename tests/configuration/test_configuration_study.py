@@ -79,7 +79,7 @@ def test_a_case_overrides_sections_key_by_key(file):
         (["bench", "watchdog_time"], 0, "bench.watchdog_time", "above 0 s"),
         (["identification", "u_lags"], [], "identification.u_lags", "at least 1"),
         (["identification", "threshold"], 1.1, "identification.threshold", "from 0 to 1"),
-        (["orders", "length"], 1701, "orders.length", "ends at 1801 s, after the record"),
+        (["orders", "length"], 1201, "orders.length", "ends at 1801 s, after the record"),
         (["validation", "windows"], [], "validation.windows", "list"),
         (["recovery", "excitation"], ["white"] * 2, "recovery.excitation", "'white'] names one"),
         (["discrepancy", "effects"], ["end_stop"] * 2, "discrepancy.effects", "Give each value"),

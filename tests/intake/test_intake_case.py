@@ -1,13 +1,13 @@
 """From a file to a case file that the study accepts."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
 
-from conftest import ROOT
 from dea import store
 from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
@@ -15,6 +15,7 @@ from dea.configuration.study import check_study
 from dea.errors import InputError
 from dea.intake.__main__ import main
 
+ROOT = Path(__file__).parents[2]
 N, RATE = 600, 20.0
 
 

@@ -25,11 +25,12 @@ def test_the_confirmation_table_counts_the_lines_inside(each, names, saved):
     csv, md, _ = saved(confirmation(found))
     assert len(csv) == 3 * len(names) == len(md.splitlines()) - 2
     first = csv.iloc[0]
-    assert first["time (s)"] == 300.0
+    assert first["time (min)"] == 5.0
     # Of the lines at 0.05, 0.5 and 1 Hz, the one at 0.5 Hz is outside.
-    assert first["lines in band"] == "2 of 3"
+    assert (first["lines in band"], first["lines"]) == (2, 3)
     assert first["largest difference of gain (%)"] == -10.0
-    assert first["even lines"] == "1 of 2"
+    assert (first["even lines in band"], first["even lines"]) == (1, 2)
+    assert md.splitlines()[2].split("|")[3:5] == [" 3       ", " 2               "]
     assert first["gain at 5 Hz (%)"] == -50.0
 
 

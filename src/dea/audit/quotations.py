@@ -8,7 +8,7 @@ semicolons:
 * ``results/PATH.json; KEY; HOW`` and ``NAME; KEY; HOW`` of a stored campaign, which is
   ``docs/measured/NAME.json``: KEY has dots between its parts.
 
-HOW holds, each where it is wanted: ``min``, ``max`` or ``median`` of the finite numbers or
+HOW holds, each where it is wanted: ``min``, ``max``, ``median`` or ``sum`` of the finite numbers or
 ``count`` of the rows, a factor such as ``x1000``, and a Python format such as ``.1f``. A list of
 lines is quoted as they are.
 """
@@ -31,6 +31,7 @@ _REDUCED: dict[str, Callable[[Sequence[float]], float]] = {
     "min": min,
     "max": max,
     "median": statistics.median,
+    "sum": sum,
 }
 
 

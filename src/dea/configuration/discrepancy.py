@@ -23,6 +23,10 @@ class Budget(Section):
     beam: Count = key("candidates that the next round builds on")
     effects: Whole = key("effects attached at most", ge=1, le=3)
     starts: Count = key("starts of the fit of the simulation alone", default=4)
+    offered: Count = key(
+        "effects that are screened beside another one, those that promise most by a linear step",
+        default=8,
+    )
     kept: Count = key("fits of one effect that go on after the screening, at least", default=2)
     screening: Count = key("steps of each fit of the screening", default=4)
     first_steps: Count = key("steps of every finished candidate", default=6)

@@ -24,7 +24,7 @@ def confirmation(found: Mapping[str, xr.Dataset]) -> Table:
     for name, dataset in found.items():
         for stretch in range(dataset.sizes["stretch"]):
             part = dataset.isel(stretch=stretch)
-            rows.append({"actuator": name, "time (s)": float(part["time"])} | _row(part))
+            rows.append({"actuator": name, "time (min)": float(part["time"]) / 60} | _row(part))
     return rounded(pd.DataFrame(rows))
 
 
@@ -34,14 +34,16 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
     gain = np.hypot(*band["response"].transpose("part", "frequency").values)
     frequency = part["frequency"].values
     row: dict[str, str | float] = {
-        "lines in band": _share(band["inside"]),
+        "lines": int(band["inside"].size),
+        "lines in band": int(band["inside"].sum()),
         "largest difference of gain (%)": 100 * _largest(band["gain_difference"]),
         "of phase (degrees)": _largest(band["phase_difference"]),
         "joint band of gain (%)": 100 * float(band["gain_band"].median()),
         "band of the model": "withheld" if part.attrs.get("model_band_withheld") else "in it",
         "noise (%)": 100 * float(np.median(band["response_noise"].values / gain)),
         "odd distortion (%)": 100 * float(np.median(band["distortion"].values / gain)),
-        "even lines": _share(even["even_inside"]),
+        "even lines": int(even["even_inside"].size),
+        "even lines in band": int(even["even_inside"].sum()),
         "median ratio": float(np.median(even["ratio"].sel(part="real"))) if even["even_inside"].size
         else np.nan,
     }  # fmt: skip
@@ -49,10 +51,6 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
         nearest = int(np.argmin(np.abs(np.log(frequency / beyond))))
         row[f"gain at {beyond:g} Hz (%)"] = 100 * float(part["gain_difference"][nearest])
     return row
-
-
-def _share(inside: xr.DataArray) -> str:
-    return f"{int(inside.sum())} of {inside.size}"
 
 
 def _largest(values: xr.DataArray) -> float:

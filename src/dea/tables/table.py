@@ -1,6 +1,7 @@
 """What every table is: exact numbers for programs, the same rounded for readers."""
 
 from math import isfinite
+from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
 
@@ -40,7 +41,10 @@ def header(variable: xr.DataArray) -> str:
 def rounded(exact: pd.DataFrame) -> Table:
     """Return the table of these numbers, rounded for readers; text stays as it is."""
     shown = {
-        name: [value if isinstance(value, str) else score(str(name), value) for value in column]
+        name: [
+            str(value) if isinstance(value, str | Integral) else score(str(name), value)
+            for value in column
+        ]
         for name, column in exact.items()
     }
     return Table(exact, pd.DataFrame(shown))
