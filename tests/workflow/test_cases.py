@@ -95,6 +95,17 @@ def test_a_misspelt_key_of_a_case_stops_before_the_dag(mine):
     assert "Building DAG" not in said
 
 
+def test_a_case_may_be_edited_after_its_record_was_imported(mine):
+    record = mine.project.folder / "results" / "mine" / "record.nc"
+    run = mine.project.snakemake("results/mine/record.nc", small=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    imported = record.stat().st_mtime_ns
+    mine(orders={"start": 30, "dynamic": 1, "polynomial": 1, "length": 10})
+    run = mine.project.snakemake("results/mine/orders.nc", small=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert record.stat().st_mtime_ns == imported
+
+
 def test_settings_that_do_not_fit_the_record_are_refused(mine):
     folder = mine.project.folder
     dataset = store.import_record(mine.record, Path("mine.yaml"), folder)

@@ -19,6 +19,7 @@ def run(
     outputs: Sequence[str] = (),
     numbers: Sequence[str] = (),
     named: Sequence[str] = (),
+    mentioned: Sequence[str] = (),
     arguments: Sequence[str] | None = None,
 ) -> None:
     """Parse the command line and call ``stage(settings, **paths)``.
@@ -26,7 +27,8 @@ def run(
     Each name in ``inputs`` and ``outputs`` becomes an option ``--name PATH``; a name ending in
     ``*`` takes several paths. ``--settings`` is the JSON of the config leaves the stage needs. Each
     name in ``numbers`` becomes an option for a whole number that no result depends on. ``named``
-    are dotted keys of the settings that name input files. Within the workflow, inputs are compared
+    are dotted keys of the settings that name input files, ``mentioned`` options for files that
+    messages name and no result depends on. Within the workflow, inputs are compared
     with what their jobs made, and a description of the job is kept beside each product
     (:mod:`dea.provenance`).
     An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2; where
@@ -35,7 +37,7 @@ def run(
     """
     parser = argparse.ArgumentParser(description=stage.__doc__)
     parser.add_argument("--settings", type=json.loads, default={}, metavar="JSON")
-    for name in (*inputs, *outputs):
+    for name in (*mentioned, *inputs, *outputs):
         option = "--" + name.rstrip("*").replace("_", "-")
         count = "*" if name.endswith("*") else None
         parser.add_argument(option, type=Path, required=True, metavar="PATH", nargs=count)
@@ -45,7 +47,7 @@ def run(
     settings = values.pop("settings")
     try:
         with provenance.job(
-            _command(stage, values, (*inputs, *outputs)),
+            _command(stage, values, (*mentioned, *inputs, *outputs)),
             settings,
             inputs=[*_files(values, inputs), *_named(settings, named)],
             outputs=_files(values, outputs),

@@ -22,4 +22,5 @@ def import_record(settings: Mapping[str, Any], case: Path, record: Path) -> None
 
 
 if __name__ == "__main__":
-    run(import_record, inputs=("case",), outputs=("record",), named=("file",))
+    # What the case says of the record is in the settings.
+    run(import_record, mentioned=("case",), outputs=("record",), named=("file",))
