@@ -1,0 +1,106 @@
+"""The stage that tries controllers on a virtual actuator: files in, a dataset out."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from dea import store
+from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.files import read_yaml
+from dea.configuration.study import FILE, check_study
+from dea.configuration.study import settings as written
+from dea.errors import InputError
+from dea.narx import estimate, refine
+from dea.plant import Rig, read_parameters
+from dea.simulation import catalogue, load_simulation, measured_scales, prepared, save_extended
+from dea.stages import control as stage
+from dea.terms import Term
+
+TERMS = "1", "y(t-1)", "y(t-2)", "u(t-1)", "u(t-2)", "u(t-1)^2", "y(t-1)u(t-1)"
+RATE, ACTUATOR = 50.0, "dea2"
+pytestmark = pytest.mark.slow
+
+
+def settings(**changes):
+    study = written(check_study(read_yaml(FILE, what="the configuration", example=FILE)))
+    plant = read_bench(BENCH).actuators[ACTUATOR].model_dump()
+    bench = study["bench"] | {"actuator": ACTUATOR, "config": BENCH, "plant": plant | changes}
+    short = {"duration": 4.0, "hold": 1.0, "approach": 2.0}
+    return {
+        "seed": 1, "system": ACTUATOR, "acquisition": study["acquisition"], "bench": bench,
+        "control": study["control"] | short,
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A record of the actuator without the link, its model, and the physics' simulations."""
+    folder = tmp_path_factory.mktemp("inputs")
+    samples = 6000
+    levels = np.random.default_rng(3).uniform(1.3, 3.5, samples // 12)
+    u = np.interp(np.arange(samples), np.arange(0, samples, 12), levels)
+    parameters = read_parameters(Path(BENCH), ACTUATOR)
+    counts, measured = Rig(parameters, 1).advance(parameters.output_converter.to_counts(u))
+    u = parameters.output_converter.to_values(counts)
+    y = parameters.displacement_converter.to_values(measured)
+
+    def over_time(values, units):
+        return ("time", values, {"units": units, "long_name": "made"})
+
+    record = xr.Dataset(
+        {
+            "voltage": over_time(u, "V"),
+            "displacement": over_time(y, "mm"),
+            "device_index": over_time(np.arange(samples), "1"),
+            "quality": over_time(np.zeros(samples, np.int8), "1"),
+        },
+        coords={"time": over_time(np.arange(samples) / RATE, "s")},
+    )
+    names = "record", "model", "nominal", "extended"
+    paths = {name: folder / name for name in names}
+    store.write(record, paths["record"], title="made")
+    refine(estimate(tuple(map(Term.parse, TERMS)), u, y), u, y).save(paths["model"])
+    simulation = prepared(load_simulation("dea_membrane"), u, 1 / RATE, 1e-3)
+    values = simulation.values(np.zeros(simulation.free.size))
+    save_extended(simulation, values, 1 / RATE, paths["nominal"])
+
+    class Sampled:
+        interval = 1 / RATE
+
+    Sampled.u, Sampled.y = u, y
+    lag = simulation.attach(catalogue()["sensor_lag"], measured_scales(simulation, values, Sampled))
+    save_extended(lag, lag.values(np.zeros(lag.free.size)), 1 / RATE, paths["extended"])
+    return paths | {"device": Path("config/devices/virtual_bench.yaml")}
+
+
+def test_a_controller_and_an_inverse_that_is_played_are_kept(files, tmp_path, monkeypatch):
+    every = stage._controllers
+    driven = "adaptive inverse", "inverse of the physics with effects"
+    seen = []
+
+    def two_of_them(*arguments):
+        found = every(*arguments)
+        seen.extend(found)
+        return {name: found[name] for name in driven}
+
+    monkeypatch.setattr(stage, "_controllers", two_of_them)
+    stage.control(settings(), control=tmp_path / "control.nc", **files)
+    assert len(seen) == 6
+    found = store.read(tmp_path / "control.nc", "control")
+    assert tuple(found["controller"].values) == driven
+    assert set(found["outcome"].values) == {"to the end"}
+    assert found["effects"].values.tolist() == ["", "sensor_lag"]
+    assert np.isfinite(found["measured"]).all()
+    assert found.sizes["time"] == 200
+    error = (found["measured"] - found["reference"]).values
+    np.testing.assert_allclose(found["rms_error"][:, 0], np.sqrt(np.mean(error**2, axis=1)))
+    assert found["rms_error"][0, 0] < 0.05 * found["stroke"]
+    assert np.isfinite(found["inverse_error"].values).tolist() == [False, True]
+
+
+def test_an_actuator_that_is_another_than_planned_is_refused(files, tmp_path):
+    with pytest.raises(InputError, match="changed since this run was planned"):
+        stage.control(settings(film={}), control=tmp_path / "control.nc", **files)
+    assert not list(tmp_path.iterdir())
