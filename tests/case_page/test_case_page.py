@@ -11,8 +11,9 @@ import xarray as xr
 import made_datasets as made
 from dea import store
 from dea.case_page import Findings, page, summary
+from dea.case_page.findings import percentage
 
-PICTURE = b"\x89PNG not really"
+PICTURE = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + (2000).to_bytes(4) + b" not really"
 
 
 class Tags(HTMLParser):
@@ -87,6 +88,23 @@ def test_the_page_is_whole_and_holds_its_pictures(findings):
     assert "It lacks a &lt;delay&gt;." in text
     assert "one step is not white" in text
     assert not re.search(r'(src|href)="(?!data:)', text), "it must stand alone"
+
+
+def test_pictures_are_shown_in_proportion(findings):
+    narrow, wide = (PICTURE[:16] + width.to_bytes(4) + PICTURE[20:] for width in (900, 2000))
+    shown = re.findall(
+        r'<img style="width: (\d+)%"', page(findings, {"fig2": wide, "fig3": narrow})
+    )
+    assert shown == ["100", "45"]
+
+
+@pytest.mark.parametrize(
+    ("nmse", "text"),
+    [(0.2, "80.0 %"), (7.3e-5, "99.993 %"), (1.043, "-4.3 %"), (0.0, "100.0000 %"),
+     (np.inf, "diverged")],
+)  # fmt: skip
+def test_a_score_says_all_only_where_nothing_is_left(nmse, text):
+    assert percentage(nmse) == text
 
 
 def test_the_scores_of_the_model_come_first_and_divergence_is_said(findings):

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from math import floor, log10
 from typing import Any, NamedTuple
 
 import xarray as xr
@@ -12,6 +13,7 @@ from dea.number_format import number
 from dea.store import Record, Sources, signals
 from dea.terms import Term
 
+_DECIMALS = 4  # of a percentage, at most
 _BASELINES = {
     "linear": "linear model with as many lags",
     "hammerstein": "static cubic before one pole",
@@ -137,5 +139,11 @@ class Findings:
 
 
 def percentage(nmse: float) -> str:
-    """Return the share of the output's variance that a run explains."""
-    return f"{100 * (1 - nmse):.1f} %" if nmse < 1e3 else number(float("inf"))
+    """Return the share of the output's variance that a run explains.
+
+    It has a decimal, and as many more as it takes to say that a part is left.
+    """
+    if nmse >= 1e3:
+        return number(float("inf"))
+    decimals = min(max(1, -floor(log10(100 * nmse))), _DECIMALS) if nmse > 0 else _DECIMALS
+    return f"{100 * (1 - nmse):.{decimals}f} %"

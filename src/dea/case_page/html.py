@@ -75,14 +75,22 @@ def _section(
     if not text and not shown:
         return []
     told = [f'<p class="verdict">{escape(text)}</p>'] if text else []
-    return [f"<h2>{heading}</h2>", *told, *(_figure(pictures[n], _CAPTIONS[n]) for n in shown)]
+    widest = max(map(_width, pictures.values()), default=1)
+    figures = (_figure(pictures[n], _CAPTIONS[n], _width(pictures[n]) / widest) for n in shown)
+    return [f"<h2>{heading}</h2>", *told, *figures]
 
 
-def _figure(png: bytes, caption: str) -> str:
+def _width(png: bytes) -> int:
+    """Return the pixels across a picture, from the first chunk of its file."""
+    return int.from_bytes(png[16:20])
+
+
+def _figure(png: bytes, caption: str, share: float) -> str:
+    """Show a picture on this share of the page's width, so that all have letters of one size."""
     data = b64encode(png).decode("ascii")
     text = escape(caption)
     return (
-        f'<figure><img alt="{text}" src="data:image/png;base64,{data}">'
+        f'<figure><img style="width: {share:.0%}" alt="{text}" src="data:image/png;base64,{data}">'
         f"<figcaption>{text}</figcaption></figure>"
     )
 
