@@ -83,3 +83,16 @@ def test_a_record_is_read_in_minutes_where_it_is_long(duration, label, ticks):
     assert ax.get_xlabel() == label
     assert set(ticks) <= set(shown)
     assert ax.get_xlim() == (0, duration)
+
+
+@pytest.mark.parametrize(
+    ("values", "labels"), [([1, 1.6], ["1", "1.6"]), ([1, 300], ["1", "2", "5", "200"])]
+)
+def test_a_logarithmic_axis_has_several_labels_over_any_range(values, labels):
+    figure = style.page_figure(style.FULL_WIDTH, 60)
+    ax = figure.subplots()
+    ax.semilogy([0, 1], values)
+    style.plain_log_ticks(ax.yaxis)
+    figure.draw_without_rendering()
+    shown = [text.get_text() for text in ax.get_yticklabels()]
+    assert set(labels) <= set(shown)

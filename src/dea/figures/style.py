@@ -18,7 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.ticker import LogLocator, MultipleLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, MultipleLocator, NullFormatter
 from matplotlib.typing import RcKeyType
 from numpy.typing import NDArray
 
@@ -33,6 +33,7 @@ _MM_PER_INCH = 25.4
 MINUTE = 60.0  # s
 _LONG = 300.0  # s; the time axis of a longer record is in minutes
 _MOST_TICKS = 7
+_SHORT_RANGE = 5.0  # ratio of the ends of a logarithmic axis, below which 1, 2 and 5 are too few
 
 # Okabe and Ito (2008): distinguishable with common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -173,8 +174,13 @@ def truncated(name: str, low: float = 0.0, high: float = 1.0) -> ListedColormap:
 
 
 def plain_log_ticks(axis: Axis) -> None:
-    """Label a logarithmic axis at 1, 2 and 5 of each decade, without powers of ten."""
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    """Label a logarithmic axis at 1, 2 and 5 of each decade, without powers of ten.
+
+    What is drawn must be there by then: over a short range more values are labelled.
+    """
+    low, high = axis.get_view_interval()
+    short = low > 0.0 and high < _SHORT_RANGE * low
+    axis.set_major_locator(MaxNLocator(4) if short else LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
