@@ -4,9 +4,12 @@
 # killed at its very end, nothing is left to do but the manifest.
 set -euo pipefail
 mkdir -p build
-flock --nonblock --conflict-exit-code 75 build/lock "$@" --nolock || {
+# The lock's file holds the process that has it.
+flock --nonblock --conflict-exit-code 75 build/lock \
+    bash -c 'echo $$ > build/lock; exec "$@"' run "$@" --nolock || {
     status=$?
-    test $status -ne 75 || echo "error: another run of this study has not ended yet" >&2
+    test $status -ne 75 || echo "error: another run of this project, process $(cat build/lock), has" \
+        "not ended yet. Wait for it, or end it: kill -INT $(cat build/lock)" >&2
     exit $status
 }
 python -m dea.audit --collect

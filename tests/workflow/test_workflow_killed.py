@@ -131,10 +131,13 @@ def test_a_second_run_beside_the_first_is_refused(project):
     first = start(project, "results/dea1/orders.nc")
     wait_for(first, "snakemake")
     status, said = end(project, start(project, "results/dea1/orders.nc"))
+    running = {process.pid for process in below(first, "snakemake")}
     wait_for(first, "snakemake").kill()
     first.wait()
     assert status != 0
-    assert "another run of this study has not ended yet" in said
+    named = re.search(r"another run of this project, process (\d+), has not ended yet", said)
+    assert named, said
+    assert int(named[1]) in running
 
 
 @pytest.mark.campaign
