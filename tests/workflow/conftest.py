@@ -48,14 +48,15 @@ class Project:
         )
 
     def snakemake(
-        self, *arguments: str, cores: int = 2, small: bool = True
+        self, *arguments: str, cores: int = 2, small: bool = True, **variables: str
     ) -> subprocess.CompletedProcess[str]:
-        """Run Snakemake in the copy."""
+        """Run Snakemake in the copy, with further ``variables`` of the environment."""
         command = ["snakemake", "--cores", str(cores), "--profile", "workflow/profiles/default"]
         config = ["--configfile", "config/config.yaml", "small.yaml"] if small else []
         environment = os.environ | {
             "PYTHONPATH": f"{ROOT / 'src'}:{ROOT / 'workflow/plugins'}",
             "OPENBLAS_NUM_THREADS": "1",
+            **variables,
         }
         return subprocess.run(
             [*command, *arguments, *config],

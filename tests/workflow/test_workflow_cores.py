@@ -1,4 +1,4 @@
-"""The same results, whatever the number of cores."""
+"""The same results, whatever the number of cores, the folder, the time zone and the language."""
 
 import pytest
 
@@ -8,8 +8,8 @@ KINDS = ("nc", "png", "pdf", "csv", "md", "tex")
 ONE_OF_ALL = ("results/dea1/gfrf.nc", "results/figures/fig2.png", "results/tables/recovery.csv")
 
 
-def test_results_do_not_depend_on_the_number_of_cores(project, request):
-    run = project.snakemake(*ONE_OF_ALL, cores=1)
+def test_results_do_not_depend_on_cores_folder_time_zone_and_language(project, request):
+    run = project.snakemake(*ONE_OF_ALL, cores=1, TZ="Asia/Kathmandu", LC_ALL="C", LANG="tr_TR")
     assert run.returncode == 0, run.stdout + run.stderr
     # Asked for now: another worker has made it by then, or is still at it.
     finished = request.getfixturevalue("finished")
