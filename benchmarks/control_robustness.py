@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from benchmarks.stored import store as keep
 from dea import store
 from dea.configuration.bench import BENCH
 from dea.configuration.files import read_yaml
@@ -186,7 +187,7 @@ def table(outcomes: list[tuple[str, Outcome]]) -> pd.DataFrame:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the campaign, write its table, and print it."""
+    """Run the campaign, write its table, keep it for the documents, and print it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=100, help="actuators drawn")
     parser.add_argument("--seed", type=int, default=1)
@@ -195,7 +196,17 @@ def main(arguments: list[str] | None = None) -> None:
     TABLE.parent.mkdir(parents=True, exist_ok=True)
     with store.atomic(TABLE) as partial:
         found.to_csv(partial, index=False)
-    print(found.round(2).to_markdown(index=False))
+    lines = found.round(2).to_markdown(index=False)
+    values = {
+        "count": options.count,
+        "table": lines.splitlines(),
+        "followed": dict(zip(found["scenario"], found["followed"].tolist(), strict=True)),
+        "stopped": int(found["stopped"].sum()),
+        "violated": int(found["limit violated"].sum()),
+        "trials": int(found["actuators"].sum()),
+    }
+    keep("control_robustness", "make control-robustness", values)
+    print(lines)
 
 
 if __name__ == "__main__":
