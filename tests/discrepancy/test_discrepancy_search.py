@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dea.discrepancy.decision import decide
+from dea.discrepancy.decision import Reason, decide
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.presence import Presence
@@ -157,6 +157,7 @@ def test_an_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before,
     weighed = Presence((chosen,), np.full(1, 0.5))
     found = decide(evidence, chosen, [chosen], [chosen], problem.u + noise, weighed)
     assert found.status == status
+    assert (found.reason is Reason.COLOURED) == (status == "named")
 
 
 def test_a_held_out_gap_is_found_once():

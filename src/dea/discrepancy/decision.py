@@ -50,7 +50,8 @@ class Reason(StrEnum):
 class Decision:
     """The status, the chosen candidate and, where it is not alone, its rivals.
 
-    An answer that is not ``whole`` is a certain part of it: something else is missing, too.
+    An answer that is not ``whole`` is a certain part of it: something else is missing, too. The
+    reason ``COLOURED`` of a whole one says what it leaves.
     """
 
     status: Status
@@ -142,7 +143,7 @@ def decide(
         akin = tuple(_rivals(evidence, chosen, pool, akin=True))
         sure = min(weighed.effects.get(name, 0.0) for name in chosen.names) >= rules.certain
         if sure or not akin:
-            return Decision(Status.NAMED, chosen, akin)
+            return Decision(Status.NAMED, chosen, akin, _rest(evidence, chosen))
         return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)
     shared = chosen.effects.intersection(*(rival.effects for rival in rivals))
     for candidate in proven:
@@ -253,6 +254,12 @@ def _explained(evidence: Evidence, chosen: Candidate) -> bool:
     if left <= 0.5 * rules.misfit * whole:
         return True
     return residual_model(evidence.problem, chosen.fit.residual).ratio >= rules.predictable
+
+
+def _rest(evidence: Evidence, chosen: Candidate) -> Reason | None:
+    """Return what an effect that is named leaves, if it is known as noise beyond the floor."""
+    beyond = chosen.rmse > evidence.rules.clean * evidence.floor
+    return Reason.COLOURED if beyond and _leaves_coloured_noise(evidence, chosen) else None
 
 
 def _leaves_coloured_noise(evidence: Evidence, chosen: Candidate) -> bool:

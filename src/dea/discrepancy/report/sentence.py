@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from dea.discrepancy.decision import Status
+from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
 from dea.simulation import ForcePort
 
@@ -129,6 +129,8 @@ def _form(found: "Diagnosis") -> str:
     block, floor = found.certificate.block, found.floor
     if block.after <= _POOR * floor:
         return ""
+    if found.decision.reason is Reason.COLOURED:
+        return f" What remains is coloured noise of {block.after / floor:.2g} noise floors."
     return f" Its law is too poor here: {block.after / floor:.2g} noise floors remain."
 
 
