@@ -1,0 +1,51 @@
+"""Keep the rates of a finished campaign of blind trials, and its time, for the documents."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.stored import store as keep
+from dea import store
+from dea.tables.trials import rates
+
+TRIALS = Path("results/trials")
+
+
+def measured(folder: Path) -> dict[str, Any]:
+    """Return what the documents quote of the campaign in ``folder``.
+
+    Its table of rates as lines, the number of trials, and the mean time of a core for each step of
+    a trial, in s.
+    """
+    scores = store.read(folder / "scores.nc")
+    count = scores.sizes["trial"]
+    batches = sorted(
+        path for path in folder.glob("*-*") if int(path.name.partition("-")[0]) < count
+    )
+    return {
+        "count": count,
+        "table": rates(scores).shown.to_markdown(index=False).splitlines(),
+        "seconds": {step: _seconds(batches, step) / count for step in ("draw", "diagnose")},
+    }
+
+
+def _seconds(batches: list[Path], step: str) -> float:
+    files = [batch / "benchmark" / f"{step}.tsv" for batch in batches]
+    return float(np.sum([pd.read_csv(file, sep="\t")["cpu_time"].iloc[0] for file in files]))
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Keep the campaign of one set."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.trials", description=__doc__)
+    parser.add_argument("--set", default="reporting", help="of the trials")
+    options = parser.parse_args(arguments)
+    values = measured(TRIALS / options.set)
+    keep("trials", f"make trials COUNT={values['count']} SET={options.set}", values)
+    print("\n".join(values["table"]))
+
+
+if __name__ == "__main__":
+    main()
