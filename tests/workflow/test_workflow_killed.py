@@ -71,8 +71,8 @@ def below(process, name):
     found = []
     for child in psutil.Process(process.pid).children(recursive=True):
         with suppress(psutil.NoSuchProcess):
-            program, *words = (Path(word).name for word in child.cmdline()[:3])
-            if program.startswith("python") and name in words:
+            words = [Path(word).name for word in child.cmdline()[:3]]  # none of one that has ended
+            if words and words[0].startswith("python") and name in words[1:]:
                 found.append(child)
     return found
 
