@@ -24,7 +24,7 @@ from dea.errors import InputError
 RESULTS = Path("results")
 FOLDER = RESULTS / "provenance"
 # What the workflow says of a job; without them a program runs outside of the workflow.
-JOB, RULE, CODE, COMMIT = "DEA_JOB", "DEA_RULE", "DEA_CODE", "DEA_COMMIT"
+JOB, RULE, CODE, COMMIT, RUN = "DEA_JOB", "DEA_RULE", "DEA_CODE", "DEA_COMMIT", "DEA_RUN"
 # With these a user makes numerical libraries take other instructions than the processor's best.
 INSTRUCTIONS = "NUMBA_CPU_NAME", "OPENBLAS_CORETYPE"
 
@@ -101,13 +101,23 @@ def job(
 def _alone(log: Path) -> Iterator[None]:
     """Wait until no other process runs the job with this log, as an earlier run's may.
 
-    Jobs outlive a workflow that is killed.
+    Jobs outlive a workflow that is killed. One that has not begun by then leaves its products to
+    the next run, which may have made them meanwhile.
+
+    Raises
+    ------
+    InputError
+        If the run that began this job has ended.
     """
     log.parent.mkdir(parents=True, exist_ok=True)
     with log.open("a") as file:
         # Some shared file systems of clusters know no such locks.
         with suppress(OSError):
             fcntl.flock(file, fcntl.LOCK_EX)
+        if RUN in os.environ and not Path("/proc", os.environ[RUN]).exists():
+            raise InputError(
+                "the run that began this job has ended", file=log, remedy="Run the workflow again"
+            )
         yield
 
 

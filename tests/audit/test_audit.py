@@ -1,6 +1,7 @@
 """A small project of made-up jobs, tampered with in every way that an audit must notice."""
 
 import json
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -69,8 +70,6 @@ def overwrite(file, content):
     """Change a file and keep its time."""
     time = Path(file).stat().st_mtime_ns
     Path(file).write_bytes(content)
-    import os
-
     os.utime(file, ns=(time, time))
 
 
@@ -259,3 +258,16 @@ def test_outside_of_the_workflow_nothing_is_kept(tmp_path, monkeypatch):
     with provenance.job(["x"], {}, inputs=[], outputs=[Path("results/a.nc")]):
         assert provenance.current_job() == ""
     assert not Path("results").exists()
+
+
+def test_a_job_whose_run_has_ended_leaves_its_products_to_the_next(study, monkeypatch):
+    made = Path("results/a/track.nc").read_bytes()
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    monkeypatch.setenv(provenance.RUN, str(ended.pid))
+    with pytest.raises(InputError, match=r"track\.log: the run that began this job has ended"):
+        make(monkeypatch, "results/a/track.nc", {"forgetting": 0.5})
+    assert Path("results/a/track.nc").read_bytes() == made
+    monkeypatch.setenv(provenance.RUN, str(os.getpid()))
+    make(monkeypatch, "results/a/track.nc", {"forgetting": 0.5})
+    assert Path("results/a/track.nc").read_bytes() != made

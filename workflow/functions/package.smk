@@ -36,4 +36,4 @@ def commit():
 
 
 # Every job keeps it with its products.
-os.environ.update(DEA_COMMIT=commit())
+os.environ.update(DEA_COMMIT=commit(), DEA_RUN=str(os.getpid()))
