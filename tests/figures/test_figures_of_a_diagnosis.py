@@ -15,6 +15,9 @@ CERTIFICATE = xr.Dataset(
         "nominal": ("time", NOMINAL),
         "extended": ("time", EXTENDED),
         "role": ("time", np.where(TIME < 12, 1, 3)),
+        "law_1_along": ("time", np.cos(TIME), {"units": "V", "long_name": "input"}),
+        "law_1_value": ("time", np.cos(TIME) ** 3, {"units": "V", "long_name": "input that acts"}),
+        "law_1_idle": ("time", np.cos(TIME)),
     },
     coords={"time": TIME},
 )
@@ -62,10 +65,13 @@ def verdict(status="named"):
     }
 
 
+PANELS = "series", "runs", "where", "ladder", "law", "confusion"
+
+
 @pytest.fixture
 def panels():
     axes = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict()).axes
-    return dict(zip(("series", "where", "ladder", "law", "confusion"), axes, strict=False))
+    return dict(zip(PANELS, axes, strict=False))
 
 
 def test_the_series_is_measured_minus_simulated_and_the_certified_block_is_shaded(panels):
@@ -99,8 +105,40 @@ def test_the_ladder_goes_from_the_nominal_error_down_to_the_noise_floor(panels):
     assert ax.get_ylim()[0] > ax.get_ylim()[1]
 
 
-def test_each_parameter_has_its_interval_in_percent_and_is_grey_where_it_may_be_zero(panels):
+def test_the_runs_are_those_over_the_certified_block(panels):
+    drawn = {line.get_label(): line for line in panels["runs"].lines}
+    for name, values in (("measured", MEASURED), ("nominal", NOMINAL), ("extended", EXTENDED)):
+        np.testing.assert_array_equal(drawn[name].get_xdata(), TIME[12:])
+        np.testing.assert_array_equal(drawn[name].get_ydata(), values[12:])
+    assert panels["runs"].get_ylabel() == "output (mm)"
+
+
+def test_the_law_is_drawn_over_the_record_beside_what_would_be_without_it(panels):
     ax = panels["law"]
+    without, law = ax.lines
+    np.testing.assert_array_equal(law.get_xdata(), np.cos(TIME))
+    np.testing.assert_array_equal(law.get_ydata(), np.cos(TIME) ** 3)
+    np.testing.assert_array_equal(without.get_ydata(), np.sort(np.cos(TIME)))
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("input (V)", "input that acts (V)")
+    assert ax.get_title("right").splitlines() == [
+        "dead zone", "width = 0.4 ± 0.15 V", "slope = 0.1 ± 0.15",
+    ]  # fmt: skip
+
+
+def test_each_of_two_laws_has_axes_of_its_own():
+    said = verdict()
+    said["effects"] *= 2
+    second = {f"law_2_{part}": CERTIFICATE[f"law_1_{part}"] for part in ("along", "value", "idle")}
+    figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE.assign(second), said)
+    assert [ax.get_xlabel() for ax in figure.axes].count(
+        "input (V)"
+    ) == 3  # and where it is missing
+
+
+def test_without_a_shape_each_parameter_has_its_interval_and_is_grey_where_it_may_be_zero():
+    bare = CERTIFICATE.drop_vars([name for name in CERTIFICATE if name.startswith("law_")])
+    figure = discrepancy(LOCALISATION, CANDIDATES, bare, verdict())
+    ax = dict(zip(PANELS, figure.axes, strict=False))["law"]
     intervals = [line for line in ax.lines if len(line.get_xdata()) == 2][:2]
     np.testing.assert_allclose(intervals[0].get_xdata(), [-25, 50])
     np.testing.assert_allclose(intervals[1].get_xdata(), [-100, 100])
@@ -121,7 +159,8 @@ def test_the_confusion_has_the_present_effect_in_rows(panels):
 
 def test_without_a_name_the_gains_of_the_candidates_are_shown_best_first():
     figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict("unknown"))
-    ax = figure.axes[3]
+    assert [line.get_label() for line in figure.axes[0].lines] == ["nominal"]
+    ax = figure.axes[4]
     marks, _, [interval] = ax.containers[0]
     np.testing.assert_array_equal(marks.get_xdata(), [0.9, 0.1])
     ends = [segment[:, 0] for segment in interval.get_segments()]

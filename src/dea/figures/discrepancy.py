@@ -1,7 +1,7 @@
-"""A diagnosis: the residual and where it is largest, the errors, the parameters, the confusion."""
+"""A diagnosis: the residual and where it is largest, the errors, the named law, the confusion."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,9 @@ from dea.store import Sources
 
 # Upper limit of the axis over the largest value, which leaves room for the legend.
 _HEADROOM = 1.3
+# Points of a law that are drawn, and parameters that are told above it, at most.
+_MOST_POINTS = 3000
+_TOLD = 3
 # Bars that the panel of errors has room for at least.
 _FEW = 3
 
@@ -46,15 +49,27 @@ def discrepancy(
     """
     figure = style.page_figure(style.FULL_WIDTH, 160)
     grid = figure.add_gridspec(3, 2, height_ratios=[1.0, 1.0, 1.5])
-    series = figure.add_subplot(grid[0, :])
+    series, runs = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     where, ladder = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
-    law, confusion = figure.add_subplot(grid[2, 0]), figure.add_subplot(grid[2, 1])
-    _series(series, certificate)
+    effects = verdict["effects"]
+    shapes = all(f"law_{k + 1}_value" in certificate for k in range(len(effects)))
+    columns = len(effects) if effects and shapes else 1
+    cells = grid[2, 0].subgridspec(1, columns)
+    laws = [figure.add_subplot(cells[0, k]) for k in range(columns)]
+    confusion = figure.add_subplot(grid[2, 1])
+    _series(series, certificate, verdict)
+    _runs(runs, certificate, verdict)
     _where(where, localisation, verdict)
     _ladder(ladder, verdict)
-    _law(law, verdict, candidates)
+    if not effects:
+        _gains(laws[0], candidates)
+    elif shapes:
+        for number, (ax, effect) in enumerate(zip(laws, effects, strict=True), 1):
+            _shape(ax, certificate, number, effect)
+    else:
+        _parameters(laws[0], effects)
     _confusion(confusion, candidates)
-    style.panel_letters([series, where, ladder, law, confusion])
+    style.panel_letters([series, runs, where, ladder, laws[0], confusion])
     figure.suptitle(_title(verdict), fontsize=7.5)
     return figure
 
@@ -64,17 +79,38 @@ def _title(verdict: Mapping[str, Any]) -> str:
     return f"{verdict['status']}: {names}" if names else str(verdict["status"])
 
 
-def _series(ax: Axes, certificate: xr.Dataset) -> None:
+def _simulations(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return the simulations and their colours; without an effect there is no extended one."""
+    nominal, extended = ("nominal", style.GREY), ("extended", style.VERMILION)
+    return [nominal, extended] if verdict["effects"] else [nominal]
+
+
+def _series(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None:
     """Draw the residual of both simulations over time and shade the samples of role certify."""
     time, measured = certificate["time"].values, certificate["measured"].values
     unit = certificate["measured"].attrs["units"]
-    for name, colour in (("nominal", style.GREY), ("extended", style.VERMILION)):
+    for name, colour in _simulations(verdict):
         ax.plot(time, measured - certificate[name].values, color=colour, lw=0.5, label=name)
     held = certificate["role"].values == 3
     if held.any():
         ax.axvspan(time[held][0], time[held][-1], color=style.PALE, zorder=0, label="certified")
     ax.set(xlabel="time (s)", ylabel=style.quantity("gap", unit), xlim=(time[0], time[-1]))
-    ax.legend(ncols=3, loc="upper right")
+    ax.legend(ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
+
+
+def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None:
+    """Draw what was measured and what is simulated over the certified samples, or all."""
+    held = certificate["role"].values == 3
+    shown = held if held.any() else np.ones(held.size, bool)
+    first, last = np.flatnonzero(shown)[[0, -1]]
+    part = certificate.isel(time=slice(first, last + 1))
+    time = part["time"].values
+    ax.plot(time, part["measured"], color=style.PALE, lw=2.5, label="measured")
+    for name, colour in _simulations(verdict):
+        ax.plot(time, part[name], color=colour, lw=0.7, label=name)
+    unit = certificate["measured"].attrs["units"]
+    ax.set(xlabel="time (s)", ylabel=style.quantity("output", unit), xlim=(time[0], time[-1]))
+    ax.legend(ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
 
 
 def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> None:
@@ -119,12 +155,40 @@ def _in_words(label: str) -> str:
     return label.replace("@", "\nat ")
 
 
-def _law(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> None:
-    """Draw each named parameter with its interval, or every effect's gain where none is named."""
-    effects = verdict["effects"]
-    if not effects:
-        _gains(ax, candidates)
-        return
+def _shape(ax: Axes, certificate: xr.Dataset, number: int, effect: Mapping[str, Any]) -> None:
+    """Draw a named law at the samples of the record, and what would be there without it."""
+    along, value, idle = (
+        certificate[f"law_{number}_{part}"] for part in ("along", "value", "idle")
+    )
+    step = -(-along.size // _MOST_POINTS)
+    shown = slice(None, None, step)
+    order = np.argsort(along.values[shown], kind="stable")
+    ax.plot(
+        along.values[shown][order], idle.values[shown][order], color=style.GREY, ls="--", lw=0.8,
+        label="without it",
+    )  # fmt: skip
+    ax.plot(
+        along.values[shown], value.values[shown], ".", ms=1.2, color=style.VERMILION,
+        label="the law over the record",
+    )  # fmt: skip
+    for variable, place in ((along, ax.set_xlabel), (value, ax.set_ylabel)):
+        name = str(variable.attrs["long_name"]).replace("_", " ")
+        place(style.quantity(name, variable.attrs["units"]))
+    told = [effect["name"].replace("_", " ")]
+    told += [_estimate(name, each) for name, each in list(effect["parameters"].items())[:_TOLD]]
+    ax.set_title("\n".join(told), fontsize=6, loc="right")
+    ax.legend(markerscale=5, fontsize=5.5, loc="best")
+
+
+def _estimate(name: str, estimate: Mapping[str, Any]) -> str:
+    """Return a parameter as its name, its value and half of its interval."""
+    value, low, high = (estimate[key] for key in ("value", "low", "high"))
+    unit = f" {estimate['unit']}" if estimate["unit"] != "1" else ""
+    return f"{name.replace('_', ' ')} = {value:.3g} ± {0.5 * (high - low):.2g}{unit}"
+
+
+def _parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:
+    """Draw each named parameter with its interval."""
     labels: list[str] = []
     for effect in effects:
         if len(effects) > 1:
@@ -141,9 +205,7 @@ def _law(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> None:
             y = len(labels)
             ax.plot(ends, [y, y], color=colour, lw=1.5)
             ax.plot(0, y, "o", color=colour)
-            unit = f" {estimate['unit']}" if estimate["unit"] != "1" else ""
-            doubt = f"{value:.3g} ± {0.5 * (high - low):.2g}"
-            labels.append(f"{name.replace('_', ' ')} = {doubt}{unit}")
+            labels.append(_estimate(name, estimate))
     ticks = [y for y, label in enumerate(labels) if label]
     ax.set_yticks(ticks, [labels[y] for y in ticks])
     ax.set(xlabel="95 % interval about the estimate (%; grey: may be zero)", xlim=(-105, 105))

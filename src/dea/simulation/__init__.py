@@ -4,6 +4,7 @@ from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect, Family, Port, catalogue, low_pass
 from dea.simulation.extended import TIMING_OFFSET, ExtendedSimulation
 from dea.simulation.force_port import ForcePort
+from dea.simulation.law_course import LawCourse, law_courses
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.parameter import Parameter
@@ -20,6 +21,7 @@ __all__ = [
     "ExtendedSimulation",
     "Family",
     "ForcePort",
+    "LawCourse",
     "Normalisation",
     "Parameter",
     "Port",
@@ -27,6 +29,7 @@ __all__ = [
     "Simulation",
     "State",
     "catalogue",
+    "law_courses",
     "load_extended",
     "load_simulation",
     "low_pass",

@@ -343,6 +343,11 @@ CONTRACTS: Mapping[str, Contract] = {
             "noise_floor": _plain(),
             "record_rmse_before": _plain("record"),
             "record_rmse_after": _plain("record"),
-        }
+        },
+        optional={
+            f"law_{number}_{part}": _plain("time")
+            for number in (1, 2, 3)
+            for part in ("along", "value", "idle")
+        },
     ),
 }

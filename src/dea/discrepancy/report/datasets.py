@@ -9,6 +9,7 @@ import xarray as xr
 from dea.discrepancy.diagnosis import Diagnosis
 from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.search.candidates import Candidate
+from dea.simulation import law_courses
 
 
 def localisation_dataset(diagnosis: Diagnosis) -> xr.Dataset:
@@ -72,7 +73,10 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
 
 
 def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
-    """Return the record, both simulations and the use of each sample; other records' errors."""
+    """Return the record, both simulations and the use of each sample; other records' errors.
+
+    Of each law that is named, also its course over the record.
+    """
     problem, unit = diagnosis.problem, diagnosis.units[1]
     role = np.select([problem.fit, problem.select, problem.certify], [1, 2, 3], 0)
     data = {
@@ -95,6 +99,8 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
         ),
         "noise_floor": ((), diagnosis.floor, _attributes(unit, "noise floor")),
     }
+    if diagnosis.decision.answer:
+        data |= _laws(diagnosis)
     names = list(diagnosis.certificate.records)
     for key, meaning in (("before", "without"), ("after", "with")):
         data[f"record_rmse_{key}"] = (
@@ -107,6 +113,20 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
         "record": ("record", np.array(names, object), _attributes("1", "other record")),
     }
     return xr.Dataset(data, coords=coords)
+
+
+def _laws(diagnosis: Diagnosis) -> dict[str, tuple[str, np.ndarray, dict[str, str]]]:
+    """Return of each named law what it acts on, what it makes of it, and that without the law."""
+    final, problem = diagnosis.final, diagnosis.problem
+    courses = law_courses(final.extended, final.values, problem.u, problem.interval)
+    found = {}
+    for number, course in enumerate(courses, 1):
+        if course is not None:
+            (along, name, unit), (value, made, made_unit), idle = course
+            found[f"law_{number}_along"] = "time", along, _attributes(unit, name)
+            found[f"law_{number}_value"] = "time", value, _attributes(made_unit, made)
+            found[f"law_{number}_idle"] = "time", idle, _attributes(made_unit, "without the law")
+    return found
 
 
 def _written(candidates: Iterable[Candidate]) -> np.ndarray:

@@ -1,0 +1,141 @@
+"""What each attached law does along a record: its shape where the record reaches."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from dea.simulation.attached import Attached
+from dea.simulation.effects import Family, Port
+from dea.simulation.extended import INPUT_OFFSET, OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
+from dea.simulation.extended import ExtendedSimulation as Extended
+from dea.simulation.signatures import MEMORY
+from dea.simulation.timing import shifted
+
+
+class Axis(NamedTuple):
+    """A quantity along the record, shape (samples,), with its name and unit."""
+
+    values: np.ndarray
+    name: str
+    unit: str
+
+
+class LawCourse(NamedTuple):
+    """What a law acts on, what it makes of it, and the same where it had no effect."""
+
+    along: Axis
+    value: Axis
+    idle: np.ndarray
+
+
+def law_courses(
+    extended: Extended, values: np.ndarray, u: np.ndarray, interval: float
+) -> list[LawCourse | None]:
+    """Return the course of each effect attached, in their order.
+
+    A force is shown along the velocity where it dissipates, along the position where it does not.
+    There is none where its port has no position, or is not the simulation's first.
+
+    Parameters
+    ----------
+    values
+        All parameters of ``extended``.
+    u
+        Input, shape (samples,), of all records one after the other.
+    """
+    if extended.records > 1:
+        parts = [
+            law_courses(extended.alone, own, u[part], interval)
+            for part, own in extended.each(values)
+        ]
+        return [_joined(courses) for courses in zip(*parts, strict=True)]
+    own = extended.simulation
+    known = dict(zip(extended.names, values.tolist(), strict=True))
+    output, position = extended.run(values, u, interval)
+    time = np.arange(u.size) * interval
+    v = np.ascontiguousarray(u, dtype=float) + known[INPUT_OFFSET]
+    y = known[OUTPUT_GAIN] * shifted(output, known[TIMING_OFFSET] / interval)
+    y = y + known[OUTPUT_OFFSET]
+    courses: list[LawCourse | None] = [None] * len(extended.attached)
+    for index in _order(extended.attached):
+        effect, q = extended.attached[index].effect, values[extended.effect_slices[index]]
+        if effect.shape_input is not None:
+            before, v = v, effect.shape_input(v, q, interval)
+            courses[index] = LawCourse(
+                Axis(before, "input", own.input_unit),
+                Axis(v, "input that acts", own.input_unit),
+                before,
+            )
+        elif effect.shape_output is not None:
+            before, y = y, effect.shape_output(y, time, q, interval)
+            courses[index] = (
+                LawCourse(
+                    Axis(time, "time", "s"),
+                    Axis(y - before, "change of the reading", own.output_unit),
+                    np.zeros(u.size),
+                )
+                if effect.port is Port.TIME or effect.family is Family.OSCILLATION
+                else LawCourse(
+                    Axis(before, "output", own.output_unit),
+                    Axis(y, "reading", own.output_unit),
+                    before,
+                )
+            )
+        elif effect.scale_drive is not None:
+            factor = effect.scale_drive(time, q)
+            courses[index] = LawCourse(
+                Axis(time, "time", "s"),
+                Axis(factor, f"factor on {own.drive.replace('_', ' ')}", "1"),
+                np.ones(u.size),
+            )
+        else:
+            courses[index] = _pushed(extended, extended.attached[index], q, position, interval)
+    return courses
+
+
+def _order(attached: Sequence[Attached]) -> list[int]:
+    """Return the effects in the order in which they are applied."""
+    order: list[int] = []
+    for index, each in enumerate(attached):
+        order.insert(0 if each.upstream else len(order), index)
+    return order
+
+
+def _pushed(
+    extended: Extended, attached: Attached, q: np.ndarray, z: np.ndarray, interval: float
+) -> LawCourse | None:
+    """Return a force along the motion at the first port."""
+    port = extended.simulation.force_ports[attached.force_port]
+    effect = attached.effect
+    if attached.force_port or port.position is None or effect.force is None:
+        return None
+    w = np.gradient(z) / interval
+    law = np.zeros(MEMORY)
+    law[: q.size] = q
+    memory = np.zeros(MEMORY) if effect.memory is None else effect.memory(q)
+    push = np.zeros(z.size)
+    for k in range(z.size):
+        push[k] = effect.force(z[k], w[k], memory, law)
+        effect.update(z[k], z[min(k + 1, z.size - 1)], interval, memory, law)
+    frame = extended.normalisations[0]
+    states = extended.simulation.states
+    unit = next(state.unit for state in states if state.name == port.position)
+    along = (
+        Axis(w * frame.scale, f"rate of {port.position}", f"{unit}/s")
+        if effect.family is Family.DISSIPATION
+        else Axis(z * frame.scale + frame.rest, port.position, unit)
+    )
+    return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size))
+
+
+def _joined(courses: Sequence[LawCourse | None]) -> LawCourse | None:
+    """Return the courses of several records as one."""
+    there = [course for course in courses if course is not None]
+    if len(there) < len(courses):
+        return None
+    return LawCourse(
+        there[0].along._replace(values=np.concatenate([c.along.values for c in there])),
+        there[0].value._replace(values=np.concatenate([c.value.values for c in there])),
+        np.concatenate([c.idle for c in there]),
+    )

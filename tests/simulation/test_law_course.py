@@ -1,0 +1,117 @@
+"""What a law does along a record, against the law written down anew."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dea.simulation import (
+    Parameter,
+    State,
+    catalogue,
+    law_courses,
+    load_simulation,
+    measured_scales,
+    prepared,
+)
+
+INTERVAL, SAMPLES = 0.02, 1000
+SPRING = replace(
+    load_simulation("mass_spring_damper"),
+    states=(State("position", "V", 0.0, 0.2), State("velocity", "V/s", 0.0, 2.0)),
+    parameters=(
+        Parameter("natural_frequency", "Hz", 1.5, 0.3, 1e-2, 1e2, log=True),
+        Parameter("damping_ratio", "1", 0.5, 0.5, 1e-3, 10.0, log=True),
+        Parameter("static_gain", "V/V", 1.0, 0.3, 1e-2, 1e2, log=True),
+    ),
+)
+TIME = np.arange(SAMPLES) * INTERVAL
+U = np.sin(2 * np.pi * 0.2 * TIME) + 0.4 * np.sin(2 * np.pi * 0.47 * TIME)
+
+
+class Sampled:
+    u, y, interval = U, U, INTERVAL
+
+
+def attached(*laws, lengths=(), upstream=False):
+    """The spring with laws of these names and changed parameters, and all its values."""
+    extended = prepared(SPRING, U, INTERVAL, 1e-5, lengths)
+    scales = measured_scales(extended, extended.values(np.zeros(extended.free.size)), Sampled())
+    for name, _ in laws:
+        extended = extended.attach(catalogue()[name], scales, upstream=upstream)
+    values = np.array([p.nominal for p in extended.parameters])
+    for (_, changed), own in zip(laws, extended.effect_slices, strict=True):
+        names = [p.name.partition(".")[2] for p in extended.parameters[own]]
+        for name, value in changed.items():
+            values[own.start + names.index(name)] = value
+    return extended, values
+
+
+def test_a_law_on_the_input_is_shown_over_the_input():
+    hard = {"threshold": 0.5, "corner_width": 1e-3, "slope": 1.0, "gate": 0.0}
+    [course] = law_courses(*attached(("dead_zone", hard)), U, INTERVAL)
+    np.testing.assert_array_equal(course.along.values, U)
+    np.testing.assert_array_equal(course.idle, U)
+    expected = np.sign(U) * np.maximum(np.abs(U) - 0.5, 0.0)
+    np.testing.assert_allclose(course.value.values, expected, atol=2e-3)
+    assert (course.along.unit, course.value.unit) == ("V", "V")
+
+
+def test_laws_are_shown_in_the_order_in_which_they_act():
+    laws = ("dead_zone", {"threshold": 0.5}), ("input_saturation", {})
+    first, second = law_courses(*attached(*laws), U, INTERVAL)
+    np.testing.assert_array_equal(second.along.values, first.value.values)
+    first, second = law_courses(*attached(*laws, upstream=True), U, INTERVAL)
+    np.testing.assert_array_equal(first.along.values, second.value.values)
+
+
+def test_a_force_that_dissipates_is_shown_over_the_velocity():
+    extended, values = attached(("coulomb_friction", {"force": 0.2, "slip_deflection": 1e-4}))
+    [course] = law_courses(extended, values, U, INTERVAL)
+    position = extended.simulate(values, U, INTERVAL)
+    np.testing.assert_allclose(course.along.values, np.gradient(position, INTERVAL), atol=1e-9)
+    moving = np.abs(course.along.values) > 0.3
+    expected = -0.2 * np.sign(course.along.values[moving])
+    assert np.mean(np.isclose(course.value.values[moving], expected, rtol=0.05)) > 0.95
+    assert course.along.unit == "V/s"
+
+
+def test_a_force_of_the_position_is_shown_over_the_position():
+    extended, values = attached(("strain_stiffening", {}))
+    [course] = law_courses(extended, values, U, INTERVAL)
+    position = extended.simulate(values, U, INTERVAL)
+    np.testing.assert_allclose(course.along.values, position, atol=1e-9)
+    np.testing.assert_array_equal(course.idle, np.zeros(SAMPLES))
+
+
+def test_what_changes_with_time_is_shown_over_time():
+    for name, at_rest in (("gain_drift", 1.0), ("baseline_drift", 0.0)):
+        [course] = law_courses(*attached((name, {"mode_1": 0.3})), U, INTERVAL)
+        np.testing.assert_array_equal(course.along.values, TIME)
+        assert np.ptp(course.value.values) > 0.0
+        np.testing.assert_array_equal(course.idle, np.full(SAMPLES, at_rest))
+
+
+def test_a_law_on_the_reading_is_shown_over_the_output():
+    extended, values = attached(("sensor_lag", {}))
+    [course] = law_courses(extended, values, U, INTERVAL)
+    reading = extended.simulate(values, U, INTERVAL)
+    np.testing.assert_allclose(course.value.values, reading, rtol=1e-9)
+    alone = extended.without(0)
+    output = alone.simulate(values[: extended.effect_slices[0].start], U, INTERVAL)
+    np.testing.assert_allclose(course.along.values, output, rtol=1e-9)
+
+
+def test_records_are_shown_one_after_the_other():
+    half = SAMPLES // 2
+    extended, values = attached(("strain_stiffening", {}), lengths=(half, half))
+    [course] = law_courses(extended, values, U, INTERVAL)
+    together = extended.simulate(values, U, INTERVAL)
+    np.testing.assert_allclose(course.along.values, together, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", catalogue())
+def test_every_law_of_the_catalogue_has_a_shape(name):
+    [course] = law_courses(*attached((name, {})), U, INTERVAL)
+    assert np.isfinite(course.value.values).all()
+    assert course.along.values.shape == course.value.values.shape == course.idle.shape == U.shape
