@@ -74,7 +74,7 @@ def findings(tmp_path):
     for name, dataset in datasets.items():
         contract = "imported_record" if name == "record" else name
         store.write(dataset.assign_attrs(contract=contract), folder / f"{name}.nc", title=name)
-    (folder / "verdict.json").write_text('{"sentence": "It lacks a <delay>."}')
+    (folder / "verdict.json").write_text('{"sentence": "It lacks a `<delay>`."}')
     return Findings("My & mine", store.Sources(sorted(folder.iterdir())))
 
 
@@ -85,7 +85,7 @@ def test_the_page_is_whole_and_holds_its_pictures(findings):
     assert not tags.open
     assert [b64decode(i["src"].partition(",")[2]) for i in tags.images] == [PICTURE] * 2
     assert "&lt;mine &amp; yours&gt;.csv" in text
-    assert "It lacks a &lt;delay&gt;." in text
+    assert "It lacks a <code>&lt;delay&gt;</code>." in text
     assert "one step is not white" in text
     assert not re.search(r'(src|href)="(?!data:)', text), "it must stand alone"
 
@@ -117,5 +117,5 @@ def test_the_scores_of_the_model_come_first_and_divergence_is_said(findings):
 def test_the_summary_ends_with_the_path(findings):
     text = summary(findings, "results/mine/page.html")
     assert text.split()[-1] == "results/mine/page.html"
-    assert "It lacks a <delay>." in text
+    assert "It lacks a `<delay>`." in text
     assert "99.0 % explained, rmse 0.0500 mm" in text

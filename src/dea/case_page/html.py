@@ -1,5 +1,6 @@
 """The page of a case: one file of HTML that holds its pictures."""
 
+import re
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -74,7 +75,8 @@ def _section(
     shown = [name for name in names if name in pictures]
     if not text and not shown:
         return []
-    told = [f'<p class="verdict">{escape(text)}</p>'] if text else []
+    marked = re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
+    told = [f'<p class="verdict">{marked}</p>'] if text else []
     widest = max(map(_width, pictures.values()), default=1)
     figures = (_figure(pictures[n], _CAPTIONS[n], _width(pictures[n]) / widest) for n in shown)
     return [f"<h2>{heading}</h2>", *told, *figures]

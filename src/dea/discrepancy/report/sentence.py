@@ -9,6 +9,7 @@ from dea.simulation import ForcePort
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
+    from dea.discrepancy.evidence.residual_model import ResidualModel
     from dea.discrepancy.report.verdict import NamedEffect
 
 # The bin of each quantity that the residual is concentrated in.
@@ -24,6 +25,8 @@ _PHRASES: Mapping[str, str] = {
 # Presence from which an effect is said to be likely, and certified error, in noise floors, from
 # which a law is said to be too poor.
 _LIKELY, _POOR = 0.6, 1.3
+# Percentage of the residual from which an equation for it is worth a sentence.
+_LEAST_SHARE = 1.0
 _DIRECTIONS = ("falling", "still", "rising")
 
 
@@ -74,8 +77,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     if decision.status is Status.UNKNOWN:
         return (
             f"Something is missing, but {decision.reason}: error {block.before:.3g} {unit}, "
-            f"{noise}.{_nearest(found)} {place}. The best equation for the residual: "
-            f"{unexplained.equation} (explains {100 * unexplained.explained:.0f} %)."
+            f"{noise}.{_nearest(found)} {place}.{equation_sentence(unexplained)}"
         )
     extended = found.extended.extended
     laws = " and ".join(
@@ -116,6 +118,14 @@ def _further(found: "Diagnosis") -> str:
     ]
     hint = f" ({likely[0]} is likely)" if likely else ""
     return f"What remains is not named{hint}: {where_sentence(found.where.after)}."
+
+
+def equation_sentence(unexplained: "ResidualModel") -> str:
+    """Return the equation for the residual as a sentence, where it explains anything."""
+    share = 100 * unexplained.explained
+    if share < _LEAST_SHARE:
+        return ""
+    return f" The best equation for the residual: {unexplained.equation} (explains {share:.0f} %)."
 
 
 def _nearest(found: "Diagnosis") -> str:
