@@ -16,8 +16,8 @@ from dea.discrepancy.fit import Fit, at, fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.budget import Budget
-from dea.discrepancy.search.candidates import Candidate
-from dea.discrepancy.search.rounds import extend_by_each
+from dea.discrepancy.search.candidates import Candidate, judged
+from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.discrepancy.search.screening import Base, Offer, promising
 from dea.discrepancy.search.search import Search, pool_of
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
@@ -100,6 +100,34 @@ def test_two_effects_are_found_beside_laws_that_pass_for_them():
     assert pool[0].rmse < 1.1 * NOISE < rounds[0].candidates[0].rmse
     sets = [(frozenset(c.labels), c.finished) for c in pool]
     assert len(sets) == len(set(sets))
+
+
+def test_a_second_effect_that_only_helped_the_first_one_is_dropped():
+    """The fits of single effects stopped where they started; only pairs are fitted to the end."""
+    problem, extended = hidden("sensor_lag")
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    offered = [catalogue()["dead_zone"], catalogue()["sensor_lag"]]
+    told = measured_scales(nominal.extended, nominal.values, problem)
+
+    def started(effect):
+        attached = extended.attach(effect, told)
+        laws = [attached.attached[-1].started(start) for start in effect.starts(told)]
+        places = [attached.coordinates(np.concatenate([nominal.values, law])) for law in laws]
+        return min(
+            (judged(problem, at(problem, attached, p)) for p in places), key=lambda c: c.rmse
+        )
+
+    class Stuck(Search):
+        @property
+        def singles(self):
+            stopped = [started(effect) for effect in offered]
+            return Round(nominal, tuple(sorted(stopped, key=lambda c: c.error)))
+
+    search = Stuck(problem, [nominal], offered, Budget(exchanges=0), Rules())
+    assert search.singles.candidates[0].rmse > 2 * NOISE
+    best = search.rounds()[0].candidates[0]
+    assert best.names == ("sensor_lag",)
+    assert best.rmse < 1.1 * NOISE
 
 
 @pytest.mark.parametrize(("held_out_rival", "status"), [(1.5, "named"), (1.0, "ambiguous")])

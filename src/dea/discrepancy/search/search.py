@@ -3,7 +3,7 @@
 Two effects may each explain little, and a third one may stand for both. The search therefore goes
 on from the best candidates and, where a pair explains much but not all, from the partners it has
 found and from each of its effects in turn (sequential replacement: Miller 2002, Subset Selection in
-Regression, ch. 3).
+Regression, ch. 3). In the end each effect of the leading pairs is fitted again on its own.
 """
 
 from collections.abc import Sequence
@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from dea.discrepancy.evidence.noise import white_level
-from dea.discrepancy.fit import Fit, without
+from dea.discrepancy.fit import Fit, fit, without
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.budget import Budget
-from dea.discrepancy.search.candidates import Candidate, best_of_each_set
+from dea.discrepancy.search.candidates import Candidate, best_of_each_set, judged
 from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.simulation import Effect
 
@@ -44,7 +44,7 @@ class Search:
             grown = self._pairs_from(beam) if size == 2 else self._extended(beam)
             rounds += grown
             beam = self._leading(grown)
-        return rounds
+        return [self._reduced(rounds), *rounds[1:]]
 
     @cached_property
     def singles(self) -> Round:
@@ -83,6 +83,27 @@ class Search:
         effects = [effect for effect in self.offered if effect.name in leading]
         kept = [without(self.problem, pair.fit, i) for i in range(len(pair.names))]
         return [self._round([fitted], effects) for fitted in kept if fitted.stable]
+
+    def _reduced(self, rounds: Sequence[Round]) -> Round:
+        """Return the round of single effects, those fitted again that a leading pair helped.
+
+        A second effect can lead the first one out of a local minimum and then be of no use.
+        """
+        starts = [
+            without(self.problem, pair.fit, i)
+            for pair in self._leading(rounds[1:])
+            for i in range(len(pair.names))
+            if len(pair.names) == 2
+        ]
+        again = [
+            fit(self.problem, start.extended, start.coordinates, iterations=self.budget.last_steps)
+            for start in starts
+            if start.stable
+        ]
+        candidates = best_of_each_set(
+            [*self.singles.candidates, *(judged(self.problem, each) for each in again)]
+        )
+        return Round(self.singles.before, tuple(candidates))
 
     def _lacking(self, candidates: Sequence[Candidate]) -> bool:
         nominal_error = self.problem.seen_rmse(self.nominals[0].residual)
