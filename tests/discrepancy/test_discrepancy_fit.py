@@ -177,6 +177,14 @@ def test_columns_of_the_reading_are_those_of_whole_simulations():
             assert np.allclose(found[:, i], slope, atol=1e-9 + 1e-6 * np.abs(slope).max())
 
 
+def test_a_simulation_that_runs_away_on_samples_held_out_is_no_fit():
+    problem, extended = carriage(6)
+    x = np.zeros(extended.free.size)
+    residual = np.where(problem.seen, 0.02, 0.0)
+    assert cost_of(residual, x, problem) == pytest.approx(4.0 * problem.seen.sum())
+    assert cost_of(np.where(problem.certify, np.inf, residual), x, problem) == np.inf
+
+
 def test_folds_deal_out_every_seen_block_once():
     problem, _ = carriage(6)
     dealt = np.array(folds(problem))

@@ -90,10 +90,13 @@ class Columns:
 
 
 def cost_of(residual: np.ndarray, coordinates: np.ndarray, problem: Problem) -> float:
-    """Return the sum of squares over the seen samples in units of the noise, plus the prior."""
-    chosen = residual[problem.seen]
-    if not np.isfinite(chosen).all():
+    """Return the sum of squares over the seen samples in units of the noise, plus the prior.
+
+    It is infinite where the simulation runs away anywhere, on samples that are held out too.
+    """
+    if not np.isfinite(residual).all():
         return np.inf
+    chosen = residual[problem.seen]
     return float(chosen @ chosen / problem.noise**2 + coordinates @ coordinates)
 
 
