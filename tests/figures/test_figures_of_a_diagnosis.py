@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_rgba
 
 from dea.figures import style
 from dea.figures.discrepancy import discrepancy
@@ -37,16 +38,15 @@ EDGES = {
     for end in ("low", "high")
 }
 LOCALISATION = xr.Dataset(BINS | EDGES)
-NAMES = ["dead_zone", "sensor_lag", "none"]
+NAMES = ["dead_zone", "sensor_lag"]
 CANDIDATES = xr.Dataset(
     {
         "gain": ("candidate", [0.1, 0.9]),
         "gain_low": ("candidate", [0.0, 0.7]),
         "gain_high": ("candidate", [0.3, 1.0]),
         "null_gain": ((), 0.2),
-        "confusion": (("present", "called"), [[0.9, 0.1, 0.0], [0.2, 0.7, 0.1], [0.0, 0.05, 0.95]]),
     },
-    coords={"candidate": NAMES[:2], "present": NAMES},
+    coords={"candidate": NAMES},
 )
 
 
@@ -62,10 +62,12 @@ def verdict(status="named"):
         "where": {"along": "input"},
         "ladder": [["nominal", 0.5], ["dead_zone", 0.1], ["noise floor", 0.05]],
         "unit": "mm",
+        "model_error": {"white": 0.05, "level": 0.07},
+        "presence": {"effects": {"sensor_lag": 0.04, "dead_zone": 0.97}},
     }
 
 
-PANELS = "series", "runs", "where", "ladder", "law", "confusion"
+PANELS = "series", "runs", "where", "ladder", "law", "presence"
 
 
 @pytest.fixture
@@ -100,7 +102,7 @@ def test_the_ladder_goes_from_the_nominal_error_down_to_the_noise_floor(panels):
     ax = panels["ladder"]
     assert [bar.get_width() for bar in ax.patches] == [0.5, 0.1]
     assert [text.get_text() for text in ax.get_yticklabels()] == ["nominal", "dead zone"]
-    assert ax.lines[0].get_xdata() == [0.05, 0.05]
+    assert [line.get_xdata() for line in ax.lines] == [[0.05, 0.05], [0.07, 0.07]]
     assert ax.get_xlabel() == "held-out RMSE (mm)"
     assert ax.get_ylim()[0] > ax.get_ylim()[1]
 
@@ -147,14 +149,20 @@ def test_without_a_shape_each_parameter_has_its_interval_and_is_grey_where_it_ma
     assert texts == ["width = 0.4 ± 0.15 V", "slope = 0.1 ± 0.15"]
 
 
-def test_the_confusion_has_the_present_effect_in_rows(panels):
-    ax = panels["confusion"]
-    np.testing.assert_array_equal(ax.images[0].get_array(), CANDIDATES["confusion"])
-    assert [text.get_text() for text in ax.get_yticklabels()] == ["dead zone", "sensor lag", "none"]
-    written = {text.get_position(): text.get_text() for text in ax.texts}
-    assert (written[1, 0], written[0, 1]) == ("0.10", "0.20")
-    assert (2, 0) not in written
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("called (same order)", "present")
+def test_effects_stand_by_their_probability_and_the_named_one_stands_out(panels):
+    ax = panels["presence"]
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["dead zone", "sensor lag"]
+    assert [bar.get_width() for bar in ax.patches] == [0.97, 0.04]
+    assert [text.get_text() for text in ax.texts if text.get_text() != "F"] == ["0.97", "0.04"]
+    first, second = (bar.get_facecolor() for bar in ax.patches)
+    assert first == to_rgba(style.VERMILION) != second
+
+
+def test_the_title_says_what_the_named_effect_removes():
+    said = verdict() | {"share": {"value": 0.724, "low": 0.63, "high": 0.79}}
+    figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said)
+    expected = "named: dead zone, which removes 72 % (63 to 79 %) of the gap"
+    assert figure.get_suptitle() == expected
 
 
 def test_without_a_name_the_gains_of_the_candidates_are_shown_best_first():

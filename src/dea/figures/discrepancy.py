@@ -1,4 +1,4 @@
-"""A diagnosis: the residual and where it is largest, the errors, the named law, the confusion."""
+"""A diagnosis: the residual and where it is largest, the errors, the named law, what is present."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from dea.figures import style
 from dea.store import Sources
@@ -17,8 +18,14 @@ _HEADROOM = 1.3
 # Points of a law that are drawn, and parameters that are told above it, at most.
 _MOST_POINTS = 3000
 _TOLD = 3
-# Bars that the panel of errors has room for at least.
-_FEW = 3
+# Bars that a panel has room for: at least, so that one alone is no block, and at most.
+_FEW, _MOST_BARS = 3, 8
+# Intervals of an axis, whose labels may be as long as -1500.
+_TICKS = 4
+
+# Legends of three above an axis half a page wide, beside its letter.
+_ABOVE = {"ncols": 3, "loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0,
+          "columnspacing": 0.9, "handlelength": 1.1}  # fmt: skip
 
 
 def draw(sources: Sources) -> Figure:
@@ -56,7 +63,7 @@ def discrepancy(
     columns = len(effects) if effects and shapes else 1
     cells = grid[2, 0].subgridspec(1, columns)
     laws = [figure.add_subplot(cells[0, k]) for k in range(columns)]
-    confusion = figure.add_subplot(grid[2, 1])
+    present = figure.add_subplot(grid[2, 1])
     _series(series, certificate, verdict)
     _runs(runs, certificate, verdict)
     _where(where, localisation, verdict)
@@ -68,15 +75,23 @@ def discrepancy(
             _shape(ax, certificate, number, effect)
     else:
         _parameters(laws[0], effects)
-    _confusion(confusion, candidates)
-    style.panel_letters([series, runs, where, ladder, laws[0], confusion])
+    _presence(present, verdict)
+    for ax in (series, runs, where, *laws):
+        ax.xaxis.set_major_locator(MaxNLocator(_TICKS))
+    style.panel_letters([series, runs, where, ladder, laws[0], present])
     figure.suptitle(_title(verdict), fontsize=7.5)
     return figure
 
 
 def _title(verdict: Mapping[str, Any]) -> str:
-    names = " + ".join(effect["name"] for effect in verdict["effects"])
-    return f"{verdict['status']}: {names}" if names else str(verdict["status"])
+    names = " + ".join(effect["name"].replace("_", " ") for effect in verdict["effects"])
+    if not names:
+        return str(verdict["status"])
+    removed = ""
+    if share := verdict.get("share"):
+        value, low, high = (100 * share[key] for key in ("value", "low", "high"))
+        removed = f", which removes {value:.0f} % ({low:.0f} to {high:.0f} %) of the gap"
+    return f"{verdict['status']}: {names}{removed}"
 
 
 def _simulations(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -95,7 +110,7 @@ def _series(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> No
     if held.any():
         ax.axvspan(time[held][0], time[held][-1], color=style.PALE, zorder=0, label="certified")
     ax.set(xlabel="time (s)", ylabel=style.quantity("gap", unit), xlim=(time[0], time[-1]))
-    ax.legend(ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
+    ax.legend(**_ABOVE)
 
 
 def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None:
@@ -110,7 +125,7 @@ def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None
         ax.plot(time, part[name], color=colour, lw=0.7, label=name)
     unit = certificate["measured"].attrs["units"]
     ax.set(xlabel="time (s)", ylabel=style.quantity("output", unit), xlim=(time[0], time[-1]))
-    ax.legend(ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
+    ax.legend(**_ABOVE)
 
 
 def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> None:
@@ -137,12 +152,15 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
 
 
 def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
-    """Draw the held-out RMS error after each effect added, and the noise floor."""
+    """Draw the held-out RMS error after each effect added, down to noise and model error."""
     rungs = dict(verdict["ladder"])
     floor = rungs.pop("noise floor")
     ax.barh(range(len(rungs)), list(rungs.values()), color=style.BLUE, height=0.55)
     ax.axvline(floor, color=style.BLACK, lw=0.8, ls="--", label="noise floor")
-    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0)
+    level = verdict["model_error"].get("level", floor)
+    if level > floor:
+        ax.axvline(level, color=style.BLACK, lw=0.8, ls=":", label="with model error")
+    ax.legend(**_ABOVE)
     ax.set_yticks(range(len(rungs)), [_in_words(name) for name in rungs])
     ax.set_ylim(max(len(rungs), _FEW) - 0.5, -0.5)
     ax.set(xlabel=style.quantity("held-out RMSE", verdict["unit"]), xscale="log")
@@ -225,25 +243,16 @@ def _gains(ax: Axes, candidates: xr.Dataset) -> None:
     ax.invert_yaxis()
 
 
-def _confusion(ax: Axes, candidates: xr.Dataset) -> None:
-    """Draw the probability that an effect, present at its fitted size, is named as another."""
-    matrix = candidates["confusion"].values
-    names = _told_apart([str(name) for name in candidates["present"].values])
-    image = ax.imshow(matrix, cmap="Blues", vmin=0, vmax=1)
-    for (i, j), value in np.ndenumerate(matrix):
-        if value >= 0.01:
-            colour = "white" if value > 0.6 else style.BLACK
-            ax.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=5.5, color=colour)
-    ax.set_yticks(range(len(names)), names, fontsize=5.5, linespacing=0.95)
-    ax.set_xticks(range(len(names)), [str(n + 1) for n in range(len(names))])
-    ax.set(xlabel="called (same order)", ylabel="present")
-    ax.figure.colorbar(image, ax=ax, label="probability", shrink=0.8)
-
-
-def _told_apart(labels: list[str]) -> list[str]:
-    """Return effect sets in words; force ports only where two sets differ in nothing else."""
-    bare = [re.sub("@[^+]*", "", label) for label in labels]
-    return [
-        _in_words((label if bare.count(short) > 1 else short).replace("+", "\n+ "))
-        for label, short in zip(labels, bare, strict=True)
-    ]
+def _presence(ax: Axes, verdict: Mapping[str, Any]) -> None:
+    """Draw the probability of each effect to be part of the answer; named ones stand out."""
+    named = {effect["name"] for effect in verdict["effects"]}
+    found = sorted(verdict["presence"]["effects"].items(), key=lambda pair: -pair[1])[:_MOST_BARS]
+    colours = [style.VERMILION if name in named else style.GREY for name, _ in found]
+    values = [value for _, value in found]
+    ax.barh(range(len(found)), values, color=colours, height=0.55)
+    for y, value in enumerate(values):
+        ax.text(value + 0.02, y, f"{value:.2f}", va="center", fontsize=5.5)
+    ax.set_yticks(range(len(found)), [name.replace("_", " ") for name, _ in found])
+    ax.set_ylim(max(len(found), _FEW) - 0.5, -0.5)
+    ax.set(xlabel="probability that it is part of the answer", xlim=(0, 1.15))
+    ax.set_xticks([0.0, 0.5, 1.0])
