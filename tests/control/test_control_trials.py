@@ -27,6 +27,6 @@ def test_the_adaptive_inverse_follows_best_and_no_limit_is_violated(path):
     assert not best["quality"].any()
     share = trial["rms_error"] / trial["stroke"]
     ends = share.isel(minute=[0, -1])
-    assert (ends.sel(controller="adaptive inverse") < 0.02).all()
+    assert (ends.sel(controller="adaptive inverse") < 0.01).all()
     for other in ("fixed inverse", "PI"):
         assert (ends.sel(controller=other) > 2.0 * ends.sel(controller="adaptive inverse")).all()
