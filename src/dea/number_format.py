@@ -1,5 +1,6 @@
 """How numbers are written for readers, in figures and tables alike."""
 
+import re
 from math import isfinite, isinf
 
 DASH = "–"
@@ -10,3 +11,8 @@ def number(value: float, digits: int = 3) -> str:
     if isinf(value):
         return "diverged"
     return f"{value:#.{digits}g}".rstrip(".") if isfinite(value) else DASH
+
+
+def written_out(text: str) -> str:
+    """Return a text in which ``1.06e+03`` is 1060, as are all powers of ten up to the fifth."""
+    return re.sub(r"\d(\.\d+)?e\+0[1-5]", lambda found: f"{float(found[0]):.0f}", text)

@@ -11,10 +11,16 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from dea.figures import style
+from dea.number_format import written_out
 from dea.store import Sources
 
 # Upper limit of the axis over the largest value, which leaves room for the legend.
 _HEADROOM = 1.3
+# A legend above the axes that leaves room for the panel's letter.
+_ABOVE: Mapping[str, Any] = {
+    "ncols": 3, "loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0,
+    "columnspacing": 0.8, "handlelength": 0.9,
+}  # fmt: skip
 # Points of a law that are drawn, and parameters that are told above it, at most.
 _MOST_POINTS = 3000
 _TOLD = 3
@@ -148,6 +154,7 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
         ylabel=style.quantity("RMS gap", gap.attrs["units"]),
         ylim=(0, _HEADROOM * highest),
     )
+    ax.locator_params(axis="x", nbins=6)
     ax.legend(ncols=3, loc="upper center", columnspacing=0.7, handlelength=0.9)
 
 
@@ -192,6 +199,7 @@ def _shape(ax: Axes, certificate: xr.Dataset, number: int, effect: Mapping[str, 
     for variable, place in ((along, ax.set_xlabel), (value, ax.set_ylabel)):
         name = str(variable.attrs["long_name"]).replace("_", " ")
         place(style.quantity(name, variable.attrs["units"]))
+    ax.locator_params(axis="x", nbins=5)
     told = [effect["name"].replace("_", " ")]
     told += [_estimate(name, each) for name, each in list(effect["parameters"].items())[:_TOLD]]
     ax.set_title("\n".join(told), fontsize=6, loc="right")
@@ -202,7 +210,7 @@ def _estimate(name: str, estimate: Mapping[str, Any]) -> str:
     """Return a parameter as its name, its value and half of its interval."""
     value, low, high = (estimate[key] for key in ("value", "low", "high"))
     unit = f" {estimate['unit']}" if estimate["unit"] != "1" else ""
-    return f"{name.replace('_', ' ')} = {value:.3g} ± {0.5 * (high - low):.2g}{unit}"
+    return written_out(f"{name.replace('_', ' ')} = {value:.3g} ± {0.5 * (high - low):.2g}{unit}")
 
 
 def _parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:

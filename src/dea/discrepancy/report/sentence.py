@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
+from dea.number_format import written_out
 from dea.simulation import ForcePort
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def verdict_sentence(
     found: "Diagnosis", effects: Sequence["NamedEffect"], notes: Sequence[str] = ()
 ) -> str:
     """Say what a diagnosis found, the finding first; ``effects`` are those that are named."""
-    return " ".join([_finding(found, effects), *notes])
+    return written_out(" ".join([_finding(found, effects), *notes]))
 
 
 def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
