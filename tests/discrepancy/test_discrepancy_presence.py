@@ -160,6 +160,12 @@ def test_what_follows_the_input_is_no_noise():
     assert not is_coloured_noise(problem, noise + 3.0 * noise.std() * problem.u**2, BLOCKS)
 
 
+def test_blocks_too_short_to_tell_say_nothing():
+    noise = autoregressive(9)
+    short = [slice(first, first + 12) for first in range(0, 240, 12)]
+    assert not is_coloured_noise(record_of(noise), noise, short)
+
+
 def test_bursts_are_no_noise():
     noise = 0.1 * autoregressive(10)
     noise[2000:2100] += 5.0 * autoregressive(11)[:100]

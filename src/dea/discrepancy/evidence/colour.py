@@ -29,6 +29,8 @@ def is_coloured_noise(problem: Problem, residual: np.ndarray, blocks: Sequence[s
         return False
     parts = [innovations(residual[block], weights) for block in blocks]
     parts = [part for part in parts if part.size > 4 * order]
+    if len(parts) < 2:  # nothing says whether it is as large everywhere
+        return False
     left = np.concatenate(parts)
     kurtosis = float(np.mean((left - left.mean()) ** 4) / np.var(left) ** 2 - 3.0)
     levels = np.log([part.std() for part in parts])
