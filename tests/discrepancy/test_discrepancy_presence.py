@@ -160,9 +160,10 @@ def test_what_follows_the_input_is_no_noise():
     assert not is_coloured_noise(problem, noise + 3.0 * noise.std() * problem.u**2, BLOCKS)
 
 
-def test_blocks_too_short_to_tell_say_nothing():
+@pytest.mark.parametrize("length", [12, 18, 20])
+def test_blocks_too_short_to_tell_say_nothing(length):
     noise = autoregressive(9)
-    short = [slice(first, first + 12) for first in range(0, 240, 12)]
+    short = [slice(first, first + length) for first in range(0, 40 * length, length)]
     assert not is_coloured_noise(record_of(noise), noise, short)
 
 
