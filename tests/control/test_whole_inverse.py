@@ -75,6 +75,17 @@ def test_limits_and_rate_are_kept():
     assert np.abs(np.diff(found.inputs)).max() <= 0.1 + 1e-12
 
 
+def test_a_step_that_is_too_long_is_shortened():
+    """Gauss-Newton on arctan from far off would jump further off."""
+
+    def flat(u):
+        return np.arctan(np.concatenate([[0.0], u[:-1]]))
+
+    reference = np.concatenate([[np.nan, np.nan], np.zeros(28)])
+    found = whole_inverse(flat, reference, np.full(30, 2.0), weight=1e-6, **FREE)
+    np.testing.assert_allclose(found.inputs[2:-1], 0.0, atol=0.01)
+
+
 def test_a_simulation_that_diverges_is_said():
     def diverging(u):
         return np.where(np.arange(u.size) < 30, 1.0, np.nan)

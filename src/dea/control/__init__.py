@@ -12,14 +12,13 @@ from dea.control.planning import Plan, inverse_of
 from dea.control.reference import Reach, design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
 from dea.control.trial import Controller, Trial
-from dea.control.whole_inverse import Found, whole_inverse
+from dea.control.whole_inverse import whole_inverse
 
 __all__ = [
     "AdaptiveInverse",
     "CCode",
     "Controller",
     "Follower",
-    "Found",
     "Gains",
     "Guard",
     "Linearised",
