@@ -11,6 +11,7 @@ from dea.errors import InputError
 
 Array = NDArray[np.float64]
 _STEPS = 8  # of Gauss-Newton at most
+_SHARES = (1.0, 0.5, 0.25, 0.125)  # of a step, tried in turn until one is better
 _ENOUGH = 0.01  # part of its error that a step must remove for another to follow
 
 
@@ -84,16 +85,18 @@ def whole_inverse(
     best = cost(inputs, gap)
     for _ in range(_STEPS):
         band = _band(missing, inputs, gap, first, memory, change)
-        tried = inputs.copy()
-        tried[first:] += _step(band, gap[first:], np.diff(inputs, 2)[first - 2 :], weight)
-        _limit(tried, first, lowest, highest, reach)
-        gap_tried = missing(tried)
-        found = cost(tried, gap_tried)
-        if not found < best:
-            break
-        enough = found < (1.0 - _ENOUGH) * best
-        inputs, gap, best = tried, gap_tried, found
-        if not enough:
+        step = _step(band, gap[first:], np.diff(inputs, 2)[first - 2 :], weight)
+        before = best
+        for share in _SHARES:
+            tried = inputs.copy()
+            tried[first:] += share * step
+            _limit(tried, first, lowest, highest, reach)
+            gap_tried = missing(tried)
+            # A run that diverges costs NaN, which is not less.
+            if cost(tried, gap_tried) < best:
+                inputs, gap, best = tried, gap_tried, cost(tried, gap_tried)
+                break
+        if not best < (1.0 - _ENOUGH) * before:
             break
     return Found(inputs, float(np.sqrt(np.mean(gap[wanted] ** 2))))
 
