@@ -21,6 +21,8 @@ WINDOWS_FAILED = (
     "{} windows of the record have no estimate: the free run diverges, or outputs are missing"
 )
 TARGET_UNKNOWN = "leakage pulls towards parameters whose own covariance is not known"
+# Samples of a window within which parameters hardly move: long enough for its own estimate.
+_WINDOW, _SAMPLES_PER_TERM = 500, 50
 
 
 class Estimate(NamedTuple):
@@ -48,8 +50,36 @@ def instants(samples: int, count: int) -> NDArray[np.int64]:
     return at * samples // at.size + samples // (2 * at.size)
 
 
-def reason_of_innovations(innovation: Array) -> str:
-    """Return why intervals of an estimate by one-step errors do not hold, empty where they do."""
+def reason_to_withhold(innovation: Array, Phi: Array, target: Array) -> str:
+    """Return why intervals of an estimate by one-step errors do not hold, empty where they do.
+
+    Parameters that change follow coloured noise too, and leave an innovation that is white. The
+    errors of least squares in short windows, within which the parameters hardly move, do not.
+
+    Parameters
+    ----------
+    innovation
+        One-step errors of the tracker, shape (n,).
+    Phi, target
+        Regressors (n, p) and outputs (n,) of the equations; an output that is missing is NaN.
+    """
     # The first tenth holds the start from the prior.
     settled = innovation[innovation.size // 10 :]
-    return NOT_WHITE if fit_autoregression([settled]).order else ""
+    errors = [[settled], _in_windows(Phi, target)]
+    return NOT_WHITE if any(fit_autoregression(each).order for each in errors if each) else ""
+
+
+def _in_windows(Phi: Array, target: Array) -> list[Array]:
+    """Return the errors of least squares in windows, with a constant, of what is there."""
+    samples, terms = Phi.shape
+    count = max(1, samples // max(_WINDOW, _SAMPLES_PER_TERM * terms))
+    errors = []
+    for part in np.array_split(np.arange(samples), count):
+        there = part[np.isfinite(target[part])]
+        if there.size > terms + 1:
+            matrix = np.column_stack([np.ones(there.size), Phi[there]])
+            found = np.full(part.size, np.nan)
+            theta = np.linalg.lstsq(matrix, target[there], rcond=None)[0]
+            found[there - part[0]] = target[there] - matrix @ theta
+            errors.append(found)
+    return errors

@@ -15,7 +15,7 @@ from dea.tracking.bands import (
     TARGET_UNKNOWN,
     WINDOWS_FAILED,
     Estimate,
-    reason_of_innovations,
+    reason_to_withhold,
 )
 from dea.tracking.bands import instants as instants_of
 from dea.tracking.kalman import Smoothed, fit_common_ratio
@@ -158,7 +158,7 @@ def _recursive(
         **settings,
     )
     innovation = np.where(there, found.innovation, np.nan)
-    withheld = reason_of_innovations(innovation)
+    withheld = reason_to_withhold(innovation, Phi, missing)
     if settings["leakage"] and not known:
         withheld = withheld or TARGET_UNKNOWN
     return Estimate(
@@ -187,7 +187,8 @@ def _smoothed(
         thinning=settings["thinning"],
     )
     by_prediction = walk.smooth(Phi, target, model.parameters, at)
-    estimator, withheld = "kalman", reason_of_innovations(by_prediction.innovation)
+    estimator = "kalman"
+    withheld = reason_to_withhold(by_prediction.innovation, Phi, target)
     smoothed = by_prediction
     if method == "output_error":
         standing = RandomWalk(np.zeros(len(model.terms)), prior_variance=0.0)
