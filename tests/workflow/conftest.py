@@ -12,7 +12,8 @@ ROOT = Path(__file__).parents[2]
 FOUR_TRIALS = [
     "--config",
     "trials={count: 4, batch: 2, set: tuning}",
-    "discrepancy={budget: {finished: 2, beam: 1, effects: 1}}",
+    "discrepancy={effects: [coulomb_friction, dead_zone, gain_drift, sensor_lag,"
+    " viscoelastic_creep], budget: {finished: 2, beam: 1, effects: 1}}",
 ]
 PARTS = ["Snakefile", "config", "workflow", "pyproject.toml", "environment.txt"]
 
