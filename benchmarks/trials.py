@@ -17,8 +17,8 @@ TRIALS = Path("results/trials")
 def measured(folder: Path) -> dict[str, Any]:
     """Return what the documents quote of the campaign in ``folder``.
 
-    Its table of rates as lines, the number of trials, and the mean time of a core for each step of
-    a trial, in s.
+    Its table of rates as lines, the number of trials and of those of each device, and the mean time
+    of a core for each step of a trial, in s.
     """
     scores = store.read(folder / "scores.nc")
     count = scores.sizes["trial"]
@@ -27,7 +27,8 @@ def measured(folder: Path) -> dict[str, Any]:
     )
     return {
         "count": count,
-        "table": rates(scores).shown.to_markdown(index=False).splitlines(),
+        "devices": pd.Series(scores["device"].values).value_counts().to_dict(),
+        "table": rates(scores).shown.to_markdown(index=False, disable_numparse=True).splitlines(),
         "seconds": {step: _seconds(batches, step) / count for step in ("draw", "diagnose")},
     }
 
