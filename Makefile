@@ -21,7 +21,7 @@ comma := ,
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report handover control control-robustness diagnose discrepancy \
 	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
-	killed numbers fresh \
+	killed processor numbers fresh \
 	check test mutants benchmark clean FORCE
 
 help: ## list the targets
@@ -155,6 +155,9 @@ slurm: $(VENV)/installed ## a small study on a Slurm of one node (Debian, as roo
 
 killed: $(VENV)/installed ## kill runs of a small study at random moments, fill its disk, go on
 	pytest -m campaign tests/workflow/test_workflow_killed.py
+
+processor: $(VENV)/installed ## compare the jobs of an actuator with those on the oldest processor
+	pytest -m campaign tests/workflow/test_workflow_processor.py
 
 numbers: $(VENV)/installed ## write the numbers that the documents quote, from results and campaigns
 	python -m dea.audit.numbers
