@@ -1,12 +1,14 @@
 """All cells of a campaign, each some records of one plant with one input and one noise."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.bars import progress_bars
 from benchmarks.coverage.judged import TRACKERS, Judged, judge, judge_track
 from benchmarks.coverage.plants import plants
 from benchmarks.coverage.records import INPUTS, NOISES, generators, records
@@ -74,11 +76,13 @@ def run(settings: Settings) -> list[Counted]:
         for first in range(0, count, BATCH)
     ]
     arguments = [(cell, numbers, settings.samples, settings.seed) for cell, numbers in jobs]
-    if settings.cores > 1:
-        with ProcessPoolExecutor(settings.cores) as pool:
-            done = list(pool.map(_batch, arguments))
-    else:
-        done = list(map(_batch, arguments))
+    with ExitStack() as stack:
+        progress = stack.enter_context(progress_bars())
+        batches: Iterator[list[Judged]] = map(_batch, arguments)
+        if settings.cores > 1:
+            pool = stack.enter_context(ProcessPoolExecutor(settings.cores))
+            batches = pool.map(_batch, arguments)
+        done = list(progress.track(batches, total=len(jobs), description="batches of records"))
     found: dict[Cell, list[Judged]] = {cell: [] for cell, _ in wanted}
     for (cell, _), judged in zip(jobs, done, strict=True):
         found[cell] += judged

@@ -70,13 +70,9 @@ def as_csv(table: Sequence[dict[str, object]]) -> str:
     return text.getvalue()
 
 
-def as_markdown(table: Sequence[dict[str, object]]) -> str:
-    """Return the rows of all plants together, a line for each estimate."""
+def as_markdown(table: Sequence[dict[str, object]]) -> list[str]:
+    """Return the rows of all plants together as lines, one for each estimate."""
     lines = [
-        "Share of 95 % intervals that contain the truth, with its own 95 % interval, over all",
-        "plants. Targets: 92 to 98 % for responses, 90 to 98 % for parameters. `!` marks a share",
-        "whose interval lies outside of the target, `?` one that these records do not decide.",
-        "",
         "| drift | input | noise | estimate | withheld | " + " | ".join(QUANTITIES) + " |",
         "|" + "---|" * (5 + len(QUANTITIES)),
     ]
@@ -89,7 +85,7 @@ def as_markdown(table: Sequence[dict[str, object]]) -> str:
         withheld = 100 * float(str(next(iter(found.values()))["withheld"]))
         shown = [_shown(found.get(quantity)) for quantity in QUANTITIES]
         lines.append("| " + " | ".join([*map(str, key), f"{withheld:.0f} %", *shown]) + " |")
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def _shown(row: dict[str, object] | None) -> str:
