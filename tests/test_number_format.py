@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dea.number_format import number, written_out
+from dea.number_format import number, share, written_out
 
 
 @given(st.floats(-1e12, 1e12).filter(lambda x: abs(x) > 1e-12))
@@ -20,3 +20,11 @@ def test_a_rounded_number_is_within_half_of_its_last_digit(value):
 )
 def test_numbers_of_up_to_six_digits_are_written_out(text, expected):
     assert written_out(text) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "text"),
+    [(0.724, 0.63, 0.79, "72 % (63 to 79 %)"), (0.9999, 0.9951, 1.0, "over 99 %")],
+)
+def test_a_share_is_written_in_per_cent_and_never_as_all(value, low, high, text):
+    assert share(value, low, high) == text

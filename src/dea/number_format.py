@@ -16,3 +16,10 @@ def number(value: float, digits: int = 3) -> str:
 def written_out(text: str) -> str:
     """Return a text in which ``1.06e+03`` is 1060, as are all powers of ten up to the fifth."""
     return re.sub(r"\d(\.\d+)?e\+0[1-5]", lambda found: f"{float(found[0]):.0f}", text)
+
+
+def share(value: float, low: float, high: float) -> str:
+    """Return a share of one and its interval in per cent, as ``72 % (63 to 79 %)``."""
+    if low >= 0.995:
+        return "over 99 %"
+    return f"{100 * value:.0f} % ({100 * low:.0f} to {100 * high:.0f} %)"

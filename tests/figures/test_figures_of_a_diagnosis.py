@@ -158,11 +158,14 @@ def test_effects_stand_by_their_probability_and_the_named_one_stands_out(panels)
     assert first == to_rgba(style.VERMILION) != second
 
 
-def test_the_title_says_what_the_named_effect_removes():
-    said = verdict() | {"share": {"value": 0.724, "low": 0.63, "high": 0.79}}
+@pytest.mark.parametrize(
+    ("value", "low", "high", "part"),
+    [(0.724, 0.63, 0.79, "72 % (63 to 79 %)"), (0.9999, 0.9998, 1.0, "over 99 %")],
+)
+def test_the_title_says_what_the_named_effect_removes(value, low, high, part):
+    said = verdict() | {"share": {"value": value, "low": low, "high": high}}
     figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said)
-    expected = "named: dead zone, which removes 72 % (63 to 79 %) of the gap"
-    assert figure.get_suptitle() == expected
+    assert figure.get_suptitle() == f"named: dead zone, which removes {part} of the gap"
 
 
 def test_without_a_name_the_gains_of_the_candidates_are_shown_best_first():

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from dea.figures import style
-from dea.number_format import written_out
+from dea.number_format import share, written_out
 from dea.store import Sources
 
 # Upper limit of the axis over the largest value, which leaves room for the legend.
@@ -94,9 +94,8 @@ def _title(verdict: Mapping[str, Any]) -> str:
     if not names:
         return str(verdict["status"])
     removed = ""
-    if share := verdict.get("share"):
-        value, low, high = (100 * share[key] for key in ("value", "low", "high"))
-        removed = f", which removes {value:.0f} % ({low:.0f} to {high:.0f} %) of the gap"
+    if verdict.get("share"):
+        removed = f", which removes {share(**verdict['share'])} of the gap"
     return f"{verdict['status']}: {names}{removed}"
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
-from dea.number_format import written_out
+from dea.number_format import share, written_out
 from dea.simulation import ForcePort
 
 if TYPE_CHECKING:
@@ -103,10 +103,8 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
 
 
 def _share(found: "Diagnosis") -> str:
-    share = found.share
-    if share is None:
-        return "part"
-    return f"{100 * share.value:.0f} % ({100 * share.low:.0f} to {100 * share.high:.0f} %)"
+    removed = found.share
+    return share(removed.value, removed.low, removed.high) if removed else "part"
 
 
 def _further(found: "Diagnosis") -> str:
@@ -123,10 +121,12 @@ def _further(found: "Diagnosis") -> str:
 
 def equation_sentence(unexplained: "ResidualModel") -> str:
     """Return the equation for the residual as a sentence, where it explains anything."""
-    share = 100 * unexplained.explained
-    if share < _LEAST_SHARE:
+    explained = 100 * unexplained.explained
+    if explained < _LEAST_SHARE:
         return ""
-    return f" The best equation for the residual: {unexplained.equation} (explains {share:.0f} %)."
+    return (
+        f" The best equation for the residual: {unexplained.equation} (explains {explained:.0f} %)."
+    )
 
 
 def _nearest(found: "Diagnosis") -> str:
