@@ -115,6 +115,24 @@ def test_the_runs_are_those_over_the_certified_block(panels):
     assert panels["runs"].get_ylabel() == "output (mm)"
 
 
+def test_of_a_long_block_the_runs_are_those_where_it_disagrees_most():
+    time = np.arange(5000.0)
+    nominal = np.zeros(time.size)
+    nominal[[600, 4200]] = 2.0, 1.0  # the first is not certified
+    long = xr.Dataset(
+        {
+            "measured": ("time", np.zeros(time.size), {"units": "mm"}),
+            "nominal": ("time", nominal),
+            "extended": ("time", nominal),
+            "role": ("time", np.where(time < 1000, 1, 3)),
+        },
+        coords={"time": time},
+    )
+    figure = discrepancy(LOCALISATION, CANDIDATES, long, verdict())
+    drawn = figure.axes[1].lines[0].get_xdata()
+    assert (drawn[0], drawn[-1], drawn.size) == (3700, 4699, 1000)
+
+
 def test_the_law_is_drawn_over_the_record_beside_what_would_be_without_it(panels):
     ax = panels["law"]
     without, law = ax.lines

@@ -24,6 +24,8 @@ _ABOVE: Mapping[str, Any] = {
 # Points of a law that are drawn, and parameters that are told above it, at most.
 _MOST_POINTS = 3000
 _TOLD = 3
+# Samples of the runs that are drawn at most: more are a block.
+_RUN = 1000
 # Bars that a panel has room for: at least, so that one alone is no block, and at most.
 _FEW, _MOST_BARS = 3, 8
 # Intervals of an axis, whose labels may be as long as -1500.
@@ -119,11 +121,14 @@ def _series(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> No
 
 
 def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None:
-    """Draw what was measured and what is simulated over the certified samples, or all."""
+    """Draw what was measured and simulated where the certified samples, or all, disagree most."""
     held = certificate["role"].values == 3
     shown = held if held.any() else np.ones(held.size, bool)
-    first, last = np.flatnonzero(shown)[[0, -1]]
-    part = certificate.isel(time=slice(first, last + 1))
+    first, last = np.flatnonzero(shown)[[0, -1]].tolist()
+    gap = np.abs(certificate["measured"] - certificate["nominal"]).values
+    worst = int(np.nanargmax(np.where(shown, gap, np.nan)))
+    first = max(first, min(worst - _RUN // 2, last + 1 - _RUN))
+    part = certificate.isel(time=slice(first, min(first + _RUN, last + 1)))
     time = part["time"].values
     ax.plot(time, part["measured"], color=style.PALE, lw=2.5, label="measured")
     for name, colour in _simulations(verdict):
