@@ -125,7 +125,7 @@ def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None
     held = certificate["role"].values == 3
     shown = held if held.any() else np.ones(held.size, bool)
     first, last = np.flatnonzero(shown)[[0, -1]].tolist()
-    gap = np.abs(certificate["measured"] - certificate["nominal"]).values
+    gap = np.abs((certificate["measured"] - certificate["nominal"]).values)
     worst = int(np.nanargmax(np.where(shown, gap, np.nan)))
     first = max(first, min(worst - _RUN // 2, last + 1 - _RUN))
     part = certificate.isel(time=slice(first, min(first + _RUN, last + 1)))
