@@ -99,13 +99,18 @@ def test_quantised_readings_are_few_values():
     assert np.unique(read).size < 15
 
 
+def settled(rig, u):
+    """The readings of a device that has rested at the first command for two seconds."""
+    return rig.respond(np.concatenate([np.full(100, u[0]), u]))[100:]
+
+
 def test_the_refit_absorbs_what_its_parameters_can_and_nothing_else():
     kind = DEVICES["drive"]
     plain = kind.plain(BENCH, {})
     u = commands(2000, seed=4)
     yardstick = Yardstick(kind, plain, u, 50.0, 0.05)
     changed = plain.changed({"damping": 1.2, "stiffness": 0.9})
-    reading = 1.1 * TrialRig(changed, [], 50.0).respond(u) + 3.0
+    reading = 1.1 * settled(TrialRig(changed, [], 50.0), u) + 3.0
     assert yardstick.unexplained(reading) / 0.05 < 0.5
     assert yardstick.strength([]) < 1e-6
     assert yardstick.strength([built("transport_delay", "pure_delay", 0.1)[0]]) > 20.0
@@ -122,11 +127,11 @@ def test_the_strength_agrees_with_an_independent_refit():
     def laws():
         return [built("end_stop", "rubber_bumper", 0.2, 0, conditions)[0]]
 
-    reading = TrialRig(plain, laws(), 50.0).respond(u)
+    reading = settled(TrialRig(plain, laws(), 50.0), u)
 
     def left(parameters):
         factors = dict(zip(kind.free, np.exp(parameters), strict=True))
-        model = TrialRig(plain.changed(factors), [], 50.0).respond(u)
+        model = settled(TrialRig(plain.changed(factors), [], 50.0), u)
         slope, offset = np.polyfit(model, reading, 1)
         return reading - slope * model - offset
 

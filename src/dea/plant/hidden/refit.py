@@ -60,7 +60,7 @@ class Yardstick:
             median=float(np.median(plain)),
             top=top,
             stiffness=stiffness,
-            duration=self._commands.size / self._rate,
+            duration=plain.size / self._rate,
             time=self._kind.time,
             cycles=_cycles(plain, _SWING * (top - bottom)),
             path=float(np.abs(np.diff(plain)).sum()),
