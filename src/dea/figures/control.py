@@ -57,4 +57,7 @@ def _errors(ax: Axes, dataset: xr.Dataset) -> None:
     style.plain_log_ticks(ax.yaxis)
     ax.set_xlim(0.5, minutes.size + 0.5)
     ax.xaxis.set_major_locator(MultipleLocator(max(1, minutes.size // 6)))
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.2), ncols=2)
+    ax.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, fontsize=5, columnspacing=0.8,
+        handlelength=1.2,
+    )  # fmt: skip
