@@ -5,7 +5,9 @@ rule handover:
         model="results/{system}/model.nc",
         code=modules(
             "dea.stages.handover",
-            files=["src/dea/control/fmi/fmi2.c", "src/dea/control/fmi/fmi2.h"],
+            files=expand(
+                "src/dea/control/fmi/{file}", file=["fmi2.c", "fmi2.h", "unit.h"]
+            ),
         ),
     output:
         header="results/{system}/handover/model.h",

@@ -127,7 +127,7 @@ def write_fmu(
 def _write_sources(folder: Path, code: CCode, identity: str, wrapper: str) -> None:
     code.write(folder / "model.h", folder / "model.c")
     (folder / "identity.h").write_text(identity, encoding="utf-8")
-    for name in (f"{wrapper}.h", f"{wrapper}.c"):
+    for name in ("unit.h", f"{wrapper}.h", f"{wrapper}.c"):
         (folder / name).write_text((_FMI / name).read_text(encoding="utf-8"), encoding="utf-8")
 
 
