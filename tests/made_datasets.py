@@ -34,6 +34,12 @@ def record(seed: int, duration: float = 1800.0) -> xr.Dataset:
     slow = np.convolve(white, np.hanning(12), "same")
     u = 2.425 + 1.325 * np.tanh(slow / slow.std() / 1.5)
     y = 0.6 + 0.05 * u**2 * (1 + 0.2 * seed * t / 1800) + 0.2 * (-1) ** seed * t / 1800
+    return record_of(u, y, RATE)
+
+
+def record_of(u: np.ndarray, y: np.ndarray, rate: float) -> xr.Dataset:
+    """Return a record of voltages (V) and displacements (mm), every sample of which is good."""
+    t = np.arange(u.size) / rate
     return checked(
         xr.Dataset(
             {

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from dea import store
 from dea.configuration.bench import BENCH, read_bench
@@ -17,6 +16,7 @@ from dea.plant import Rig, read_parameters
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared, save_extended
 from dea.stages import control as stage
 from dea.terms import Term
+from made_datasets import record_of
 
 TERMS = "1", "y(t-1)", "y(t-2)", "u(t-1)", "u(t-2)", "u(t-1)^2", "y(t-1)u(t-1)"
 RATE, ACTUATOR = 50.0, "dea2"
@@ -45,22 +45,9 @@ def files(tmp_path_factory):
     counts, measured = Rig(parameters, 1).advance(parameters.output_converter.to_counts(u))
     u = parameters.output_converter.to_values(counts)
     y = parameters.displacement_converter.to_values(measured)
-
-    def over_time(values, units):
-        return ("time", values, {"units": units, "long_name": "made"})
-
-    record = xr.Dataset(
-        {
-            "voltage": over_time(u, "V"),
-            "displacement": over_time(y, "mm"),
-            "device_index": over_time(np.arange(samples), "1"),
-            "quality": over_time(np.zeros(samples, np.int8), "1"),
-        },
-        coords={"time": over_time(np.arange(samples) / RATE, "s")},
-    )
     names = "record", "model", "nominal", "extended"
     paths = {name: folder / name for name in names}
-    store.write(record, paths["record"], title="made")
+    store.write(record_of(u, y, RATE), paths["record"], title="made")
     refine(estimate(tuple(map(Term.parse, TERMS)), u, y), u, y).save(paths["model"])
     simulation = prepared(load_simulation("dea_membrane"), u, 1 / RATE, 1e-3)
     values = simulation.values(np.zeros(simulation.free.size))

@@ -5,11 +5,11 @@ import shutil
 import fmpy
 import numpy as np
 import pytest
-import xarray as xr
 
 from dea import store
 from dea.narx import NarxModel, Scaling
 from dea.stages.handover import handover
+from made_datasets import record_of
 
 MODEL = NarxModel.from_terms(
     {"y(t-1)": 0.9, "u(t-1)": 0.05, "y(t-1)u(t-2)": 0.02},
@@ -24,21 +24,8 @@ MODEL = NarxModel.from_terms(
 def test_the_unit_has_rate_units_and_name_of_the_record(tmp_path):
     samples = 700  # as many times as make the rate of rounded times differ from 50 Hz
     u = 2.4 + np.sin(np.arange(samples))
-
-    def over_time(values, units):
-        return ("time", values, {"units": units, "long_name": "made"})
-
-    record = xr.Dataset(
-        {
-            "voltage": over_time(u, "V"),
-            "displacement": over_time(MODEL.simulate(u), "mm"),
-            "device_index": over_time(np.arange(samples), "1"),
-            "quality": over_time(np.zeros(samples, np.int8), "1"),
-        },
-        coords={"time": over_time(np.arange(samples) / 50.0, "s")},
-    )
     paths = {name: tmp_path / f"{name}.nc" for name in ("record", "model")}
-    store.write(record, paths["record"], title="made")
+    store.write(record_of(u, MODEL.simulate(u), 50.0), paths["record"], title="made")
     MODEL.save(paths["model"])
     made = {
         "header": tmp_path / "model.h", "source": tmp_path / "model.c", "unit": tmp_path / "m.fmu"

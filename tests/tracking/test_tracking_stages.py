@@ -6,7 +6,6 @@ import sys
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from dea import store
 from dea.errors import InputError
@@ -14,6 +13,7 @@ from dea.gfrf import frequency_response
 from dea.narx import NarxModel, Scaling
 from dea.stages.gfrf import gfrf
 from dea.stages.track import track
+from made_datasets import record_of
 
 RATE, SAMPLES = 50.0, 6000
 MODEL = NarxModel.from_terms(
@@ -45,20 +45,7 @@ def folder(tmp_path_factory):
     u = np.fft.irfft(spectrum, SAMPLES)
     u = 2.4 + 0.6 * u / u.std()
     y = MODEL.simulate(u) + 1e-4 * rng.standard_normal(SAMPLES)
-
-    def over_time(values, units):
-        return ("time", values, {"units": units, "long_name": "made"})
-
-    record = xr.Dataset(
-        {
-            "voltage": over_time(u, "V"),
-            "displacement": over_time(y, "mm"),
-            "device_index": over_time(np.arange(SAMPLES), "1"),
-            "quality": over_time(np.zeros(SAMPLES, np.int8), "1"),
-        },
-        coords={"time": over_time(np.arange(SAMPLES) / RATE, "s")},
-    )
-    store.write(record, folder / "record.nc", title="made")
+    store.write(record_of(u, y, RATE), folder / "record.nc", title="made")
     MODEL.save(folder / "model.nc", u_units="V", y_units="mm")
     files = {name: folder / f"{name}.nc" for name in ("record", "model", "track")}
     track(SETTINGS, **files)
