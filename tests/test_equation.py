@@ -30,6 +30,17 @@ def test_latex_can_be_set():
 def test_html_names_the_scaling_where_there_is_one():
     plain = {"u_offset": 0.0, "u_scale": 1.0, "y_offset": 0.0, "y_scale": 1.0}
     assert equation_html(TERMS, PARAMETERS, plain).count("<p>") == 1
-    scaled = equation_html(TERMS, PARAMETERS, plain | {"u_offset": np.pi}, ("V", "mm"))
+    named = [("drive", "V")]
+    scaled = equation_html(TERMS, PARAMETERS, plain | {"u_offset": np.pi}, named, "mm")
     assert "<i>u</i> = (input - 3.142 V) / 1.000 V" in scaled
     assert "<i>u</i>(<i>t</i>−1)<sup>3</sup>" in scaled
+
+
+def test_html_names_several_inputs_even_where_nothing_is_scaled():
+    terms, inputs = [Term.parse("u1(t-1)u2(t)^2")], [("left", "V"), ("right <b>", "1")]
+    plain = {"u_offset": 0.0, "u_scale": 1.0, "y_offset": 0.0, "y_scale": 1.0}
+    shown = equation_html(terms, [0.5], plain, inputs)
+    assert "<i>u</i><sub>1</sub>(<i>t</i>−1)<i>u</i><sub>2</sub>(<i>t</i>)<sup>2</sup>" in shown
+    assert "<i>u</i><sub>1</sub> = (left + 0.000 V) / 1.000 V" in shown
+    assert "<i>u</i><sub>2</sub> = (right &lt;b&gt; + 0.000) / 1.000" in shown
+    assert "<i>y</i> = (" not in shown

@@ -1,15 +1,13 @@
 """The equation of a model as readers want it: rounded, for HTML and LaTeX."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 
 from dea.number_format import number
 from dea.terms import Term
 
 DIGITS = 4
-# The signals of the equation, each with the offset and scale that :class:`dea.narx.Scaling` names.
-_SIGNALS = (("u", "input"), ("y", "output"))
 
 
 def equation_text(terms: Sequence[Term], parameters: Iterable[float], digits: int = DIGITS) -> str:
@@ -26,8 +24,9 @@ def equation_latex(terms: Sequence[Term], parameters: Iterable[float], digits: i
 def equation_html(
     terms: Sequence[Term],
     parameters: Iterable[float],
-    scaling: Mapping[str, float],
-    units: tuple[str, str] = ("1", "1"),
+    scaling: Mapping[str, float | Sequence[float]],
+    inputs: Sequence[tuple[str, str]] = (("input", "1"),),
+    output_units: str = "1",
     digits: int = DIGITS,
 ) -> str:
     """Return the equation and the scaling of its signals as HTML.
@@ -35,22 +34,43 @@ def equation_html(
     Parameters
     ----------
     scaling
-        ``u_offset``, ``u_scale``, ``y_offset`` and ``y_scale``.
-    units
-        Of input and output.
+        ``u_offset``, ``u_scale``, ``y_offset`` and ``y_scale``; of several inputs, the first two
+        hold one number for each.
+    inputs
+        Name and units of each input; a single one is called the input.
+    output_units
+        Units of the output.
     """
     monomials = [term.html() if term.degree else "" for term in terms]
     equation = "<i>y</i>(<i>t</i>) = " + _sum(parameters, monomials, digits)
     scales = []
-    for (signal, name), unit in zip(_SIGNALS, units, strict=True):
-        offset, scale = scaling[f"{signal}_offset"], scaling[f"{signal}_scale"]
-        if (offset, scale) != (0.0, 1.0):
+    for symbol, name, unit, offset, scale in _signals(scaling, inputs, output_units):
+        if (offset, scale) != (0.0, 1.0) or (len(inputs) > 1 and symbol != "<i>y</i>"):
             there = f" {escape(unit)}" if unit != "1" else ""
             scales.append(
-                f"<i>{signal}</i> = ({name} {_signed(-offset, digits)}{there})"
+                f"{symbol} = ({escape(name)} {_signed(-offset, digits)}{there})"
                 f" / {number(scale, digits)}{there}"
             )
     return f"<p>{equation}</p>" + (f"<p>{', '.join(scales)}</p>" if scales else "")
+
+
+def _signals(
+    scaling: Mapping[str, float | Sequence[float]],
+    inputs: Sequence[tuple[str, str]],
+    output_units: str,
+) -> Iterator[tuple[str, str, str, float, float]]:
+    """Symbol, name, units, offset and scale of every input and of the output."""
+    offsets, scales = (_each(scaling[f"u_{what}"], len(inputs)) for what in ("offset", "scale"))
+    for k, ((name, unit), offset, scale) in enumerate(zip(inputs, offsets, scales, strict=True)):
+        several = len(inputs) > 1
+        symbol = f"<i>u</i><sub>{k + 1}</sub>" if several else "<i>u</i>"
+        yield symbol, name if several else "input", unit, offset, scale
+    (offset,), (scale,) = (_each(scaling[f"y_{what}"], 1) for what in ("offset", "scale"))
+    yield "<i>y</i>", "output", output_units, offset, scale
+
+
+def _each(values: float | Sequence[float], count: int) -> Sequence[float]:
+    return values if isinstance(values, Sequence) else (values,) * count
 
 
 def _sum(parameters: Iterable[float], monomials: Sequence[str], digits: int) -> str:

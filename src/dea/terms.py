@@ -7,31 +7,51 @@ from typing import NamedTuple
 
 from dea.errors import InputError
 
-_FACTOR = re.compile(r"([yu])\(t(?:-(\d+))?\)(?:\^(\d+))?")
+_FACTOR = re.compile(r"(y|u(\d*))\(t(?:-(\d+))?\)(?:\^(\d+))?")
 _NUMBER = re.compile(r"(\d+)")
-_REMEDY = "Write it like 1, y(t-1) or y(t-1)u(t-3)^2."
+_REMEDY = "Write it like 1, y(t-1) or y(t-1)u(t-3)^2, with several inputs u1(t-3), u2(t-3)."
 
 
 class Term(NamedTuple):
     """A monomial: the product of y(t-k) over ``y_lags`` and of u(t-k) over ``u_lags``.
 
-    Lags are sorted and repeated for powers, so that a monomial has one representation;
-    :meth:`of` and :meth:`parse` see to it. The constant has no lags.
+    ``inputs`` is empty where the system has one input, ``u``; of several, ``u1`` and so on, it
+    holds the number of the input that each of ``u_lags`` belongs to.
+
+    Lags are sorted, those of each input by themselves, and repeated for powers, so that a monomial
+    has one representation; :meth:`of` and :meth:`parse` see to it. The constant has no lags.
     """
 
     y_lags: tuple[int, ...] = ()
     u_lags: tuple[int, ...] = ()
+    inputs: tuple[int, ...] = ()
 
     @classmethod
-    def of(cls, y_lags: Iterable[int] = (), u_lags: Iterable[int] = ()) -> "Term":
+    def of(
+        cls, y_lags: Iterable[int] = (), u_lags: Iterable[int] = (), inputs: Iterable[int] = ()
+    ) -> "Term":
         """Return the term with these lags in any order.
 
         Raises
         ------
         InputError
-            For an output lag below 1 or an input lag below 0.
+            For an output lag below 1 or an input lag below 0; for input numbers below 1 or not as
+            many as input lags.
         """
-        term = cls(tuple(sorted(y_lags)), tuple(sorted(u_lags)))
+        lags, numbers = tuple(u_lags), tuple(inputs)
+        if numbers:
+            if len(numbers) != len(lags) or min(numbers) < 1:
+                raise InputError(
+                    f"the inputs {numbers} for the input lags {lags}",
+                    field="term",
+                    remedy="Number the inputs from 1, one for each input lag.",
+                )
+            pairs = sorted(zip(numbers, lags, strict=True))
+            numbers = tuple(number for number, _ in pairs)
+            lags = tuple(lag for _, lag in pairs)
+        else:
+            lags = tuple(sorted(lags))
+        term = cls(tuple(sorted(y_lags)), lags, numbers)
         if min(term.y_lags, default=1) < 1 or min(term.u_lags, default=0) < 0:
             raise InputError(
                 f"the term {term} does not use the past alone",
@@ -42,7 +62,7 @@ class Term(NamedTuple):
 
     @classmethod
     def parse(cls, text: str) -> "Term":
-        """Read a term as people write it: ``1``, ``y(t-1)``, ``y(t-1)u(t-3)^2``.
+        """Read a term as people write it: ``1``, ``y(t-1)``, ``y(t-1)u(t-3)^2``, ``u1(t)u2(t)``.
 
         Blanks and ``*`` between factors are allowed.
 
@@ -54,15 +74,22 @@ class Term(NamedTuple):
         compact = re.sub(r"[\s*]", "", text)
         if compact == "1":
             return cls()
-        lags: dict[str, list[int]] = {"y": [], "u": []}
+        y_lags: list[int] = []
+        u_lags: list[int] = []
+        inputs: list[int] = []
         position = 0
         while match := _FACTOR.match(compact, position):
-            variable, lag, power = match.groups()
-            lags[variable] += [int(lag or 0)] * int(power or 1)
+            signal, number, lag, power = match.groups()
+            lags = [int(lag or 0)] * int(power or 1)
+            if signal == "y":
+                y_lags += lags
+            else:
+                u_lags += lags
+                inputs += [int(number)] * len(lags) if number else []
             position = match.end()
-        if position == 0 or position < len(compact):
+        if position == 0 or position < len(compact) or len(inputs) not in (0, len(u_lags)):
             raise InputError(f"{text!r} is not a term", field="term", remedy=_REMEDY)
-        return cls.of(lags["y"], lags["u"])
+        return cls.of(y_lags, u_lags, inputs)
 
     @property
     def degree(self) -> int:
@@ -75,6 +102,21 @@ class Term(NamedTuple):
         return max(self.y_lags + self.u_lags, default=0)
 
     @property
+    def input_columns(self) -> tuple[int, ...]:
+        """The column of the input, from 0, that each of ``u_lags`` belongs to."""
+        return tuple(n - 1 for n in self.inputs) or (0,) * len(self.u_lags)
+
+    @property
+    def input_powers(self) -> Counter[int]:
+        """How many factors are of each input, by its column from 0."""
+        return Counter(self.input_columns)
+
+    @property
+    def input_part(self) -> "Term":
+        """The product of the input factors alone."""
+        return self._replace(y_lags=())
+
+    @property
     def reading_order(self) -> tuple[int, int, list[str | int]]:
         """Sort key for tables: the constant, then by degree, terms with more outputs first."""
         # Numbers within the text compare as numbers: u(t-2) comes before u(t-10).
@@ -84,37 +126,72 @@ class Term(NamedTuple):
     def mathematics(self) -> str:
         """Return the term for LaTeX and mathtext: ``y(t-1)u(t)^2`` as ``$y_{t-1}u_{t}^{2}$``."""
         factors = [
-            f"{signal}_{{{_instant(lag)}}}" + (f"^{{{power}}}" if power > 1 else "")
-            for signal, lag, power in self._factors()
+            f"{signal}_{{{f'{number},' if number else ''}{_instant(lag)}}}"
+            + (f"^{{{power}}}" if power > 1 else "")
+            for signal, number, lag, power in self._factors()
         ]
         return f"${''.join(factors) or 1}$"
 
     def html(self) -> str:
         """Return the term for HTML: signals in italics, powers raised."""
         factors = [
-            f"<i>{signal}</i>({_instant(lag).replace('t', '<i>t</i>').replace('-', '−')})"
+            f"<i>{signal}</i>{f'<sub>{number}</sub>' if number else ''}"
+            f"({_instant(lag).replace('t', '<i>t</i>').replace('-', '−')})"
             + (f"<sup>{power}</sup>" if power > 1 else "")
-            for signal, lag, power in self._factors()
+            for signal, number, lag, power in self._factors()
         ]
         return "".join(factors) or "1"
 
     def __str__(self) -> str:
         factors = [
-            f"{signal}({_instant(lag)})" + (f"^{power}" if power > 1 else "")
-            for signal, lag, power in self._factors()
+            f"{signal}{number}({_instant(lag)})" + (f"^{power}" if power > 1 else "")
+            for signal, number, lag, power in self._factors()
         ]
         return "".join(factors) or "1"
 
-    def _factors(self) -> Iterator[tuple[str, int, int]]:
-        """Each factor once, as its signal, lag and power; outputs first."""
-        for signal, lags in (("y", self.y_lags), ("u", self.u_lags)):
-            for lag, power in Counter(lags).items():
-                yield signal, lag, power
+    def _factors(self) -> Iterator[tuple[str, str, int, int]]:
+        """Each factor once, as its signal, number, lag and power; outputs first."""
+        for lag, power in Counter(self.y_lags).items():
+            yield "y", "", lag, power
+        numbers = self.inputs or ("",) * len(self.u_lags)
+        for (number, lag), power in Counter(zip(numbers, self.u_lags, strict=True)).items():
+            yield "u", str(number), lag, power
 
 
 def max_lag(terms: Iterable[Term]) -> int:
     """Largest lag of any of the terms: how many samples a simulation cannot compute."""
     return max((term.max_lag for term in terms), default=0)
+
+
+def input_symbol(column: int, count: int) -> str:
+    """Return what terms call the input of a column, from 0, of so many: ``u``, or ``u1``."""
+    return "u" if count == 1 else f"u{column + 1}"
+
+
+def numbered_inputs(terms: Iterable[Term]) -> int | None:
+    """Return the largest number of an input in the terms.
+
+    0 where they write ``u`` without a number; None where no input occurs.
+
+    Raises
+    ------
+    InputError
+        Where some terms number their inputs and others do not.
+    """
+    driven = [term for term in terms if term.u_lags]
+    if not driven:
+        return None
+    numbers = {max(term.inputs, default=0) for term in driven}
+    if 0 in numbers and len(numbers) > 1:
+        plain, numbered = (
+            next(term for term in driven if bool(term.inputs) is wanted) for wanted in (False, True)
+        )
+        raise InputError(
+            f"{plain} does not say which input, {numbered} does",
+            field="terms",
+            remedy="Number the inputs of every term, u1, u2 and so on, or of none.",
+        )
+    return max(numbers)
 
 
 def is_term(text: str) -> bool:

@@ -90,6 +90,8 @@ def test_bad_signals_are_refused():
     with pytest.raises(InputError, match="the first at sample 1"):
         model.simulate([1.0, np.nan])
     with pytest.raises(InputError, match="dimensions"):
+        model.simulate([[[1.0, 2.0]]])
+    with pytest.raises(InputError, match="2 inputs for a model whose terms name a single input"):
         model.simulate([[1.0, 2.0]])
     with pytest.raises(InputError, match="no numbers"):
         model.simulate(["one", "two"])

@@ -75,3 +75,13 @@ def test_the_verdict_says_what_is_left():
     p[0, 1] = 0.01
     assert "explain nothing" in verdict(p, explained, 1.0, 2.0, "mm")
     assert "diverges" in verdict(p, explained, np.inf, 2.0, "mm")
+
+
+def test_the_verdict_names_which_of_several_inputs_explains_the_residual():
+    rng = np.random.default_rng(5)
+    u = rng.standard_normal((600, 2))
+    e = rng.standard_normal(600) + 0.5 * np.roll(u[:, 1], 3)
+    found = joint_tests(e, u, 10)
+    said = verdict(found.p_value[None], found.explained[None], 1.0, 2.0, "K", ["left", "right"])
+    assert "past values of right (" in said
+    assert "left" not in said

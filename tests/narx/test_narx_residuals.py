@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dea.narx.residuals import TESTS, band, correlation_tests
+from dea.narx.residuals import TESTS, band, correlation_tests, each_test
 
 
 def coloured(rng, samples):
@@ -67,3 +67,14 @@ def test_a_diverged_or_perfect_run_leaves_no_nan():
     u = np.sin(np.arange(100.0))
     assert np.isposinf(correlation_tests(np.full(100, -np.inf), u, 5)).all()
     assert np.all(correlation_tests(np.zeros(100), u, 5) == 0.0)
+
+
+def test_several_inputs_are_tested_one_by_one():
+    rng = np.random.default_rng(4)
+    e, u = rng.standard_normal(300), rng.standard_normal((300, 2))
+    names = list(each_test(2))
+    assert names[0] == "phi_ee"
+    assert names[1::4] == ["phi_eu, u1", "phi_eu, u2"]
+    found = correlation_tests(e, u, 6)
+    each = [correlation_tests(e, u[:, k], 6) for k in (0, 1)]
+    np.testing.assert_allclose(found, np.concatenate([each[0], each[1][1:]]), atol=1e-15)

@@ -5,16 +5,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dea.errors import InputError
-from dea.terms import Term, is_term
+from dea.terms import Term, is_term, numbered_inputs
 
 terms = st.builds(
     Term.of,
     st.lists(st.integers(1, 12), max_size=4),
     st.lists(st.integers(0, 12), max_size=4),
 )
+_driven = st.lists(st.tuples(st.integers(0, 12), st.integers(1, 12)), min_size=1, max_size=4)
+terms_of_several_inputs = st.builds(
+    lambda outputs, driven: Term.of(outputs, *zip(*driven, strict=True)),
+    st.lists(st.integers(1, 12), max_size=4),
+    _driven,
+)
 
 
-@given(terms)
+@given(terms | terms_of_several_inputs)
 def test_a_printed_term_reads_back(term):
     assert Term.parse(str(term)) == term
 
@@ -53,6 +59,9 @@ def test_terms_are_ordered_by_degree_and_outputs(unordered):
         ("y(t-1)u(t-3)^2", Term((1,), (3, 3))),
         ("u(t-3) * y(t-1) * u(t-3)", Term((1,), (3, 3))),
         ("y(t-2)y(t-1)", Term((1, 2), ())),
+        ("u1(t-1)", Term((), (1,), (1,))),
+        ("u2(t)u1(t-3)", Term((), (3, 0), (1, 2))),
+        ("u12(t-3)u2(t-4)u2(t-3)y(t-1)", Term((1,), (3, 4, 3), (2, 2, 12))),
     ],
 )
 def test_terms_are_written_as_people_write_them(text, term):
@@ -60,7 +69,22 @@ def test_terms_are_written_as_people_write_them(text, term):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "x(t-1)", "y(t-1)u(t-3)^", "y[t-1]", "2", "y(t+1)", "y(t)", "u(t-1)1", "1 1"]
+    "text",
+    [
+        "",
+        "x(t-1)",
+        "y(t-1)u(t-3)^",
+        "y[t-1]",
+        "2",
+        "y(t+1)",
+        "y(t)",
+        "u(t-1)1",
+        "1 1",
+        "u0(t-1)",
+        "y1(t-1)",
+        "u1(t-1)u(t-2)",
+        "u(t-1)u2(t-2)",
+    ],
 )
 def test_a_misspelt_term_is_refused(text):
     with pytest.raises(InputError, match="term"):
@@ -77,6 +101,7 @@ def test_a_misspelt_term_is_refused(text):
         ("y(t-1)u(t)", "$y_{t-1}u_{t}$"),
         ("y(t-1)u(t)^2", "$y_{t-1}u_{t}^{2}$"),
         ("y(t-1)u(t-3)^2", "$y_{t-1}u_{t-3}^{2}$"),
+        ("y(t-1)u2(t-3)^2u1(t)", "$y_{t-1}u_{1,t}u_{2,t-3}^{2}$"),
     ],
 )
 def test_a_term_as_mathematics(text, mathematics):
@@ -107,3 +132,17 @@ def test_tables_read_from_the_constant_to_the_products():
 )
 def test_factors_without_a_lag_count(text, degree, lag):
     assert (Term.parse(text).degree, Term.parse(text).max_lag) == (degree, lag)
+
+
+def test_terms_say_how_many_inputs_they_name():
+    assert numbered_inputs([Term(), Term.parse("y(t-1)")]) is None
+    assert numbered_inputs([Term(), Term.parse("u(t-1)")]) == 0
+    assert numbered_inputs([Term.parse("u1(t-1)"), Term.parse("y(t-1)u3(t)")]) == 3
+    with pytest.raises(InputError, match=r"u\(t-1\) does not say which input, u2\(t\) does"):
+        numbered_inputs([Term.parse("u(t-1)"), Term.parse("u2(t)")])
+
+
+@pytest.mark.parametrize(("lags", "inputs"), [((1, 2), (1,)), ((1,), (0,)), ((), (1,))])
+def test_every_input_lag_needs_a_number(lags, inputs):
+    with pytest.raises(InputError, match="Number the inputs from 1"):
+        Term.of((), lags, inputs)

@@ -92,8 +92,9 @@ class Findings:
         return equation_html(
             self._terms,
             self._model["parameter"].values.tolist(),
-            {name: float(self._model[name]) for name in names},
-            (self.signals.u_units, self.signals.y_units),
+            {name: self._model[name].values.tolist() for name in names},
+            self.signals.inputs,
+            self.signals.y_units,
         )
 
     @property

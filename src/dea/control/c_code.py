@@ -45,7 +45,8 @@ def to_c(model: NarxModel, sampling_rate: float, *, name: str = "model") -> CCod
     Raises
     ------
     InputError
-        If ``name`` is no C identifier of up to 31 characters, or the rate is not positive.
+        If ``name`` is no C identifier of up to 31 characters, the rate is not positive, or the
+        model has several inputs.
     """
     if not _IDENTIFIER.fullmatch(name):
         raise InputError(
@@ -54,7 +55,8 @@ def to_c(model: NarxModel, sampling_rate: float, *, name: str = "model") -> CCod
             remedy="Use letters, digits and underscores, a letter first, 31 at most.",
         )
     check_rate(sampling_rate)
-    scaling = {key: number(value) for key, value in vars(model.scaling).items()}
+    of_input = model.of_one_input("C code")
+    scaling = {key: number(value) for key, value in of_input._asdict().items()}
     words = {
         "name": name,
         "guard": name.upper(),

@@ -91,9 +91,10 @@ def write_fmu(
             remedy=f"Choose from {', '.join(_STANDARDS)}.",
         )
     standard = _STANDARDS[version]
+    scaling = model.of_one_input("A functional mock-up unit")
     code = to_c(model, sampling_rate, name=name)
     guid = f"{{{hashlib.sha256(''.join(code).encode()).hexdigest()}}}"
-    start = number(model.scaling.u_offset)
+    start = number(scaling.u_offset)
     description = standard.description.format(
         name=quoteattr(name),
         guid=quoteattr(guid),

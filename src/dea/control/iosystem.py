@@ -33,7 +33,7 @@ def to_iosystem(
 
     check_rate(sampling_rate)
     outputs, inputs = output_lags(model), input_lags(model)
-    scaling = model.scaling
+    scaling = model.of_one_input("A system of python-control")
 
     def equation(state: Array, u: float) -> float:
         past_u = (u, *state[outputs:])

@@ -87,6 +87,7 @@ def linearise(
         If the model does not come to rest at the operating point, or the rate is not positive.
     """
     check_rate(sampling_rate)
+    middle = model.of_one_input("A linear model").u_offset
     theta = np.asarray(model.parameters if parameters is None else parameters, dtype=float)
     own = model.covariance if parameters is None and not model.withheld else None
     given = own if covariance is None else np.asarray(covariance, dtype=float)
@@ -105,7 +106,7 @@ def linearise(
     feedback = interval(-part.outputs, -part.outputs_slope)
     leading = np.ones(1)  # exact
     return Linearised(
-        model.scaling.u_offset if operating_point is None else float(operating_point),
+        middle if operating_point is None else float(operating_point),
         output,
         interval(part.inputs, part.inputs_slope),
         Interval(*(np.concatenate([leading, each]) for each in feedback)),

@@ -65,6 +65,7 @@ class OnlineTracker:
         self._settings = float(forgetting), float(leakage)
         self._target = self._model.parameters * self._scale
         self._state = initial_state(self._target, self._target, delta)
+        self._scaling = model.of_one_input("The online tracker")
         self._lags = (
             padded_lags([term.y_lags for term in terms]),
             padded_lags([term.u_lags for term in terms]),
@@ -139,7 +140,7 @@ class OnlineTracker:
                 field="u, y",
                 remedy="Inputs are finite numbers, outputs too, or NaN where one is missing.",
             )
-        scaling = self._model.scaling
+        scaling = self._scaling
         innovation = online_kernels.step(
             *self._state,
             self._past,

@@ -62,7 +62,7 @@ class Plan:
                 remedy="Take three samples or more, limits that rise, and positive numbers.",
             )
         self.model, self.horizon, self._smoothness = with_constant(model), horizon, smoothness
-        self._scaling = scaling = model.scaling
+        self._scaling = scaling = model.of_one_input("A controller")
         terms = self.model.terms
         self._lags = (
             padded_lags([term.y_lags for term in terms]),

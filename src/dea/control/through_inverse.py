@@ -26,7 +26,7 @@ def plan_response(plan: Plan, u: float, y: float, band: ResponseBand, z: Array) 
         Its ``response`` is that of the plan's model there, at the points ``z``.
     """
     wanted = np.full(plan.horizon, y)
-    scaling = plan.model.scaling
+    scaling = plan.model.of_one_input("A controller")
     du, dy = _SMALL * scaling.u_scale, _SMALL * scaling.y_scale
 
     def moved(added: float = 0.0, past: tuple[int, float, float] | None = None) -> float:

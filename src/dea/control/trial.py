@@ -134,7 +134,8 @@ class Trial:
         ``simulate`` makes outputs of inputs, both of shape (samples,) and in the units of the
         task. The reference is approached from where the simulation is after the hold.
         """
-        task, scaling, hold = self.task, self.model.scaling, self.task.run_in.hold
+        task, hold = self.task, self.task.run_in.hold
+        scaling = self.model.of_one_input("A controller")
         held = simulate(np.full(hold + 1, task.start))[-1]
         wanted = task.run_in.approached(task.reference, held)
         wanted[:hold] = np.nan

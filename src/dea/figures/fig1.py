@@ -9,6 +9,8 @@ from dea.figures import style
 from dea.figures.bench_drawing import draw_bench, draw_cone
 from dea.store import Record, Sources, signals
 
+_FIGURE = "The figure of a record"
+
 
 def draw(sources: Sources, zoom: tuple[float, float]) -> Figure:
     """Draw it from ``record.nc`` of an actuator; ``zoom`` is the stretch to enlarge, s."""
@@ -53,8 +55,14 @@ def fig1(record: xr.Dataset, name: str, zoom: tuple[float, float]) -> Figure:
     top, bottom = series.subplots(2, 1, sharex=True)
     _whole_record(top, bottom, whole, zoom)
     zoomed_input, loop, zoomed_output = details.subplots(1, 3)
+    u_units = whole.unit_of_one_input(_FIGURE)
     for ax, values, label, colour in (
-        (zoomed_input, whole.u, style.quantity("input $u$", whole.u_units), style.BLUE),
+        (
+            zoomed_input,
+            whole.u,
+            style.quantity("input $u$", u_units),
+            style.BLUE,
+        ),
         (zoomed_output, whole.y, style.quantity("output $y$", whole.y_units), style.BLACK),
     ):
         ax.plot(whole.time[inside], values[inside], color=colour)
@@ -70,7 +78,7 @@ def fig1(record: xr.Dataset, name: str, zoom: tuple[float, float]) -> Figure:
 def _whole_record(top: Axes, bottom: Axes, whole: Record, zoom: tuple[float, float]) -> None:
     minutes = whole.time / style.MINUTE
     for ax, values, units, symbol, colour in (
-        (top, whole.u, whole.u_units, "input $u$", style.BLUE),
+        (top, whole.u, whole.unit_of_one_input(_FIGURE), "input $u$", style.BLUE),
         (bottom, whole.y, whole.y_units, "output $y$", style.BLACK),
     ):
         ax.plot(minutes, values, lw=0.2, color=colour, rasterized=True)
@@ -92,7 +100,7 @@ def _input_output(figure: Figure, ax: Axes, whole: Record) -> None:
         cmap=style.TIME_MAP,
         rasterized=True,
     )
-    ax.set_xlabel(style.quantity("input $u$", whole.u_units))
+    ax.set_xlabel(style.quantity("input $u$", whole.unit_of_one_input(_FIGURE)))
     ax.set_ylabel(style.quantity("output $y$", whole.y_units))
     points.set_clim(0, (whole.time[-1] + whole.time[1]) / style.MINUTE)
     figure.colorbar(points, ax=ax, label="time (min)", pad=0.02, aspect=28)

@@ -54,7 +54,11 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
 
 
 def as_mathematics(test: str) -> str:
-    """Return a residual test such as ``phi_u2e`` as ``$\\phi_{u^2 e}$``."""
+    """Return a residual test such as ``phi_u2e`` as ``$\\phi_{u^2 e}$``.
+
+    What names one of several inputs is put after it.
+    """
+    test, _, signal = test.partition(", ")
     letters = test.removeprefix("phi_").removeprefix("φ_").replace("²", "2").replace("^", "")
     subscript = _SQUARE.sub(r"\1^2", letters)
-    return rf"$\phi_{{{subscript}}}$"
+    return rf"$\phi_{{{subscript}}}$" + (f", ${signal[0]}_{{{signal[1:]}}}$" if signal else "")

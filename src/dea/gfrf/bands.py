@@ -8,7 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
 from dea.gfrf.operating_point import rest_slope
-from dea.gfrf.response import normalised_input, parameter_sets, response_and_slope, rests
+from dea.gfrf.response import (
+    Inputs,
+    normalised_input,
+    parameter_sets,
+    response_and_slope,
+    rests,
+)
 from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile, rate_of
 
 Array = NDArray[np.float64]
@@ -46,9 +52,10 @@ def frequency_response_band(
     sampling_rate: float | None = None,
     *,
     level: float = LEVEL,
+    inputs: Inputs = None,
     parameters: ArrayLike | None = None,
     covariance: ArrayLike | None = None,
-    operating_point: float | None = None,
+    operating_point: ArrayLike | None = None,
     allow_missing: bool = False,
 ) -> ResponseBand:
     """Return the GFRF of a model with the intervals that its covariance gives gain and phase.
@@ -79,6 +86,7 @@ def frequency_response_band(
         order,
         frequencies,
         rate_of(model.labels, sampling_rate),
+        inputs=inputs,
         parameters=parameters,
         operating_point=operating_point,
         allow_missing=allow_missing,
@@ -100,7 +108,7 @@ def zero_input_interval(
     level: float = LEVEL,
     parameters: ArrayLike | None = None,
     covariance: ArrayLike | None = None,
-    operating_point: float | None = None,
+    operating_point: ArrayLike | None = None,
     allow_missing: bool = False,
 ) -> Interval:
     """Return the rest y0 of :func:`dea.gfrf.zero_input_response` with its interval.

@@ -1,6 +1,6 @@
 """The polynomial of a NARX model, written around an operating point."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain, combinations
 from typing import Any
 
@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 Polynomial = dict[Term, Array]
 
 
-def expand(terms: Sequence[Term], theta: Any, y0: Any, u0: float) -> dict[Term, Any]:
+def expand(terms: Sequence[Term], theta: Any, y0: Any, u0: Array) -> dict[Term, Any]:
     """Write y_t = sum_j theta_j phi_j in the deviations Y = y - y0 and U = u - u0, exactly.
 
     Every factor y_{t-k} becomes y0 + Y_{t-k}, every u_{t-k} becomes u0 + U_{t-k}, and like
@@ -24,8 +24,9 @@ def expand(terms: Sequence[Term], theta: Any, y0: Any, u0: float) -> dict[Term, 
     theta
         Parameters, shape (..., terms).
     y0, u0
-        Operating point, normalised; y0 of shape (...). ``theta`` and ``y0`` may both be
-        differentiable (:class:`dea.gfrf.differentiable.Differentiable`); so are the coefficients.
+        Operating point, normalised; y0 of shape (...), u0 of shape (inputs,). ``theta`` and ``y0``
+        may both be differentiable (:class:`dea.gfrf.differentiable.Differentiable`); so are the
+        coefficients.
 
     Returns
     -------
@@ -38,28 +39,43 @@ def expand(terms: Sequence[Term], theta: Any, y0: Any, u0: float) -> dict[Term, 
         for y_kept in _subsets(len(term.y_lags)):
             for u_kept in _subsets(len(term.u_lags)):
                 monomial = Term(
-                    tuple(term.y_lags[i] for i in y_kept), tuple(term.u_lags[i] for i in u_kept)
+                    tuple(term.y_lags[i] for i in y_kept),
+                    tuple(term.u_lags[i] for i in u_kept),
+                    tuple(term.inputs[i] for i in u_kept if term.inputs),
                 )
                 y_power = len(term.y_lags) - len(y_kept)
-                u_power = len(term.u_lags) - len(u_kept)
-                if monomial == Term() or (u_power and u0 == 0.0):
+                level = _static_value(term.input_powers - monomial.input_powers, u0)
+                if monomial == Term() or level == 0.0:
                     continue
-                share = theta[..., j] * y0**y_power * u0**u_power
+                share = theta[..., j] * y0**y_power * level
                 expanded[monomial] = expanded.get(monomial, 0.0) + share
     return expanded
 
 
-def static_polynomial(terms: Sequence[Term], theta: Array, u0: float) -> Array:
+def static_polynomial(terms: Sequence[Term], theta: Array, u0: Array) -> Array:
     """Return the coefficients, by rising power of y, of sum_j theta_j y^q u0^r - y.
 
-    Its roots are where the model can rest at the constant input ``u0``; shape (degree + 1,).
+    Its roots are where the model can rest at the constant inputs ``u0``, shape (inputs,); the
+    result has shape (degree + 1,).
     """
     degree = max(1, *(len(term.y_lags) for term in terms))
     coefficients = np.zeros(degree + 1)
     coefficients[1] = -1.0
     for term, parameter in zip(terms, theta, strict=True):
-        coefficients[len(term.y_lags)] += parameter * u0 ** len(term.u_lags)
+        coefficients[len(term.y_lags)] += parameter * static_value(term, u0)
     return coefficients
+
+
+def static_value(term: Term, u0: Array) -> float:
+    """Return the product of the input factors of a term at constant inputs, shape (inputs,)."""
+    return _static_value(term.input_powers, u0)
+
+
+def _static_value(powers: Mapping[int, int], u0: Array) -> float:
+    value = 1.0
+    for column, power in powers.items():
+        value *= float(u0[column]) ** power
+    return value
 
 
 def spectral_radius(expanded: Polynomial) -> Array:

@@ -33,7 +33,7 @@ def linear_part(
     model: NarxModel,
     *,
     parameters: ArrayLike | None = None,
-    operating_point: float | None = None,
+    operating_point: ArrayLike | None = None,
     allow_missing: bool = False,
 ) -> LinearPart:
     """Return the linear part of a model around its rest at a constant input.
@@ -57,7 +57,8 @@ def linear_part(
         u0,
     )
     order = max(model.max_lag, 1)
-    gain = model.scaling.y_scale / model.scaling.u_scale
+    scaling = model.of_one_input("The linear part")
+    gain = scaling.y_scale / scaling.u_scale
 
     def of(monomials: list[Term], scale: float) -> tuple[Array, Array]:
         value = np.zeros((y0.size, len(monomials)))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
-from dea.gfrf.expansion import expand, spectral_radius, static_polynomial
+from dea.gfrf.expansion import expand, spectral_radius, static_polynomial, static_value
 from dea.narx import simulate
 from dea.terms import Term, max_lag
 
@@ -17,7 +17,7 @@ _RUNS = 11  # half a million samples in all: poles up to 0.9999 come to rest wit
 _NEAR = 1e-6  # distance from an attracting root, relative to 1 + |root|, that counts as at rest
 
 
-def rest(terms: Sequence[Term], theta: Array, u0: float, start: float = 0.0) -> float | None:
+def rest(terms: Sequence[Term], theta: Array, u0: Array, start: float = 0.0) -> float | None:
     """Return the root of the static polynomial that a free run at constant input settles to.
 
     Parameters
@@ -25,7 +25,7 @@ def rest(terms: Sequence[Term], theta: Array, u0: float, start: float = 0.0) -> 
     theta
         Parameters, shape (terms,).
     u0, start
-        Constant input, and the output at which the run starts, both normalised.
+        Constant inputs, shape (inputs,), and the output at which the run starts, normalised.
 
     Returns
     -------
@@ -41,14 +41,15 @@ def rest(terms: Sequence[Term], theta: Array, u0: float, start: float = 0.0) -> 
         for root in roots:
             if np.all(np.abs(outputs - root) <= _NEAR * (1.0 + abs(root))):
                 return root
-        inputs = np.full(lag + _FIRST_RUN * 2**run, u0)
+        length = lag + _FIRST_RUN * 2**run
+        inputs = np.full(length, u0[0]) if u0.size == 1 else np.tile(u0, (length, 1))
         outputs = simulate(terms, theta, inputs, outputs)[-lag:]
         if not roots or not np.all(np.isfinite(outputs)):
             return None
     return None
 
 
-def rest_along(terms: Sequence[Term], theta: Array, u0: float) -> Array:
+def rest_along(terms: Sequence[Term], theta: Array, u0: Array) -> Array:
     """Follow the rest of a model whose parameters change.
 
     Parameters
@@ -72,7 +73,7 @@ def rest_along(terms: Sequence[Term], theta: Array, u0: float) -> Array:
     return y0
 
 
-def rest_slope(terms: Sequence[Term], theta: Array, y0: Array, u0: float) -> Array:
+def rest_slope(terms: Sequence[Term], theta: Array, y0: Array, u0: Array) -> Array:
     """Return the derivative of the rest by each parameter, shape (terms, sets).
 
     Differentiating y0 = sum_j theta_j y0^q u0^r: dy0/dtheta_j = y0^q u0^r / (1 - df/dy0).
@@ -82,7 +83,7 @@ def rest_slope(terms: Sequence[Term], theta: Array, y0: Array, u0: float) -> Arr
     theta, y0
         Parameters (sets, terms) and their rests (sets,), normalised.
     """
-    powers = [(len(term.y_lags), u0 ** len(term.u_lags)) for term in terms]
+    powers = [(len(term.y_lags), static_value(term, u0)) for term in terms]
     values = np.stack([y0**q * share for q, share in powers])
     feedback = sum(
         theta[:, j] * q * y0 ** (q - 1) * share for j, (q, share) in enumerate(powers) if q
@@ -91,7 +92,7 @@ def rest_slope(terms: Sequence[Term], theta: Array, y0: Array, u0: float) -> Arr
     return slope
 
 
-def _attracting_roots(terms: tuple[Term, ...], theta: Array, u0: float) -> list[float]:
+def _attracting_roots(terms: tuple[Term, ...], theta: Array, u0: Array) -> list[float]:
     coefficients = np.trim_zeros(static_polynomial(terms, theta, u0), "b")
     if coefficients.size < 2:
         return []

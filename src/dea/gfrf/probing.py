@@ -6,6 +6,10 @@ contributes to that line once for every way of distributing the tones of S over 
 output factor with one or more tones and each input factor with exactly one. Equating both sides of
 the model equation line by line gives G(S) from the G of smaller sets, (20)-(31) for every order,
 already symmetric.
+
+Of several inputs each tone is in one, and an input factor takes only tones of its own input: G(S)
+is then |S|! times the symmetrised cross-kernel of the inputs that the tones are in (Swain and
+Billings 2001, International Journal of Control 74:735).
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,12 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.gfrf.expansion import Polynomial
+from dea.terms import Term
 
 Complex = NDArray[np.complex128]
-Factor = tuple[str, int]  # the signal, "y" or "u", and its lag
+Factor = tuple[int, int]  # the column of the input, or _OUTPUT, and the lag
+_OUTPUT = -1
 
 
-def probe(expanded: Polynomial, omega: Sequence[NDArray[np.float64]]) -> Complex:
+def probe(
+    expanded: Polynomial, omega: Sequence[NDArray[np.float64]], inputs: Sequence[int]
+) -> Complex:
     """Return the symmetric n-th order GFRF, n = len(omega), in normalised units.
 
     Parameters
@@ -31,10 +39,18 @@ def probe(expanded: Polynomial, omega: Sequence[NDArray[np.float64]]) -> Complex
         arrays (varying parameters) have trailing axes of length one for the frequencies.
     omega
         One array per tone, in radians per sample, broadcastable against each other.
+    inputs
+        The column of the input that each tone is in.
     """
     poles = [(term.y_lags[0], c) for term, c in expanded.items() if _is_pole(term)]
     driving = [
-        ((*(("u", lag) for lag in term.u_lags), *(("y", lag) for lag in term.y_lags)), c)
+        (
+            (
+                *zip(term.input_columns, term.u_lags, strict=True),
+                *((_OUTPUT, lag) for lag in term.y_lags),
+            ),
+            c,
+        )
         for term, c in expanded.items()
         if not _is_pole(term)
     ]
@@ -70,18 +86,18 @@ def probe(expanded: Polynomial, omega: Sequence[NDArray[np.float64]]) -> Complex
                 total = first * others if total is None else total + first * others
         return total
 
-    def taken(signal: str, lag: int, tones: int) -> Complex | None:
-        if signal == "y":
+    def taken(signal: int, lag: int, tones: int) -> Complex | None:
+        if signal == _OUTPUT:
             return G(tones) * delay(tones, lag)
-        return delay(tones, lag) if tones.bit_count() == 1 else None
+        single = tones.bit_count() == 1 and inputs[tones.bit_length() - 1] == signal
+        return delay(tones, lag) if single else None
 
     order = len(omega)
     return G((1 << order) - 1) / factorial(order)
 
 
-def _is_pole(term: tuple[tuple[int, ...], tuple[int, ...]]) -> bool:
-    y_lags, u_lags = term
-    return len(y_lags) == 1 and not u_lags
+def _is_pole(term: Term) -> bool:
+    return len(term.y_lags) == 1 and not term.u_lags
 
 
 def _members(tones: int) -> Iterator[int]:

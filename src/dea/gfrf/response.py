@@ -1,5 +1,6 @@
 """Generalised frequency response functions and zero-input responses, in physical units."""
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,8 +13,10 @@ from dea.gfrf.expansion import expand
 from dea.gfrf.operating_point import rest_along, rest_slope
 from dea.gfrf.probing import probe
 from dea.narx import NarxModel, rate_of
+from dea.terms import input_symbol
 
 Array = NDArray[np.float64]
+Inputs = str | int | Sequence[str | int] | None
 
 
 def frequency_response(
@@ -22,14 +25,18 @@ def frequency_response(
     frequencies: ArrayLike | Sequence[ArrayLike] = (),
     sampling_rate: float | None = None,
     *,
+    inputs: Inputs = None,
     parameters: ArrayLike | None = None,
-    operating_point: float | None = None,
+    operating_point: ArrayLike | None = None,
     allow_missing: bool = False,
 ) -> NDArray[np.complex128]:
     """Return the symmetric GFRF H_n of a polynomial NARX model around its rest.
 
     A small input of n tones, u = operating_point + sum_i A_i cos(w_i t), gives the output a line
     at w_1 + ... + w_n of complex amplitude n! H_n prod_i A_i/2 (and H_1 A_1 for a single tone).
+    Of several inputs each tone is in one of them, and this is the symmetrised cross-kernel:
+    H_n^{ij}(f1, f2) = H_n^{ji}(f2, f1), and with one signal on all inputs the sum over all i and j
+    is the response to it.
 
     Parameters
     ----------
@@ -40,34 +47,39 @@ def frequency_response(
         itself will do.
     sampling_rate
         In Hz; by default that of the record which the model comes from.
+    inputs
+        Where the model has several, the input of each frequency: its name or its number from 1, n
+        of them; for ``order=1`` the name itself will do.
     parameters
         Other parameters for the model's terms, shape (..., terms), as a tracker gives them; by
         default the model's own.
     operating_point
         Constant input in physical units around which the response is taken; by default the
-        input's offset, a normalised input of zero.
+        input's offset, a normalised input of zero. Of several inputs, one number for each.
     allow_missing
         Give NaN for parameters that do not settle, in place of the error.
 
     Returns
     -------
     ndarray
-        Complex, shape (..., *frequencies), in output units per input unit to the power n.
+        Complex, shape (..., *frequencies), in output units per the product of the n input units.
 
     Raises
     ------
     InputError
         If the frequencies do not fit the order, lie above half the sampling rate or do not
-        broadcast, or if the model does not come to rest at the operating point.
+        broadcast, if the inputs are not n of the model's, or if the model does not come to rest at
+        the operating point.
     """
     omega = _radians(order, frequencies, rate_of(model.labels, sampling_rate))
+    columns = input_columns(model, order, inputs)
     theta, sets = parameter_sets(model, parameters)
     u0 = normalised_input(model, operating_point)
     y0 = rests(model, theta, u0, allow_missing)
     shape = np.broadcast_shapes(*(w.shape for w in omega))
     settled = ~np.isnan(y0)
     response = np.full((y0.size, *shape), np.nan, dtype=complex)
-    response[settled] = _probed(model, omega, theta[settled], y0[settled], u0)
+    response[settled] = _probed(model, omega, columns, theta[settled], y0[settled], u0)
     return response.reshape((*sets, *shape))
 
 
@@ -77,8 +89,9 @@ def response_and_slope(
     frequencies: ArrayLike | Sequence[ArrayLike],
     sampling_rate: float,
     *,
+    inputs: Inputs = None,
     parameters: ArrayLike | None = None,
-    operating_point: float | None = None,
+    operating_point: ArrayLike | None = None,
     allow_missing: bool = False,
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """Return :func:`frequency_response` and its derivative by the model's parameters.
@@ -91,6 +104,7 @@ def response_and_slope(
         Shapes (..., *frequencies) and (terms, ..., *frequencies).
     """
     omega = _radians(order, frequencies, sampling_rate)
+    columns = input_columns(model, order, inputs)
     theta, sets = parameter_sets(model, parameters)
     u0 = normalised_input(model, operating_point)
     y0 = rests(model, theta, u0, allow_missing)
@@ -101,6 +115,7 @@ def response_and_slope(
     found = _probed(
         model,
         omega,
+        columns,
         Differentiable(theta[settled], each),
         Differentiable(y0[settled], rest_slope(model.terms, theta[settled], y0[settled], u0)),
         u0,
@@ -114,7 +129,14 @@ def response_and_slope(
     return response.reshape((*sets, *shape)), slope.reshape((count, *sets, *shape))
 
 
-def _probed(model: NarxModel, omega: Sequence[Array], theta: Any, y0: Any, u0: float) -> Any:
+def _probed(
+    model: NarxModel,
+    omega: Sequence[Array],
+    columns: Sequence[int],
+    theta: Any,
+    y0: Any,
+    u0: Array,
+) -> Any:
     """Return the response, in physical units, of each set of parameters around its rest.
 
     ``theta`` (sets, terms), ``y0`` (sets,) and the result are all arrays or all differentiable.
@@ -123,15 +145,17 @@ def _probed(model: NarxModel, omega: Sequence[Array], theta: Any, y0: Any, u0: f
     across = (slice(None), *[None] * len(shape))  # parameter sets lead, frequencies follow
     expanded = expand(model.terms, theta, y0, u0)
     per_set = {term: coefficient[across] for term, coefficient in expanded.items()}
-    physical = model.scaling.y_scale / model.scaling.u_scale ** len(omega)
-    return probe(per_set, omega) * physical
+    scales, scale = np.broadcast_to(model.scaling.u_scale, model.inputs), 1.0
+    for column, power in Counter(columns).items():
+        scale *= float(scales[column] ** power)
+    return probe(per_set, omega, columns) * (model.scaling.y_scale / scale)
 
 
 def zero_input_response(
     model: NarxModel,
     *,
     parameters: ArrayLike | None = None,
-    operating_point: float | None = None,
+    operating_point: ArrayLike | None = None,
     allow_missing: bool = False,
 ) -> Array:
     """Return the output y0 at which the model rests when its input is constant.
@@ -199,22 +223,71 @@ def parameter_sets(model: NarxModel, parameters: ArrayLike | None) -> tuple[Arra
     return theta.reshape(-1, len(model.terms)), theta.shape[:-1]
 
 
-def normalised_input(model: NarxModel, operating_point: float | None) -> float:
-    """Return the operating point in the units of the equation."""
+def input_columns(model: NarxModel, order: int, inputs: Inputs) -> tuple[int, ...]:
+    """Return the column of the input that each of ``order`` frequencies is of.
+
+    Raises
+    ------
+    InputError
+        If the model has several inputs and they are not named, or another is.
+    """
+    if inputs is None and model.inputs == 1:
+        return (0,) * order
+    names = model.labels.inputs
+    known = [
+        names[k][0] if len(names) == model.inputs else input_symbol(k, model.inputs)
+        for k in range(model.inputs)
+    ]
+    listed = ", ".join(f"{name!r} or {k}" for k, name in enumerate(known, start=1))
+    remedy = f"Name one for each frequency: {listed}"
+    given = [inputs] if isinstance(inputs, str | int) else list(inputs or ())
+    if len(given) != order:
+        raise InputError(
+            f"{len(given)} are named for order {order} of a model with {model.inputs}",
+            field="inputs",
+            remedy=remedy,
+        )
+    columns = [known.index(each) if each in known else _number(each) - 1 for each in given]
+    for each, column in zip(given, columns, strict=True):
+        if not 0 <= column < model.inputs:
+            raise InputError(f"there is no input {each!r}", field="inputs", remedy=remedy)
+    return tuple(columns)
+
+
+def _number(given: str | int) -> int:
+    return given if isinstance(given, int) else 0
+
+
+def normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Array:
+    """Return the operating point in the units of the equation, shape (inputs,).
+
+    Raises
+    ------
+    InputError
+        If it is not one number for each input.
+    """
     if operating_point is None:
-        return 0.0
-    return float((operating_point - model.scaling.u_offset) / model.scaling.u_scale)
+        return np.zeros(model.inputs)
+    given = np.atleast_1d(np.asarray(operating_point, dtype=float))
+    if given.shape != (model.inputs,):
+        raise InputError(
+            f"{given.size} numbers for {model.inputs} input{'s' if model.inputs > 1 else ''}",
+            field="operating_point",
+            remedy="Give one number for each input, in physical units",
+        )
+    return (given - model.scaling.u_offset) / model.scaling.u_scale
 
 
-def rests(model: NarxModel, theta: Array, u0: float, allow_missing: bool) -> Array:
+def rests(model: NarxModel, theta: Array, u0: Array, allow_missing: bool) -> Array:
     """Return the rest of each set of parameters (sets, terms), normalised."""
     y0 = rest_along(model.terms, theta, u0)
     restless = np.flatnonzero(np.isnan(y0))
     if restless.size and not allow_missing:
         which = f" with parameter set {restless[0]}" if y0.size > 1 else ""
+        level = u0 * model.scaling.u_scale + model.scaling.u_offset
         raise InputError(
             f"the model{which} does not settle at a constant input of "
-            f"{u0 * model.scaling.u_scale + model.scaling.u_offset:g}",
+            f"{', '.join(f'{each:g}' for each in level)}",
             field="parameters",
             remedy="It diverges, oscillates or creeps there and has no steady-state response; "
             "take another operating point or a stable model",

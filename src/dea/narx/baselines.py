@@ -8,21 +8,22 @@ from dea.narx.candidate_terms import linear_terms
 from dea.narx.model import NarxModel
 from dea.terms import Term
 
-_CUBIC = (Term(), *(Term.of((), (1,) * degree) for degree in (1, 2, 3)))
-
 
 def baselines(model: NarxModel) -> Mapping[str, NarxModel]:
     """Return structures to compare ``model`` with, by name, their parameters all zero.
 
-    ``cubic``: a static polynomial of third order in the input before, without memory.
+    ``cubic``: a static polynomial of third order in the input before, without memory; of several
+    inputs, the sum of one in each.
     ``hammerstein``: the same followed by one pole. ``linear``: the lags of the model, without
     products.
     """
-    lag = max(model.max_lag, 1)
+    lag, inputs = max(model.max_lag, 1), model.inputs
+    numbers = [(k,) for k in range(1, inputs + 1)] if inputs > 1 else [()]
+    powers = [Term.of((), (1,) * p, number * p) for number in numbers for p in (1, 2, 3)]
     structures = {
-        "linear": linear_terms(lag, lag),
-        "hammerstein": (_CUBIC[0], Term.of((1,), ()), *_CUBIC[1:]),
-        "cubic": _CUBIC,
+        "linear": linear_terms(lag, lag, inputs),
+        "hammerstein": (Term(), Term.of((1,), ()), *powers),
+        "cubic": (Term(), *powers),
     }
     return {
         name: NarxModel(terms, np.zeros(len(terms)), model.scaling)

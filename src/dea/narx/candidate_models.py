@@ -39,8 +39,8 @@ class CandidateModels:
     candidates
         All terms a model may have.
     segments
-        Normalised inputs and outputs. Each is simulated from its own first outputs; they share
-        their parameters.
+        Normalised inputs and outputs, as for :func:`dea.narx.regressor_matrix`. Each is simulated
+        from its own first outputs; they share their parameters.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class CandidateModels:
         self.start = max_lag(candidates)
         u = np.concatenate([u for u, _ in segments])
         y = np.concatenate([y for _, y in segments])
-        ends = np.cumsum([u.size for u, _ in segments]).astype(np.int64)
+        ends = np.cumsum([y.size for _, y in segments]).astype(np.int64)
         self.samples = int(ends[-1] - self.start * len(segments))
         rows = [
             np.column_stack([regressor_matrix(candidates, u, y, self.start), y[self.start :]])
@@ -64,13 +64,12 @@ class CandidateModels:
         triangle: Array = np.linalg.qr(np.vstack(rows), mode="r")  # type: ignore[assignment]
         self.power = float(np.mean(np.concatenate([row[:, -1] for row in rows]) ** 2))
         shape = structure(self.candidates)
-        monomials = sorted({term.u_lags for term in candidates})
-        product = [monomials.index(term.u_lags) for term in candidates]
+        terms = sorted({term.input_part for term in candidates})
+        product = [terms.index(term.input_part) for term in candidates]
         self._terms = Candidates(
             shape.group, shape.y_lags, np.array(product, dtype=np.int64), self.start
         )
-        terms = [Term((), lags) for lags in monomials]
-        products = np.ones((len(terms), u.size))
+        products = np.ones((len(terms), y.size))
         first = max((term.max_lag for term in terms), default=0)
         products[:, first:] = regressor_matrix(terms, u, y, first).T
         self.triangle: Array = np.ascontiguousarray(triangle.T)

@@ -2,13 +2,17 @@
 
 from collections.abc import Sequence
 from itertools import combinations_with_replacement
+from typing import cast
 
 from dea.errors import InputError
 from dea.terms import Term
 
+Lags = int | Sequence[int]
+InputLags = Lags | Sequence[Sequence[int]]
+
 
 def candidate_terms(
-    y_lags: int | Sequence[int], u_lags: int | Sequence[int], degree: int
+    y_lags: Lags, u_lags: InputLags, degree: int, inputs: int = 1
 ) -> tuple[Term, ...]:
     """Every monomial up to ``degree`` of the lagged signals, by degree; the constant first.
 
@@ -16,9 +20,11 @@ def candidate_terms(
     ----------
     y_lags, u_lags
         The largest lag (1 to it are used), or the lags themselves, for instance to start after
-        a dead time.
+        a dead time. Of several inputs a list of such lists, one for each, may give each its own.
     degree
         Largest number of factors, at least 1.
+    inputs
+        How many inputs there are.
 
     Returns
     -------
@@ -27,24 +33,46 @@ def candidate_terms(
     """
     if degree < 1:
         raise InputError(f"a degree of {degree}", field="degree", remedy="It is at least 1.")
-    variables = [("y", lag) for lag in lag_list(y_lags, "y_lags")]
-    variables += [("u", lag) for lag in lag_list(u_lags, "u_lags")]
+    variables = [Term((lag,)) for lag in lag_list(y_lags, "y_lags")]
+    for column, lags in enumerate(input_lag_lists(u_lags, inputs)):
+        numbers = (column + 1,) if inputs > 1 else ()
+        variables += [Term((), (lag,), numbers) for lag in lags]
     return tuple(
         Term.of(
-            (lag for variable, lag in factors if variable == "y"),
-            (lag for variable, lag in factors if variable == "u"),
+            (lag for factor in factors for lag in factor.y_lags),
+            (lag for factor in factors for lag in factor.u_lags),
+            (number for factor in factors for number in factor.inputs),
         )
         for factor_count in range(degree + 1)
         for factors in combinations_with_replacement(variables, factor_count)
     )
 
 
-def linear_terms(y_lags: int | Sequence[int], u_lags: int | Sequence[int]) -> tuple[Term, ...]:
+def linear_terms(y_lags: Lags, u_lags: InputLags, inputs: int = 1) -> tuple[Term, ...]:
     """Return the linear basis: the constant and every lagged signal by itself."""
-    return candidate_terms(y_lags, u_lags, 1)
+    return candidate_terms(y_lags, u_lags, 1, inputs)
 
 
-def lag_list(lags: int | Sequence[int], field: str) -> list[int]:
+def input_lag_lists(u_lags: InputLags, inputs: int) -> list[list[int]]:
+    """Return the lags of each input.
+
+    Raises
+    ------
+    InputError
+        Where lags are listed for another number of inputs.
+    """
+    if isinstance(u_lags, int) or not any(isinstance(each, Sequence) for each in u_lags):
+        return [lag_list(cast(Lags, u_lags), "u_lags")] * inputs
+    if len(u_lags) != inputs or not all(isinstance(each, Sequence) for each in u_lags):
+        raise InputError(
+            f"{u_lags} for {inputs} input{'s' if inputs > 1 else ''}",
+            field="u_lags",
+            remedy="Give one list of lags for every input, or one number for all.",
+        )
+    return [lag_list(cast(Sequence[int], each), "u_lags") for each in u_lags]
+
+
+def lag_list(lags: Lags, field: str) -> list[int]:
     """Return the lags themselves where a largest lag may stand for 1 to it."""
     listed = list(range(1, lags + 1)) if isinstance(lags, int) else sorted(set(lags))
     if isinstance(lags, int) and lags < 0:

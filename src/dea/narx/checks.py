@@ -16,12 +16,7 @@ def as_signal(values: ArrayLike, name: str, *, missing: bool = False) -> Array:
     InputError
         If it is not one-dimensional or holds a value that is not a finite number.
     """
-    try:
-        signal = np.ascontiguousarray(values, dtype=float)
-    except ValueError as error:
-        raise InputError(
-            f"it holds no numbers: {error}", field=name, remedy="Give an array of numbers."
-        ) from error
+    signal = np.ascontiguousarray(_numbers(values, name))
     if signal.ndim != 1:
         raise InputError(
             f"it has {signal.ndim} dimensions", field=name, remedy="A signal is one-dimensional."
@@ -36,40 +31,102 @@ def as_signal(values: ArrayLike, name: str, *, missing: bool = False) -> Array:
     return signal
 
 
+def as_input(values: ArrayLike, name: str = "u") -> Array:
+    """Return one input, shape (samples,), or several, shape (samples, inputs), as floats.
+
+    A single column is one input. Columns are contiguous.
+
+    Raises
+    ------
+    InputError
+        As :func:`as_signal`.
+    """
+    numbers = _numbers(values, name)
+    if numbers.ndim == 2 and numbers.shape[1] == 1:
+        numbers = numbers[:, 0]
+    if numbers.ndim != 2:
+        return as_signal(numbers, name)
+    bad = np.argwhere(~np.isfinite(numbers))
+    if bad.size:
+        raise InputError(
+            f"{len(bad)} of {numbers.size} samples are not numbers, the first at sample"
+            f" {bad[0][0]} of input {bad[0][1] + 1}",
+            field=name,
+            remedy="Cut the signals before that sample.",
+        )
+    return np.asfortranarray(numbers)
+
+
+def by_input(u: Array) -> Array:
+    """Return one input or several as contiguous rows, shape (inputs, samples)."""
+    return np.ascontiguousarray(np.atleast_2d(u.T))
+
+
+def check_inputs(numbered: int | None, u: Array) -> None:
+    """Check that terms, as :func:`dea.terms.numbered_inputs` counts them, are of these inputs.
+
+    Raises
+    ------
+    InputError
+        If ``u`` is one input and the terms number theirs, or the other way round, or if there are
+        fewer inputs than the terms name.
+    """
+    if numbered is None or (numbered == 0 and u.ndim == 1):
+        return
+    if u.ndim == 1 or not 0 < numbered <= u.shape[1]:
+        given = "one input" if u.ndim == 1 else f"{u.shape[1]} inputs"
+        wanted = f"inputs up to u{numbered}" if numbered else "a single input, u"
+        raise InputError(
+            f"{given} for a model whose terms name {wanted}",
+            field="u",
+            remedy="Give the inputs of the model in its order, as the columns of u.",
+        )
+
+
+def _numbers(values: ArrayLike, name: str) -> Array:
+    try:
+        return np.asarray(values, dtype=float)
+    except ValueError as error:
+        raise InputError(
+            f"it holds no numbers: {error}", field=name, remedy="Give an array of numbers."
+        ) from error
+
+
 def as_record(
     u: ArrayLike, y: ArrayLike, lag: int = 0, terms: int = 0, *, missing: bool = False
 ) -> tuple[Array, Array]:
     """Return input and output as equally long signals that ``terms`` can be estimated from.
 
-    Where outputs may be ``missing`` they are NaN.
+    Where outputs may be ``missing`` they are NaN. Several inputs are the columns of ``u``.
 
     Raises
     ------
     InputError
         As :func:`as_signal`; also if lengths differ, if fewer than ``terms`` samples remain after
-        the first ``lag``, or if either signal is constant.
+        the first ``lag``, if the output is constant, or if every input is.
     """
-    inputs, outputs = as_signal(u, "u"), as_signal(y, "y", missing=missing)
-    if inputs.size != outputs.size:
+    inputs, outputs = as_input(u), as_signal(y, "y", missing=missing)
+    samples = inputs.shape[0]
+    if samples != outputs.size:
         raise InputError(
-            f"it has {outputs.size} samples and u has {inputs.size}",
+            f"it has {outputs.size} samples and u has {samples}",
             field="y",
             remedy="Input and output are sampled together.",
         )
-    if inputs.size - lag < max(terms, 1):
+    if samples - lag < max(terms, 1):
         raise InputError(
-            f"{inputs.size} samples leave {max(inputs.size - lag, 0)} equations after a lag of "
+            f"{samples} samples leave {max(samples - lag, 0)} equations after a lag of "
             f"{lag}, for {terms} parameters",
             field="u",
             remedy="Use a longer record, smaller lags or fewer terms.",
         )
     for name, signal in (("u", inputs), ("y", outputs)):
-        there = signal[np.isfinite(signal)]
+        there = signal[np.isfinite(signal)] if signal.ndim == 1 else signal
         if not there.size:
             raise InputError("every sample is missing", field=name, remedy="Record it again.")
-        if np.ptp(there) == 0.0:
+        if not np.ptp(there, axis=0).any():
             raise InputError(
-                f"it is constant at {there[0]:g}",
+                f"it is constant at {', '.join(f'{level:g}' for level in np.ravel(there[0]))}",
                 field=name,
                 remedy="A model can only be identified from signals that vary.",
             )

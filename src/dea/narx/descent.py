@@ -184,13 +184,13 @@ def _without(
     kept: list[Segment] = []
     left_out: list[Segment] = []
     for u, y in segments:
-        edges = np.linspace(0, u.size, _FOLDS + 1).astype(int)
+        edges = np.linspace(0, y.size, _FOLDS + 1).astype(int)
         first, last = edges[fold], edges[fold + 1]
         left_out.append((u[first:last], y[first:last]))
         kept += [
             (u[part], y[part])
-            for part in (slice(0, first), slice(last, u.size))
-            if u[part].size > lag
+            for part in (slice(0, first), slice(last, y.size))
+            if y[part].size > lag
         ]
     return kept, left_out
 

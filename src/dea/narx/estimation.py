@@ -31,7 +31,8 @@ def estimate(
     ----------
     u, y
         Measured input and output in physical units, shape (samples,), or equally long lists of
-        such records, which share the parameters.
+        such records, which share the parameters. Several inputs are the columns of ``u``, shape
+        (samples, inputs).
     scaling
         By default :func:`scaling_of` the records.
 
@@ -93,18 +94,30 @@ def scaling_of(records: Sequence[Segment], centre_input: bool = True) -> Scaling
     """Centre each signal on its mean and scale it by its half-range over all records.
 
     Half-ranges put the input within about -1 to 1, the interval on which the published models of
-    such actuators stay bounded. Without ``centre_input`` the input is only scaled.
+    such actuators stay bounded. Without ``centre_input`` the input is only scaled. Several inputs
+    are scaled each by itself.
+
+    Raises
+    ------
+    InputError
+        If one of several inputs is constant over all records.
     """
-    values = {}
-    for name, signal in (
-        ("u", np.concatenate([u for u, _ in records])),
-        ("y", np.concatenate([y for _, y in records])),
-    ):
-        values[f"{name}_offset"] = float(signal.mean())
-        values[f"{name}_scale"] = float(0.5 * np.ptp(signal))
-    if not centre_input:
-        values["u_offset"] = 0.0
-    return Scaling(**values)
+    u = np.concatenate([u for u, _ in records])
+    y = np.concatenate([y for _, y in records])
+    columns = [np.ascontiguousarray(column) for column in np.atleast_2d(u.T)]
+    offsets = [float(column.mean()) if centre_input else 0.0 for column in columns]
+    scales = [float(0.5 * np.ptp(column)) for column in columns]
+    if u.ndim == 2 and 0.0 in scales:
+        still = scales.index(0.0)
+        raise InputError(
+            f"its input {still + 1} is constant at {columns[still][0]:g}",
+            field="u",
+            remedy="Leave it out: its effect cannot be identified from a record where it rests.",
+        )
+    of_output = float(y.mean()), float(0.5 * np.ptp(y))
+    if u.ndim == 1:
+        return Scaling(offsets[0], scales[0], *of_output)
+    return Scaling(tuple(offsets), tuple(scales), *of_output)
 
 
 def normalised(records: Sequence[Segment], scaling: Scaling) -> list[Segment]:
@@ -114,18 +127,31 @@ def normalised(records: Sequence[Segment], scaling: Scaling) -> list[Segment]:
 
 def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Segment]:
     """Return one or several records as a list of checked pairs of signals."""
-    inputs, outputs = _listed(u), _listed(y)
+    inputs, outputs = listed(u), listed(y)
     if len(inputs) != len(outputs) or not inputs:
         raise InputError(
             f"{len(inputs)} inputs for {len(outputs)} outputs",
             field="u",
             remedy="Give as many records of the one as of the other.",
         )
-    return [as_record(one, other, lag, terms) for one, other in zip(inputs, outputs, strict=True)]
+    records = [
+        as_record(one, other, lag, terms) for one, other in zip(inputs, outputs, strict=True)
+    ]
+    counts = sorted({u.shape[1] if u.ndim == 2 else 1 for u, _ in records})
+    if len(counts) > 1:
+        raise InputError(
+            f"records with {' and '.join(map(str, counts))} inputs",
+            field="u",
+            remedy="Give records of the same inputs.",
+        )
+    return records
 
 
-def _listed(signals: Signals) -> list[ArrayLike]:
-    """Several records come as a list or tuple of arrays; one as an array or a list of numbers."""
+def listed(signals: Signals) -> list[ArrayLike]:
+    """Return the signals of each record.
+
+    Several records come as a list or tuple of arrays; one as an array or a list of numbers.
+    """
     if isinstance(signals, list | tuple) and signals and np.ndim(signals[0]) > 0:
         return list(signals)
     return [signals]  # type: ignore[list-item]

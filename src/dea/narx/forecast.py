@@ -86,13 +86,14 @@ def forecast_errors(
     window, *reaches = (round(t * sampling_rate) for t in (plan.window, *plan.horizons))
     origins = np.arange(
         round(plan.start * sampling_rate),
-        inputs.size - max(reaches) + 1,
+        outputs.size - max(reaches) + 1,
         max(round(plan.every * sampling_rate), 1),
     )
     if not origins.size or origins[0] < window or any(b <= a for a, b in pairwise([0, *reaches])):
         raise InputError(
-            f"no forecast over {plan.horizons} s fits a record of {inputs.size / sampling_rate:g} s"
-            f" from {plan.start:g} s on with {plan.window:g} s before",
+            f"no forecast over {plan.horizons} s fits a record of"
+            f" {outputs.size / sampling_rate:g} s from {plan.start:g} s on with"
+            f" {plan.window:g} s before",
             field="forecast",
             remedy="Give ascending horizons of a sample or more, and start after the window.",
         )

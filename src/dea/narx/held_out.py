@@ -30,8 +30,8 @@ def held_out_error(
     model
         As :func:`dea.select_terms` found it on this record.
     u, y
-        Input and output in physical units, shape (samples,), or a :class:`dea.Record` alone, of
-        which no sample may be missing.
+        Input and output in physical units, as for :func:`dea.select_terms`, or a
+        :class:`dea.Record` alone, of which no sample may be missing.
     parts
         At least two.
 
@@ -48,19 +48,19 @@ def held_out_error(
     """
     whole = pair(u, y, model.max_lag)
     inputs, outputs = as_record(*whole, model.max_lag, len(model.terms))
-    if parts < 2 or inputs.size // parts < model.max_lag + 2:
+    if parts < 2 or outputs.size // parts < model.max_lag + 2:
         raise InputError(
-            f"{parts} parts of {inputs.size} samples, for a largest lag of {model.max_lag}",
+            f"{parts} parts of {outputs.size} samples, for a largest lag of {model.max_lag}",
             field="parts",
             remedy="Cut the record into at least two parts, each longer than the lags.",
         )
-    edges = np.linspace(0, inputs.size, parts + 1).astype(int)
+    edges = np.linspace(0, outputs.size, parts + 1).astype(int)
     errors = np.empty(parts)
     for i, (first, last) in enumerate(pairwise(edges)):
         others = [
             (inputs[piece], outputs[piece])
-            for piece in (slice(0, first), slice(last, inputs.size))
-            if inputs[piece].size > model.max_lag
+            for piece in (slice(0, first), slice(last, outputs.size))
+            if outputs[piece].size > model.max_lag
         ]
         fitted = fit_free_runs(model.terms, model.parameters, normalised(others, model.scaling))
         if not np.isfinite(fitted.msse):

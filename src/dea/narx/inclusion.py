@@ -56,10 +56,10 @@ def inclusion_frequency(
     records = as_segments(u, y)
     scaling = scaling_of(records, not selection.get("even_in_input", False))
     settings = {"scaling": scaling} | selection
-    total = sum(one.size for one, _ in records)
+    total = sum(other.size for _, other in records)
     pieces: list[tuple[Array, Array]] = []
     for one, other in records:
-        parts = max(1, round(blocks * one.size / total))
+        parts = max(1, round(blocks * other.size / total))
         pieces += zip(np.array_split(one, parts), np.array_split(other, parts), strict=True)
     found = []
     for _ in range(resamples):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dea.errors import InputError
-from dea.narx.checks import Array, as_signal
+from dea.narx.checks import Array, as_input
 from dea.narx.model import NarxModel
 from dea.narx.refinement import sensitivities
 
@@ -75,7 +75,7 @@ def simulation_interval(
     """
     covariance = covariance_of(model)
     scaling = model.scaling
-    inputs = scaling.normalise_input(as_signal(u, "u"))
+    inputs = scaling.normalise_input(as_input(u))
     run = model.simulate(u, y_initial)
     initial = scaling.normalise_output(run[: model.max_lag])
     _, slope = sensitivities(model.terms, model.parameters, inputs, initial)

@@ -23,6 +23,7 @@ class Structure(NamedTuple):
     group: Indices  # (terms,) which group each term belongs to
     y_lags: Indices  # (groups, most factors), padded with NONE
     u_lags: Indices  # (terms, most factors), padded with NONE
+    u_rows: Indices  # (terms, most factors) the row of the input that each factor is of
     start: int  # the first sample that can be computed
 
 
@@ -49,7 +50,7 @@ def _coefficients(
 
     Its last row, one more than there are groups, holds one term's product of inputs meanwhile.
     """
-    group, u_lags = structure.group, structure.u_lags
+    group, u_lags, u_rows = structure.group, structure.u_lags, structure.u_rows
     count = last - first
     work[:, :count] = 0.0
     product = work[-1]
@@ -59,7 +60,7 @@ def _coefficients(
             lag = u_lags[j, factor]
             if lag == NONE:
                 break
-            shifted = u[first - lag : last - lag]
+            shifted = u[u_rows[j, factor], first - lag : last - lag]
             for i in range(count):
                 product[i] *= shifted[i]
         row = work[group[j]]
@@ -69,7 +70,10 @@ def _coefficients(
 
 @njit(cache=True)
 def run(structure: Structure, parameters: Array, u: Array, y: Array, bound: float) -> None:
-    """Continue ``y`` from the structure's start, infinite from the sample on where it diverges."""
+    """Continue ``y`` from the structure's start, infinite from the sample on where it diverges.
+
+    Each row of ``u`` is an input.
+    """
     y_lags = structure.y_lags
     work = np.empty((y_lags.shape[0] + 1, BLOCK))
     for first in range(structure.start, y.size, BLOCK):
@@ -87,6 +91,7 @@ def run(structure: Structure, parameters: Array, u: Array, y: Array, bound: floa
 def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: float) -> None:
     """As :func:`run` with ``theta[t]`` at sample t."""
     y_lags, u_lags = structure.y_lags[structure.group], structure.u_lags
+    u_rows = structure.u_rows
     for t in range(structure.start, y.size):
         total = 0.0
         for j in range(y_lags.shape[0]):
@@ -98,7 +103,7 @@ def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: f
             for factor in range(u_lags.shape[1]):
                 if u_lags[j, factor] == NONE:
                     break
-                monomial *= u[t - u_lags[j, factor]]
+                monomial *= u[u_rows[j, factor], t - u_lags[j, factor]]
             total += monomial
         if not abs(total) <= bound:
             y[t:] = np.inf
@@ -115,7 +120,7 @@ def run_with_slope(
     Its first columns are those of the parameters; further ones are of quantities that act only
     through the samples before the structure's start, such as the initial outputs themselves.
     """
-    group, y_lags, u_lags, start = structure
+    group, y_lags, u_lags, u_rows, start = structure
     groups, factors = y_lags.shape
     terms = theta.size
     inputs = np.empty((BLOCK, terms))  # each term's product of inputs
@@ -130,8 +135,9 @@ def run_with_slope(
                 lag = u_lags[j, factor]
                 if lag == NONE:
                     break
+                source = u[u_rows[j, factor]]
                 for i in range(last - first):
-                    inputs[i, j] *= u[first + i - lag]
+                    inputs[i, j] *= source[first + i - lag]
         for t in range(first, last):
             row = inputs[t - first]
             coefficients[:] = 0.0

@@ -9,18 +9,26 @@ import numpy as np
 from dea.errors import InputError
 from dea.missing import stretches
 from dea.narx.checks import Array, as_record
-from dea.store import Record
+from dea.store import Record, Text, each_text
 
 
 @dataclass(frozen=True)
 class Labels:
-    """Rate in Hz, None where it is not known, units and names of input and output."""
+    """Rate in Hz, None where it is not known, units and names of input and output.
+
+    Those of several inputs are tuples, as in :class:`dea.Record`.
+    """
 
     sampling_rate: float | None = None
-    u_units: str = "1"
+    u_units: Text = "1"
     y_units: str = "1"
-    u_name: str = "input"
+    u_name: Text = "input"
     y_name: str = "output"
+
+    @property
+    def inputs(self) -> list[tuple[str, str]]:
+        """Name and units of each input."""
+        return list(zip(each_text(self.u_name), each_text(self.u_units), strict=True))
 
     @classmethod
     def of(cls, record: Record) -> "Labels":
@@ -30,7 +38,12 @@ class Labels:
     @classmethod
     def from_attributes(cls, attributes: Mapping[str, Any]) -> "Labels":
         """Return those that a dataset carries as attributes, defaults in place of others."""
-        return cls(**{k: attributes[k] for k in cls.__dataclass_fields__ if k in attributes})
+        found: dict[str, Any] = {
+            name: tuple(value) if np.ndim(value) else value
+            for name, value in attributes.items()
+            if name in cls.__dataclass_fields__
+        }
+        return cls(**found)
 
 
 def rate_of(labels: Labels, given: float | None) -> float:
@@ -61,7 +74,7 @@ def unpacked(u: Any, y: Any, lag: int, terms: int) -> tuple[Any, Any, Labels]:
     InputError
         If records differ in rate or units, or hold no stretch long enough for the lags.
     """
-    records = [u] if isinstance(u, Record) else u if _are_records(u) else None
+    records = records_in(u)
     if records is None:
         if y is None:
             raise InputError("there is no output", field="y", remedy="Give it, or a dea.Record")
@@ -93,5 +106,9 @@ def pair(u: Any, y: Any, samples: int) -> tuple[Array, Array]:
     return inputs, outputs
 
 
-def _are_records(u: Any) -> bool:
-    return isinstance(u, Sequence) and bool(u) and all(isinstance(each, Record) for each in u)
+def records_in(u: Any) -> list[Record] | None:
+    """Return the records where ``u`` is one or several, None where it is signals."""
+    if isinstance(u, Record):
+        return [u]
+    several = isinstance(u, Sequence) and bool(u) and all(isinstance(each, Record) for each in u)
+    return list(u) if several else None

@@ -13,15 +13,15 @@ from dea import store
 from dea.equation import equation_html, equation_latex
 from dea.errors import InputError
 from dea.missing import filled
-from dea.narx.checks import Array, as_record, as_signal
+from dea.narx.checks import Array, as_input, as_record, as_signal
 from dea.narx.labels import Labels, pair
 from dea.narx.metrics import nmse
 from dea.narx.prediction import predicted
-from dea.narx.scaling import Scaling
+from dea.narx.scaling import OneInput, Scaling
 from dea.narx.simulation import simulate
 from dea.narx.stability import Stability, Trials, assess
-from dea.store import Record
-from dea.terms import Term, max_lag
+from dea.store import Record, Text, each_text, input_names
+from dea.terms import Term, input_symbol, max_lag, numbered_inputs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,6 +70,14 @@ class NarxModel:
                 field="terms",
                 remedy="Name each monomial once; y(t-1)u(t-2) and u(t-2)y(t-1) are the same.",
             )
+        named, scaled = numbered_inputs(self.terms), self.scaling.inputs
+        if named is not None and scaled is not None and not 0 < named <= scaled:
+            raise InputError(
+                f"the terms name {f'inputs up to u{named}' if named else 'one input, u,'} and the"
+                f" scaling is of {scaled}",
+                field="scaling",
+                remedy="Give one offset and one scale for every input of the terms.",
+            )
         if self.parameters.size != len(self.terms):
             raise InputError(
                 f"{self.parameters.size} parameters for {len(self.terms)} terms",
@@ -100,6 +108,29 @@ class NarxModel:
         return max_lag(self.terms)
 
     @property
+    def inputs(self) -> int:
+        """The number of inputs: 1, or as many as scaling, labels and terms tell."""
+        named = numbered_inputs(self.terms)
+        return self.scaling.inputs or max(len(self.labels.inputs), named or 1)
+
+    def of_one_input(self, purpose: str) -> OneInput:
+        """Return the scaling of a model with a single input, all that ``purpose`` knows.
+
+        Raises
+        ------
+        InputError
+            If the model has several inputs.
+        """
+        u_offset, u_scale, *of_output = astuple(self.scaling)
+        if self.inputs > 1 or isinstance(u_offset, tuple):
+            raise InputError(
+                f"{purpose} is of models with one input, and this one has {self.inputs}",
+                field="model",
+                remedy="Select a model of one input, the others held constant.",
+            )
+        return OneInput(u_offset, u_scale, *of_output)
+
+    @property
     def standard_errors(self) -> Array | None:
         """Standard deviation of each parameter, or None where none was estimated."""
         return None if self.covariance is None else np.sqrt(np.diag(self.covariance))
@@ -110,7 +141,7 @@ class NarxModel:
         Parameters
         ----------
         u
-            Input in physical units, shape (samples,).
+            Input in physical units, shape (samples,); several are columns, (samples, inputs).
         y_initial
             The first ``max_lag`` outputs in physical units; more may be given, so that a measured
             output can be passed whole. By default the output's offset: a system at rest at the
@@ -122,7 +153,7 @@ class NarxModel:
             Output in physical units, shape (samples,). Its first ``max_lag`` samples are
             ``y_initial``; from the sample on where the run diverges it is ``inf``.
         """
-        inputs = self.scaling.normalise_input(as_signal(u, "u"))
+        inputs = self.scaling.normalise_input(as_input(u))
         if y_initial is None:
             initial = np.zeros(self.max_lag)
         else:
@@ -137,7 +168,8 @@ class NarxModel:
         Parameters
         ----------
         u, y
-            Measured input and output in physical units, shape (samples,), or a record alone. The
+            Measured input and output in physical units, shape (samples,), or a record alone;
+            several inputs are the columns of ``u``. The
             prediction is NaN where a missing output (NaN) enters it.
         steps
             How many samples ahead; from the outputs measured until then the model runs freely.
@@ -190,8 +222,8 @@ class NarxModel:
         Parameters
         ----------
         u, y
-            The record in physical units, shape (samples,). By default that of the selection, whose
-            report the model holds.
+            The record in physical units, as for :func:`dea.select_terms`. By default that of the
+            selection, whose report the model holds.
 
         Raises
         ------
@@ -210,20 +242,26 @@ class NarxModel:
         segment = self.scaling.normalise_input(inputs), self.scaling.normalise_output(outputs)
         return assess(self.terms, self.parameters, self.scaling, Trials([segment]))
 
-    def to_dataset(self, u_units: str | None = None, y_units: str | None = None) -> xr.Dataset:
+    def to_dataset(self, u_units: Text | None = None, y_units: str | None = None) -> xr.Dataset:
         """Return the model and its trace as labelled data, as ``model.nc`` holds them.
 
-        Units are by default those of the model's labels.
+        Units are by default those of the model's labels. Offsets and scales of several inputs have
+        the dimension ``input``; their units are listed where they differ.
         """
         known = self.labels
         u_units, y_units = u_units or known.u_units, y_units or known.y_units
+        of_inputs = ", ".join(dict.fromkeys(each_text(u_units)))
         scaling = {
-            name: ((), value, {"units": units, "long_name": f"{what} of the {signal}"})
+            name: (
+                ("input",)[: np.ndim(value)],
+                np.asarray(value),
+                {"units": units, "long_name": f"{what} of the {signal}"},
+            )
             for (name, value), (signal, what, units) in zip(
                 vars(self.scaling).items(),
                 [
                     (signal, what, units)
-                    for signal, units in (("input", u_units), ("output", y_units))
+                    for signal, units in (("input", of_inputs), ("output", y_units))
                     for what in ("offset", "scale")
                 ],
                 strict=True,
@@ -242,7 +280,7 @@ class NarxModel:
             label = _plain("standard error of the parameter")
             dataset["standard_error"] = ("term", self.standard_errors, label)
         if self.checked is not None:
-            report = self.checked.to_dataset(u_units, y_units)
+            report = self.checked.to_dataset(of_inputs, y_units)
             dataset = dataset.merge(report).assign_attrs(report.attrs)
         return dataset if self.trace is None else dataset.merge(self.trace)
 
@@ -254,7 +292,7 @@ class NarxModel:
         return NarxModel(
             tuple(map(Term.parse, dataset["term"].values.tolist())),
             dataset["parameter"].values,
-            Scaling(**{item.name: float(dataset[item.name]) for item in fields(Scaling)}),
+            Scaling(**{item.name: dataset[item.name].values.tolist() for item in fields(Scaling)}),
             dataset["covariance"].values if "covariance" in dataset else None,
             dataset[trace].drop_attrs(deep=False) if trace else None,
             dataset.attrs.get("withheld", ""),
@@ -266,12 +304,27 @@ class NarxModel:
         """Return terms, parameters, scaling and labels as plain values, for JSON or YAML."""
         return {
             "terms": dict(zip(map(str, self.terms), self.parameters.tolist(), strict=True)),
-            "scaling": asdict(self.scaling),
-            "labels": asdict(self.labels),
+            "scaling": _lists(asdict(self.scaling)),
+            "labels": _lists(asdict(self.labels)),
         }
 
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> "NarxModel":
+        """Return the model that :meth:`to_dict` described.
+
+        Raises
+        ------
+        InputError
+            If there are no terms, or one is none.
+        """
+        if "terms" not in content:
+            raise InputError("there is none", field="terms", remedy="Give what to_dict returned.")
+        scaling = Scaling(**content.get("scaling", {}))
+        model = cls.from_terms(content["terms"], scaling=scaling)
+        return replace(model, labels=Labels.from_attributes(content.get("labels", {})))
+
     def save(
-        self, path: str | Path, *, u_units: str | None = None, y_units: str | None = None
+        self, path: str | Path, *, u_units: Text | None = None, y_units: str | None = None
     ) -> None:
         """Write the model, and its selection trace where it has one, as NetCDF."""
         store.write(self.to_dataset(u_units, y_units), path, title="Polynomial NARX model")
@@ -287,19 +340,45 @@ class NarxModel:
 
     def _repr_html_(self) -> str:
         """Return the equation with four digits and the scaling of its signals, for a notebook."""
-        units = self.labels.u_units, self.labels.y_units
-        return equation_html(self.terms, self.parameters, asdict(self.scaling), units)
+        units = self.labels.y_units
+        return equation_html(
+            self.terms, self.parameters, asdict(self.scaling), self._named_inputs(), units
+        )
 
     def __str__(self) -> str:
         """Return the equation that is simulated, every digit of its parameters included."""
         lines = [f"y(t) = {_sum(self.terms, self.parameters)}"]
-        if astuple(self.scaling) != astuple(Scaling()):
-            u_offset, u_scale, y_offset, y_scale = astuple(self.scaling)
+        several = self.inputs > 1
+        if several or astuple(self.scaling) != astuple(Scaling()):
+            inputs = self._named_inputs()
+            offsets, scales = (
+                np.broadcast_to(values, len(inputs)).tolist()
+                for values in (self.scaling.u_offset, self.scaling.u_scale)
+            )
+            names = [name for name, _ in inputs] if several else ["input"]
+            signals = [
+                (input_symbol(k, len(inputs)), name, offset, scale)
+                for k, (name, offset, scale) in enumerate(zip(names, offsets, scales, strict=True))
+            ]
+            signals.append(("y", "output", self.scaling.y_offset, self.scaling.y_scale))
             lines.append(
-                f"u = (input {_signed(-u_offset)})/{u_scale!r}, "
-                f"y = (output {_signed(-y_offset)})/{y_scale!r}"
+                ", ".join(
+                    f"{symbol} = ({name} {_signed(-offset)})/{scale!r}"
+                    for symbol, name, offset, scale in signals
+                )
             )
         return "\n".join(lines)
+
+    def _named_inputs(self) -> list[tuple[str, str]]:
+        """Name and units of each input, whether or not the labels have them."""
+        known = self.labels.inputs
+        if len(known) == self.inputs:
+            return known
+        return [(name, known[0][1]) for name in input_names(self.inputs)]
+
+
+def _lists(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: list(v) if isinstance(v, tuple) else v for name, v in values.items()}
 
 
 def _sum(terms: Sequence[Term], parameters: Array) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from dea.missing import filled
 from dea.narx.candidate_terms import linear_terms
 from dea.narx.checks import as_record
-from dea.narx.estimation import Signals, estimate
+from dea.narx.estimation import Signals, as_segments, estimate
 from dea.narx.metrics import fpe, nmse, squared
 from dea.narx.model import NarxModel
 from dea.narx.selection import select_terms
@@ -21,7 +21,9 @@ def linear_model(u: Signals, y: Signals, order: int) -> NarxModel:
 
     Its parameters are the least-squares estimate (4), as published.
     """
-    return estimate(linear_terms(order, order), u, y)
+    records = as_segments(u, y)
+    inputs = records[0][0].shape[1] if records[0][0].ndim == 2 else 1
+    return estimate(linear_terms(order, order, inputs), u, y)
 
 
 def compare_orders(

@@ -34,7 +34,7 @@ _DEPENDENT = 1e-14  # share of the largest eigenvalue of the scaled information 
 class FreeRun(NamedTuple):
     """A free run over one segment, normalised."""
 
-    u: Array  # (samples,)
+    u: Array  # (samples,) or (samples, inputs)
     output: Array  # (samples,)
     residual: Array  # (samples,) measured less simulated
     slope: Array  # (samples, unknowns) derivative of the output
@@ -96,7 +96,7 @@ def feedback_slope(terms: Sequence[Term], theta: Array, u: Array, y: Array) -> A
         for lag, power in Counter(term.y_lags).items():
             others = list(term.y_lags)
             others.remove(lag)
-            slope = regressor_matrix((Term(tuple(others), term.u_lags),), u, y, start)[:, 0]
+            slope = regressor_matrix((term._replace(y_lags=tuple(others)),), u, y, start)[:, 0]
             feedback[start:, lag] += parameters[start:, j] * power * slope
     return feedback
 

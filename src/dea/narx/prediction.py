@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.errors import InputError
-from dea.narx.checks import Array
+from dea.narx.checks import Array, by_input
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
 from dea.terms import Term, max_lag
@@ -22,7 +22,8 @@ def predicted(
     Parameters
     ----------
     u, y
-        In physical units, shape (samples,), NaN where an output is missing.
+        In physical units, shape (samples,), NaN where an output is missing; several inputs are
+        the columns of ``u``.
 
     Returns
     -------
@@ -38,7 +39,7 @@ def predicted(
         ahead = regressor_matrix(terms, inputs, outputs) @ parameters
     else:
         # Row j holds the outputs that the start at sample j knows: lags before it, then its run.
-        starts = np.arange(lag, y.size - steps + 1)
+        starts, rows = np.arange(lag, y.size - steps + 1), by_input(inputs)
         known = outputs[starts[:, None] - lag + np.arange(lag)]
         for step in range(steps):
             at = starts + step
@@ -47,8 +48,8 @@ def predicted(
                 product = np.full(starts.size, float(parameter))
                 for k in term.y_lags:
                     product = product * known[:, -k]
-                for k in term.u_lags:
-                    product = product * inputs[at - k]
+                for source, k in zip(term.input_columns, term.u_lags, strict=True):
+                    product = product * rows[source, at - k]
                 value += product
             known = np.column_stack([known, value])
         ahead = known[:, -1]

@@ -15,7 +15,7 @@ from dea.narx.estimation import least_squares as least_squares_of
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import FreeRun, column_norms, covariance_of_free_runs
 from dea.narx.scaling import Scaling
-from dea.narx.simulation import BOUND, simulate, structure
+from dea.narx.simulation import BOUND, input_rows, simulate, structure
 from dea.terms import Term
 
 _SMOOTHED = 9  # samples over which outputs are smoothed for a second start
@@ -219,12 +219,13 @@ class _FreeRunsFromFreeStarts:
         for number, ((u, y), powers, unknown) in enumerate(
             zip(self._segments, self._trends, starts, strict=True)
         ):
-            output = np.empty(u.size)
+            output = np.empty(y.size)
             output[: self._lag] = unknown[: self._lag]
-            own = np.zeros((u.size, count + self._lag))
+            own = np.zeros((y.size, count + self._lag))
             own[: self._lag, count:] = np.eye(self._lag)
-            kernels.run_with_slope(structure(self._terms), theta, u, output, own, _bound(y))
-            slope = np.zeros((u.size, x.size))
+            rows = input_rows(self._terms, u)
+            kernels.run_with_slope(structure(self._terms), theta, rows, output, own, _bound(y))
+            slope = np.zeros((y.size, x.size))
             slope[:, :count] = own[:, :count]
             first = count + number * self._own
             slope[:, first : first + self._lag] = own[:, count:]
@@ -285,10 +286,10 @@ def sensitivities(
         the sample on where the run diverges.
     """
     shape = structure(terms)
-    y = np.empty(u.size)
+    y = np.empty(u.shape[0])
     y[: shape.start] = y_initial[: shape.start]
-    slope = np.zeros((u.size, len(terms)))
-    kernels.run_with_slope(shape, theta, u, y, slope, bound)
+    slope = np.zeros((y.size, len(terms)))
+    kernels.run_with_slope(shape, theta, input_rows(terms, u), y, slope, bound)
     return y, slope
 
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.narx.checks import Array
-from dea.terms import Term, max_lag
+from dea.narx.checks import Array, by_input, check_inputs
+from dea.terms import Term, max_lag, numbered_inputs
 
 
 def regressor_matrix(terms: Sequence[Term], u: Array, y: Array, start: int | None = None) -> Array:
@@ -14,7 +14,8 @@ def regressor_matrix(terms: Sequence[Term], u: Array, y: Array, start: int | Non
     Parameters
     ----------
     u, y
-        Input and output, shape (samples,), in the model's own (normalised) units.
+        Input and output, shape (samples,), in the model's own (normalised) units; several inputs
+        are the columns of ``u``, shape (samples, inputs).
     start
         First row; by default the largest lag, the first sample with a complete past.
 
@@ -25,9 +26,12 @@ def regressor_matrix(terms: Sequence[Term], u: Array, y: Array, start: int | Non
     """
     first = max_lag(terms) if start is None else start
     rows = max(y.size - first, 0)
+    check_inputs(numbered_inputs(terms), u)
+    inputs = by_input(u)
     matrix = np.ones((rows, len(terms)), order="F")
     for column, term in enumerate(terms):
-        for signal, lags in ((y, term.y_lags), (u, term.u_lags)):
-            for lag in lags:
-                matrix[:, column] *= signal[first - lag : first - lag + rows]
+        for lag in term.y_lags:
+            matrix[:, column] *= y[first - lag : first - lag + rows]
+        for source, lag in zip(term.input_columns, term.u_lags, strict=True):
+            matrix[:, column] *= inputs[source, first - lag : first - lag + rows]
     return matrix

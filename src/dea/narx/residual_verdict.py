@@ -6,29 +6,30 @@ first made white by an autoregression, so that drift and coloured noise, which n
 not pass for an effect of the input (Box and Jenkins 1970, chapter 11, on prewhitening).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import chi2
 from scipy.stats import f as fisher
 
-from dea.narx.checks import Array
-from dea.narx.residuals import TESTS
+from dea.narx.checks import Array, by_input
+from dea.narx.residuals import TESTS, each_test
 
 WHITENESS, *INPUT_TESTS = TESTS
 LEVEL = 0.05  # of all tests of a system together
 _ORDERS = 20  # of the autoregression, at most
 _PRINCIPAL = 1e-3  # of the largest singular value; what is below is the collinearity of lags
 _MEANING = {
-    "phi_eu": "the input",
-    "phi_e(eu)": "the product of residual and input",
-    "phi_u2e": "the square of the input",
-    "phi_u2e2": "the square of the input, in the residual's power",
+    "phi_eu": "{name}",
+    "phi_e(eu)": "the product of residual and {short}",
+    "phi_u2e": "the square of {name}",
+    "phi_u2e2": "the square of {name}, in the residual's power",
 }
 
 
 class JointTests(NamedTuple):
-    """One number per test, in the order of :data:`dea.narx.residuals.TESTS`, shape (tests,).
+    """One number per test, in the order of :func:`dea.narx.residuals.each_test`, shape (tests,).
 
     ``p_value``: how often a residual without that relation gives as much. ``explained``: the share
     of the whitened residual's power (of its squares' variance in the last test) that all lags
@@ -45,7 +46,7 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
     Parameters
     ----------
     e, u
-        Residual and input, shape (samples,).
+        Residual and input, shape (samples,); several inputs are the columns of ``u``.
     max_lag
         Lags 1 to this.
 
@@ -55,25 +56,34 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
         Of a residual that is not finite, p-values of 0 and everything explained; of a constant
         one, p-values of 1 and nothing explained.
     """
+    count = len(each_test(u.shape[1] if u.ndim == 2 else 1))
     if not np.isfinite(e).all():
-        return JointTests(np.zeros(len(TESTS)), np.ones(len(TESTS)))
-    residual, centred = e - e.mean(), u - u.mean()
+        return JointTests(np.zeros(count), np.ones(count))
+    residual, inputs = e - e.mean(), by_input(u - u.mean(axis=0))
     if not residual.any():
-        return JointTests(np.ones(len(TESTS)), np.zeros(len(TESTS)))
+        return JointTests(np.ones(count), np.zeros(count))
     coefficients = _autoregression(residual)
     white = _filtered(residual, coefficients)
     found = [_portmanteau(residual, max_lag, 1.0 - float(white.var() / residual.var()))]
-    square = centred**2 - np.mean(centred**2)
-    for name in INPUT_TESTS:
-        target = white**2 if name == "phi_u2e2" else white
-        instrument = {"phi_eu": centred, "phi_e(eu)": residual * centred}.get(name, square)
-        if name != "phi_u2e2":  # squares of a white residual are not coloured by its filter
-            instrument = _filtered(instrument, coefficients)
-        found.append(_regression(target, instrument[-target.size :], max_lag))
+    for centred in inputs:
+        square = centred**2 - np.mean(centred**2)
+        for name in INPUT_TESTS:
+            target = white**2 if name == "phi_u2e2" else white
+            instrument = {"phi_eu": centred, "phi_e(eu)": residual * centred}.get(name, square)
+            if name != "phi_u2e2":  # squares of a white residual are not coloured by its filter
+                instrument = _filtered(instrument, coefficients)
+            found.append(_regression(target, instrument[-target.size :], max_lag))
     return JointTests(*np.array(found).T)
 
 
-def verdict(p_value: Array, explained: Array, rms: float, spread: float, units: str) -> str:
+def verdict(
+    p_value: Array,
+    explained: Array,
+    rms: float,
+    spread: float,
+    units: str,
+    inputs: Sequence[str] = ("the input",),
+) -> str:
     """Say in words what the joint tests of a model find.
 
     Parameters
@@ -82,6 +92,8 @@ def verdict(p_value: Array, explained: Array, rms: float, spread: float, units: 
         As :func:`joint_tests`, over all windows, shape (windows, tests).
     rms, spread
         Root mean square of the residual, and standard deviation of the output, in ``units``.
+    inputs
+        What each input is called.
     """
     if not np.isfinite(rms):
         return "The free run diverges; there is no residual to test."
@@ -90,9 +102,14 @@ def verdict(p_value: Array, explained: Array, rms: float, spread: float, units: 
     white = count * p_value[:, 0].min() > LEVEL
     colour = "white" if white else "coloured"
     joint = np.minimum(count * p_value.min(axis=0), 1.0)[1:]
+    meanings = [
+        _MEANING[test].format(name=name, short=name.removeprefix("the "))
+        for name in inputs
+        for test in INPUT_TESTS
+    ]
     shown = [
-        f"{_MEANING[name]} ({100 * share:.2g} %)"
-        for name, p, share in zip(INPUT_TESTS, joint, explained.max(axis=0)[1:], strict=True)
+        f"{meaning} ({100 * share:.2g} %)"
+        for meaning, p, share in zip(meanings, joint, explained.max(axis=0)[1:], strict=True)
         if p < LEVEL
     ]
     if not shown:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dea.narx.checks import Array
+from dea.narx.checks import Array, by_input
 
 # Which two signals each test correlates, from residual e and input u; the second is delayed.
 TESTS: dict[str, Callable[[Array, Array], tuple[Array, Array]]] = {
@@ -18,6 +18,7 @@ TESTS: dict[str, Callable[[Array, Array], tuple[Array, Array]]] = {
     "phi_u2e": lambda e, u: (e, u**2 - np.mean(u**2)),
     "phi_u2e2": lambda e, u: (e**2, u**2 - np.mean(u**2)),
 }
+_WHITENESS = "phi_ee"
 _CONFIDENCE = 1.959963984540054  # two-sided 95 % of the normal distribution
 
 
@@ -32,19 +33,40 @@ def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
     Parameters
     ----------
     e, u
-        Residual and input, shape (samples,).
+        Residual and input, shape (samples,); several inputs are the columns of ``u``.
 
     Returns
     -------
     ndarray
-        Shape (tests in the order of :data:`TESTS`, max_lag). ``inf`` where the residual is, that
-        is where the model diverged; 0 where a signal is constant.
+        Shape (tests in the order of :func:`each_test`, max_lag). ``inf`` where the residual is,
+        that is where the model diverged; 0 where a signal is constant.
     """
+    tests = each_test(u.shape[1] if u.ndim == 2 else 1)
     if not np.isfinite(e).all():
-        return np.full((len(TESTS), max_lag), np.inf)
-    centred = u - u.mean()
+        return np.full((len(tests), max_lag), np.inf)
+    centred = by_input(u - u.mean(axis=0))
     residual = e - e.mean()
-    return np.array([_correlation(*pair(residual, centred), max_lag) for pair in TESTS.values()])
+    return np.array(
+        [
+            _correlation(*TESTS[test](residual, centred[column]), max_lag)
+            for test, column in tests.values()
+        ]
+    )
+
+
+def each_test(inputs: int) -> dict[str, tuple[str, int]]:
+    """Return test and column of the input by the name under which results list them.
+
+    Of several inputs, each has the tests that it takes part in.
+    """
+    if inputs == 1:
+        return {test: (test, 0) for test in TESTS}
+    return {_WHITENESS: (_WHITENESS, 0)} | {
+        f"{test}, u{column + 1}": (test, column)
+        for column in range(inputs)
+        for test in TESTS
+        if test != _WHITENESS
+    }
 
 
 def band(samples: int) -> float:

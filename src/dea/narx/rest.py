@@ -14,7 +14,7 @@ _REAL = 1e-6  # imaginary part, relative to 1 + |root|, up to which a root count
 class Rests(NamedTuple):
     """Rests of a model over constant inputs, all in the units of its equation."""
 
-    inputs: Array  # (levels,)
+    inputs: Array  # (levels,) or (levels, inputs)
     outputs: Array  # (levels,) NaN where there is no rest within the limit
     poles: Array  # (levels,) largest modulus of the poles there; inf where there is no rest
 
@@ -30,19 +30,29 @@ def rests_over(
     Parameters
     ----------
     inputs
-        Constant inputs in the units of the equation, rising, shape (levels,).
+        Constant inputs in the units of the equation along a line, shape (levels,), or of several
+        inputs (levels, inputs).
     limit
         Largest modulus of an output that counts.
     """
     roots = _real_roots(terms, parameters, inputs, limit)
-    middle = int(np.argmin(np.abs(inputs)))
-    outputs = np.full(inputs.size, np.nan)
+    levels = len(inputs)
+    middle = int(np.argmin(np.abs(np.atleast_2d(inputs.T)).max(axis=0)))
+    outputs = np.full(levels, np.nan)
     outputs[middle] = _nearest(roots[middle], 0.0)
-    for order in (range(middle + 1, inputs.size), range(middle - 1, -1, -1)):
+    for order in (range(middle + 1, levels), range(middle - 1, -1, -1)):
         last = outputs[middle]
         for level in order:
             last = outputs[level] = _nearest(roots[level], last if np.isfinite(last) else 0.0)
     return Rests(inputs, outputs, _largest_pole(terms, parameters, inputs, outputs))
+
+
+def static_value(term: Term, inputs: Array) -> Array:
+    """Return the product of the input factors at constant inputs, shape (levels,)."""
+    value: Array = np.ones(len(inputs))
+    for column, power in term.input_powers.items():
+        value = value * (inputs if inputs.ndim == 1 else inputs[:, column]) ** power
+    return value
 
 
 def _real_roots(
@@ -54,12 +64,12 @@ def _real_roots(
     rests of thousands of models.
     """
     order = max(1, *(len(term.y_lags) for term in terms))
-    coefficients = np.zeros((inputs.size, order + 1))
+    coefficients = np.zeros((len(inputs), order + 1))
     coefficients[:, 1] = -1.0
     for term, parameter in zip(terms, parameters.tolist(), strict=True):
-        coefficients[:, len(term.y_lags)] += parameter * inputs ** len(term.u_lags)
+        coefficients[:, len(term.y_lags)] += parameter * static_value(term, inputs)
     degrees = np.max(np.where(coefficients != 0.0, np.arange(order + 1), 0), axis=1)
-    real = [np.empty(0)] * inputs.size
+    real = [np.empty(0)] * len(inputs)
     for degree in np.unique(degrees[degrees > 0]).tolist():
         (levels,) = np.nonzero(degrees == degree)
         companion = np.zeros((levels.size, degree, degree))
@@ -80,13 +90,13 @@ def _largest_pole(terms: Sequence[Term], parameters: Array, inputs: Array, outpu
     order = max((max(term.y_lags) for term in terms if term.y_lags), default=1)
     at_rest = np.isfinite(outputs)
     u, y = inputs[at_rest], outputs[at_rest]
-    companion = np.zeros((u.size, order, order))
+    companion = np.zeros((y.size, order, order))
     companion[:, range(1, order), range(order - 1)] = 1.0
     for term, parameter in zip(terms, parameters.tolist(), strict=True):
         for lag in term.y_lags:
-            slope = parameter * y ** (len(term.y_lags) - 1) * u ** len(term.u_lags)
+            slope = parameter * y ** (len(term.y_lags) - 1) * static_value(term, u)
             companion[:, 0, lag - 1] += slope
-    modulus = np.full(inputs.size, np.inf)
-    if u.size:
+    modulus = np.full(len(inputs), np.inf)
+    if y.size:
         modulus[at_rest] = np.abs(np.linalg.eigvals(companion)).max(axis=-1)
     return modulus

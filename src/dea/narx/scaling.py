@@ -1,36 +1,76 @@
 """From physical units to those of a model's equation and back."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from dea.errors import InputError
 from dea.narx.checks import Array
 
+PerInput = float | tuple[float, ...]
+
+
+class OneInput(NamedTuple):
+    """The scaling of a model with a single input, all numbers."""
+
+    u_offset: float
+    u_scale: float
+    y_offset: float
+    y_scale: float
+
 
 @dataclass(frozen=True)
 class Scaling:
     """How physical signals become those of the equation: (u - u_offset)/u_scale, y likewise.
 
-    The default leaves them as they are.
+    The default leaves them as they are. Of several inputs, ``u_offset`` and ``u_scale`` hold one
+    number each.
     """
 
-    u_offset: float = 0.0
-    u_scale: float = 1.0
+    u_offset: PerInput = 0.0
+    u_scale: PerInput = 1.0
     y_offset: float = 0.0
     y_scale: float = 1.0
 
     def __post_init__(self) -> None:
+        for name in ("u_offset", "u_scale"):
+            values = getattr(self, name)
+            if np.ndim(values):
+                object.__setattr__(self, name, tuple(map(float, values)))
         for name, value in vars(self).items():
-            if not np.isfinite(value) or (name.endswith("scale") and value <= 0.0):
+            if not np.isfinite(value).all() or (name.endswith("scale") and np.min(value) <= 0.0):
                 raise InputError(
                     f"it is {value}",
                     field=name,
                     remedy="Offsets are finite numbers, scales positive ones.",
                 )
+        if np.shape(self.u_offset) != np.shape(self.u_scale):
+            raise InputError(
+                f"{np.size(self.u_offset)} offsets and {np.size(self.u_scale)} scales",
+                field="u_offset, u_scale",
+                remedy="Give one of each for every input.",
+            )
+
+    @property
+    def inputs(self) -> int | None:
+        """The number of inputs that it is of; None where it treats any number alike."""
+        return np.size(self.u_offset) if np.ndim(self.u_offset) else None
 
     def normalise_input(self, u: Array) -> Array:
-        """Return the input in the units of the equation."""
+        """Return the input in the units of the equation.
+
+        Raises
+        ------
+        InputError
+            If it is of another number of inputs.
+        """
+        if self.inputs and (u.ndim == 1 or u.shape[1] != self.inputs):
+            raise InputError(
+                f"{1 if u.ndim == 1 else u.shape[1]} of {self.inputs} inputs",
+                field="u",
+                remedy="Give all inputs that the model is of, as columns in their order.",
+            )
         return (u - self.u_offset) / self.u_scale
 
     def normalise_output(self, y: Array) -> Array:

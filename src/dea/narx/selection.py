@@ -3,23 +3,25 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
 from dea.errors import InputError
 from dea.narx.candidate_models import CandidateModels, Segment
-from dea.narx.candidate_terms import candidate_terms
+from dea.narx.candidate_terms import InputLags, Lags, candidate_terms
 from dea.narx.descent import Descent
 from dea.narx.estimation import (
     Signals,
     as_segments,
     least_squares,
+    listed,
     normalised,
     reason_to_withhold,
     scaling_of,
 )
 from dea.narx.forward import forward_and_prune
-from dea.narx.labels import unpacked
+from dea.narx.labels import records_in, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.refined_search import FoundModel, every_run_diverges, find
 from dea.narx.scaling import Scaling
@@ -34,8 +36,8 @@ def select_terms(
     u: Signals | Record | Sequence[Record],
     y: Signals | None = None,
     *,
-    y_lags: int | Sequence[int] = 3,
-    u_lags: int | Sequence[int] = 3,
+    y_lags: Lags = 3,
+    u_lags: InputLags = 3,
     degree: int = 3,
     even_in_input: bool = False,
     search: Search | None = None,
@@ -53,16 +55,19 @@ def select_terms(
     ----------
     u, y
         Measured input and output in physical units, shape (samples,), or equally long lists of
-        such records, which share one model. Or one or several :class:`dea.Record` alone: their
-        missing samples are left out, and the model carries their rate, units and names.
+        such records, which share one model. Several inputs are the columns of ``u``, shape
+        (samples, inputs), and terms call them u1, u2 and so on. Or one or several
+        :class:`dea.Record` alone: their missing samples are left out, and the model carries their
+        rate, units and names.
     y_lags, u_lags
-        Largest lag of output and input, or the lags themselves (input lags may include 0).
+        Largest lag of output and input, or the lags themselves (input lags may include 0). Of
+        several inputs a list of such lists, one for each, may give each its own.
     degree
         Largest polynomial order.
     even_in_input
-        Consider only terms with an even number of inputs, for a system whose response to the
-        negated input is the same: measured by a sensor without a sign, or driven by a stress
-        proportional to V^2. The input is then scaled about zero.
+        Consider only terms with an even number of factors of each input, for a system whose
+        response to the negated input is the same: measured by a sensor without a sign, or driven by
+        a stress proportional to V^2. The input is then scaled about zero.
     search
         :class:`~dea.narx.Refined` (the default) with its settings;
         :class:`~dea.narx.Forward`, the paper's; or :class:`~dea.narx.Orthogonal`.
@@ -85,7 +90,7 @@ def select_terms(
     InputError
         If the records are not usable or too short, or if no model's run on them is bounded.
     """
-    candidates = _candidates(y_lags, u_lags, degree, even_in_input)
+    candidates = _candidates(y_lags, u_lags, degree, even_in_input, _inputs_in(u))
     lag, linear = max_lag(candidates), _linear(candidates)
     inputs, outputs, labels = unpacked(u, y, lag, linear)
     records = as_segments(inputs, outputs, lag, linear)
@@ -105,8 +110,8 @@ def select_terms(
 def select_common_terms(
     records: Sequence[tuple[Signals, Signals]],
     *,
-    y_lags: int | Sequence[int] = 3,
-    u_lags: int | Sequence[int] = 3,
+    y_lags: Lags = 3,
+    u_lags: InputLags = 3,
     degree: int = 3,
     even_in_input: bool = False,
     search: Refined | None = None,
@@ -128,9 +133,10 @@ def select_common_terms(
     list of NarxModel
         One for each system, all with the same terms in the same order.
     """
-    candidates = _candidates(y_lags, u_lags, degree, even_in_input)
     if not records:
         raise InputError("there is none", field="records", remedy="Give one pair per system.")
+    inputs = _inputs_in(records[0][0])
+    candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs)
     lag, linear = max_lag(candidates), _linear(candidates)
     checked = [as_segments(u, y, lag, linear) for u, y in records]
     scales = [scaling_of(each, not even_in_input) for each in checked]
@@ -182,12 +188,23 @@ def _model(fit: FoundModel, scale: Scaling, trials: Trials, trace: Trace) -> Nar
 
 
 def _candidates(
-    y_lags: int | Sequence[int], u_lags: int | Sequence[int], degree: int, even_in_input: bool
+    y_lags: Lags, u_lags: InputLags, degree: int, even_in_input: bool, inputs: int
 ) -> tuple[Term, ...]:
-    candidates = candidate_terms(y_lags, u_lags, degree)
+    candidates = candidate_terms(y_lags, u_lags, degree, inputs)
     if even_in_input:
-        return tuple(term for term in candidates if len(term.u_lags) % 2 == 0)
+        return tuple(
+            term
+            for term in candidates
+            if all(power % 2 == 0 for power in term.input_powers.values())
+        )
     return candidates
+
+
+def _inputs_in(u: Signals | Record | Sequence[Record]) -> int:
+    """Return how many inputs one or several records have, by the first."""
+    records = records_in(u)
+    shape = np.shape(records[0].u if records else listed(cast(Signals, u))[0])
+    return shape[1] if len(shape) == 2 else 1
 
 
 def _linear(candidates: Sequence[Term]) -> int:

@@ -11,9 +11,9 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.narx import kernels
-from dea.narx.checks import Array
+from dea.narx.checks import Array, by_input, check_inputs
 from dea.narx.kernels import NONE, Indices, Structure
-from dea.terms import Term, max_lag
+from dea.terms import Term, max_lag, numbered_inputs
 
 # Beyond this a run counts as diverged. Far above any signal, far below where products of outputs
 # overflow.
@@ -28,6 +28,7 @@ def structure(terms: tuple[Term, ...]) -> Structure:
         group=np.array([monomials.index(term.y_lags) for term in terms], dtype=np.int64),
         y_lags=_padded(monomials),
         u_lags=_padded([term.u_lags for term in terms]),
+        u_rows=_padded([term.input_columns for term in terms]),
         start=max_lag(terms),
     )
 
@@ -42,7 +43,7 @@ def simulate(
     terms, parameters
         The model, for signals as they are given here (no scaling takes place).
     u
-        Input, shape (samples,).
+        Input, shape (samples,), or several, shape (samples, inputs).
     y_initial
         The first outputs, at least as many as the largest lag; they are returned unchanged.
     bound
@@ -53,11 +54,11 @@ def simulate(
     ndarray
         Outputs, shape (samples,).
     """
-    shape = structure(terms)
-    y = np.empty(u.size)
-    initial = initial_outputs(y_initial, shape.start, u.size)
+    shape, rows = structure(terms), input_rows(terms, u)
+    y = np.empty(rows.shape[1])
+    initial = initial_outputs(y_initial, shape.start, y.size)
     y[: initial.size] = initial
-    kernels.run(shape, parameters, u, y, bound)
+    kernels.run(shape, parameters, rows, y, bound)
     return y
 
 
@@ -73,16 +74,21 @@ def simulate_varying(
 
     Other parameters and the result are those of :func:`simulate`.
     """
-    if theta.shape != (u.size, len(terms)):
-        raise InputError(
-            f"its shape is {theta.shape}", field="theta", remedy=f"Use {(u.size, len(terms))}."
-        )
+    wanted = u.shape[0], len(terms)
+    if theta.shape != wanted:
+        raise InputError(f"its shape is {theta.shape}", field="theta", remedy=f"Use {wanted}.")
     shape = structure(terms)
-    y = np.empty(u.size)
-    initial = initial_outputs(y_initial, shape.start, u.size)
+    y = np.empty(u.shape[0])
+    initial = initial_outputs(y_initial, shape.start, y.size)
     y[: initial.size] = initial
-    kernels.run_varying(shape, np.ascontiguousarray(theta), u, y, bound)
+    kernels.run_varying(shape, np.ascontiguousarray(theta), input_rows(terms, u), y, bound)
     return y
+
+
+def input_rows(terms: tuple[Term, ...], u: Array) -> Array:
+    """Return the inputs of ``terms`` as contiguous rows, checked to be all that they name."""
+    check_inputs(_numbered(terms), u)
+    return by_input(u)
 
 
 def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
@@ -94,6 +100,11 @@ def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
             remedy=f"Give the first {start} outputs.",
         )
     return y_initial[: min(start, samples)]
+
+
+@lru_cache(maxsize=4096)
+def _numbered(terms: tuple[Term, ...]) -> int | None:
+    return numbered_inputs(terms)
 
 
 def _padded(lags: list[tuple[int, ...]]) -> Indices:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -33,7 +34,9 @@ class Stability:
     ----------
     inputs, outputs, poles
         Constant inputs over the record's range and the rests there in physical units, and the
-        largest modulus of the poles; shape (levels,). Where there is no rest the output is NaN
+        largest modulus of the poles; shape (levels,). Several inputs, shape (levels, inputs), are
+        varied one by one, the others at their offsets, and together from corner to
+        corner. Where there is no rest the output is NaN
         and the modulus infinite.
     holds, runs, surrogates
         Bounded runs and runs in all: holds at levels over the range; random inputs with the values
@@ -81,7 +84,12 @@ class Stability:
     def to_dataset(self, u_units: str, y_units: str) -> xr.Dataset:
         """Return the report as ``model.nc`` holds it, the status as attribute ``stability``."""
         variables = {
-            "rest_input": ("level", self.inputs, u_units, "constant input"),
+            "rest_input": (
+                ("level", "input")[: self.inputs.ndim],
+                self.inputs,
+                u_units,
+                "constant input",
+            ),
             "rest_output": ("level", self.outputs, y_units, "output at rest there"),
             "rest_pole": ("level", self.poles, "1", "largest modulus of the poles there"),
             "holds": ("count", self.holds, "1", "holds: bounded runs, and all"),
@@ -122,7 +130,7 @@ class Stability:
 
     def __str__(self) -> str:
         """Return the report in one line."""
-        worst = self.inputs[int(np.argmax(self.poles))]
+        worst = np.ravel(self.inputs[int(np.argmax(self.poles))])
         counts = (
             f"{kept} of {tried} {name} bounded"
             for name, (kept, tried) in (
@@ -132,7 +140,8 @@ class Stability:
             )
         )
         return (
-            f"{self.status}: largest pole {self.largest_pole:.5f} (at an input of {worst:.4g}, "
+            f"{self.status}: largest pole {self.largest_pole:.5f} (at an input of "
+            f"{', '.join(f'{level:.4g}' for level in worst)}, "
             f"time constant {self.slowest:.4g} samples); {', '.join(counts)}"
         )
 
@@ -156,22 +165,26 @@ class Trials:
     def __init__(self, segments: Sequence[tuple[Array, Array]]) -> None:
         u = np.concatenate([u for u, _ in segments])
         largest = max(float(np.abs(y).max()) for _, y in segments)
-        lowest, highest = float(u.min()), float(u.max())
-        length = max(u.size, _SHORTEST)
-        copies = -(-_SHORTEST // min(u.size, _LONGEST))
+        length = max(len(u), _SHORTEST)
+        copies = -(-_SHORTEST // min(len(u), _LONGEST))
         rng = np.random.default_rng(0)  # every model of a record meets the same inputs
-        self.samples = u.size
-        self.levels = np.linspace(lowest, highest, _LEVELS)
-        self.holds = [np.full(length, level) for level in np.linspace(lowest, highest, _HOLDS)]
-        self.runs = [np.tile(same_class(u[:_LONGEST], rng), copies) for _ in range(_RUNS)]
+        self.samples = len(u)
+        self.lines = _lines(u, _LEVELS)
+        self.holds = [
+            np.broadcast_to(level, (length, *u.shape[1:])).copy()
+            for line in _lines(u, _HOLDS)
+            for level in line
+        ]
+        self.runs = [_repeated(same_class(u[:_LONGEST], rng), copies) for _ in range(_RUNS)]
         self.surrogates = [
-            np.tile(phase_randomised(u[:_LONGEST], rng), copies) for _ in range(_SURROGATES)
+            _repeated(phase_randomised(u[:_LONGEST], rng), copies) for _ in range(_SURROGATES)
         ]
         self._within, self._bound = LEEWAY * largest, DIVERGED * largest
 
     def rests(self, terms: tuple[Term, ...], parameters: Array) -> Rests:
         """Return the model's rests over the input range."""
-        return rests_over(terms, parameters, self.levels, self._bound)
+        found = [rests_over(terms, parameters, line, self._bound) for line in self.lines]
+        return Rests(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
     def held(self, terms: tuple[Term, ...], parameters: Array) -> Iterator[bool]:
         """Say of each hold whether it stays bounded. Gains at rest may exceed those recorded."""
@@ -205,12 +218,37 @@ def stays_in_range(
         _bounded(
             terms,
             parameters,
-            np.ascontiguousarray(u[::-1]),
+            u[::-1],
             LEEWAY * float(np.abs(y).max()),
             y[::-1],
         )
         for u, y in segments
     )
+
+
+def _lines(u: Array, count: int) -> list[Array]:
+    """Return constant inputs along lines through the middle of the range of ``u``.
+
+    Each input is varied by itself, the others at zero; several also together, along the diagonals
+    of their range.
+    """
+    low, high = u.min(axis=0), u.max(axis=0)
+    if u.ndim == 1:
+        return [np.linspace(low, high, count)]
+    lines = []
+    for column in range(low.size):
+        line = np.zeros((count, low.size))
+        line[:, column] = np.linspace(low[column], high[column], count)
+        lines.append(line)
+    for signs in product((False, True), repeat=low.size - 1):
+        falls = np.array([False, *signs])
+        lines.append(np.linspace(np.where(falls, high, low), np.where(falls, low, high), count))
+    return lines
+
+
+def _repeated(u: Array, copies: int) -> Array:
+    """Return the input ``copies`` times over."""
+    return np.concatenate([u] * copies)
 
 
 def _bounded(
@@ -220,7 +258,7 @@ def _bounded(
     bound: float,
     y_initial: Array | None = None,
 ) -> bool:
-    initial = np.zeros(u.size) if y_initial is None else y_initial
+    initial = np.zeros(len(u)) if y_initial is None else y_initial
     return bool(np.isfinite(simulate(terms, parameters, u, initial, bound=bound)[-1]))
 
 

@@ -16,9 +16,10 @@ from dea.narx.metrics import fit, fpe, nmse, rmse, squared
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise
 from dea.narx.residual_verdict import joint_tests, verdict
-from dea.narx.residuals import TESTS, band, correlation_tests
+from dea.narx.residuals import band, correlation_tests, each_test
 from dea.narx.scaling import Scaling
-from dea.terms import Term
+from dea.store import Text, each_text
+from dea.terms import Term, input_symbol
 
 
 def _estimate_free_run(
@@ -71,7 +72,8 @@ def validate(
     y: ArrayLike,
     sampling_rate: float,
     windows: Windows,
-    units: tuple[str, str] = ("1", "1"),
+    units: tuple[Text, str] = ("1", "1"),
+    inputs: Sequence[str] = (),
 ) -> xr.Dataset:
     """Simulate model structures on windows, their parameters estimated in four ways.
 
@@ -86,12 +88,15 @@ def validate(
     models
         Structures and scalings by name, for instance ``linear`` and ``narx``.
     u, y
-        The whole record in physical units, shape (samples,); it starts at time 0. Missing outputs
-        (NaN) enter no estimate and no score; in the correlations their residual is zero.
+        The whole record in physical units, as for :func:`dea.select_terms`; it starts at time 0.
+        Missing outputs (NaN) enter no estimate and no score; in the correlations their residual is
+        zero.
     sampling_rate
         In Hz.
     units
-        Of input and output.
+        Of input and output; of several inputs one for each.
+    inputs
+        What the verdict calls several inputs, by default u1 and so on.
 
     Returns
     -------
@@ -104,25 +109,27 @@ def validate(
     InputError
         If a window, or the stretch before it, is not inside the record.
     """
-    inputs, recorded = as_record(u, y, missing=True)
+    driving, recorded = as_record(u, y, missing=True)
     outputs, seen = filled(recorded)
-    spans = _spans(windows, sampling_rate, inputs.size)
+    count = driving.shape[1] if driving.ndim == 2 else 1
+    names = list(inputs) or [input_symbol(k, count) for k in range(count)]
+    spans = _spans(windows, sampling_rate, outputs.size)
     samples = spans[0][1].stop - spans[0][1].start
     shape = (len(models), len(APPROACHES), len(spans))
     simulated = np.empty((*shape, samples))
     scores = {name: np.empty(shape) for name in ("nmse", "fit", "fpe", "rmse")}
-    tests = {name: np.empty((*shape, len(TESTS))) for name in ("p_value", "explained")}
-    correlation = np.empty((*shape, len(TESTS), windows.max_lag))
+    tests = {name: np.empty((*shape, len(each_test(count)))) for name in ("p_value", "explained")}
+    correlation = np.empty((*shape, len(each_test(count)), windows.max_lag))
     for at in np.ndindex(shape):
         model = list(models.values())[at[0]]
         earlier, window = spans[at[2]]
         own, estimator = list(APPROACHES.values())[at[1]]
         known = window if own else earlier
         good = stretches(seen, known, model.max_lag, len(model.terms))
-        segments = [inputs[part] for part in good], [outputs[part] for part in good]
+        segments = [driving[part] for part in good], [outputs[part] for part in good]
         fitted = estimator(model.terms, *segments, scaling=model.scaling)
         measured = outputs[window]
-        run = fitted.simulate(inputs[window], measured)
+        run = fitted.simulate(driving[window], measured)
         simulated[at] = run
         start = model.max_lag  # the samples before it are given, not simulated
         there = seen[window][start:]
@@ -130,7 +137,7 @@ def validate(
         for name, score in (("nmse", nmse), ("fit", fit), ("rmse", rmse)):
             scores[name][at] = score(*pair)
         scores["fpe"][at] = fpe(*pair, len(model.terms))
-        residual, known_input = np.zeros(there.size), inputs[window][start:]
+        residual, known_input = np.zeros(there.size), driving[window][start:]
         residual[there] = pair[0] - pair[1]
         correlation[at] = correlation_tests(residual, known_input, windows.max_lag)
         found = joint_tests(residual, known_input, windows.max_lag)
@@ -146,6 +153,7 @@ def validate(
             float(np.sqrt(np.mean(scores["rmse"][row, forecast] ** 2))),
             float(np.std([outputs[window] for window in cut])),
             y_units,
+            names if count > 1 else ("the input",),
         )
         for row in range(len(models))
     ]
@@ -158,7 +166,12 @@ def validate(
             "s",
             "time",
         ),
-        "input": (over, np.array([inputs[w] for w in cut]), u_units, "input"),
+        "input": (
+            (*over, "signal")[: 1 + driving.ndim],
+            np.array([driving[w] for w in cut]),
+            ", ".join(dict.fromkeys(each_text(u_units))),
+            "input",
+        ),
         "measured": (over, np.array([recorded[w] for w in cut]), y_units, "measured output"),
         "simulated": (
             ("model", "approach", *over),
@@ -178,7 +191,7 @@ def validate(
         ),
         "band": (
             ("test",),
-            np.full(len(TESTS), band(size)),
+            np.full(len(each_test(count)), band(size)),
             "1",
             "half-width of the 95 % band",
         ),
@@ -197,10 +210,11 @@ def validate(
         "verdict": (("model",), np.array(verdicts), "1", "what the residuals of forecasts hold"),
     }
     coordinates = {
+        **({"signal": np.array(names)} if count > 1 else {}),
         "model": np.array(list(models)),
         "approach": np.array(list(APPROACHES)),
         "window": np.arange(len(spans)),
-        "test": np.array(list(TESTS)),
+        "test": np.array(list(each_test(count))),
         "lag": np.arange(1, windows.max_lag + 1),
     }
     return xr.Dataset(

@@ -69,7 +69,7 @@ def best_linear_approximation(
         found,
         np.array([stretch.time for stretch in stretches]),
         float(length),
-        (units.u_units, units.y_units),
+        (units.unit_of_one_input("A measured response"), units.y_units),
     )
 
 

@@ -44,6 +44,7 @@ def control(
 
     description = modbus.read_device(device)
     signals = store.signals(store.read_record(record))
+    units = signals.unit_of_one_input("A trial of controllers")
     generator = seeds.generator(settings["seed"], settings["system"], "control")
     seed, noise_seed = (int(n) for n in generator.integers(2**31, size=2))
     rate = description.sampling_rate
@@ -57,7 +58,7 @@ def control(
             for name, follower in _controllers(trial, nominal, extended).items()
         }
     store.write(
-        _dataset(found, trial, signals.u_units, signals.y_units),
+        _dataset(found, trial, units, signals.y_units),
         control,
         title=f"Controllers tried on {settings['system']}",
         inputs={"device": device, "record": record, "model": model, "nominal": nominal,

@@ -17,11 +17,12 @@ def handover(
 
     signals = store.signals(store.read_record(record))
     narx = NarxModel.load(model)
+    units = signals.unit_of_one_input("A functional mock-up unit")
     name = c_identifier(settings["system"])
     # The times of a record are rounded, its rate is a number that a person chose.
     rate = float(f"{signals.sampling_rate:.9g}")
     to_c(narx, rate, name=name).write(header, source)
-    write_fmu(narx, unit, rate, name=name, u_units=signals.u_units, y_units=signals.y_units)
+    write_fmu(narx, unit, rate, name=name, u_units=units, y_units=signals.y_units)
 
 
 if __name__ == "__main__":

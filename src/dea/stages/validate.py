@@ -27,6 +27,7 @@ def validate(settings: Mapping[str, Any], record: Path, model: Path, validation:
         signals.sampling_rate,
         Windows(choice["windows"], choice["before"], choice["max_lag"]),
         (signals.u_units, signals.y_units),
+        signals.u_names,
     )
     dataset.attrs["samples_left_out"] = signals.left_out
     store.write(

@@ -5,7 +5,7 @@ from dea.store.files import atomic, read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
 from dea.store.record_file import read_record
-from dea.store.records import Record, check_record, signals
+from dea.store.records import Record, Text, check_record, each_text, input_names, signals
 from dea.store.resampling import check_order, usual_interval
 from dea.store.sources import Sources
 
@@ -15,11 +15,14 @@ __all__ = [
     "ForeignTable",
     "Record",
     "Sources",
+    "Text",
     "Variable",
     "atomic",
     "check_order",
     "check_record",
+    "each_text",
     "import_record",
+    "input_names",
     "read",
     "read_foreign",
     "read_record",

@@ -11,10 +11,14 @@ from dea.errors import InputError
 
 @dataclass(frozen=True)
 class Variable:
-    """Dimensions of a variable and, where they are fixed, its units."""
+    """Dimensions of a variable and, where they are fixed, its units.
+
+    ``of_inputs`` are the dimensions where the record has several inputs, if they differ.
+    """
 
     dims: tuple[str, ...]
     units: str | None = None
+    of_inputs: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class Contract:
                     )
                 continue
             found = dataset[name]
-            if found.dims != variable.dims:
+            if found.dims not in (variable.dims, variable.of_inputs):
                 raise InputError(
                     f"its dimensions are {found.dims}",
                     file=file,
@@ -58,6 +62,11 @@ class Contract:
 
 def _plain(*dims: str, units: str | None = None) -> Variable:
     return Variable(dims, units)
+
+
+def _of_inputs(*dims: str, units: str | None = None) -> Variable:
+    """Return a variable that has the dimension ``input`` too where there are several."""
+    return Variable(dims, units, (*dims, "input"))
 
 
 _METRIC = ("model", "approach", "window")
@@ -112,8 +121,8 @@ CONTRACTS: Mapping[str, Contract] = {
     "model": Contract(
         required={
             "parameter": _plain("term", units="1"),
-            "u_offset": _plain(),
-            "u_scale": _plain(),
+            "u_offset": _of_inputs(),
+            "u_scale": _of_inputs(),
             "y_offset": _plain(),
             "y_scale": _plain(),
         },
@@ -121,7 +130,7 @@ CONTRACTS: Mapping[str, Contract] = {
             "standard_error": _plain("term", units="1"),
             "covariance": _plain("term", "term_2", units="1"),
             "inclusion_frequency": _plain("term", units="1"),
-            "rest_input": _plain("level"),
+            "rest_input": _of_inputs("level"),
             "rest_output": _plain("level"),
             "rest_pole": _plain("level", units="1"),
             "holds": _plain("count", units="1"),
@@ -149,7 +158,7 @@ CONTRACTS: Mapping[str, Contract] = {
     "validation": Contract(
         required={
             "time": _plain("window", "sample", units="s"),
-            "input": _plain("window", "sample"),
+            "input": Variable(("window", "sample"), of_inputs=("window", "sample", "signal")),
             "measured": _plain("window", "sample"),
             "simulated": _plain("model", "approach", "window", "sample"),
             "nmse": _plain(*_METRIC, units="1"),

@@ -1,5 +1,6 @@
 """Records of a system's input and output: what makes one usable, and its arrays."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,21 +13,51 @@ _INPUTS = ("voltage", "input")
 _OUTPUTS = ("displacement", "output")
 
 
+Text = str | tuple[str, ...]
+
+
 class Record(NamedTuple):
     """A record of a system: its signals, shape (samples,), their rate, units and names.
 
-    Where a sample is not good ``y`` is NaN; ``u`` is known throughout. Built from a file by
-    :meth:`read`, from arrays by :meth:`of`.
+    Several inputs are the columns of ``u``, shape (samples, inputs); ``u_units`` and ``u_name``
+    then hold one text for each. Where a sample is not good ``y`` is NaN; ``u`` is known throughout.
+    Built from a file by :meth:`read`, from arrays by :meth:`of`.
     """
 
     time: np.ndarray
     u: np.ndarray
     y: np.ndarray
     sampling_rate: float
-    u_units: str
+    u_units: Text
     y_units: str
-    u_name: str
+    u_name: Text
     y_name: str
+
+    @property
+    def u_names(self) -> tuple[str, ...]:
+        """The name of every input."""
+        return each_text(self.u_name)
+
+    @property
+    def inputs(self) -> list[tuple[str, str]]:
+        """Name and units of every input."""
+        return list(zip(self.u_names, each_text(self.u_units), strict=True))
+
+    def unit_of_one_input(self, purpose: str) -> str:
+        """Return the units of the only input, for a ``purpose`` that knows no several.
+
+        Raises
+        ------
+        InputError
+            If the record has several inputs.
+        """
+        if not isinstance(self.u_units, str):
+            raise InputError(
+                f"{purpose} is of records with one input, and this one has {len(self.u_names)}",
+                field="input",
+                remedy="Take a record whose other inputs are constant, and name one input",
+            )
+        return self.u_units
 
     @classmethod
     def of(
@@ -35,8 +66,8 @@ class Record(NamedTuple):
         y: Any,
         sampling_rate: float,
         *,
-        units: tuple[str, str] | None = None,
-        names: tuple[str, str] | None = None,
+        units: tuple[Text | Sequence[str], str] | None = None,
+        names: tuple[Text | Sequence[str], str] | None = None,
     ) -> "Record":
         """Return the record of two signals.
 
@@ -44,11 +75,13 @@ class Record(NamedTuple):
         ----------
         u, y
             Input and output: arrays, columns of a pandas frame, or variables of xarray, whose
-            ``units`` and names are taken over. A missing output is NaN.
+            ``units`` and names are taken over. A missing output is NaN. Several inputs are the
+            columns of ``u``, an array of shape (samples, inputs) or a pandas frame.
         sampling_rate
             In Hz.
         units, names
-            Of input and output, where the signals do not carry them.
+            Of input and output, where the signals do not carry them; of several inputs one text
+            for all or one for each.
 
         Raises
         ------
@@ -57,11 +90,19 @@ class Record(NamedTuple):
             positive.
         """
         inputs, outputs = (np.asarray(each, dtype=float) for each in (u, y))
-        if inputs.ndim != 1 or inputs.shape != outputs.shape or inputs.size < 2:
+        if inputs.ndim == 2 and inputs.shape[1] == 1:
+            inputs = inputs[:, 0]
+        if (
+            inputs.ndim not in (1, 2)
+            or outputs.ndim != 1
+            or len(inputs) != outputs.size
+            or outputs.size < 2
+        ):
             raise InputError(
                 f"input and output have shapes {inputs.shape} and {outputs.shape}",
                 field="u, y",
-                remedy="Give two signals of one length, each with one dimension",
+                remedy="Give two signals of one length, each with one dimension; several inputs"
+                " are the columns of u",
             )
         if not np.isfinite(inputs).all():
             raise InputError(
@@ -73,12 +114,16 @@ class Record(NamedTuple):
             )
         carried = [getattr(each, "attrs", {}) for each in (u, y)]
         own = [getattr(each, "name", None) for each in (u, y)]
-        u_units, y_units = units or [str(each.get("units", "1")) for each in carried]
-        u_name, y_name = names or [
+        of_inputs, y_units = units or [str(each.get("units", "1")) for each in carried]
+        called, y_name = names or [
             str(attributes.get("long_name", name or role))
             for attributes, name, role in zip(carried, own, ("input", "output"), strict=True)
         ]
-        time = np.arange(inputs.size) / sampling_rate
+        count = inputs.shape[1] if inputs.ndim == 2 else 1
+        if count > 1 and names is None:
+            called = list(map(str, getattr(u, "columns", input_names(count))))
+        u_units, u_name = _for_each(of_inputs, count, "units"), _for_each(called, count, "names")
+        time = np.arange(outputs.size) / sampling_rate
         return cls(time, inputs, outputs, sampling_rate, u_units, y_units, u_name, y_name)
 
     @classmethod
@@ -97,6 +142,26 @@ class Record(NamedTuple):
     def left_out(self) -> int:
         """Number of samples that are not good."""
         return int(np.count_nonzero(np.isnan(self.y)))
+
+
+def each_text(text: Text) -> tuple[str, ...]:
+    """Return the text of every input, whether of one or of several."""
+    return (text,) if isinstance(text, str) else text
+
+
+def input_names(count: int) -> list[str]:
+    """Return what inputs without names of their own are called."""
+    return [f"input {k}" for k in range(1, count + 1)]
+
+
+def _for_each(text: Text | Sequence[str], count: int, field: str) -> Text:
+    """Return a text for every one of so many inputs, of one input the text itself."""
+    texts = (text,) * count if isinstance(text, str) else tuple(map(str, text))
+    if len(texts) != count:
+        raise InputError(
+            f"there are {len(texts)} for {count} inputs", field=field, remedy="Give one for each"
+        )
+    return texts if count > 1 else texts[0]
 
 
 def signals(record: xr.Dataset) -> Record:
