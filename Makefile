@@ -22,7 +22,7 @@ comma := ,
 .PHONY: help study record case cases report handover control control-robustness diagnose discrepancy \
 	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
-	check test mutants benchmark clean FORCE
+	check test mutants benchmark benchmark-naming clean FORCE
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
@@ -183,6 +183,10 @@ mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=3
 
 calibration: $(VENV)/installed ## the virtual actuators beside the measured ones, in a table and a figure
 	python -m benchmarks.calibration
+
+benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's (COUNT=40 SET=tuning SEED=1)
+	python -m benchmarks.naming --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %) \
+		$(SEED:%=--seed %)
 
 benchmark: $(VENV)/installed ## speed of identification, tracking and simulation against peers
 	python -m benchmarks

@@ -1,0 +1,80 @@
+"""Set methods that name what a simulation is missing side by side, on the same trials and records.
+
+Trials and answers are kept in ``build/naming``, so that an interrupted campaign goes on where it
+ended and a new method is asked alone. The tables are kept in ``docs/measured/naming.json``, which
+``make numbers`` writes into the documents.
+"""
+
+import argparse
+import os
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks.naming.campaign import Settings, Tried, of_records, of_trials
+from benchmarks.naming.methods import methods
+from benchmarks.naming.scores import scored, table, table_of_records
+from benchmarks.naming.trials import config
+from benchmarks.stored import store as keep
+from dea.errors import InputError
+from dea.trials import kind_of
+
+SETS = ("reporting", "tuning")
+
+
+def values(tried: Sequence[Tried], records: Sequence[Tried], settings: Settings) -> dict[str, Any]:
+    """Return what the documents quote of a campaign."""
+    found = {name: scored(tried, name) for name in methods()}
+    return {
+        "set": settings.of_set,
+        "seed": settings.seed,
+        "count": len(tried),
+        "longest": settings.longest,
+        "kinds": dict(Counter(kind_of(each.label) for each in tried)),
+        "devices": dict(Counter(each.label.device for each in tried)),
+        "table": table(tried),
+        "records": table_of_records(records) if records else [],
+        "failed": {
+            name: sum(bool(each.said[name].failed) for each in [*tried, *records])
+            for name in methods()
+        },
+        "trials": {
+            each.name: {
+                "hidden": sorted(each.label.effects),
+                "outcomes": {name: found[name][k].outcome for name in methods()},
+                "ratios": {name: round(found[name][k].ratio, 4) for name in methods()},
+            }
+            for k, each in enumerate(tried)
+        },
+    }
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the campaign that the command line asks for."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.naming", description=__doc__)
+    parser.add_argument("--count", type=int, default=40, help="trials")
+    parser.add_argument("--set", choices=SETS, default="reporting", help="of the trials")
+    parser.add_argument("--seed", type=int, help="of the trials; the set's own if not given")
+    parser.add_argument("--longest", type=int, default=6000, help="samples of a record, at most")
+    parser.add_argument("--cores", type=int, default=os.cpu_count(), help="trials at a time")
+    parser.add_argument("--keep", type=Path, default=Path("build/naming"), help="folder")
+    parser.add_argument("--trials-only", action="store_true", help="without the public records")
+    given = parser.parse_args(arguments)
+    seed = config()["trials"]["seeds"][given.set] if given.seed is None else given.seed
+    settings = Settings(given.set, seed, given.count, given.longest, given.cores, given.keep)
+    try:
+        records = [] if given.trials_only else of_records(given.keep, given.cores)
+        tried = of_trials(settings)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    found = values(tried, records, settings)
+    command = f"make benchmark-naming COUNT={given.count} SET={given.set} SEED={seed}"
+    keep("naming", command, found)
+    print("\n".join([*found["table"], "", *found["records"]]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,24 @@
+"""The diagnosis of this project."""
+
+from benchmarks.naming.task import Answer, Method, Task
+from dea.discrepancy import diagnose
+from dea.store import Record
+
+
+def answer(task: Task) -> Answer:
+    """Diagnose the seen part, of which the diagnosis keeps back another part for itself."""
+    own = task.simulation
+    units = own.input_unit, own.output_unit
+    record = Record.of(task.seen.u, task.seen.y, 1.0 / task.interval, units=units)
+    found = diagnose(record, own, settings=task.settings)
+    verdict = found.verdict
+    rivals = verdict.effects[0].rivals if verdict.effects else ()
+    return Answer(
+        verdict.status,
+        task.ahead(found.final),
+        frozenset(verdict.names),
+        tuple(frozenset(rival) for rival in rivals),
+    )
+
+
+METHOD = Method("`dea.diagnose`", "docs/discrepancy.md", answer)

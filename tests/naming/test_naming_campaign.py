@@ -1,0 +1,83 @@
+"""A campaign of two trials draws, answers, opens the seals, and goes on where it ended."""
+
+import json
+
+import pytest
+from benchmarks.naming import campaign
+from benchmarks.naming.__main__ import values
+from benchmarks.naming.campaign import Settings, of_trials
+from benchmarks.naming.methods import REFERENCE, methods
+
+from dea.errors import InputError
+
+pytestmark = pytest.mark.slow
+
+QUICK = (REFERENCE, "random_choice", "ridge")
+
+
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory):
+    return Settings("tuning", 1, 2, 3000, 1, tmp_path_factory.mktemp("kept"))
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Ask the quick methods alone."""
+    asked = {name: methods()[name] for name in QUICK}
+    for module in ("campaign", "scores", "__main__"):
+        monkeypatch.setattr(f"benchmarks.naming.{module}.methods", lambda: asked)
+    return asked
+
+
+def answers(settings):
+    files = sorted(settings.keep.glob("*/*/answers/*.json"))
+    return {file: json.loads(file.read_text()) for file in files}
+
+
+def test_two_trials_are_answered_scored_and_kept(settings, quick, monkeypatch):
+    tried = of_trials(settings)
+    assert len(tried) == 2
+    assert len(answers(settings)) == 2 * len(QUICK)
+    found = values(tried, [], settings)
+    assert found["count"] == sum(found["kinds"].values()) == 2
+    assert set(found["trials"]) == {each.name for each in tried}
+    for each in tried:
+        assert set(each.said) == set(QUICK)
+        assert each.said[REFERENCE].status == "none"
+        assert all(one.seconds > 0.0 for one in each.said.values())
+
+    def refuses(posed):
+        raise AssertionError("answered already")
+
+    monkeypatch.setattr(campaign, "_answer", refuses)
+    assert of_trials(settings) == tried
+
+
+def test_a_method_whose_file_changed_is_asked_again(settings, quick, monkeypatch):
+    before = of_trials(settings)
+    monkeypatch.setattr(campaign, "_code", lambda name: f"another {name}")
+    asked = []
+    known = campaign._answer
+
+    def answer(name, posed):
+        asked.append(name)
+        return known(name, posed)
+
+    monkeypatch.setattr(campaign, "_answer", answer)
+    after = of_trials(settings)
+    assert sorted(asked) == sorted([*QUICK, *QUICK])
+    assert [{n: s.error for n, s in each.said.items()} for each in after] == [
+        {n: s.error for n, s in each.said.items()} for each in before
+    ]
+
+
+def test_a_method_that_cannot_answer_says_why(settings, quick, monkeypatch):
+    def refuses(task):
+        raise InputError("the record is too short", field="record", remedy="Record longer")
+
+    asked = dict(quick) | {"ridge": quick["ridge"].__class__("ridge", "", refuses)}
+    monkeypatch.setattr("benchmarks.naming.campaign.methods", lambda: asked)
+    monkeypatch.setattr(campaign, "_code", lambda name: f"refusing {name}")
+    found = of_trials(settings)
+    assert all("too short" in each.said["ridge"].failed for each in found)
+    assert values(found, [], settings)["failed"]["ridge"] == 2

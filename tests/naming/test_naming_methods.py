@@ -1,0 +1,151 @@
+"""Each method on records whose missing effect is known, and its parts against independent ones."""
+
+import numpy as np
+import pytest
+from benchmarks.naming.methods import REFERENCE, methods
+from benchmarks.naming.methods._grey_box import aic
+from benchmarks.naming.methods._library import CORRECTION, FOREIGN, library
+from benchmarks.naming.methods._stlsq import stlsq
+from benchmarks.naming.methods.sindy import Discrepancy, Equation, run
+from made_tasks import STIFFNESS, posed
+from scipy.integrate import solve_ivp
+
+from dea.simulation import catalogue
+
+pytestmark = pytest.mark.slow
+
+
+def cubic(x, v):
+    return -0.02 * STIFFNESS * x**3
+
+
+@pytest.fixture(scope="module")
+def stiffened():
+    return posed(cubic)
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return posed()
+
+
+def answered(name, given):
+    return methods()[name].answer(given.task)
+
+
+def test_the_lorenz_equations_come_out_of_thresholded_least_squares():
+    """Brunton, Proctor and Kutz 2016, Fig. 1: three equations with seven terms in all."""
+
+    def lorenz(t, x):
+        return [10 * (x[1] - x[0]), x[0] * (28 - x[2]) - x[1], x[0] * x[1] - 8 / 3 * x[2]]
+
+    x = solve_ivp(lorenz, (0, 20), [-8, 7, 27], t_eval=np.arange(0, 20, 2e-3), rtol=1e-9).y
+    rates = np.array(lorenz(0, x))
+    rates = rates + 0.1 * np.random.default_rng(0).standard_normal(rates.shape)
+    names = ["1", "x", "y", "z", "xx", "xy", "xz", "yy", "yz", "zz"]
+    X = np.column_stack([np.ones(x.shape[1]), *x]
+                        + [x[i] * x[j] for i in range(3) for j in range(i, 3)])  # fmt: skip
+    expected = (
+        {"x": -10, "y": 10}, {"x": 28, "y": -1, "xz": -1}, {"xy": 1, "z": -8 / 3},
+    )  # fmt: skip
+    for rate, terms in zip(rates, expected, strict=True):
+        found = stlsq(X.T @ X, X.T @ rate, threshold=0.1, ridge=0.05)
+        assert {names[k] for k in np.flatnonzero(found)} == set(terms)
+        for name, value in terms.items():
+            assert found[names.index(name)] == pytest.approx(value, abs=0.02)
+
+
+def test_every_effect_of_the_catalogue_has_a_sign_in_the_library():
+    rng = np.random.default_rng(1)
+    terms = library(*rng.standard_normal((2, 1000)), rng.standard_normal(800), 0.02)
+    assert {term.sign_of for term in terms} - {CORRECTION, FOREIGN} == set(catalogue())
+    assert len({term.name for term in terms}) == len(terms)
+    assert all(np.mean(term.values**2) == pytest.approx(1.0) for term in terms)
+
+
+@pytest.mark.parametrize("own", [[-2.0], [-9.0, -2.0]])
+def test_the_free_run_of_an_equation_is_its_solution(own):
+    t = np.arange(400) * 0.01
+    order = len(own)
+    start = np.eye(order)[0]
+
+    def slopes(time, x):
+        return [*x[1:], np.dot(own, x) + np.sin(3.0 * time)]
+
+    expected = solve_ivp(slopes, (0, 4), start, t_eval=t, rtol=1e-9, atol=1e-12).y[0]
+    found = run(np.array(own), np.sin(3.0 * t), start, 0, 0.01)
+    np.testing.assert_allclose(found, expected, atol=1e-4)
+
+
+def test_sindy_recovers_a_cubic_spring(stiffened):
+    answer = answered("sindy", stiffened)
+    assert (answer.status, answer.effects) == ("named", {"strain_stiffening"})
+    assert stiffened.error(answer.ahead) < 0.7 * reference_error(stiffened)
+
+
+def test_sindy_counts_terms_by_what_they_contribute(stiffened):
+    found = Discrepancy.of(stiffened.task)
+    names = [term.name for term in found.terms]
+
+    def equation(order, **coefficients):
+        forcing = np.zeros(len(names))
+        for name, value in coefficients.items():
+            forcing[names.index(name)] = value
+        return Equation(order, np.zeros(order), forcing)
+
+    friction = "sign(v)"
+    assert found.names(equation(2, u=5.0, v=5.0, **{friction: 1.0})) == {"coulomb_friction"}
+    assert found.names(equation(2, **{"v |v|": 2.0, friction: 0.5})) == frozenset()
+    both = {"coulomb_friction", "strain_stiffening"}
+    assert found.names(equation(1, **{friction: 1.0, "y^3": -0.6})) == both
+    assert found.names(equation(1, **{friction: 1.0, "y^3": -0.4})) == {"coulomb_friction"}
+
+
+def reference_error(given):
+    return given.error(answered(REFERENCE, given).ahead)
+
+
+def test_ridge_predicts_and_names_nothing(stiffened):
+    answer = answered("ridge", stiffened)
+    assert (answer.status, answer.effects) == ("unknown", frozenset())
+    assert stiffened.error(answer.ahead) < 0.7 * reference_error(stiffened)
+
+
+@pytest.mark.parametrize("name", ["ridge", "sindy", REFERENCE])
+def test_nothing_is_said_where_nothing_is_missing(name, plain):
+    answer = answered(name, plain)
+    assert answer.status == "none"
+    assert plain.error(answer.ahead) == pytest.approx(2e-3, rel=0.15)
+
+
+def test_akaikes_criterion_is_that_of_the_likelihood():
+    residual = np.random.default_rng(2).standard_normal(500)
+    variance = np.mean(residual**2)
+    likelihood = -0.5 * np.sum(np.log(2 * np.pi * variance) + residual**2 / variance)
+    constant = 500 * (1 + np.log(2 * np.pi))
+    assert aic(residual, 3) == pytest.approx(2 * 4 - 2 * likelihood - constant)
+
+
+def test_the_grey_box_picks_the_stiffening_spring(stiffened):
+    answer = answered("aic_single", stiffened)
+    assert (answer.status, answer.effects) == ("named", {"strain_stiffening"})
+    assert stiffened.error(answer.ahead) == pytest.approx(2e-3, rel=0.5)
+
+
+def test_the_diagnosis_names_the_stiffening_spring(stiffened):
+    answer = answered("diagnosis", stiffened)
+    assert (answer.status, answer.effects) == ("named", {"strain_stiffening"})
+    assert stiffened.error(answer.ahead) == pytest.approx(2e-3, rel=0.5)
+
+
+def test_random_choice_follows_from_the_task_and_spreads(plain):
+    first, again = (answered("random_choice", plain) for _ in range(2))
+    assert (first.status, first.effects) == (again.status, again.effects)
+    assert first.effects <= set(catalogue())
+
+
+@pytest.mark.parametrize("name", sorted(set(methods()) - {"aic", "diagnosis"}))
+def test_no_method_sees_what_is_kept_back(name, plain):
+    task = plain.task
+    assert task.y.size == task.seen.u.size == 1600
+    assert answered(name, plain).ahead.shape == (400,)

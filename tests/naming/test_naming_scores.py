@@ -1,0 +1,90 @@
+"""Rates and tables against hand counts."""
+
+from math import nan
+
+import pytest
+from benchmarks.naming.campaign import Said, Tried
+from benchmarks.naming.methods import REFERENCE, methods
+from benchmarks.naming.scores import rates, ratios, scored, table, table_of_records
+
+from dea.trials import Label, wilson
+
+
+def label(*effects, outside=False):
+    return Label(frozenset(effects), outside, 5.0, "gaussian")
+
+
+def said(status, *effects, error=1.0, rivals=(), seconds=2.0):
+    return Said(status, frozenset(effects), rivals, error, seconds)
+
+
+def tried(name, what, answer):
+    """A trial on which every method says the same, but the simulation alone."""
+    answers = dict.fromkeys(methods(), answer) | {REFERENCE: said("none", error=2.0)}
+    return Tried(name, what, answers)
+
+
+TRIED = [
+    tried("0", label("dead_zone"), said("named", "dead_zone", error=0.5)),
+    tried("1", label("sensor_lag"), said("named", "electrode_lag", error=1.0)),
+    tried("2", label("sensor_lag"), said("named", "dead_zone", error=3.0)),
+    tried("3", label("sensor_lag"), said("unknown")),
+    tried("4", label("sensor_lag"), said("none", error=2.0)),
+    tried("5", label("sensor_lag"), said("ambiguous", "sensor_lag", error=nan,
+                                         rivals=(frozenset({"transport_delay"}),))),
+    tried("6", label("dead_zone", "sensor_lag"), said("named", "dead_zone", "sensor_lag")),
+    tried("7", label("dead_zone", "sensor_lag"), said("named", "dead_zone")),
+    tried("8", label("dead_zone", "sensor_lag"), said("named", "gain_drift")),
+    tried("9", label(), said("none", error=2.0)),
+    tried("10", label(), said("named", "dead_zone", error=4.0)),
+    tried("11", label("speckle", outside=True), said("named", "dead_zone")),
+    tried("12", label("speckle", outside=True), said("unknown")),
+]  # fmt: skip
+
+
+def test_rates_are_those_counted_by_hand():
+    found = rates(scored(TRIED, "sindy"))
+    assert found == {
+        "right name": wilson(1, 6),
+        "right class": wilson(3, 6),
+        "wrong name": wilson(1, 6),
+        "no name (`ambiguous`, `unknown`)": wilson(1, 6),
+        "nothing missing, it says": wilson(1, 6),
+        "both of two": wilson(1, 3),
+        "one or both of two, nothing wrong": wilson(2, 3),
+        "name given on nothing": wilson(1, 2),
+        "name given on a foreign effect": wilson(1, 2),
+        "names given that are right": wilson(3, 8),
+    }
+
+
+def test_errors_are_divided_by_those_of_the_simulation_alone():
+    found = scored(TRIED, "sindy")
+    assert ratios(found, missing=False).tolist() == [1.0, 2.0]
+    expected = [0.25, 0.5, 1.5, 0.5, 1.0, 0.5, 0.5, 0.5, 0.5, 0.5]
+    assert ratios(found, missing=True).tolist() == expected
+
+
+def test_the_table_has_a_column_for_each_method_and_a_number_in_each_cell():
+    lines = [line.strip("|").split("|") for line in table(TRIED)]
+    assert len(lines[0]) == len(methods()) + 1
+    assert {cell.strip() for cell in lines[0][1:]} == {m.title for m in methods().values()}
+    cells = {row[0].strip(): [cell.strip() for cell in row[1:]] for row in lines}
+    column = [cell.strip() for cell in lines[0][1:]].index(methods()["sindy"].title)
+    assert cells["right name"][column] == "17 (3 to 56)"
+    assert cells["unseen error, something missing"][column] == "0.50 (0.50 to 0.50)"
+    assert cells["time of a processor (s)"][column] == "2.0"
+
+
+def test_the_table_of_records_marks_right_names():
+    rows = table_of_records(TRIED[:1] + TRIED[9:10])
+    assert "**dead_zone**, 0.25" in rows[2]
+    assert rows[3].startswith("| 9 (none) |")
+    assert rows[3].count("none, 1.00") == len(methods())
+
+
+@pytest.mark.parametrize("what", [label("dead_zone"), label()])
+def test_the_simulation_alone_gives_no_name(what):
+    given = scored([tried("0", what, said("unknown"))], REFERENCE)
+    assert not given[0].named
+    assert given[0].ratio == 1.0
