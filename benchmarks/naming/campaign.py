@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
@@ -21,12 +22,12 @@ from dea.errors import InputError
 from dea.trials import Label
 
 ROOT = Path(__file__).parents[2]
-# What the answer of every method may depend on, besides the method's own file.
+# What the answer of every method may depend on, besides the method's own files.
 _SHARED = (
-    "benchmarks/naming/task.py", "benchmarks/naming/methods/_*.py", "config/config.yaml",
-    "config/simulations/*.py", "src/dea/discrepancy/**/*.py", "src/dea/simulation/**/*.py",
-    "src/dea/least_squares.py",
+    "benchmarks/naming/task.py", "config/config.yaml", "config/simulations/*.py",
+    "src/dea/discrepancy/**/*.py", "src/dea/simulation/**/*.py", "src/dea/least_squares.py",
 )  # fmt: skip
+_METHODS = Path(__file__).parent / "methods"
 
 
 @dataclass(frozen=True)
@@ -179,8 +180,15 @@ def _answer(name: str, posed: Posed) -> dict[str, Any]:
 
 def _code(name: str) -> str:
     """Return a digest of all that a method's answers may depend on."""
-    patterns = (*_SHARED, f"benchmarks/naming/methods/{name}.py")
     digest = hashlib.sha256()
-    for file in sorted({file for pattern in patterns for file in ROOT.glob(pattern)}):
+    shared = {file for pattern in _SHARED for file in ROOT.glob(pattern)}
+    for file in sorted(shared | _own_files(name)):
         digest.update(file.read_bytes())
     return digest.hexdigest()
+
+
+def _own_files(name: str) -> set[Path]:
+    """Return the file of a method's module, and of those of the package that it imports."""
+    file = _METHODS / f"{name}.py"
+    imported = re.findall(r"benchmarks\.naming\.methods\.(\w+) import", file.read_text())
+    return {file}.union(*(_own_files(each) for each in imported))

@@ -81,3 +81,13 @@ def test_a_method_that_cannot_answer_says_why(settings, quick, monkeypatch):
     found = of_trials(settings)
     assert all("too short" in each.said["ridge"].failed for each in found)
     assert values(found, [], settings)["failed"]["ridge"] == 2
+
+
+def test_an_answer_depends_on_the_files_of_its_method():
+    def names(method):
+        return {file.name for file in campaign._own_files(method)}
+
+    assert names("sindy") == {"sindy.py", "_library.py", "_residual.py", "_stlsq.py"}
+    assert names("aic") == {"aic.py", "_grey_box.py"}
+    assert names("diagnosis") == {"diagnosis.py"}
+    assert campaign._code("aic") != campaign._code("aic_single")
