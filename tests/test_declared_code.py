@@ -35,7 +35,10 @@ def job(tmp_path):
 
     def run(load, code, **variables):
         (tmp_path / "src/dea/stages/probe.py").write_text(STAGE.format(load=load))
-        stage = [f"src/dea/{name}.py" for name in ("stages/probe", "stages/command", "provenance")]
+        stage = [
+            f"src/dea/{name}.py"
+            for name in ("stages/probe", "stages/command", "progress", "provenance")
+        ]
         declared = {} if code is None else {"DEA_CODE": " ".join([*ALWAYS, *stage, *code])}
         return subprocess.run(
             [sys.executable, "-m", "dea.stages.probe"],

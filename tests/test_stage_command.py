@@ -4,6 +4,7 @@ import sys
 import pytest
 
 from dea.errors import DeviceError, InputError
+from dea.progress import tell
 from dea.stages.command import run
 
 
@@ -57,6 +58,7 @@ def test_an_error_in_the_code_is_not_hidden(capsys):
 def test_the_reason_is_on_the_terminal_where_the_logs_disk_is_full(error):
     stage = f"""
 from dea.errors import InputError
+from dea.progress import tell
 from dea.stages.command import run
 def stage(settings):
     raise {error}
@@ -68,3 +70,8 @@ run(stage, arguments=[])
         )
     assert ended.returncode == (2 if error.startswith("Input") else 1)
     assert "too short" in ended.stdout
+
+
+def test_what_a_stage_is_doing_is_in_its_log(capsys):
+    run(lambda settings: tell("pairs, 3 of 9 done"), arguments=[])
+    assert capsys.readouterr().err == "step: pairs, 3 of 9 done\n"

@@ -3,6 +3,7 @@
 import importlib.util
 import logging
 import sys
+import time
 
 import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
@@ -29,7 +30,7 @@ def tell(handler, message="", level=logging.INFO, **fields):
 def test_each_step_is_a_line_with_what_is_left(handler, capsys):
     tell(handler, event=LogEvent.RUN_INFO, stats={"select": 2, "total": 2})
     for i, name in enumerate(("dea1", "dea2")):
-        tell(handler, event=LogEvent.JOB_INFO, jobid=i, rule_name="select",
+        tell(handler, event=LogEvent.JOB_INFO, jobid=i, rule_name="select", log=[],
              wildcards={"system": name})  # fmt: skip
     tell(handler, event=LogEvent.JOB_FINISHED, job_id=1)
     tell(handler, event=LogEvent.PROGRESS, done=1, total=2)
@@ -64,7 +65,14 @@ def test_a_mistake_is_one_line(handler, capsys, message, said):
 
 
 def test_after_ctrl_c_steps_were_stopped_and_none_failed(handler, capsys):
-    tell(handler, event=LogEvent.JOB_INFO, jobid=0, rule_name="track", wildcards={"system": "a"})
+    tell(
+        handler,
+        event=LogEvent.JOB_INFO,
+        jobid=0,
+        rule_name="track",
+        log=[],
+        wildcards={"system": "a"},
+    )
     tell(handler, "Terminating processes on user request, this might take some time.")
     tell(handler, event=LogEvent.JOB_ERROR, jobid=0, rule_name="track")
     shown = capsys.readouterr().err
@@ -76,3 +84,16 @@ def test_after_ctrl_c_steps_were_stopped_and_none_failed(handler, capsys):
 def test_snakemakes_own_account_of_a_failed_job_is_left_out(handler, capsys):
     tell(handler, "RuleException:\nCalledProcessError in file x", logging.ERROR)
     assert not capsys.readouterr().err
+
+
+def test_of_a_long_step_the_terminal_says_what_it_is_doing(handler, capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr(sys.modules[type(handler).__module__], "STILL", 0.0)
+    log, none = tmp_path / "diagnose.log", tmp_path / "not_begun.log"
+    log.write_text("step: the simulation alone\nstep: pairs, 3 of 9 done\na warning\n")
+    for name, file in (("dea1", log), ("dea2", none)):
+        tell(handler, event=LogEvent.JOB_INFO, jobid=name, rule_name="diagnose",
+             wildcards={"system": name}, log=[str(file)])  # fmt: skip
+    time.sleep(2.5)
+    said = {line[10:] for line in capsys.readouterr().err.splitlines()}
+    assert "dea1: diagnose has been running for 1 s; pairs, 3 of 9 done" in said
+    assert "dea2: diagnose has been running for 1 s" in said

@@ -6,11 +6,13 @@ import threading
 import time
 from dataclasses import dataclass, field
 from logging import WARNING, LogRecord
+from pathlib import Path
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
 STILL = 30.0  # s after which a step that runs is named again
+STEP = "step: "  # begins the line of a log that says what its job is doing
 # Of a failed job the log says why; Snakemake's own messages repeat its whole command.
 # What Snakemake says once a person has pressed Ctrl-C.
 STOPPED = ("Terminating processes on user request", "Cancelling snakemake on user request")
@@ -23,15 +25,22 @@ PLACE = re.compile(
 
 @dataclass
 class Job:
-    """A step that was begun: what it does, of whom, since when."""
+    """A step that was begun: what it does, of whom, where it writes, since when."""
 
     name: str
+    logs: list[str]
     begun: float = field(default_factory=time.monotonic)
 
     @property
     def seconds(self) -> float:
         """How long it has been running."""
         return time.monotonic() - self.begun
+
+    @property
+    def doing(self) -> str:
+        """What it last wrote that it is doing."""
+        said = [line for log in self.logs for line in _lines(log) if line.startswith(STEP)]
+        return said[-1].removeprefix(STEP) if said else ""
 
 
 class LogHandler(LogHandlerBase):
@@ -62,7 +71,7 @@ class LogHandler(LogHandlerBase):
                 self._write(f"{self._total} steps to do")
             case LogEvent.JOB_INFO:
                 name = _described(record.rule_name, record.wildcards or {})
-                self._jobs[record.jobid] = Job(name)
+                self._jobs[record.jobid] = Job(name, list(record.log or []))
                 together = len(self._jobs)
                 beside = f"  ({together} in parallel)" if together > 1 else ""
                 self._write(f"{name}{beside}")
@@ -104,11 +113,20 @@ class LogHandler(LogHandlerBase):
             for job_id, job in list(self._jobs.items()):
                 if job.seconds - named.get(job_id, 0.0) >= STILL:
                     named[job_id] = job.seconds
-                    self._write(f"{job.name} has been running for {_duration(job.seconds)}")
+                    doing = f"; {job.doing}" if job.doing else ""
+                    self._write(f"{job.name} has been running for {_duration(job.seconds)}{doing}")
 
     def _write(self, text: str) -> None:
         with self._write_lock:
             print(f"{time.strftime('%H:%M:%S')}  {text}", file=sys.stderr, flush=True)
+
+
+def _lines(log: str) -> list[str]:
+    """Return what a log holds, which a job may not have begun."""
+    try:
+        return Path(log).read_text(errors="replace").splitlines()
+    except OSError:
+        return []
 
 
 def _described(rule: str, wildcards: dict[str, str]) -> str:

@@ -36,6 +36,7 @@ from dea.discrepancy.search.search import Search, noise_floor, pool_of
 from dea.discrepancy.search.starts import bases, fit_near_prior, fit_nominal
 from dea.discrepancy.settings import Settings
 from dea.errors import InputError
+from dea.progress import tell
 from dea.seeds import generator
 from dea.simulation import (
     Effect,
@@ -92,6 +93,7 @@ def diagnose(
     budget = settings.budget.of(sum(each.u.size for each in records))
 
     # Split the record, and fit the simulation alone.
+    tell("the simulation alone")
     problem, parts, bare = prepare(records, own, settings)
     nominal = fit_nominal(problem, bare, budget.starts, rng, workers)
     near = fit_near_prior(problem, nominal)
@@ -132,6 +134,7 @@ def diagnose(
     final = decision.answer.fit if decision.answer else nominal
 
     # Describe, and certify.
+    tell("the answer on samples not used so far")
     where = Where(
         localise(problem, near.residual, units, problem.seen, rng),
         localise(problem, final.residual, units, problem.seen, rng),
@@ -189,7 +192,10 @@ def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], worke
     fits = [c.fit for c in singles]
     null = null_gain(problem, nominal, fits, singles[0].fit.residual, blocks, evidence.rng)
     after = in_parallel(
-        lambda c: held_out.residual(c.fit) if c.finished else c.fit.residual, singles, workers
+        lambda c: held_out.residual(c.fit) if c.finished else c.fit.residual,
+        singles,
+        workers,
+        "single effects on blocks left out",
     )
     return gains(held_out.residual(nominal), after, blocks, null, evidence.rng)
 
@@ -205,7 +211,12 @@ def _weighed(
 ) -> tuple[Presence, ModelError]:
     """Return the weights of the leading candidates, and the error that the best of them leaves."""
     leading = [c for c in pool if c.finished][:_WEIGHED]
-    held_out = in_parallel(lambda c: evidence.held_out.residual(c.fit), leading, workers)
+    held_out = in_parallel(
+        lambda c: evidence.held_out.residual(c.fit),
+        leading,
+        workers,
+        "leading candidates on blocks left out",
+    )
     before = evidence.held_out.residual(evidence.nominal)
     seen = evidence.problem.seen
     best = min((before, *held_out), key=evidence.problem.seen_rmse)

@@ -21,6 +21,7 @@ from dea.narx.forward import forward_and_prune
 from dea.narx.orthogonal import orthogonal_order
 from dea.narx.refinement import squared_error
 from dea.narx.trace import Trace, Tried, gain
+from dea.progress import tell
 from dea.terms import Term, max_lag
 
 PRICES = tuple(float(price) for price in 1e-2 * 4.0 ** -np.arange(13))  # 1e-2 to 6e-10
@@ -74,6 +75,7 @@ class Descent:
                 return
             now, taken = self.exchange.search(now, price, rounds, effort.most, self._trace)
             rounds -= taken
+            tell(f"search at threshold {price:.1e}: {len(now.subset)} terms")
             yield now
 
     def descend(self, prices: Sequence[float], effort: Effort) -> None:

@@ -5,11 +5,13 @@ import json
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from dea import provenance
 from dea.errors import DeviceError, InputError
+from dea.progress import heard_by
 
 
 def run(
@@ -46,12 +48,15 @@ def run(
     values: dict[str, Any] = vars(parser.parse_args(arguments))
     settings = values.pop("settings")
     try:
-        with provenance.job(
-            _command(stage, values, (*mentioned, *inputs, *outputs)),
-            settings,
-            inputs=[*_files(values, inputs), *_named(settings, named)],
-            outputs=_files(values, outputs),
-            free=[text for name in numbers for text in (f"--{name}", str(values[name]))],
+        with (
+            heard_by(_log_step),
+            provenance.job(
+                _command(stage, values, (*mentioned, *inputs, *outputs)),
+                settings,
+                inputs=[*_files(values, inputs), *_named(settings, named)],
+                outputs=_files(values, outputs),
+                free=[text for name in numbers for text in (f"--{name}", str(values[name]))],
+            ),
         ):
             stage(settings, **values)
     except InputError as error:
@@ -65,6 +70,14 @@ def run(
     except Exception:
         _say(traceback.format_exc())
         raise SystemExit(1) from None
+
+
+def _log_step(step: str) -> None:
+    """Write a step to the log; the terminal shows the last one (``--logger progress``)."""
+    # A full disk ends the job where it matters, at its products.
+    with suppress(OSError):
+        sys.stderr.write(f"step: {step}\n")
+        sys.stderr.flush()
 
 
 def _say(text: str) -> None:

@@ -41,7 +41,9 @@ def control(
     from dea import modbus, seeds, store
     from dea.control import Trial
     from dea.narx import NarxModel
+    from dea.progress import tell
 
+    tell("references and inverses")
     description = modbus.read_device(device)
     signals = store.signals(store.read_record(record))
     units = signals.unit_of_one_input("A trial of controllers")
@@ -53,10 +55,12 @@ def control(
     )
     # Files of a drive that fails are kept nowhere: a run of the workflow begins anew.
     with tempfile.TemporaryDirectory() as folder:
-        found = {
-            name: _follow(trial, follower, settings, description, device, noise_seed, Path(folder))
-            for name, follower in _controllers(trial, nominal, extended).items()
-        }
+        found = {}
+        for name, follower in _controllers(trial, nominal, extended).items():
+            tell(f"with the {name}")
+            found[name] = _follow(
+                trial, follower, settings, description, device, noise_seed, Path(folder)
+            )
     store.write(
         _dataset(found, trial, units, signals.y_units),
         control,

@@ -18,16 +18,19 @@ def trial_diagnose(settings: Mapping[str, Any], records: Path, logs: Path, verdi
 
     from dea import store
     from dea.discrepancy import Settings, certificate_dataset, diagnose
+    from dea.progress import part_of
 
     verdicts.mkdir(parents=True)
     rankings = {}
-    for file in sorted([*records.glob("*.nc"), *logs.glob("*.nc")], key=lambda path: path.stem):
+    files = sorted([*records.glob("*.nc"), *logs.glob("*.nc")], key=lambda path: path.stem)
+    for number, file in enumerate(files, 1):
         record = store.read_record(file)
-        diagnosis = diagnose(
-            record,
-            record.attrs["simulation"],
-            settings=Settings.of({**settings, "system": file.stem}),
-        )
+        with part_of(f"trial {number} of {len(files)}"):
+            diagnosis = diagnose(
+                record,
+                record.attrs["simulation"],
+                settings=Settings.of({**settings, "system": file.stem}),
+            )
         diagnosis.verdict.write(verdicts / f"{file.stem}.json")
         store.write(
             certificate_dataset(diagnosis),

@@ -48,18 +48,27 @@ def extend_by_each(
     before = bases[0]
     kept, count, polished = budget.kept, round(_SECOND * budget.finished), 1
     first = not before.extended.attached
+    beside = " and ".join(map(before.extended.label, before.extended.attached)) or "the simulation"
     if first:
         kept = int(np.clip(_SHORT // problem.u.size, kept, _MOST_KEPT))
         count, polished = budget.finished, _POLISHED
     offers = _offers(problem, before, effects)
     prepared = [Base.of(problem, each) for each in bases]
-    starts = in_parallel(lambda offer: promising(problem, prepared, offer, kept), offers, workers)
+    starts = in_parallel(
+        lambda offer: promising(problem, prepared, offer, kept),
+        offers,
+        workers,
+        f"starting points of each effect beside {beside}",
+    )
     offered = [pair for pair in zip(offers, starts, strict=True) if pair[1]]
     if not first:
         offered = sorted(offered, key=lambda pair: pair[1][0].left)[: budget.offered]
     spent = (kept, budget.screening)
     screened = in_parallel(
-        lambda pair: screen(problem, prepared[0], *pair, spent), offered, workers
+        lambda pair: screen(problem, prepared[0], *pair, spent),
+        offered,
+        workers,
+        f"first steps of each effect beside {beside}",
     )
 
     def error(candidate: Fit) -> float:
@@ -77,6 +86,7 @@ def extend_by_each(
         ),
         leaders[:count],
         workers,
+        f"fits of the leading effects beside {beside}",
     )
     limit = budget.near * min(map(error, ahead), default=0.0)
     near = [each for each in ahead if error(each) <= limit]
@@ -84,10 +94,14 @@ def extend_by_each(
         lambda each: refine(problem, _with_fine_steps(problem, each), budget.last_steps),
         near,
         workers,
+        f"final fits of the leading effects beside {beside}",
     )
     finished.sort(key=error)
     finished[:polished] = in_parallel(
-        lambda each: _polished(problem, each, budget), finished[:polished], workers
+        lambda each: _polished(problem, each, budget),
+        finished[:polished],
+        workers,
+        f"last fits of the best effects beside {beside}",
     )
     finished += [each for each in ahead if error(each) > limit]
     candidates = [judged(problem, each) for each in finished]
