@@ -13,7 +13,7 @@ from benchmarks.faults.examples import examples
 from benchmarks.faults.modbus_frame import Frame, read_frame
 from benchmarks.faults.plain_module import PlainModule, ReadBack, tag, to_counts
 from benchmarks.faults.proxy import FaultProxy
-from benchmarks.faults.run import Outcome
+from benchmarks.faults.run import Outcome, _tripping
 from benchmarks.faults.schedule import DeviceFault, HostFault, LinkFault, Schedule, loads
 from benchmarks.faults.strategies import draw
 from benchmarks.faults.trace import Applied, Trace
@@ -35,8 +35,9 @@ def ran(tmp_path, volts, schedule=PLAN, status=0, watched=12.0, recorded=True):
         played = applied[first : first + wanted]
         write(tmp_path, [a.volts for a in played], [a.displacement for a in played])
     return Outcome(
-        schedule, Trace(applied), tmp_path, requests, 0.0, end, status, end, end + watched
-    )
+        schedule=schedule, trace=Trace(applied), folder=tmp_path, requests=requests, origin=0.0,
+        exit_time=end, status=status, over=end, until=end + watched,
+    )  # fmt: skip
 
 
 def write(tmp_path, volts, tags, quality=None):
@@ -257,6 +258,23 @@ def test_a_trip_that_does_not_latch_is_noticed(tmp_path):
     outcome.again = 0
     (sentence,) = laws.broken(outcome)
     assert sentence.startswith("does not latch")
+    outcome.again, outcome.driven_again = 1, True
+    (sentence,) = laws.broken(outcome)
+    assert sentence.startswith("does not latch")
+
+
+@pytest.mark.parametrize(("begins", "expected"), [(0.5, True), (0.95, False), (1.5, False)])
+def test_a_trip_is_expected_where_the_output_is_on_during_a_fault(begins, expected):
+    volts = [0.0, *[1.0] * 50, *[0.0] * 50, 2.4, 0.0]  # a late write drives it for a sample
+    trace = Trace([Applied(k / RATE, v, to_counts(v), 0, 0) for k, v in enumerate(volts)])
+    schedule = Schedule("plain", safety=True, device=(DeviceFault("monitor", begins),))
+    assert _tripping(schedule, trace, 0.0, until=5.0) == expected
+
+
+def test_what_a_second_run_drives_is_judged_apart():
+    trace = Trace([Applied(t, v, 0, 0, 0) for t, v in ((0.0, 1.0), (1.0, 0.0), (3.0, 2.0))])
+    assert trace.before(2.0).spans(2.0) == [(0.0, 1.0, 1.0), (1.0, 2.0, 0.0)]
+    assert trace.driven(4.0) == [(0.0, 1.0), (3.0, 4.0)]
 
 
 def test_schedules_are_the_same_for_the_same_seed_and_can_be_run_again():

@@ -122,8 +122,7 @@ def _trips_latch(outcome: Outcome) -> Iterator[str]:
         fault.start < outcome.exit_time - (outcome.origin or 0) for fault in outcome.schedule.device
     ):
         return
-    driven = any(e.time > outcome.until and e.volts for e in outcome.trace.applied)
-    if driven or outcome.again == 0:
+    if outcome.driven_again or outcome.again == 0:
         yield f"does not latch: driven again with status {outcome.again} after a trip"
 
 

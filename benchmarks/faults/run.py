@@ -1,7 +1,6 @@
 """One run: the command against a device behind the proxy, until all is over."""
 
 import asyncio
-import math
 import os
 import signal
 import time
@@ -24,7 +23,7 @@ NOTICED = 0.1  # s, some samples: a fault of the device that lasts less with vol
 WATCHED = 1.0  # s of zero after the last process and the last held write
 
 
-@dataclass
+@dataclass(kw_only=True)
 class Outcome:
     """What happened, for the laws to judge."""
 
@@ -41,6 +40,7 @@ class Outcome:
     left: list[int] = field(default_factory=list)  # processes that did not end
     lag: float = 0.0  # s, the longest for which the host kept this process waiting
     again: int | None = None  # exit status of a second run after a fault of the device
+    driven_again: bool = False  # whether the second run has put out anything
     recovered: int | None = None  # exit status of `recover`, None where it was not needed
 
 
@@ -98,7 +98,7 @@ async def run(
             await asyncio.sleep(0.1)
         until = time.monotonic()
         again = None
-        if device is not None and not left and _tripping(schedule, trace, proxy.origin):
+        if device is not None and not left and _tripping(schedule, trace, proxy.origin, until):
             device.faults.clear()
             again, stays = await _again(folder, launcher, request)
             left += stays
@@ -114,9 +114,20 @@ async def run(
             await device.stop()
     printed = (folder / "printed").read_text() if (folder / "printed").exists() else ""
     outcome = Outcome(
-        schedule, trace, folder, proxy.requests, proxy.origin, exit_time, status, over, until,
-        printed, left, again,
-    )  # fmt: skip
+        schedule=schedule,
+        trace=trace.before(until),
+        folder=folder,
+        requests=proxy.requests,
+        origin=proxy.origin,
+        exit_time=exit_time,
+        status=status,
+        over=over,
+        until=until,
+        printed=printed,
+        left=left,
+        again=again,
+        driven_again=any(entry.volts for entry in trace.applied if entry.time > until),
+    )
     if status != 0:
         outcome.recovered = await _recover(folder, launcher, client, arguments)
     return outcome
@@ -165,10 +176,13 @@ async def _commission(folder: Path, launcher: Launcher, request: dict[str, Any],
     await ended
 
 
-def _tripping(schedule: Schedule, trace: Trace, origin: float | None) -> bool:
-    """Whether a fault of the device began while the output was on, and was on for long enough."""
-    lit = max((entry.time for entry in trace.applied if entry.volts), default=-math.inf)
-    return any(fault.start + (origin or 0.0) + NOTICED < lit for fault in schedule.device)
+def _tripping(schedule: Schedule, trace: Trace, origin: float | None, until: float) -> bool:
+    """Whether the output was on for long enough at one go while the device had a fault."""
+    return any(
+        end - max(start, fault.start + (origin or 0.0)) > NOTICED
+        for fault in schedule.device
+        for start, end in trace.driven(until)
+    )
 
 
 async def _again(

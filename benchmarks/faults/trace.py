@@ -29,7 +29,16 @@ class Trace:
             if end > entry.time
         ]
 
-    def last_driven(self, until: float) -> float | None:
-        """Return when the output was last other than zero, None where it never was."""
-        driven = [min(end, until) for start, end, volts in self.spans(until) if volts != 0]
-        return max(driven, default=None)
+    def before(self, until: float) -> "Trace":
+        """Return the outputs that began until then."""
+        return Trace([entry for entry in self.applied if entry.time <= until])
+
+    def driven(self, until: float) -> list[tuple[float, float]]:
+        """Return (start, end) of each time for which the output was on without a break."""
+        found: list[tuple[float, float]] = []
+        for start, end, volts in self.spans(until):
+            if volts and found and found[-1][1] == start:
+                found[-1] = found[-1][0], end
+            elif volts:
+                found.append((start, end))
+        return found
