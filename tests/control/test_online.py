@@ -118,7 +118,8 @@ def test_memory_does_not_grow():
     now = [*tracker._state, tracker._past, *tracker._lags]
     assert all(a is b for a, b in zip(arrays, now, strict=True))
     assert set(vars(tracker)) == {
-        "_count", "_lag", "_lags", "_model", "_past", "_scale", "_settings", "_state", "_target"
+        "_count", "_lag", "_lags", "_model", "_past", "_scale", "_scaling", "_settings", "_state",
+        "_target",
     }  # fmt: skip
 
 

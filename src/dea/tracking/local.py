@@ -96,7 +96,7 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
     InputError
         If a window is too short for the unknowns, or no window has an estimate.
     """
-    length = min(length, u.size)
+    length = min(length, y.size)
     least = _PER_UNKNOWN * (len(model.terms) + model.max_lag + _TREND)
     if length < least:
         raise InputError(
@@ -104,8 +104,8 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
             field="window",
             remedy=f"Give at least {least}, and a record as long",
         )
-    count = 1 + -(-(u.size - length) * _OVERLAP // length)
-    starts = np.linspace(0, u.size - length, count).astype(np.int64)
+    count = 1 + -(-(y.size - length) * _OVERLAP // length)
+    starts = np.linspace(0, y.size - length, count).astype(np.int64)
     windows = [_stretches(u[a : a + length], y[a : a + length], least) for a in starts]
     fits: list[Fit | None] = [None] * count
     for order in (range(count), range(count - 1, -1, -1)):

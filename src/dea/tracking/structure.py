@@ -24,4 +24,5 @@ def with_constant(model: NarxModel) -> NarxModel:
         model.scaling,
         covariance,
         withheld=model.withheld,
+        labels=model.labels,
     )

@@ -66,9 +66,9 @@ def compare_free_runs(
             field="window",
             remedy=f"It is longer than the largest lag, {model.max_lag}",
         )
-    stretch = min(window, inputs.size)
+    stretch = min(window, outputs.size)
     tracked = with_constant(model)
-    fixed = np.broadcast_to(tracked.parameters, (inputs.size, len(tracked.terms)))
+    fixed = np.broadcast_to(tracked.parameters, (outputs.size, len(tracked.terms)))
     trajectories = {FIXED: fixed} | {
         name: track["parameter"].values.astype(float) for name, track in tracks.items()
     }
@@ -135,7 +135,10 @@ def compare_free_runs(
 
 
 class Record(NamedTuple):
-    """Input and output in the units of the equation; ``y`` is interpolated where not ``seen``."""
+    """Input and output in the units of the equation; ``y`` is interpolated where not ``seen``.
+
+    Several inputs are the columns of ``u``.
+    """
 
     u: Array
     y: Array
@@ -199,7 +202,7 @@ def _frozen_error(model: NarxModel, theta: Array, record: Record, window: int) -
     """Median over stretches of the mean squared error with each stretch's middle parameters."""
     errors = []
     u, y, seen = record
-    for first in range(0, u.size - window + 1, window):
+    for first in range(0, y.size - window + 1, window):
         stretch = slice(first, first + window)
         parameters = np.ascontiguousarray(theta[first + window // 2])
         run = simulate(model.terms, parameters, u[stretch], y[stretch])

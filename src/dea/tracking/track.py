@@ -63,7 +63,8 @@ def track_parameters(
     ----------
     u, y
         Measured input and output in physical units, shape (samples,), or a :class:`dea.Record`
-        alone. A missing output is NaN; equations that it enters are left out.
+        alone. Several inputs are the columns of ``u``. A missing output is NaN; equations that it
+        enters are left out.
     method
         ``rls``: recursive least squares (11)-(16) with forgetting and leakage towards the model's
         own parameters; uses the past alone. ``kalman``: random-walk Kalman filter and smoother;
@@ -124,7 +125,7 @@ def track_parameters(
     model = with_constant(model)
     record = normalised_record(model, *pair(u, y, model.max_lag))
     rate = sampling_rate or (u.sampling_rate if isinstance(u, store.Record) else None)
-    at = np.maximum(instants_of(record.u.size, chosen.pop("instants")), model.max_lag)
+    at = np.maximum(instants_of(record.y.size, chosen.pop("instants")), model.max_lag)
     tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
     found = tracker(model, record, at - model.max_lag, method, chosen)
     rate = rate or model.labels.sampling_rate or 1.0
@@ -237,7 +238,7 @@ def _local(
     """Track by estimates of windows."""
     windows = local_estimates(model, record.u, record.measured, settings["window"])
     Phi, target = _equations(model, record)
-    samples = np.arange(model.max_lag, record.u.size, dtype=float)
+    samples = np.arange(model.max_lag, record.y.size, dtype=float)
     theta, covariance = windows.parameters(samples), windows.at(samples[at])[1]
     deviation = np.sqrt(np.maximum(np.einsum("kii->ki", covariance), 0.0))
     std = np.stack([np.interp(samples, samples[at], each) for each in deviation.T], axis=1)
