@@ -171,7 +171,7 @@ MINE = {
         (["record", "input", "colum"], "u", "record.input.colum", "Did you mean 'column'?"),
         (["record", "output", "units"], REMOVED, "record.output.units", "missing"),
         (["test_records"], {"a/b": MINE["record"]}, "test_records.a/b", "letters, digits"),
-        (["test_records"], {"later": {}}, "test_records.later.input", "missing"),
+        (["test_records"], {"later": {}}, "test_records.later.output", "missing"),
         (["identification"], {"y_lag": 2}, "identification.y_lag", "Did you mean 'y_lags'?"),
         (["identification"], {"y_lags": 0}, "identification.y_lags", "at least 1"),
         (["identification"], 3, "identification", "mapping"),

@@ -37,7 +37,7 @@ def test_the_delay_of_a_first_order_system_is_found(delay):
     u = excitation(1500, 0.5)
     y = of_pole(u, 0.8, delay) + 1e-3 * np.random.default_rng(2).standard_normal(u.size)
     found = linear_dynamics(u, y)
-    assert found.u_lags[0] == delay
+    assert found.u_lags[0][0] == delay
     assert found.y_lags == 1
     assert found.error < 0.02
 

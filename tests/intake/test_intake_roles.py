@@ -20,12 +20,12 @@ def roles(units, answers=NOTHING, constants=None):
 
 def test_clear_names_and_units_need_no_answer():
     found = roles({"t": "ms", "u": "V", "y": "mm"})
-    assert (found.time, found.input, found.output) == (("t", "ms"), ("u", "V"), ("y", "mm"))
+    assert (found.time, found.inputs, found.output) == (("t", "ms"), (("u", "V"),), ("y", "mm"))
 
 
 def test_of_two_columns_the_other_is_the_other():
     found = roles({"time": "s", "volts": "V", "displacement": "um"})
-    assert found.input == ("volts", "V")
+    assert found.inputs == (("volts", "V"),)
     assert found.output == ("displacement", "um")
 
 
@@ -40,7 +40,7 @@ def test_everything_unknown_is_asked_at_once_with_the_command_that_answers():
 
 def test_the_answer_is_enough():
     found = roles({"a b": None, "c": "K"}, Answers("a b:%", "c", rate=10.0))
-    assert (found.input, found.output, found.interval) == (("a b", "%"), ("c", "K"), 0.1)
+    assert (found.inputs, found.output, found.interval) == ((("a b", "%"),), ("c", "K"), 0.1)
 
 
 def test_units_alone_are_asked_where_names_are_clear():
@@ -65,3 +65,16 @@ def test_a_lone_number_may_be_the_interval_or_the_rate(constants, interval):
 def test_a_wrong_answer_is_refused(answers, message):
     with pytest.raises(InputError, match=message):
         roles({"t": "s", "u": "V", "y": "mm"}, answers)
+
+
+def test_several_inputs_are_named_with_commas():
+    units = {"time": "s", "heater, left": None, "heater": "%", "fan": "V", "temperature": "degC"}
+    found = roles(units, Answers("heater:%, fan", "temperature"))
+    assert found.inputs == (("heater", "%"), ("fan", "V"))
+    assert roles(units, Answers("heater, left:%", "temperature")).inputs == (("heater, left", "%"),)
+    with pytest.raises(UnansweredError) as caught:
+        roles(units | {"fan": None}, Answers("heater,fan", "temperature"))
+    assert "the units of 'fan'" in str(caught.value)
+    assert "make case FILE=mine.csv INPUT=heater:%,fan:UNITS" in str(caught.value)
+    with pytest.raises(InputError, match="names a column twice"):
+        roles(units, Answers("heater:%,heater:%", "temperature"))

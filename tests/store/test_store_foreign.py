@@ -107,7 +107,7 @@ def test_a_file_whose_columns_are_named_is_read_as_a_case_reads_it(write, file, 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"inputs": NAMED["input"]}, "inputs: unknown"),
+        ({"imputs": NAMED["input"]}, "imputs: unknown"),
         ({"input": None}, "input: missing. Give a mapping with the keys column, units"),
         ({"input": {"column": "u"}}, r"input\.units: missing. Give text: units"),
         ({"time": {"column": "u", "units": "s"}}, "time: both of time and sampling_interval given"),
@@ -137,3 +137,55 @@ def test_a_record_of_the_study_needs_no_names(tmp_path):
     record = store.read_record(tmp_path / "mine.csv", **NAMED)
     store.write(record, tmp_path / "record.nc", title="a record")
     xr.testing.assert_equal(store.read_record(tmp_path / "record.nc"), record)
+
+
+def test_a_record_may_have_several_inputs(tmp_path):
+    write_csv(tmp_path)
+    several = case("mine.csv")
+    first = several.pop("input")
+    several |= {"inputs": [first, {"column": "y", "units": "mm", "name": "again"}]}
+    record = store.import_record(several, CASE, tmp_path)
+    np.testing.assert_array_equal(record["input_1"], U)
+    np.testing.assert_array_equal(record["input_2"], Y)
+    signals = store.signals(record)
+    assert signals.u_names == ("pump voltage", "again")
+    assert signals.u_units == ("V", "mm")
+    np.testing.assert_array_equal(signals.u, np.column_stack([U, Y]))
+    np.testing.assert_array_equal(signals.part(1.0, 3.0).u, signals.u[2:6])
+    several["inputs"][1]["column"] = "z"
+    with pytest.raises(InputError, match=r"record\.inputs\[1\]\.column: .* no column 'z'"):
+        store.import_record(several, CASE, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "message"),
+    [
+        ([{"column": "u", "units": "V"}], "at least 2"),
+        ([{"column": "u", "units": "V"}] * 2, "inputs: a column is named twice"),
+        (None, "input: missing"),
+    ],
+)
+def test_inputs_named_wrongly_are_refused(inputs, message, tmp_path):
+    write_csv(tmp_path)
+    settings = {name: value for name, value in case("mine.csv").items() if name != "input"}
+    with pytest.raises(InputError, match=message):
+        store.import_record(settings | ({"inputs": inputs} if inputs else {}), CASE, tmp_path)
+    both = [{"column": "u", "units": "V"}, {"column": "y", "units": "mm"}]
+    with pytest.raises(InputError, match="both input and inputs given"):
+        store.import_record(case("mine.csv", inputs=both), CASE, tmp_path)
+
+
+def test_a_record_whose_inputs_all_rest_is_refused(tmp_path):
+    for moving in (True, False):
+        second = np.sin(TIME) if moving else np.ones(20)
+        rows = np.column_stack([np.ones(20), second, Y])
+        np.savetxt(tmp_path / "two.csv", rows, delimiter=",", header="a,b,y", comments="")
+        settings = case("two.csv") | {
+            "inputs": [{"column": "a", "units": "V"}, {"column": "b", "units": "V"}]
+        }
+        del settings["input"]
+        if moving:
+            assert store.import_record(settings, CASE, tmp_path)["input_2"].max() > 0.9
+        else:
+            with pytest.raises(InputError, match="the input is constant at 1 V"):
+                store.import_record(settings, CASE, tmp_path)

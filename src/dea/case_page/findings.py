@@ -65,10 +65,12 @@ class Findings:
     def record(self) -> str:
         """One sentence on the record."""
         record, dataset = self.signals, self.sources.dataset("record")
+        *first, last = [f"{name} ({units})" for name, units in record.inputs]
+        driving = f"{', '.join(first)} and {last} drive" if first else f"{last} drives"
         left_out = f", {record.left_out} of them missing" if record.left_out else ""
         return (
-            f"{record.u.size} samples at {record.sampling_rate:.6g} Hz{left_out}: {record.u_name}"
-            f" ({record.u_units}) drives {record.y_name} ({record.y_units});"
+            f"{record.y.size} samples at {record.sampling_rate:.6g} Hz{left_out}: {driving}"
+            f" {record.y_name} ({record.y_units});"
             f" {dataset.attrs['source_file']}."
         )
 

@@ -21,7 +21,8 @@ from dea.configuration.section import (
 # Lengths of two windows that differ by less, in s, do so by the rounding of their ends alone.
 ROUNDING = 1e-6
 OutputLags = Count | Annotated[list[Count], Different]
-InputLags = Count | Annotated[list[WholeNotNegative], Field(min_length=1), Different]
+LagList = Annotated[list[WholeNotNegative], Field(min_length=1), Different]
+InputLags = Count | LagList | Annotated[list[LagList], Field(min_length=2)]
 
 
 class Identification(Section):
@@ -31,7 +32,9 @@ class Identification(Section):
     length: Positive = key("length of that segment", unit="s")
     y_lags: OutputLags = key("largest lag of the output, or a list of lags", unit="samples")
     u_lags: InputLags = key(
-        "largest lag of the input, from 1 on, or a list of lags, which may hold 0", unit="samples"
+        "largest lag of the input, from 1 on, or a list of lags, which may hold 0; of several"
+        " inputs, such a list for each may be given",
+        unit="samples",
     )
     degree: Count = key("polynomial order")
     even_in_input: Truth = key("true where the system answers the input's negative alike")

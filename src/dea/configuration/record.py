@@ -20,7 +20,11 @@ class Column(Section):
 class Columns(Section):
     """What drove the system and what was measured, and when."""
 
-    input: Column = key("what drove the system")
+    input: Column | None = key("what drove the system, where it has one input", default=None)
+    inputs: Annotated[list[Column], Field(min_length=2)] | None = key(
+        "what drove the system, where it has several inputs; terms number them in this order",
+        default=None,
+    )
     output: Column = key("what was measured")
     time: Column | None = key(
         "time, in s, ms, us, ns, min or h; a date or a time of day is in s", default=None
@@ -37,6 +41,25 @@ class Columns(Section):
     rows: Annotated[list[Whole], Field(min_length=2, max_length=2, strict=False)] | None = key(
         "first row, and one past the last; negative rows count from the end", default=None
     )
+
+    @property
+    def driving(self) -> list[Column]:
+        """What drove the system, one column or several."""
+        return self.inputs or [column for column in (self.input,) if column is not None]
+
+    @model_validator(mode="after")
+    def _one_input_or_several(self) -> Self:
+        if (self.input is None) == (self.inputs is None):
+            raise refuse(
+                "input",
+                "missing" if self.input is None else "both input and inputs given",
+                "Give a mapping with the keys column, units, name; of several, inputs: a list of"
+                " them.",
+            )
+        names = [column.column for column in self.driving]
+        if len(set(names)) < len(names):
+            raise refuse("inputs", "a column is named twice", "Name each input once.")
+        return self
 
     @model_validator(mode="after")
     def _one_time(self) -> Self:

@@ -21,7 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line. The name goes to stdout, what was inferred to stderr."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", type=Path, nargs="?")
-    parser.add_argument("--input", metavar="COLUMN:UNITS")
+    parser.add_argument("--input", metavar="COLUMN:UNITS[,COLUMN:UNITS]")
     parser.add_argument("--output", metavar="COLUMN:UNITS")
     parser.add_argument("--time", metavar="COLUMN:UNITS")
     parser.add_argument("--rate", type=float, metavar="HZ")

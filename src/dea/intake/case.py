@@ -82,12 +82,20 @@ def infer_case(
 
 def _described(file: Path, roles: Roles) -> dict[str, Any]:
     record: dict[str, Any] = {"file": str(file)}
-    for role, column in (("time", roles.time), ("input", roles.input), ("output", roles.output)):
-        if column is not None:
-            record[role] = {"column": column[0], "units": column[1]}
+    if roles.time is not None:
+        record["time"] = _column(roles.time)
+    if len(roles.inputs) == 1:
+        record["input"] = _column(roles.inputs[0])
+    else:
+        record["inputs"] = [_column(each) for each in roles.inputs]
+    record["output"] = _column(roles.output)
     if roles.interval is not None:
         record["sampling_interval"] = float(f"{roles.interval:.12g}")
     return record
+
+
+def _column(named: tuple[str, str]) -> dict[str, str]:
+    return {"column": named[0], "units": named[1]}
 
 
 def _times(table: store.ForeignTable, roles: Roles) -> Array:
@@ -95,15 +103,17 @@ def _times(table: store.ForeignTable, roles: Roles) -> Array:
     if roles.time is not None:
         return table.columns[roles.time[0]] * (store.time_factor(roles.time[1]) or 1.0)
     assert roles.interval is not None
-    return roles.interval * np.arange(table.columns[roles.input[0]].size, dtype=float)
+    return roles.interval * np.arange(table.columns[roles.output[0]].size, dtype=float)
 
 
 def _resampling(
     table: store.ForeignTable, roles: Roles, time: Array
 ) -> tuple[float | None, list[str]]:
     """Return the interval to which the record is resampled, None where it may stay as it is."""
-    u, y = table.columns[roles.input[0]], table.columns[roles.output[0]]
-    known = np.isfinite(time) & np.isfinite(u) & np.isfinite(y)
+    y = table.columns[roles.output[0]]
+    known = np.isfinite(time) & np.isfinite(y)
+    for name, _ in roles.inputs:
+        known &= np.isfinite(table.columns[name])
     if np.count_nonzero(known) < 3:
         raise InputError(f"{np.count_nonzero(known)} rows have both input and output")
     store.check_order(time[known])

@@ -32,7 +32,7 @@ class Dynamics:
     y_lags
         Largest output lag.
     u_lags
-        Input lags, the first of which is the delay.
+        Lags of each input, the first of which is its delay.
     settling
         Samples until the response to a step stays within 2 % of its end.
     error
@@ -41,9 +41,14 @@ class Dynamics:
     """
 
     y_lags: int
-    u_lags: tuple[int, ...]
+    u_lags: tuple[tuple[int, ...], ...]
     settling: int
     error: float
+
+    @property
+    def longest(self) -> int:
+        """The largest lag of an input."""
+        return max(lags[-1] for lags in self.u_lags)
 
 
 def linear_dynamics(u: Array, y: Array) -> Dynamics:
@@ -52,28 +57,46 @@ def linear_dynamics(u: Array, y: Array) -> Dynamics:
     Parameters
     ----------
     u, y
-        A stretch without a missing sample, shape (samples,).
+        A stretch without a missing sample, shape (samples,); several inputs are the columns of
+        ``u``.
     """
-    split = int(_LEARNT * u.size)
+    inputs = u.shape[1] if u.ndim == 2 else 1
+    split = int(_LEARNT * y.size)
     longest = min(_DELAYS, split // (4 * _PER_UNKNOWN))
-    orders = [order for order in _ORDERS if _PER_UNKNOWN * (2 * order + 1) <= split]
+    orders = [order for order in _ORDERS if _PER_UNKNOWN * ((1 + inputs) * order + 1) <= split]
     delays = [1, 0, *range(2, longest + 1)]
-    coarse = {d: _unseen(u, y, split, min(2, orders[-1]), d) for d in delays}
-    # A delay other than one sample is taken where it simulates clearly better.
-    delay = min(delays, key=lambda d: coarse[d][0])
-    near = sorted({1, max(delay - 1, 0), delay, delay + 1})
-    tried = {(n, d): _unseen(u, y, split, n, d) for n, d in product(orders, near)}
+    # A delay other than one sample is taken where it simulates clearly better; that of each input
+    # is sought with those of the inputs before it.
+    found = (1,) * inputs
+    for column in range(inputs):
+        coarse = {d: _replaced(found, column, d) for d in delays}
+        errors = {d: _unseen(u, y, split, min(2, orders[-1]), coarse[d])[0] for d in delays}
+        found = coarse[min(delays, key=lambda d: errors[d])]
+    near = {
+        _replaced(found, column, d)
+        for column, delay in enumerate(found)
+        for d in (1, max(delay - 1, 0), delay, delay + 1)
+    }
+    tried = {(n, d): _unseen(u, y, split, n, d) for n, d in product(orders, sorted(near))}
     least = min(error for error, _ in tried.values())
-    order, delay = min(
+    order, found = min(
         (key for key, (error, _) in tried.items() if error <= _NEAR * least),
-        key=lambda key: (key[0], key[1] != 1, key[1]),
+        key=lambda key: (key[0], sum(d != 1 for d in key[1]), key[1]),
     )
-    error, model = tried[order, delay]
-    return Dynamics(order, tuple(range(delay, delay + order)), _settling(model, u.size), error)
+    error, model = tried[order, found]
+    lags = tuple(tuple(range(delay, delay + order)) for delay in found)
+    return Dynamics(order, lags, _settling(model, y.size, inputs), error)
 
 
-def _unseen(u: Array, y: Array, split: int, order: int, delay: int) -> tuple[float, NarxModel]:
-    terms = candidate_terms(order, list(range(delay, delay + order)), 1)
+def _replaced(delays: tuple[int, ...], column: int, delay: int) -> tuple[int, ...]:
+    return (*delays[:column], delay, *delays[column + 1 :])
+
+
+def _unseen(
+    u: Array, y: Array, split: int, order: int, delays: tuple[int, ...]
+) -> tuple[float, NarxModel]:
+    lags = [list(range(delay, delay + order)) for delay in delays]
+    terms = candidate_terms(order, lags, 1, len(delays))
     model = estimate(terms, u[:split], y[:split])
     start = model.max_lag
     run = model.simulate(u[split:], y[split:])[start:]
@@ -83,18 +106,27 @@ def _unseen(u: Array, y: Array, split: int, order: int, delay: int) -> tuple[flo
     return (error / spread if spread > 0.0 else np.inf), model
 
 
-def _settling(model: NarxModel, longest: int) -> int:
-    """Return the samples that the response to a small step takes to stay near its end."""
+def _settling(model: NarxModel, longest: int, inputs: int) -> int:
+    """Return the samples that a response to a small step of any input takes to stay near its end.
+
+    The slowest input counts.
+    """
     scaling = model.scaling
-    steps = np.full(longest, scaling.u_offset)
-    rest = model.simulate(steps)
-    response = model.simulate(steps + scaling.u_scale) - rest
-    if not np.isfinite(response).all():
-        return longest
-    off = np.abs(response - response[-1]) > _SETTLED * np.abs(response[-1])
-    return int(np.flatnonzero(off)[-1]) + 1 if off.any() else 1
+    middle = np.broadcast_to(scaling.u_offset, (longest, inputs))
+    rest = model.simulate(middle)
+    slowest = 1
+    for step in np.diag(np.broadcast_to(scaling.u_scale, inputs)):
+        response = model.simulate(middle + step) - rest
+        if not np.isfinite(response).all():
+            return longest
+        off = np.abs(response - response[-1]) > _SETTLED * np.abs(response[-1])
+        slowest = max(slowest, int(np.flatnonzero(off)[-1]) + 1 if off.any() else 1)
+    return slowest
 
 
-def written(u_lags: Sequence[int]) -> int | list[int]:
-    """Return input lags as a case file has them: the largest where they begin at 1."""
-    return u_lags[-1] if u_lags[0] == 1 else list(u_lags)
+def written(u_lags: Sequence[Sequence[int]]) -> int | list[int] | list[list[int]]:
+    """Return input lags as a case file has them: the largest where all are alike and begin at 1."""
+    first = u_lags[0]
+    if any(lags != first for lags in u_lags):
+        return [list(lags) for lags in u_lags]
+    return first[-1] if first[0] == 1 else list(first)

@@ -69,7 +69,9 @@ def make_plan(signals: Record) -> Plan:
     held = y.size - known
     reach = min(50, held // (2 * _WINDOWS) - 1)
     windows = _windows(known, max(reach, 3), u, seen)
-    low, high = band(u, rate)
+    columns = np.atleast_2d(u.T)
+    bands = [band(each, rate) for each in columns if np.ptp(each) > 0.0]
+    low, high = min(each[0] for each in bands), max(each[1] for each in bands)
     time = y.size / rate
     sections = {
         "identification": {
@@ -79,7 +81,7 @@ def make_plan(signals: Record) -> Plan:
             "u_lags": written(lags.u_lags),
             "degree": degree,
             "threshold": None,
-            "resamples": _RESAMPLES if _moves(u[:used], lags.u_lags[-1]) else 0,
+            "resamples": _RESAMPLES if _moves(u[:used], lags.longest) else 0,
         },
         "orders": {
             "start": _in_seconds(known, rate),
@@ -103,7 +105,8 @@ def make_plan(signals: Record) -> Plan:
     inferred = (
         f"{y.size} samples at {rate:.6g} Hz, {time:.5g} s"
         + (f", {signals.left_out} of them missing" if signals.left_out else ""),
-        f"the input holds its power between {low:.3g} and {high:.3g} Hz",
+        f"the input{'s hold their' if len(columns) > 1 else ' holds its'} power between"
+        f" {low:.3g} and {high:.3g} Hz",
         f"a step settles within {linear.settling / rate:.3g} s; lags {_listed(lags)} explain"
         f" {100 * max(1 - linear.error**2, 0):.1f} % of an unseen part linearly",
         f"models come from the first {used / rate:.4g} s, tests from the last {held / rate:.4g} s",
@@ -112,8 +115,11 @@ def make_plan(signals: Record) -> Plan:
 
 
 def _listed(lags: Dynamics) -> str:
-    first, last = lags.u_lags[0], lags.u_lags[-1]
-    return f"1 to {lags.y_lags} of the output and {first} to {last} of the input"
+    driving = [f"{each[0]} to {each[-1]} of" for each in lags.u_lags]
+    if len(driving) == 1:
+        return f"1 to {lags.y_lags} of the output and {driving[0]} the input"
+    named = ", ".join(f"{each} input {k}" for k, each in enumerate(driving, start=1))
+    return f"1 to {lags.y_lags} of the output, {named}"
 
 
 def _size(linear: Dynamics, samples: int) -> tuple[Dynamics, int]:
@@ -123,18 +129,19 @@ def _size(linear: Dynamics, samples: int) -> tuple[Dynamics, int]:
     where the linear part explains little, so that its order says little too.
     """
     order = _MOST_LAGS if linear.error > _POOR else max(linear.y_lags, 2)
-    first = linear.u_lags[0]
+    signals = 1 + len(linear.u_lags)
     while True:
         for degree in (3, 2, 1):
-            if comb(2 * order + degree, degree) * _PER_CANDIDATE <= samples or order == degree == 1:
-                lags = tuple(range(first, first + order))
+            candidates = comb(signals * order + degree, degree)
+            if candidates * _PER_CANDIDATE <= samples or order == degree == 1:
+                lags = tuple(tuple(range(each[0], each[0] + order)) for each in linear.u_lags)
                 return Dynamics(order, lags, linear.settling, linear.error), degree
         order -= 1
 
 
 def _tracking(samples: int, settling: int, lags: Dynamics) -> dict[str, Any]:
     window = int(np.clip(_SETTLINGS * settling, samples // 12, samples // 3))
-    window = max(window, 40 * (lags.y_lags + len(lags.u_lags)))
+    window = max(window, 40 * (lags.y_lags + sum(map(len, lags.u_lags))))
     memory = int(np.clip(_SETTLINGS * settling, 100, max(samples // 4, 100)))
     return {
         "trackers": {
@@ -169,12 +176,12 @@ def _windows(first: int, reach: int, u: Array, seen: NDArray[np.bool_]) -> list[
 
     There are fewer where the input would be constant over one of them.
     """
-    held = u.size - first
+    held = len(u) - first
     for count in range(max(min(_WINDOWS, held // (2 * reach + 2)), 1), 0, -1):
         length = min(held // count, _LONGEST)
         apart = (held - length) / max(count - 1, 1)
         found = [(a, a + length) for a in (first + round(i * apart) for i in range(count))]
-        if all(np.ptp(u[a:b]) > 0.0 for a, b in found):
+        if all(np.ptp(u[a:b], axis=0).any() for a, b in found):
             break
     else:
         raise InputError(
@@ -187,7 +194,8 @@ def _windows(first: int, reach: int, u: Array, seen: NDArray[np.bool_]) -> list[
 
 def _moves(u: Array, lag: int) -> bool:
     """Whether blocks that are drawn from the input anew hold many lags, and none is constant."""
-    return bool(u.size > 40 * lag and np.count_nonzero(np.diff(u)) > u.size / 2)
+    changes = np.diff(u.reshape(len(u), -1), axis=0) != 0.0
+    return len(u) > 40 * lag and bool(np.all(np.count_nonzero(changes, axis=0) > len(u) / 2))
 
 
 def _longest_stretch(seen: NDArray[np.bool_]) -> slice:

@@ -16,6 +16,7 @@ _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive",
 _OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest", "y1"}
 _TIME = {"t", "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock"}
 _INTERVAL = {"ts", "dt", "tsample", "sampling_interval", "sample_time"}
+_Column = tuple[str, str | None]  # its name and its units, where they are known
 _RATE = {"fs", "rate", "sampling_rate", "samplerate", "sample_rate"}
 
 
@@ -26,7 +27,7 @@ class Answers:
     Parameters
     ----------
     input, output
-        ``COLUMN`` or ``COLUMN:UNITS``.
+        ``COLUMN`` or ``COLUMN:UNITS``; several inputs, separated by commas.
     time
         The same of the time column.
     rate
@@ -41,12 +42,12 @@ class Answers:
 
 @dataclass(frozen=True)
 class Roles:
-    """The columns of a record; ``time`` or ``interval`` (s) is None.
+    """The columns of a record with their units; ``time`` or ``interval`` (s) is None.
 
     ``inferred`` says in words what the user did not.
     """
 
-    input: tuple[str, str]
+    inputs: tuple[tuple[str, str], ...]
     output: tuple[str, str]
     time: tuple[str, str] | None
     interval: float | None
@@ -72,52 +73,66 @@ def find_roles(
         Where an answer names no column, or one column twice.
     """
     said = {
-        role: _answer(getattr(answers, role), table, role, file)
+        role: _answers(getattr(answers, role), table, role, file)
         for role in ("input", "output", "time")
     }
     inferred: list[str] = []
-    time, interval = _timing(table, said["time"], answers.rate, inferred)
+    time, interval = _timing(table, next(iter(said["time"]), None), answers.rate, inferred)
     free = [name for name in table.columns if time is None or name != time[0]]
     found = {
         "input": said["input"] or _guess(free, _INPUT, table),
         "output": said["output"] or _guess(free, _OUTPUT, table),
     }
     _fill_the_other(found, free, table)
-    names = [each[0] for each in found.values() if each is not None]
-    if len(names) == 2 and names[0] == names[1]:
-        raise InputError(f"{names[0]!r} is input and output", file=file, remedy="Name two columns")
+    names = [name for each in found.values() for name, _ in each]
+    driving, measured = ([name for name, _ in found[role]] for role in ("input", "output"))
+    if both := set(driving).intersection(measured):
+        raise InputError(
+            f"{both.pop()!r} is input and output", file=file, remedy="Name two columns"
+        )
+    if len(set(driving)) < len(driving):
+        raise InputError("it names a column twice", field="INPUT", remedy="Name each input once")
     asked: list[str] = []
     lines = dict(given)
-    if None in found.values():
-        asked.append("which column is the input, which the output, and their units")
+    if not all(found.values()):
+        asked.append(
+            "which column is the input (several: INPUT=A:UNITS,B:UNITS), which the output, and"
+            " their units"
+        )
     # Two columns are likely input and output, in this order; of more, none is likelier.
     rest = [name for name in free if name not in names]
     guesses = rest if len(free) == 2 else []
     for role, known in found.items():
-        name = known[0] if known else guesses.pop(0) if guesses else "COLUMN"
-        units = known[1] if known else table.units.get(name)
-        if known and not units:
-            asked.append(f"the units of {name!r}")
-        lines[role.upper()] = f"{name}:{units or 'UNITS'}"
+        if not known:
+            name = guesses.pop(0) if guesses else "COLUMN"
+            lines[role.upper()] = f"{name}:{table.units.get(name) or 'UNITS'}"
+            continue
+        asked += [f"the units of {name!r}" for name, units in known if not units]
+        lines[role.upper()] = ",".join(f"{name}:{units or 'UNITS'}" for name, units in known)
     if time is None and interval is None:
         asked.append("how many samples there are in a second")
         lines["RATE"] = "SAMPLES_PER_SECOND"
     if asked:
         raise UnansweredError(asked, command(goal, lines), file, described(table))
-    u, y = found["input"], found["output"]
-    assert u is not None
-    assert y is not None
-    unsaid = [role for role in ("input", "output") if said[role] is None]
-    columns = {"input": u, "output": y}
-    inferred += [f"{role}: column {columns[role][0]!r}, by the names" for role in unsaid]
-    return Roles((u[0], u[1] or ""), (y[0], y[1] or ""), time, interval, tuple(inferred))
+    unsaid = [role for role in ("input", "output") if not said[role]]
+    inferred += [f"{role}: column {found[role][0][0]!r}, by the names" for role in unsaid]
+    columns = {
+        role: tuple((name, units or "") for name, units in each) for role, each in found.items()
+    }
+    return Roles(columns["input"], columns["output"][0], time, interval, tuple(inferred))
 
 
-def _answer(
-    text: str | None, table: ForeignTable, role: str, file: Path
-) -> tuple[str, str | None] | None:
+def _answers(text: str | None, table: ForeignTable, role: str, file: Path) -> list[_Column]:
+    """Return the columns that an answer names; several only of the input."""
     if text is None:
-        return None
+        return []
+    name, _, units = text.rpartition(":")
+    whole = text in table.columns or (name in table.columns and "," not in units)
+    parts = [text] if whole or role != "input" else [part.strip() for part in text.split(",")]
+    return [_answer(part, table, role, file) for part in parts]
+
+
+def _answer(text: str, table: ForeignTable, role: str, file: Path) -> _Column:
     name, mark, units = text.rpartition(":")
     if text in table.columns or not mark:
         name, units = text, ""
@@ -133,7 +148,7 @@ def _answer(
 
 def _timing(
     table: ForeignTable,
-    said: tuple[str, str | None] | None,
+    said: _Column | None,
     rate: float | None,
     inferred: list[str],
 ) -> tuple[tuple[str, str] | None, float | None]:
@@ -162,22 +177,22 @@ def _timing(
     return None, None
 
 
-def _fill_the_other(
-    found: dict[str, tuple[str, str | None] | None], free: list[str], table: ForeignTable
-) -> None:
-    """Where one of two columns is known, the other is what remains."""
-    known = [role for role, column in found.items() if column is not None]
-    if len(known) == 1 and len(free) == 2:
-        column = found[known[0]]
-        other = next(name for name in free if column is None or name != column[0])
+def _fill_the_other(found: dict[str, list[_Column]], free: list[str], table: ForeignTable) -> None:
+    """Where all columns but one are known inputs or the output, the other is what remains."""
+    known = [role for role, columns in found.items() if columns]
+    if len(known) != 1:
+        return
+    names = [name for name, _ in found[known[0]]]
+    rest = [name for name in free if name not in names]
+    if len(rest) == 1:
         missing = "output" if known[0] == "input" else "input"
-        found[missing] = (other, table.units.get(other))
+        found[missing] = [(rest[0], table.units.get(rest[0]))]
 
 
-def _guess(free: list[str], words: set[str], table: ForeignTable) -> tuple[str, str | None] | None:
-    """Return the only column whose name holds one of these words."""
+def _guess(free: list[str], words: set[str], table: ForeignTable) -> list[_Column]:
+    """Return the only column whose name holds one of these words, empty where there are more."""
     found = list(filter(_named(words), free))
-    return (found[0], table.units.get(found[0])) if len(found) == 1 else None
+    return [(found[0], table.units.get(found[0]))] if len(found) == 1 else []
 
 
 def _named(words: set[str]) -> Callable[[str], bool]:

@@ -1,6 +1,6 @@
 """What the stages of identification share: the segment of a record that models come from."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,10 +28,10 @@ def segment(
     """
     first = round(start * signals.sampling_rate)
     last = first + round(length * signals.sampling_rate)
-    if last > signals.u.size:
+    if last > signals.y.size:
         raise InputError(
             f"the segment from {start:g} s, {length:g} s long, ends after the record, which is "
-            f"{signals.u.size / signals.sampling_rate:g} s long",
+            f"{signals.y.size / signals.sampling_rate:g} s long",
             file=file,
             field=f"{section}.start, {section}.length",
             remedy="Choose a segment inside the record.",
@@ -50,14 +50,22 @@ def good_stretches(
         If none is long enough for the lags of ``identification``.
     """
     lag = max(
-        lag if isinstance(lag, int) else max(lag, default=0)
-        for lag in (identification["y_lags"], identification["u_lags"])
+        lag
+        for lags in (identification["y_lags"], identification["u_lags"])
+        for lag in _every_lag(lags)
     )
     try:
         found = stretches(np.isfinite(signals.y), part, lag)
     except InputError as error:
         raise InputError(error.problem, file=file, field="quality", remedy=error.remedy) from error
     return [signals.u[each] for each in found], [signals.y[each] for each in found]
+
+
+def _every_lag(lags: int | Sequence[Any]) -> list[int]:
+    """Return the lags of a setting: the largest, a list, or a list for each of several inputs."""
+    if isinstance(lags, int):
+        return [lags]
+    return [0, *(lag for each in lags for lag in _every_lag(each))]
 
 
 def selection_arguments(identification: Mapping[str, Any]) -> dict[str, Any]:

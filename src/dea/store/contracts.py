@@ -98,10 +98,10 @@ CONTRACTS: Mapping[str, Contract] = {
     "imported_record": Contract(
         required={
             "time": _plain("time", units="s"),
-            "input": _plain("time"),
             "output": _plain("time"),
         },
-        optional={"quality": _plain("time", units="1")},
+        # A record has one input or several, input_1 and so on, which reading it checks.
+        optional={"input": _plain("time"), "quality": _plain("time", units="1")},
     ),
     "link": Contract(
         required={

@@ -9,7 +9,7 @@ import xarray as xr
 
 from dea.errors import InputError
 from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
-from dea.store.records import check_record
+from dea.store.records import check_record, input_variables
 from dea.store.resampling import Uniform, resample
 
 if TYPE_CHECKING:
@@ -27,9 +27,10 @@ def import_record(
     ----------
     settings
         The case's ``record``: ``file`` (relative to ``root``), ``input`` and ``output`` (each
-        ``column``, ``units``, ``name``), and either a ``time`` column or a ``sampling_interval``
-        in seconds; optionally ``rows`` = [first, last + 1], and ``resample``, the time in seconds
-        to which samples that jitter are interpolated and closer ones averaged.
+        ``column``, ``units``, ``name``), or in place of ``input`` a list of ``inputs``, and either
+        a ``time`` column or a ``sampling_interval`` in seconds; optionally ``rows`` =
+        [first, last + 1], and ``resample``, the time in seconds to which samples that jitter are
+        interpolated and closer ones averaged.
     case_file
         Named in error messages, where the settings come from one.
 
@@ -76,20 +77,26 @@ def import_record(
             )
         return columns[name][rows]
 
-    u, y = column("input", described.input), column("output", described.output)
+    driving = described.driving
+    places = ["input"] if len(driving) == 1 else [f"inputs[{k}]" for k in range(len(driving))]
+    u = np.stack([column(*each) for each in zip(places, driving, strict=True)], axis=1)
+    y = column("output", described.output)
     if described.time is not None:
         time = column("time", described.time) * (time_factor(described.time.units) or 1.0)
         time = time - time[:1]
     else:
         assert described.sampling_interval is not None
-        time = float(described.sampling_interval) * np.arange(u.size, dtype=float)
+        time = float(described.sampling_interval) * np.arange(y.size, dtype=float)
     flags = {}
     if described.resample is not None:
         time, u, y, missing = _resampled(time, u, y, float(described.resample), file)
         flags["quality"] = ("time", missing.astype("uint8"), FLAG)
     record = xr.Dataset(
         {
-            "input": ("time", u, _attributes(described.input)),
+            **{
+                name: ("time", u[:, k], _attributes(driving[k]))
+                for k, name in enumerate(input_variables(len(driving)))
+            },
             "output": ("time", y, _attributes(described.output)),
             **flags,
         },

@@ -27,9 +27,9 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
         spreadsheet, Parquet).
     columns
         For a file of other columns, what a case file says of it: ``input`` and ``output``, each
-        ``{"column": …, "units": …}`` with optionally a ``name``; ``time`` likewise, or
-        ``sampling_interval`` in seconds; optionally ``rows`` = [first, last + 1] and ``resample``
-        in seconds.
+        ``{"column": …, "units": …}`` with optionally a ``name``, or a list of such ``inputs``;
+        ``time`` likewise, or ``sampling_interval`` in seconds; optionally ``rows`` =
+        [first, last + 1] and ``resample`` in seconds.
 
     Raises
     ------

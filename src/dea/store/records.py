@@ -1,6 +1,7 @@
 """Records of a system's input and output: what makes one usable, and its arrays."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import count, islice, takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -119,10 +120,10 @@ class Record(NamedTuple):
             str(attributes.get("long_name", name or role))
             for attributes, name, role in zip(carried, own, ("input", "output"), strict=True)
         ]
-        count = inputs.shape[1] if inputs.ndim == 2 else 1
-        if count > 1 and names is None:
-            called = list(map(str, getattr(u, "columns", input_names(count))))
-        u_units, u_name = _for_each(of_inputs, count, "units"), _for_each(called, count, "names")
+        number = inputs.shape[1] if inputs.ndim == 2 else 1
+        if number > 1 and names is None:
+            called = list(map(str, getattr(u, "columns", input_names(number))))
+        u_units, u_name = _for_each(of_inputs, number, "units"), _for_each(called, number, "names")
         time = np.arange(outputs.size) / sampling_rate
         return cls(time, inputs, outputs, sampling_rate, u_units, y_units, u_name, y_name)
 
@@ -170,17 +171,21 @@ def signals(record: xr.Dataset) -> Record:
     The output of a flagged sample is NaN, its input what was applied. A lost sample of a record
     that was finished was never written, so that the device held the input before.
     """
-    u, y = (_first(record, names) for names in (_INPUTS, _OUTPUTS))
+    driving, y = _driving(record), _first(record, _OUTPUTS)
+    held = [_held(each.values.astype(float)) for each in driving]
+    names = tuple(str(each.attrs.get("long_name", each.name)) for each in driving)
+    units = tuple(str(each.attrs["units"]) for each in driving)
+    several = len(driving) > 1
     time = record["time"].values.astype(float)
     flagged = _flagged(record)
     return Record(
         time=time,
-        u=_held(u.values.astype(float)),
+        u=np.array(held).T if several else held[0],
         y=np.where(flagged, np.nan, y.values.astype(float)),
         sampling_rate=float((time.size - 1) / (time[-1] - time[0])),
-        u_units=u.attrs["units"],
+        u_units=units if several else units[0],
         y_units=y.attrs["units"],
-        u_name=u.attrs.get("long_name", str(u.name)),
+        u_name=names if several else names[0],
         y_name=y.attrs.get("long_name", str(y.name)),
     )
 
@@ -204,8 +209,8 @@ def check_record(record: xr.Dataset, file: Path) -> None:
     flagged = _flagged(record)
     if flagged.all():
         raise InputError(_flags(record), file=file, field="quality", remedy="Record it again")
-    for names in (_INPUTS, _OUTPUTS):
-        variable = _first(record, names, file)
+    driving = _driving(record, file)
+    for variable in (*driving, _first(record, _OUTPUTS, file)):
         if "units" not in variable.attrs:
             raise InputError("its units are not given", file=file, field=str(variable.name))
         _require_finite(np.where(flagged, 0.0, variable.values), str(variable.name), file)
@@ -213,15 +218,30 @@ def check_record(record: xr.Dataset, file: Path) -> None:
     _require_uniform(time, file)
     if "device_index" in record.variables:
         _require_consecutive(record["device_index"].values, file)
-    u = _first(record, _INPUTS)
-    moving = u.values[~flagged]
-    if np.ptp(moving) == 0:
+    still = [each for each in driving if np.ptp(each.values[~flagged]) == 0]
+    if len(still) == len(driving):
+        u = still[0]
         raise InputError(
-            f"the input is constant at {moving[0]:g} {u.attrs['units']}",
+            f"the input is constant at {u.values[~flagged][0]:g} {u.attrs['units']}",
             file=file,
             field=str(u.name),
             remedy="A model can only be identified from an input that moves",
         )
+
+
+def input_variables(number: int) -> list[str]:
+    """Return what a record made elsewhere calls so many inputs."""
+    return ["input"] if number == 1 else list(islice(_numbered_inputs(), number))
+
+
+def _driving(record: xr.Dataset, file: Path | None = None) -> list[xr.DataArray]:
+    """Return the variable of the input, or of each of several."""
+    names = takewhile(lambda name: name in record.variables, _numbered_inputs())
+    return [record[name] for name in names] or [_first(record, _INPUTS, file)]
+
+
+def _numbered_inputs() -> Iterator[str]:
+    return (f"input_{k}" for k in count(1))
 
 
 def _first(record: xr.Dataset, names: tuple[str, ...], file: Path | None = None) -> xr.DataArray:

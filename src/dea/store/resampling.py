@@ -65,14 +65,15 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
     Parameters
     ----------
     time, u, y
-        Shape (samples,), time ascending in s; NaN where a value is missing.
+        Shape (samples,), time ascending in s; NaN where a value is missing. Several inputs
+        are the columns of ``u``.
 
     Raises
     ------
     InputError
         If times do not ascend.
     """
-    known = np.isfinite(time) & np.isfinite(u) & np.isfinite(y)
+    known = np.isfinite(time) & np.isfinite(u.reshape(y.size, -1)).all(axis=1) & np.isfinite(y)
     if np.count_nonzero(known) < 3:
         raise InputError(
             f"{np.count_nonzero(known)} samples have both input and output",
@@ -89,8 +90,10 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
     nearest = np.minimum(np.abs(grid - at[after - 1]), np.abs(at[after] - grid))
     missing = (gap > _NEIGHBOURS * step) & (nearest > _CLOSE * step)
     y_grid = np.where(missing, np.nan, np.interp(grid, at, y_known))
-    u_grid = np.interp(grid, at, u_known)
-    return _averaged(grid - at[0], u_grid, y_grid, several)
+    columns = u_known.reshape(at.size, -1).T
+    u_grid = np.stack([np.interp(grid, at, column) for column in columns], axis=1)
+    found = _averaged(grid - at[0], u_grid, y_grid, several)
+    return found._replace(u=found.u.reshape(-1, *u.shape[1:]))
 
 
 def _averaged(time: Array, u: Array, y: Array, several: int) -> Uniform:
@@ -101,5 +104,8 @@ def _averaged(time: Array, u: Array, y: Array, several: int) -> Uniform:
     total = np.where(there, parts, 0.0).sum(axis=1)
     mean = np.where(missing, np.nan, total / np.maximum(there.sum(axis=1), 1))
     return Uniform(
-        time.reshape(-1, several)[:, 0], u.reshape(-1, several).mean(axis=1), mean, missing
+        time.reshape(-1, several)[:, 0],
+        u.reshape(-1, several, u.shape[1]).mean(axis=1),
+        mean,
+        missing,
     )

@@ -1,0 +1,60 @@
+"""A file with two inputs becomes a case, and its record has both."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from dea import store
+from dea.configuration.case import check_case
+from dea.configuration.files import read_yaml
+from dea.configuration.study import check_study
+from dea.intake.__main__ import main
+from dea.intake.dynamics import linear_dynamics
+
+ROOT = Path(__file__).parents[2]
+N, RATE = 500, 10.0
+
+
+def made(delays=(1, 1)):
+    rng = np.random.default_rng(3)
+    u = np.stack([np.convolve(each, np.ones(4) / 4, "same") for each in rng.normal(size=(2, N))], 1)
+    y = np.zeros(N)
+    for t in range(10, N):
+        y[t] = 0.8 * y[t - 1] + 0.4 * u[t - delays[0], 0] - 0.3 * u[t - delays[1], 1]
+    return u, y + rng.normal(0.0, 1e-3, N)
+
+
+def test_each_input_has_its_own_delay():
+    found = linear_dynamics(*made((1, 6)))
+    assert [lags[0] for lags in found.u_lags] == [1, 6]
+    assert found.error < 0.05
+
+
+def test_a_file_with_two_inputs_becomes_a_case(tmp_path, monkeypatch, capsys):
+    (tmp_path / "config" / "cases").mkdir(parents=True)
+    for part in ("devices", "config.yaml", "bench.yaml"):
+        os.symlink(ROOT / "config" / part, tmp_path / "config" / part)
+    monkeypatch.chdir(tmp_path)
+    u, y = made((1, 4))
+    jitter = np.random.default_rng(1).uniform(-1e-3, 1e-3, N)
+    columns = {"t (s)": np.arange(N) / RATE + jitter, "a": u[:, 0], "b": u[:, 1], "y (K)": y}
+    pd.DataFrame(columns).to_csv("mine.csv", index=False)
+    assert main(["mine.csv"]) == 2
+    assert "INPUT=A:UNITS,B:UNITS" in capsys.readouterr().err
+    assert main(["mine.csv", "--input", "a:V,b:%", "--output", "y"]) == 0
+    said = capsys.readouterr().err
+    assert "the inputs hold their power" in said
+    file = Path("config/cases/mine.yaml")
+    content = yaml.safe_load(file.read_text())
+    case = check_case(
+        content, check_study(read_yaml("config/config.yaml", what="", example="")), file
+    )
+    assert [column.column for column in case.record.driving] == ["a", "b"]
+    assert [lags[0] for lags in case.identification.u_lags] == [1, 4]
+    record = store.signals(store.import_record(content["record"]))
+    assert record.u.shape == (N, 2)
+    assert record.inputs == [("a", "V"), ("b", "%")]
+    np.testing.assert_allclose(record.u, u, atol=0.05)
