@@ -2,6 +2,7 @@
 
 import asyncio
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -269,6 +270,8 @@ def test_a_trip_is_expected_where_the_output_is_on_during_a_fault(begins, expect
     trace = Trace([Applied(k / RATE, v, to_counts(v), 0, 0) for k, v in enumerate(volts)])
     schedule = Schedule("plain", safety=True, device=(DeviceFault("monitor", begins),))
     assert _tripping(schedule, trace, 0.0, until=5.0) == expected
+    cut = replace(schedule, link=(LinkFault("cut", begins + 0.05, 1.0),))
+    assert not _tripping(cut, trace, 0.0, until=5.0)
 
 
 def test_what_a_second_run_drives_is_judged_apart():
