@@ -1,12 +1,14 @@
 """Cross-kernels of models with several inputs against tones in a simulation and Volterra sums."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import dea
 from dea.errors import InputError
-from dea.gfrf import zero_input_response
-from dea.narx import NarxModel, Scaling
+from dea.gfrf import Grid, response_over_time, zero_input_response
+from dea.narx import Labels, NarxModel, Scaling
 
 RATE = 50.0
 TERMS = {
@@ -156,3 +158,35 @@ def test_which_input_must_be_said(order, inputs, message):
 def test_an_operating_point_has_a_level_for_each_input():
     with pytest.raises(InputError, match="1 numbers for 2 inputs"):
         dea.frequency_response(MODEL, 1, 1.0, RATE, inputs=1, operating_point=1.0)
+
+
+def test_responses_over_time_are_those_of_every_input_and_pair():
+    record = dea.Record.of(
+        np.random.default_rng(1).uniform(-1, 1, (400, 2)),
+        np.random.default_rng(2).uniform(-1, 1, 400),
+        RATE,
+        units=(("V", "%"), "mm"),
+        names=(("left", "right"), "position"),
+    )
+    terms = {"1": 0.1, "y(t-1)": 0.5, "u1(t-1)": 0.4, "u2(t-2)": -0.2, "u1(t-1)u2(t-1)": 0.1}
+    model = NarxModel.from_terms(terms, scaling=SCALING)
+    model = replace(model, labels=Labels.of(record))
+    track = dea.track_parameters(model, record, instants=20)
+    grid = Grid(instants=10, count=4, plane_count=3)
+    found = response_over_time(model, track, record.u, RATE, grid=grid)
+    assert found["input"].values.tolist() == ["left", "right"]
+    assert found["pair"].values.tolist() == ["left × left", "left × right", "right × right"]
+    at = {"time": found["time"], "method": "nearest"}
+    theta = track["parameter"].sel(**at).values
+    f, plane = found["frequency"].values, found["frequency_1"].values
+    for k, name in enumerate(("left", "right")):
+        expected = dea.frequency_response(
+            model, 1, f, RATE, inputs=name, parameters=theta, allow_missing=True
+        )
+        np.testing.assert_array_equal(found["H1"].isel(input=k, part=0), expected.real)
+    theta = track["parameter"].sel(time=found["time_h2"], method="nearest").values
+    crossed = dea.frequency_response(
+        model, 2, (plane[:, None], plane), RATE, inputs=("left", "right"), parameters=theta
+    )
+    np.testing.assert_array_equal(found["H2"].isel(pair=1, part=1), crossed.imag)
+    assert found["H3"].dims[0] == found["excited"].dims[0] == "input"

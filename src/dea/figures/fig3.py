@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex, magnitude_scale
+from dea.figures.frequency_maps import as_complex, magnitude_scale, one_by_one, system_of
 from dea.figures.h1_over_time import Quantity, excited_values, h1_over_time
 from dea.store import Sources
 
@@ -24,20 +24,24 @@ def fig3(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset])
     The maps show it relative to the system's own gain at the lowest frequency in the middle of the
     record, so that one colour scale suits systems of different size; the curves in physical units.
     """
-    gains = {name: abs(as_complex(response["H1"])) for name, response in responses.items()}
+    parts = one_by_one(responses, "input")
+    gains = {name: abs(as_complex(response["H1"])) for name, response in parts.items()}
     relative = {name: gain / _reference(gain) for name, gain in gains.items()}
-    units = next(iter(responses.values()))["H1"].attrs["units"]
     shown = Quantity(
         relative,
-        magnitude_scale(excited_values(relative, responses)),
+        magnitude_scale(excited_values(relative, parts)),
         style.GAIN_MAP,
         r"$|H_1(f, t)|$ / $|H_1|$ at the lowest $f$ and half time",
         gains,
         "gain_low",
         "gain_high",
-        style.quantity(r"gain $|H_1|$", units),
+        {
+            name: style.quantity(r"gain $|H_1|$", response["H1"].attrs["units"])
+            for name, response in parts.items()
+        },
     )
-    return h1_over_time(records, responses, shown)
+    of_system = {name: records[system_of(records, name)] for name in parts}
+    return h1_over_time(of_system, parts, shown)
 
 
 def _reference(gain: xr.DataArray) -> float:

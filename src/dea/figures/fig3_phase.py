@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex
+from dea.figures.frequency_maps import as_complex, one_by_one, system_of
 from dea.figures.h1_over_time import Quantity, excited_values, h1_over_time
 from dea.store import Sources, signals
 
@@ -26,21 +26,21 @@ def fig3_phase(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dat
     The delay of one sample, which lies between an input and the first output that it can move, is
     taken off; that of the instruments is not.
     """
-    without = {
-        name: _without_delay(response, records[name]) for name, response in responses.items()
-    }
+    parts = one_by_one(responses, "input")
+    of_system = {name: records[system_of(records, name)] for name in parts}
+    without = {name: _without_delay(response, of_system[name]) for name, response in parts.items()}
     maps = {name: response["phase"] for name, response in without.items()}
     shown = Quantity(
         maps,
-        _range(excited_values(maps, responses)),
+        _range(excited_values(maps, parts)),
         style.PHASE_MAP,
         "phase of $H_1(f, t)$ without the delay of one sample (degrees)",
         maps,
         "phase_low",
         "phase_high",
-        "phase of $H_1$ (degrees)",
+        dict.fromkeys(parts, "phase of $H_1$ (degrees)"),
     )
-    return h1_over_time(records, without, shown)
+    return h1_over_time(of_system, without, shown)
 
 
 def _without_delay(response: xr.Dataset, record: xr.Dataset) -> xr.Dataset:

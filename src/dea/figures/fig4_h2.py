@@ -21,6 +21,7 @@ from dea.figures.frequency_maps import (
     hatch,
     magnitude_scale,
     missing_handles,
+    one_by_one,
     reservations,
     veil_handle,
 )
@@ -49,6 +50,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     The maps show it relative to the actuator's own at the lowest frequencies and the middle time;
     the last row shows |H2(f, f)| in physical units, at each time with its band.
     """
+    responses = one_by_one(responses, "pair")
     sizes = {name: abs(as_complex(response["H2"])) for name, response in responses.items()}
     maps = {name: size / _reference(size) for name, size in sizes.items()}
     times = next(iter(maps.values()))["time_h2"].values
@@ -69,8 +71,9 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
         axes[0, column].set_title(name)
         axes[-2, column].set_xlabel("$f_1$ (Hz)")
         _diagonal(axes[-1, column], responses[name], sizes[name])
-    units = next(iter(responses.values()))["H2"].attrs["units"]
-    axes[-1, 0].set_ylabel(style.quantity("$|H_2(f, f)|$", units))
+    units = [response["H2"].attrs["units"] for response in responses.values()]
+    for column in range(len(maps) if len(set(units)) > 1 else 1):
+        axes[-1, column].set_ylabel(style.quantity("$|H_2(f, f)|$", units[column]))
     colour_bar(figure, mesh, axes[:-1], r"$|H_2(f_1, f_2)|$ / own at lowest $f$, middle time")
     handles = [veil_handle(), *_curve_handles(times), *missing_handles(maps)]
     figure.legend(

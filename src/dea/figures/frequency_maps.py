@@ -1,6 +1,6 @@
 """What the maps of frequency responses share: complex values, hatching, colours."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from textwrap import wrap
 
 import numpy as np
@@ -24,6 +24,30 @@ def as_complex(response: xr.DataArray) -> xr.DataArray:
     """Return the complex values of a response stored with a last dimension ``part``."""
     values = response.sel(part="real") + 1j * response.sel(part="imag")
     return values.drop_vars("part", errors="ignore").assign_attrs(response.attrs)
+
+
+def one_by_one(responses: Mapping[str, xr.Dataset], dimension: str) -> dict[str, xr.Dataset]:
+    """Return the response of each input, or of each ``pair`` of several, as if of its own system.
+
+    Their names follow those of the systems; a system with one input stays as it is.
+    """
+    found: dict[str, xr.Dataset] = {}
+    for name, response in responses.items():
+        if dimension not in response.dims:
+            found[name] = response
+            continue
+        for k, label in enumerate(response[dimension].values.tolist()):
+            part = response.isel({dimension: k}, drop=True)
+            for variable in part.data_vars.values():
+                units = variable.attrs["units"].split(", ")
+                variable.attrs["units"] = units[k if len(units) > 1 else 0]
+            found[f"{name}, {label}"] = part
+    return found
+
+
+def system_of(names: Iterable[str], part: str) -> str:
+    """Return which of the systems ``names`` a response of :func:`one_by_one` is of."""
+    return next(name for name in names if part == name or part.startswith(f"{name}, "))
 
 
 def hatch(ax: Axes, x: Array, y: Array, where: NDArray[np.bool_]) -> None:

@@ -30,7 +30,8 @@ class Quantity(NamedTuple):
     """What is shown of H1.
 
     ``maps`` over ``time`` and ``frequency`` on the colour scale ``norm``; ``curves`` likewise, in
-    the units of the variables ``low`` and ``high`` of the response, the ends of their bands.
+    the units of the variables ``low`` and ``high`` of the response, the ends of their bands;
+    ``curve_labels`` say what they are.
     """
 
     maps: Mapping[str, xr.DataArray]
@@ -40,7 +41,7 @@ class Quantity(NamedTuple):
     curves: Mapping[str, xr.DataArray]
     low: str
     high: str
-    curve_label: str
+    curve_labels: Mapping[str, str]
 
 
 def h1_over_time(
@@ -70,6 +71,7 @@ def h1_over_time(
         style.time_axis(panel, signals(records[name]).time)
         panel.set_ylabel("frequency (Hz)")
         _curves(curves, response, shown.curves[name], shown)
+        curves.set_ylabel(shown.curve_labels[name])
     colour_bar(figure, mesh, np.array(figure.axes), shown.map_label)
     time = next(iter(responses.values()))["time"].values
     veiled = any(map(_extrapolates, responses.values()))
@@ -158,7 +160,6 @@ def _curves(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantit
         ax.set_ylim(seen.min() - margin, seen.max() + margin)
     ax.yaxis.set_major_locator(MaxNLocator(4))
     ax.set_xlabel("frequency (Hz)")
-    ax.set_ylabel(shown.curve_label)
 
 
 def _log_if_wide(ax: Axes, which: str) -> None:

@@ -30,7 +30,7 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
     """
     chosen = validation.sel(approach=approach)
     tests, windows = chosen["test"].values, chosen["window"].values
-    figure = style.page_figure(style.FULL_WIDTH, 20 + 34 * tests.size)
+    figure = style.page_figure(style.FULL_WIDTH, min(20 + 34 * tests.size, style.PAGE_HEIGHT))
     axes = figure.subplots(tests.size, windows.size, squeeze=False, sharex=True, sharey="row")
     for row, test in enumerate(tests):
         for column in range(windows.size):

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,6 +14,7 @@ from dea.gfrf.bands import frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
 from dea.gfrf.response import frequency_response
 from dea.narx import NarxModel
+from dea.store import input_names
 
 Array = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
@@ -82,8 +84,12 @@ def response_over_time(
         ``y0(time)``, ``input_spectrum(frequency)``, ``excited(frequency)`` and
         ``excited_h2(frequency_1, frequency_2)``. The ends of the 95 % intervals are ``gain_low``,
         ``gain_high``, ``phase_low``, ``phase_high`` (degrees) of H1, the same with ``H2_`` of H2,
-        ``y0_low`` and ``y0_high``. Missing where the model of that time does not come to rest and
-        has no steady-state response; the intervals also where the track withholds them.
+        ``y0_low`` and ``y0_high``. Of several inputs, H1, its intervals, ``input_spectrum``,
+        ``excited`` and H3, all of whose frequencies are then in one input, have the dimension
+        ``input`` in front; H2, its intervals and ``excited_h2`` the dimension ``pair``, of the
+        input of ``frequency_1`` and that of ``frequency_2``. Missing where the model of that time
+        does not come to rest and has no steady-state response; the intervals also where the track
+        withholds them.
     """
     terms = list(map(str, model.terms))
     if track["term"].values.tolist() != terms:
@@ -100,23 +106,36 @@ def response_over_time(
     f1, f2 = plane[:, None], plane[None, :]
     f3 = sampling_rate * grid.third_frequency
     over, planes = ("time", "frequency"), ("time_h2", "frequency_1", "frequency_2")
-    H3 = frequency_response(
-        model, 3, (f1, f2, f3), sampling_rate, parameters=rows.theta[at_plane], allow_missing=True
-    )
+    spectra = [
+        _Spectrum(each, sampling_rate, f, plane, excited_above)
+        for each in _columns(u, model.inputs)
+    ]
+    numbers = range(1, model.inputs + 1)
+    pairs = list(combinations_with_replacement(numbers, 2))
     hertz = {"units": "Hz"}
     return xr.Dataset(
-        rows.response(1, at, f, "H1", over, prefix="")
-        | rows.response(2, at_plane, (f1, f2), "H2", planes, prefix="H2_")
+        _together(
+            "input",
+            [rows.response(1, at, f, "H1", over, prefix="", inputs=(k,)) for k in numbers],
+        )
+        | _together(
+            "pair",
+            [
+                rows.response(2, at_plane, (f1, f2), "H2", planes, prefix="H2_", inputs=pair)
+                for pair in pairs
+            ],
+        )
         | rows.rest(at)
+        | _together(
+            "input",
+            [
+                rows.third(at_plane, (f1, f2, f3), planes, (k,) * 3) | spectra[k - 1].of_input()
+                for k in numbers
+            ],
+        )
+        | _together("pair", [spectra[i - 1].of_pair(spectra[j - 1]) for i, j in pairs]),
+        coords=_of_inputs(model, pairs)
         | {
-            "H3": (
-                (*planes, "part"),
-                np.stack([H3.real, H3.imag], axis=-1),
-                {"long_name": "third-order frequency response at (f1, f2, frequency_3)"},
-            )
-        }
-        | _excitation(u, sampling_rate, f, plane, excited_above),
-        coords={
             "time": ("time", rows.time[at], track["instant"].attrs),
             "frequency": ("frequency", f, hertz | {"long_name": "frequency"}),
             "time_h2": ("time_h2", rows.time[at_plane], track["instant"].attrs),
@@ -160,6 +179,7 @@ class _Rows:
         name: str,
         dims: tuple[str, ...],
         prefix: str,
+        inputs: tuple[int, ...],
     ) -> dict[str, Any]:
         """Return a response, and the ends of its intervals under names that begin with prefix."""
         band = frequency_response_band(
@@ -167,6 +187,7 @@ class _Rows:
             order,
             frequencies,
             self._rate,
+            inputs=inputs,
             parameters=self.theta[at],
             covariance=self._covariance[at],
             allow_missing=True,
@@ -191,6 +212,27 @@ class _Rows:
                 found[f"{prefix}{quantity}_{end}"] = (dims, values, label)
         return found
 
+    def third(
+        self, at: Rows, frequencies: Any, dims: tuple[str, ...], inputs: tuple[int, ...]
+    ) -> dict[str, Any]:
+        """Return the third-order response."""
+        H3 = frequency_response(
+            self._model,
+            3,
+            frequencies,
+            self._rate,
+            inputs=inputs,
+            parameters=self.theta[at],
+            allow_missing=True,
+        )
+        return {
+            "H3": (
+                (*dims, "part"),
+                np.stack([H3.real, H3.imag], axis=-1),
+                {"long_name": "third-order frequency response at (f1, f2, frequency_3)"},
+            )
+        }
+
     def rest(self, at: Rows) -> dict[str, Any]:
         """Return the rest and the ends of its interval."""
         y0, low, high = zero_input_interval(
@@ -209,30 +251,71 @@ class _Rows:
         }  # fmt: skip
 
 
-def _excitation(
-    u: ArrayLike, sampling_rate: float, f: Array, plane: Array, excited_above: float
-) -> dict[str, Any]:
-    """Return the spectrum of the excitation, and where it holds power."""
-    density, density_plane = (input_spectrum(u, sampling_rate, x) for x in (f, plane))
-    largest = max(density.max(), density_plane.max())
-    on_plane = excited(density_plane, excited_above * largest)
+def _columns(u: ArrayLike, inputs: int) -> list[Array]:
+    """Return the excitation of each input."""
+    given = np.asarray(u, dtype=float)
+    return [given] if inputs == 1 else list(given.T)
+
+
+def _of_inputs(model: NarxModel, pairs: Sequence[tuple[int, int]]) -> dict[str, Any]:
+    """Return the coordinates that tell several inputs and their pairs apart; none for one."""
+    if model.inputs == 1:
+        return {}
+    known = [name for name, _ in model.labels.inputs]
+    names = known if len(known) == model.inputs else input_names(model.inputs)
+    words = {"input": names, "pair": [f"{names[i - 1]} × {names[j - 1]}" for i, j in pairs]}
+    labels = {"input": "input", "pair": "inputs of the first and the second frequency"}
     return {
-        "input_spectrum": (
-            "frequency",
-            density,
-            {"long_name": "power spectral density of the excitation"},
-        ),
-        "excited": (
-            "frequency",
-            excited(density, excited_above * largest).astype(np.int8),
-            {"units": "1", "long_name": "1 where the excitation holds power"},
-        ),
-        "excited_h2": (
-            ("frequency_1", "frequency_2"),
-            (on_plane[:, None] & on_plane).astype(np.int8),
-            {
-                "units": "1",
-                "long_name": "1 where both frequencies hold power and so reach their sum",
-            },
-        ),
+        name: (name, values, {"units": "1", "long_name": labels[name]})
+        for name, values in words.items()
     }
+
+
+def _together(dimension: str, parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the variables of all parts along a new dimension; of a single part as they are."""
+    if len(parts) == 1:
+        return parts[0]
+    return {
+        name: ((dimension, *dims), np.stack([part[name][1] for part in parts]), attrs)
+        for name, (dims, _, attrs) in parts[0].items()
+    }
+
+
+class _Spectrum:
+    """The spectrum of the excitation of an input, and where it holds power."""
+
+    def __init__(
+        self, u: Array, sampling_rate: float, f: Array, plane: Array, excited_above: float
+    ) -> None:
+        self._density, on_plane = (input_spectrum(u, sampling_rate, x) for x in (f, plane))
+        largest = max(self._density.max(), on_plane.max())
+        self._excited = excited(self._density, excited_above * largest)
+        self._on_plane = excited(on_plane, excited_above * largest)
+
+    def of_input(self) -> dict[str, Any]:
+        """Return the spectrum and the excited frequencies of H1."""
+        return {
+            "input_spectrum": (
+                ("frequency",),
+                self._density,
+                {"long_name": "power spectral density of the excitation"},
+            ),
+            "excited": (
+                ("frequency",),
+                self._excited.astype(np.int8),
+                {"units": "1", "long_name": "1 where the excitation holds power"},
+            ),
+        }
+
+    def of_pair(self, other: "_Spectrum") -> dict[str, Any]:
+        """Return the excited pairs of frequencies, the second in the ``other`` input."""
+        return {
+            "excited_h2": (
+                ("frequency_1", "frequency_2"),
+                (self._on_plane[:, None] & other._on_plane).astype(np.int8),
+                {
+                    "units": "1",
+                    "long_name": "1 where both frequencies hold power and so reach their sum",
+                },
+            ),
+        }

@@ -1,7 +1,8 @@
 """Frequency responses of a tracked model over the whole record."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields
+from itertools import combinations_with_replacement
 from pathlib import Path
 from typing import Any
 
@@ -39,9 +40,17 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
         **options,
     )
     result.attrs["tracker"] = chosen["tracker"]
-    y, u = signals.y_units, signals.u_units
-    units = {"y0": y, "H1": f"{y}/{u}", "H2": f"{y}/{u}^2", "H3": f"{y}/{u}^3"}
-    units |= {"input_spectrum": f"{u}^2/Hz"}
+    y, driving = signals.y_units, [u for _, u in signals.inputs]
+    units = {
+        "y0": y,
+        "H1": _listed(f"{y}/{u}" for u in driving),
+        "H2": _listed(
+            f"{y}/{u}^2" if u == v else f"{y}/({u} {v})"
+            for u, v in combinations_with_replacement(driving, 2)
+        ),
+        "H3": _listed(f"{y}/{u}^3" for u in driving),
+        "input_spectrum": _listed(f"{u}^2/Hz" for u in driving),
+    }
     for end in ("low", "high"):
         units |= {f"y0_{end}": y, f"gain_{end}": units["H1"], f"H2_gain_{end}": units["H2"]}
     for name, unit in units.items():
@@ -54,6 +63,12 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
         inputs={"record": record, "model": model, "track": track},
         settings=settings,
     )
+
+
+def _listed(units: Iterable[str]) -> str:
+    """Return the units of every input, or pair of them, in order; one text where all are alike."""
+    each = list(units)
+    return each[0] if len(set(each)) == 1 else ", ".join(each)
 
 
 if __name__ == "__main__":

@@ -64,6 +64,11 @@ def _plain(*dims: str, units: str | None = None) -> Variable:
     return Variable(dims, units)
 
 
+def _for_each(dimension: str, *dims: str, units: str | None = None) -> Variable:
+    """Return a variable that has this dimension in front where there are several inputs."""
+    return Variable(dims, units, (dimension, *dims))
+
+
 def _of_inputs(*dims: str, units: str | None = None) -> Variable:
     """Return a variable that has the dimension ``input`` too where there are several."""
     return Variable(dims, units, (*dims, "input"))
@@ -211,22 +216,22 @@ CONTRACTS: Mapping[str, Contract] = {
     ),
     "gfrf": Contract(
         required={
-            "H1": _plain("time", "frequency", "part"),
-            "H2": _plain("time_h2", "frequency_1", "frequency_2", "part"),
-            **{f"{part}_{end}": _plain("time", "frequency") for part, end in _ENDS},
+            "H1": _for_each("input", "time", "frequency", "part"),
+            "H2": _for_each("pair", "time_h2", "frequency_1", "frequency_2", "part"),
+            **{f"{part}_{end}": _for_each("input", "time", "frequency") for part, end in _ENDS},
             **{
-                f"H2_{part}_{end}": _plain("time_h2", "frequency_1", "frequency_2")
+                f"H2_{part}_{end}": _for_each("pair", "time_h2", "frequency_1", "frequency_2")
                 for part, end in _ENDS
             },
             "y0": _plain("time"),
             "y0_low": _plain("time"),
             "y0_high": _plain("time"),
-            "input_spectrum": _plain("frequency"),
-            "excited": _plain("frequency", units="1"),
-            "excited_h2": _plain("frequency_1", "frequency_2", units="1"),
+            "input_spectrum": _for_each("input", "frequency"),
+            "excited": _for_each("input", "frequency", units="1"),
+            "excited_h2": _for_each("pair", "frequency_1", "frequency_2", units="1"),
         },
         optional={
-            "H3": _plain("time_h2", "frequency_1", "frequency_2", "part"),
+            "H3": _for_each("input", "time_h2", "frequency_1", "frequency_2", "part"),
             "frequency_3": _plain(units="Hz"),
         },
     ),
