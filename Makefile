@@ -19,7 +19,7 @@ SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --logger progress \
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study record case cases report handover control control-robustness diagnose discrepancy \
+.PHONY: help study record case cases report handover control control-robustness diagnose discrepancy resolve \
 	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test mutants benchmark benchmark-naming clean FORCE
@@ -82,6 +82,12 @@ diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=
 		$(SNAKEMAKE) $(if $(FILE),case_$$name,results/figures/discrepancy/$(NAME).png) && \
 		$(if $(FILE),cat results/$$name/summary.txt,python -c "import json; \
 		print(json.load(open('results/discrepancy/$(NAME)/verdict.json'))['sentence'])")
+
+resolve: $(VENV)/installed ## designed records until one explanation is left: make resolve NAME=dea1
+	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make resolve NAME=dea1))
+	$(SNAKEMAKE) $(NAME:%=resolvable_%)
+	python -m dea.stages.resolve $(NAME) --threads $(CORES) $(if $(OPERATOR),--operator "$(OPERATOR)")
+	$(SNAKEMAKE) $(NAME:%=results/figures/resolve/%.png) results/tables/resolution.md
 
 discrepancy: $(VENV)/installed ## name what the simulation of each actuator is missing
 	$(SNAKEMAKE) discrepancy

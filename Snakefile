@@ -76,6 +76,20 @@ rule cases:
         TABLES["cases"].files("csv", "md", "tex"),
 
 
+# The records that `make resolve NAME=...` begins from, and those handed in since.
+for name in [*ACTUATORS, *CASES]:
+
+    rule:
+        name:
+            f"resolvable_{name}"
+        input:
+            f"results/{name}/record.nc",
+            [
+                f"results/{name}/further/{part}.nc"
+                for part in CASE.get(name, {}).get("records", {})
+            ],
+
+
 rule discrepancy:
     input:
         [file for name in ACTUATORS for file in of_diagnosis(name)],

@@ -17,6 +17,7 @@ from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Forecast, Identification, Orders, Validation
 from dea.configuration.problems import did_you_mean, validated
 from dea.configuration.recovery import Recovery
+from dea.configuration.resolution import Resolution
 from dea.configuration.section import Section, Whole, key, refuse
 from dea.configuration.tracking import Tracking
 from dea.configuration.trials import Trials
@@ -24,7 +25,7 @@ from dea.errors import InputError
 
 FILE = "config/config.yaml"
 # Folders of results/ that belong to no system.
-RESERVED = ("benchmark", "discrepancy", "figures", "log", "tables", "trials")
+RESERVED = ("benchmark", "discrepancy", "figures", "log", "resolve", "tables", "trials")
 
 
 class Study(Section):
@@ -46,6 +47,9 @@ class Study(Section):
     control: Control = key("controllers tried on the actuators")
     trials: Trials = key("blind trials")
     discrepancy: Discrepancy = key("what the simulation of a system is missing")
+    resolution: Resolution = key(
+        "designed records that leave one explanation", default=Resolution()
+    )
 
     @model_validator(mode="after")
     def _names(self) -> Self:

@@ -2,27 +2,43 @@
 
 from dea.discrepancy.diagnose import diagnose
 from dea.discrepancy.diagnosis import Diagnosis
+from dea.discrepancy.evidence.certificate import Certified, certify_elsewhere, transferable
+from dea.discrepancy.evidence.split import shortest_record
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Problem, Samples
+from dea.discrepancy.records import signals_of
 from dea.discrepancy.report.datasets import (
     candidates_dataset,
     certificate_dataset,
     localisation_dataset,
 )
 from dea.discrepancy.report.verdict import Estimate, NamedEffect, Verdict, read_verdict
-from dea.discrepancy.rules import Rules
+from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.budget import Budget
+from dea.discrepancy.sensitivity import sensitivities
 from dea.discrepancy.settings import Settings
 
 __all__ = [
     "Budget",
+    "Certified",
     "Diagnosis",
     "Estimate",
+    "Fit",
     "NamedEffect",
+    "Problem",
     "Rules",
+    "Samples",
     "Settings",
     "Verdict",
     "candidates_dataset",
     "certificate_dataset",
+    "certify_elsewhere",
     "diagnose",
     "localisation_dataset",
+    "misfit",
     "read_verdict",
+    "sensitivities",
+    "shortest_record",
+    "signals_of",
+    "transferable",
 ]

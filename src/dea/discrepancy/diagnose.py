@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import (
     Decision,
-    Status,
     best_extension,
     confirmed,
     decide,
@@ -17,7 +16,6 @@ from dea.discrepancy.evidence.certificate import certify
 from dea.discrepancy.evidence.confusion import confusion
 from dea.discrepancy.evidence.contributions import contributions, ladder
 from dea.discrepancy.evidence.evidence import Evidence
-from dea.discrepancy.evidence.experiment import Experiment, separating_experiment
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
@@ -29,7 +27,6 @@ from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out, transfers
 from dea.discrepancy.fit import Fit, on_whole_record
 from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem
 from dea.discrepancy.records import prepare, signals_of
 from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.search import Search, noise_floor, pool_of
@@ -155,7 +152,6 @@ def diagnose(
         where=where,
         unexplained=unexplained,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
-        experiment=_experiment(noisy, decision, settings.seed),
         certificate=certify(problem, nominal, final, others, left_out if decision.answer else {}),
         floor=floor,
         presence=weighed,
@@ -235,9 +231,3 @@ def _rivals_to_show(
         if c.finished and len(c.names) == count:
             shown.setdefault(c.effects, c)
     return tuple(shown.values())[:most]
-
-
-def _experiment(problem: Problem, decision: Decision, seed: int) -> Experiment | None:
-    if decision.status is not Status.AMBIGUOUS or decision.chosen is None:
-        return None
-    return separating_experiment(problem, decision.chosen.fit, decision.rivals[0].fit, seed)

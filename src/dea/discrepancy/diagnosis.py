@@ -10,7 +10,6 @@ from dea.discrepancy.evidence.bootstrap import Gains
 from dea.discrepancy.evidence.certificate import Certificate
 from dea.discrepancy.evidence.confusion import Confusion
 from dea.discrepancy.evidence.contributions import Contribution, Rung
-from dea.discrepancy.evidence.experiment import Experiment
 from dea.discrepancy.evidence.identifiability import Visibility
 from dea.discrepancy.evidence.localisation import Localisation
 from dea.discrepancy.evidence.model_error import ModelError
@@ -89,7 +88,6 @@ class Diagnosis:
     where: Where
     unexplained: ResidualModel
     confusion: Confusion
-    experiment: Experiment | None
     certificate: Certificate
     floor: float
     presence: Presence

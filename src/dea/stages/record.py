@@ -5,6 +5,7 @@ import getpass
 import platform
 import subprocess
 import sys
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -19,7 +20,7 @@ from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, check_actuators, check_study
 from dea.configuration.study import settings as written
 from dea.errors import DeviceError, InputError
-from dea.stages.driving import excitation, write
+from dea.stages.driving import Excitation, excitation, write
 
 
 def record(name: str, excitation_name: str, operator: str) -> Path:
@@ -39,15 +40,25 @@ def record(name: str, excitation_name: str, operator: str) -> Path:
     study = check_study(read_yaml(FILE, what="the configuration", example=FILE))
     check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
     actuator = _actuator(study.actuators, name)
-    device_file = Path(actuator.device)
-    device = modbus.read_device(device_file)
+    device = modbus.read_device(Path(actuator.device))
     settings: dict[str, Any] = {
         "seed": study.seed,
         "system": name,
         "excitation_name": excitation_name,
         "acquisition": written(study.acquisition),
     } | sections(written(study.excitation), excitation_name)
-    played = excitation(settings, device)
+    return keep(device, excitation(settings, device), settings, operator)
+
+
+def keep(
+    device: modbus.Device, played: Excitation, settings: Mapping[str, Any], operator: str
+) -> Path:
+    """Drive a device and keep its record in ``records/``; return the folder of the record.
+
+    ``settings`` name the ``system`` and the ``excitation_name``, and hold ``acquisition``.
+    """
+    device_file = Path(str(device.source))
+    name, excitation_name = settings["system"], settings["excitation_name"]
     options = acquisition.AcquisitionSettings.from_mapping(
         {"armed_by": operator, **settings["acquisition"]}
     )

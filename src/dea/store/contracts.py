@@ -257,6 +257,20 @@ CONTRACTS: Mapping[str, Contract] = {
             "rmse": _plain("forecaster", "horizon"),
         }
     ),
+    "resolution": Contract(
+        required={
+            "probability": _plain("round", "hypothesis", units="1"),
+            "rejected": _plain("round", "hypothesis", units="1"),
+            "driven": _plain("round", units="s"),
+            "status": _plain("round", units="1"),
+            "names": _plain("round", units="1"),
+            "gap_before": _plain("round"),
+            "gap_after": _plain("round"),
+            "form": _plain("round", units="1"),
+            "closest": _plain("round", units="1"),
+            "distance": _plain("round", units="1"),
+        },
+    ),
     "confirmation": Contract(
         required={
             "time": _plain("stretch", units="s"),

@@ -62,15 +62,20 @@ def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) 
             continue
         candidates = _placed(u.size, skipped, gap, usable, count, certified)
         return min(candidates, key=lambda found: max(_beyond(u, found) - _BEYOND, 0.0))
-    count, certified, in_gaps = _PATTERNS[-1]
-    shortest = (count + certified) / min(1.0, certified) * max(in_gaps * gap, 10)
-    needed = skipped + gap * count + shortest
+    needed = shortest_record(gap, skipped) * interval
     raise InputError(
         f"the record holds {u.size * interval:g} s; with a slowest time constant of "
-        f"{slowest:g} s the split needs {needed * interval:g} s",
+        f"{slowest:g} s the split needs {needed:g} s",
         field="record",
         remedy="Record longer, or give the case a shorter `split.slowest_time`",
     )
+
+
+def shortest_record(gap: int, skipped: int = 0) -> float:
+    """Return the samples of the shortest record that a split with this ``gap`` can be made of."""
+    count, certified, in_gaps = _PATTERNS[-1]
+    shortest = (count + certified) / min(1.0, certified) * max(in_gaps * gap, 10)
+    return skipped + gap * count + shortest
 
 
 def _placed(

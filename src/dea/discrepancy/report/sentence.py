@@ -87,14 +87,8 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     )
     rivals = " or ".join(rivals_in_words(found))
     if decision.status is Status.AMBIGUOUS:
-        experiment = found.experiment
-        advice = (
-            f" To separate them, run a {experiment.kind} excitation of {experiment.duration:.3g} s "
-            f"between {experiment.low:.3g} and {experiment.high:.3g}."
-            if experiment
-            else ""
-        )
-        return f"It is {laws}, or {rivals}: {proof}. {place}.{advice}"
+        advice = "`make resolve` designs the record that decides"
+        return f"It is {laws}, or {rivals}: {proof}. {place}. {advice}."
     removed = f"{laws} {'removes' if len(effects) == 1 else 'remove'} {_share(found)} of the gap"
     if not decision.whole:
         return f"Certain, but not all: {removed}; {proof}. {_further(found)} {place}."

@@ -44,7 +44,6 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         },
         unit=found.units[1],
         ladder=rungs | {"noise floor": found.floor},
-        experiment=asdict(found.experiment) if found.experiment else None,
         equation=found.unexplained.equation if unfinished else None,
         not_identifiable=tuple(
             label

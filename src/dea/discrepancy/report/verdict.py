@@ -80,7 +80,6 @@ class Verdict:
     certified: dict[str, Any]
     unit: str
     ladder: dict[str, float] = field(default_factory=dict)
-    experiment: dict[str, Any] | None = None
     equation: str | None = None
     not_identifiable: tuple[str, ...] = ()
     whole: bool = True

@@ -1,0 +1,47 @@
+"""Probability of each explanation against the seconds driven in designed records."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+
+from dea.figures import style
+from dea.store import Sources
+
+_SHOWN = 6
+# Probabilities nearer to zero or one than this are drawn there.
+_NEAREST = 1e-4
+
+
+def draw(sources: Sources) -> Figure:
+    """Draw it from ``resolution.nc`` of a system."""
+    return resolution(sources.dataset("resolution"), sources.system)
+
+
+@style.styled
+def resolution(found: xr.Dataset, name: str) -> Figure:
+    """Draw the leading hypotheses, first of which those that are likeliest in the end."""
+    figure = style.page_figure(style.SINGLE_COLUMN, 90)
+    ax = figure.subplots()
+    driven, probability = found["driven"].values, found["probability"].values
+    near = np.clip(probability, _NEAREST, 1.0 - _NEAREST)
+    highest = np.nan_to_num(probability).max(axis=0)
+    last = np.nan_to_num(probability[-1])
+    order = np.lexsort((-highest, -last))
+    chosen = [k for k in order if highest[k] > 0.02][:_SHOWN]
+    for k, colour in zip(chosen, style.CYCLE, strict=False):
+        label = str(found["hypothesis"].values[k]).replace("_", " ").replace("+", " + ")
+        ax.plot(driven, near[:, k], "o-", color=colour, label=label)
+        out = np.flatnonzero(found["rejected"].values[:, k])
+        ax.plot(driven[out], near[out, k], "x", color=style.BLACK, ms=5)
+    ax.plot([], [], "x", color=style.BLACK, ms=5, label="rejected")
+    ax.set_yscale("logit")
+    ax.set_ylim(0.5 * _NEAREST, 1.0 - 0.5 * _NEAREST)
+    ax.set_yticks([1e-4, 0.01, 0.1, 0.5, 0.9, 0.99, 0.9999])
+    ax.set_yticklabels(["≤ 0.0001", "0.01", "0.1", "0.5", "0.9", "0.99", "≥ 0.9999"])
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.margins(x=0.03)
+    ax.set(xlabel="time driven in designed records (s)", ylabel="probability")
+    ax.set_title(name)
+    figure.legend(loc="outside lower center", ncols=1)
+    return figure

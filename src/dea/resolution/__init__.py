@@ -1,0 +1,34 @@
+"""From several explanations of a device to one, by designed experiments."""
+
+from dea.resolution.by_hand import excitation_table, experiment_page
+from dea.resolution.datasets import resolution_dataset
+from dea.resolution.design import Design
+from dea.resolution.excitation import Limits
+from dea.resolution.rounds import (
+    ANOTHER,
+    CERTIFICATE,
+    Desk,
+    Options,
+    Outcome,
+    Resolution,
+    Round,
+    State,
+    resolve,
+)
+
+__all__ = [
+    "ANOTHER",
+    "CERTIFICATE",
+    "Design",
+    "Desk",
+    "Limits",
+    "Options",
+    "Outcome",
+    "Resolution",
+    "Round",
+    "State",
+    "excitation_table",
+    "experiment_page",
+    "resolution_dataset",
+    "resolve",
+]

@@ -1,0 +1,106 @@
+"""What a resolution found, as a dataset."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dea.discrepancy import Diagnosis
+from dea.resolution.rounds import Resolution, State
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
+    """Return probabilities and verdicts before the first designed record and after each.
+
+    Before the round in which a hypothesis came up it has no probability.
+    """
+    import xarray as xr
+
+    states = [found.first, *(each.after for each in found.rounds)]
+    names = sorted(found.last.posterior.now, key=lambda n: -found.last.posterior.now[n])
+    designs = [None, *(each.design for each in found.rounds)]
+    unit = found.first.diagnosis.units[1]
+
+    def over(values: list[object], units: str, long_name: str) -> tuple[object, ...]:
+        text = any(isinstance(value, str) for value in values)
+        return (
+            "round",
+            np.array(values, dtype=object if text else float),
+            {"units": units, "long_name": long_name},
+        )
+
+    dataset = xr.Dataset(
+        {
+            "probability": (
+                ("round", "hypothesis"),
+                [[state.posterior.now.get(name, np.nan) for name in names] for state in states],
+                {"units": "1", "long_name": "probability of the hypothesis"},
+            ),
+            "rejected": (
+                ("round", "hypothesis"),
+                np.array(
+                    [[name in s.posterior.rejected(level) for name in names] for s in states],
+                    np.int8,
+                ),
+                {"units": "1", "long_name": "whether the hypothesis is rejected"},
+            ),
+            "driven": over([s.driven for s in states], "s", "time driven in designed records"),
+            "status": over([_status(s) for s in states], "1", "verdict on all records so far"),
+            "names": over([_names(s) for s in states], "1", "effects of that verdict"),
+            "gap_before": over(
+                [_gap(s.diagnosis, False) for s in states], unit, "error of the simulation alone"
+            ),
+            "gap_after": over(
+                [_gap(s.diagnosis, True) for s in states], unit, "error with the named effects"
+            ),
+            "form": over([d.form if d else "" for d in designs], "1", "form of the excitation"),
+            "closest": over(
+                ["/".join(d.closest) if d else "" for d in designs],
+                "1",
+                "hypotheses that it was hardest to tell apart",
+            ),
+            "distance": over(
+                [d.distance if d else np.nan for d in designs],
+                "1",
+                "their distance after refit, in standard deviations of the error",
+            ),
+        },
+        coords={
+            "round": ("round", np.arange(len(states)), {"units": "1", "long_name": "round"}),
+            "hypothesis": (
+                "hypothesis",
+                np.array(names, dtype=object),
+                {"units": "1", "long_name": "effects that explain the device"},
+            ),
+        },
+        attrs={
+            "contract": "resolution",
+            "outcome": str(found.outcome),
+            "level": level,
+            "sentence": found.last.diagnosis.verdict.sentence,
+        },
+    )
+    if found.certificate:
+        dataset.attrs |= {
+            "certified_before": found.certificate.before,
+            "certified_after": found.certificate.after,
+        }
+    return dataset
+
+
+def _status(state: State) -> str:
+    verdict = state.diagnosis.verdict
+    return verdict.status if verdict.whole else f"{verdict.status} in part"
+
+
+def _names(state: State) -> str:
+    verdict = state.diagnosis.verdict
+    rivals = verdict.effects[0].rivals if verdict.effects else ()
+    return " or ".join("+".join(each) for each in (verdict.names, *rivals) if each)
+
+
+def _gap(found: Diagnosis, extended: bool) -> float:
+    fitted = found.extended if extended else found.nominal
+    return found.problem.seen_rmse(fitted.residual)

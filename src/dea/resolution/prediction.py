@@ -1,0 +1,67 @@
+"""How well an explanation has predicted a further record, and what it learns from it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dea.discrepancy import Samples, sensitivities
+from dea.resolution.error import Error
+from dea.resolution.explanation import Explanation, as_problem
+
+_ITERATIONS = 15
+# Part of a prior spread by which a start is kept off its bounds.
+_INSIDE = 1e-9
+
+
+class Predicted(NamedTuple):
+    """The logarithm of the density that a record had before it was seen, and what it tells."""
+
+    log_density: float
+    informed: Explanation
+
+
+def predicted(explanation: Explanation, record: Samples, error: Error) -> Predicted:
+    """Return the predictive density of a record under an explanation (Laplace's approximation).
+
+    With the belief x ~ N(m, P) in the coordinates and the residual r(x), whitened by the error,
+
+        log p = -(|r|² + (x - m)' P⁻¹ (x - m) + log |I + L' J' J L| + log |R| + n log 2π) / 2
+
+    at the x that minimises the first two terms, where L L' = P. It is exact where the output is
+    linear in x.
+    """
+    from scipy.linalg import solve_triangular
+    from scipy.optimize import least_squares
+
+    problem, extended = as_problem(record), explanation.extended
+    every = np.arange(explanation.mean.size)
+    L = explanation.root
+    precise = solve_triangular(L, np.eye(every.size), lower=True)
+
+    def residual(x: np.ndarray) -> np.ndarray:
+        return problem.residual(extended, extended.values(x))
+
+    def cost(x: np.ndarray) -> np.ndarray:
+        left = residual(x)
+        whitened = error.whitened(left) if np.isfinite(left).all() else np.full(left.size, np.inf)
+        return np.concatenate([whitened, precise @ (x - explanation.mean)])
+
+    def slope(x: np.ndarray) -> np.ndarray:
+        J = sensitivities(problem, extended, x, residual(x), every)
+        return np.vstack([error.whitened(J), precise])
+
+    low, high = extended.bounds
+    start = np.clip(explanation.mean, low + _INSIDE, high - _INSIDE)
+    if not np.isfinite(residual(start)).all():
+        return Predicted(-np.inf, explanation)
+    scales = np.sqrt(np.diag(explanation.covariance))
+    found = least_squares(
+        cost, start, jac=slope, bounds=(low, high), x_scale=scales, max_nfev=_ITERATIONS
+    )
+    samples = record.u.size
+    J = found.jac[:samples]
+    JL = J @ L
+    _, spread = np.linalg.slogdet(np.eye(every.size) + JL.T @ JL)
+    total = 2.0 * found.cost + spread + error.log_determinant(samples) + samples * np.log(2 * np.pi)
+    precision = J.T @ J + precise.T @ precise
+    return Predicted(-0.5 * float(total), explanation.informed(found.x, precision))

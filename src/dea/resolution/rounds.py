@@ -1,0 +1,376 @@
+"""The loop: design an excitation, drive it, weigh the hypotheses, diagnose all records, stop."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import partial
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from dea.discrepancy import (
+    Certified,
+    Diagnosis,
+    Samples,
+    Settings,
+    certify_elsewhere,
+    diagnose,
+    misfit,
+    shortest_record,
+    signals_of,
+    transferable,
+)
+from dea.errors import InputError
+from dea.resolution.design import Design, Question, designed, error_with_gap, likeliest
+from dea.resolution.error import Error
+from dea.resolution.excitation import Limits, express, genes
+from dea.resolution.explanation import NONE, Explanation, explained
+from dea.resolution.posterior import Posterior
+from dea.resolution.prediction import predicted
+from dea.seeds import generator
+from dea.simulation import Simulation, load_simulation
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from dea.store import Record
+
+ANOTHER = "another"
+# Part of the prior that all hypotheses share equally: the laws of a first record are never quite
+# right, and its evidence may be too sure.
+_EQUAL = 0.2
+# Part of what another explanation has that goes to explanations found later.
+_TO_NEW = 0.5
+# Factor on the shortest record, since its split may rest on a slower time constant.
+_SPARE = 1.2
+CERTIFICATE = 0  # number of the record that certifies
+
+
+class Outcome(StrEnum):
+    """How far the question is decided."""
+
+    DECIDED = "decided"
+    PART = "decided in part"
+    OUTSIDE = "outside"
+    OPEN = "open"
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a question is resolved.
+
+    Parameters
+    ----------
+    records
+        Designed records at most.
+    duration
+        Longest duration of one in s.
+    level
+        Probability at which the right hypothesis may be rejected, over all rounds together.
+    another
+        Prior probability of an explanation that was not offered.
+    """
+
+    records: int = 3
+    duration: float = 120.0
+    level: float = 0.01
+    another: float = 0.1
+
+
+@dataclass(frozen=True)
+class State:
+    """What is known after some records.
+
+    ``explanations`` hold a hypothesis each by its name; ``posterior`` also holds ``another``.
+    """
+
+    records: "tuple[Record | xr.Dataset, ...]"
+    diagnosis: Diagnosis
+    explanations: Mapping[str, Explanation]
+    posterior: Posterior
+    error: Error
+    driven: float = 0.0
+
+    def open_hypotheses(self, level: float) -> frozenset[str]:
+        """Return the hypotheses that are not rejected."""
+        return frozenset(self.posterior.now) - self.posterior.rejected(level)
+
+    def outcome(self, level: float) -> Outcome:
+        """Return whether all hypotheses that are left contain the verdict, or none is left."""
+        left = self.open_hypotheses(level)
+        if left <= {ANOTHER}:
+            return Outcome.OUTSIDE
+        verdict = self.diagnosis.verdict
+        if verdict.status != "named" or ANOTHER in left:
+            return Outcome.OPEN
+        named = set(verdict.names)
+        if not all(named <= self.explanations[name].effects for name in left):
+            return Outcome.OPEN
+        return Outcome.DECIDED if verdict.whole else Outcome.PART
+
+
+@dataclass(frozen=True)
+class Round:
+    """A designed record, what it changed, and the state after it."""
+
+    number: int
+    design: Design
+    log_densities: Mapping[str, float]
+    before: State
+    after: State
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How a question was resolved, or how far.
+
+    ``pending`` is the number of the record that is to be made by hand next; the certificate is
+    missing where nothing is named, or where it belongs to one record alone.
+    """
+
+    first: State
+    rounds: tuple[Round, ...]
+    outcome: Outcome
+    certificate: Certified | None = None
+    pending: int | None = None
+
+    @property
+    def last(self) -> State:
+        """The state after all records."""
+        return self.rounds[-1].after if self.rounds else self.first
+
+
+class Desk(Protocol):
+    """Where excitations are kept and records come from."""
+
+    def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
+        """Return the design of a record: the one that is kept, or else a new one."""
+
+    def record(self, number: int, u: np.ndarray) -> "Record | xr.Dataset | None":
+        """Return the record of an excitation; nothing where it is still to be made by hand."""
+
+    def keep(self, found: Round) -> None:
+        """Keep what a round has found."""
+
+
+def resolve(
+    records: "Sequence[Record | xr.Dataset]",
+    simulation: Simulation | str,
+    desk: Desk,
+    limits: Limits,
+    *,
+    settings: Settings | None = None,
+    options: Options | None = None,
+    workers: int = 1,
+) -> Resolution:
+    """Drive designed records until one explanation is left, or the budget is spent.
+
+    Everything but the records follows from their order, the settings and the seed, so that a loop
+    that was ended goes on where it was: the ``desk`` returns the designs and records there are.
+    """
+    settings, options = settings or Settings(), options or Options()
+    own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
+    state = first = begun(records, own, settings, options, workers)
+    rounds: list[Round] = []
+    undecided = (Outcome.OPEN, Outcome.PART)
+    while state.outcome(options.level) in undecided and len(rounds) < options.records:
+        if not rounds and state.diagnosis.verdict.status == NONE:
+            break
+        number = len(rounds) + 1
+        design = desk.design(number, partial(next_design, state, limits, settings, options, number))
+        if design is None:
+            break
+        record = desk.record(number, design.u)
+        if record is None:
+            return Resolution(first, tuple(rounds), Outcome.OPEN, pending=number)
+        after, log_densities = learnt(state, record, own, settings, options, workers)
+        rounds.append(Round(number, design, log_densities, state, after))
+        desk.keep(rounds[-1])
+        state = after
+    outcome = state.outcome(options.level)
+    found = Resolution(first, tuple(rounds), outcome)
+    if outcome not in (Outcome.DECIDED, Outcome.PART) or not rounds:
+        return found
+    return _certified(found, desk, own, limits, settings, options)
+
+
+def begun(
+    records: "Sequence[Record | xr.Dataset]",
+    simulation: Simulation,
+    settings: Settings,
+    options: Options,
+    workers: int,
+) -> State:
+    """Return the state before any designed record: the diagnosis gives hypotheses and prior."""
+    found = diagnose(records, simulation, settings=settings, workers=workers)
+    error = _error(found)
+    explanations = _explanations(found, error)
+    shares = _shares(found)
+    prior = {
+        name: (1.0 - options.another)
+        * ((1.0 - _EQUAL) * shares.get(name, 0.0) + _EQUAL / len(explanations))
+        for name in explanations
+    }
+    return State(
+        tuple(records),
+        found,
+        explanations,
+        Posterior.of(prior | {ANOTHER: options.another}),
+        error,
+    )
+
+
+def next_design(
+    state: State, limits: Limits, settings: Settings, options: Options, number: int
+) -> Design | None:
+    """Return the excitation that best tells apart the hypotheses that are left."""
+    left = state.open_hypotheses(options.level) - {ANOTHER}
+    probability = {name: state.posterior.now[name] for name in left}
+    asked = likeliest([state.explanations[name] for name in left], probability)
+    if len(asked) < 2:
+        asked = likeliest(list(state.explanations.values()), {**state.posterior.now})
+    question = Question(
+        asked,
+        [max(state.posterior.now[each.name], np.finfo(float).tiny) for each in asked],
+        state.explanations[NONE],
+        state.error,
+        state.diagnosis.rules.law_error,
+        limits,
+        float(np.clip(np.mean(state.diagnosis.problem.u), limits.low, limits.high)),
+    )
+    shortest = _shortest(state, settings, options)
+    return designed(
+        question, (shortest, options.duration), options.level, _generator(settings, number)
+    )
+
+
+def _shortest(state: State, settings: Settings, options: Options) -> float:
+    """Return the duration (s) of the shortest record that a diagnosis can split."""
+    interval = state.diagnosis.problem.interval
+    samples = shortest_record(state.diagnosis.split.gap) * _SPARE
+    needed = samples * interval + settings.warm_up
+    if needed > options.duration:
+        raise InputError(
+            f"a designed record of {options.duration:g} s is too short for the slowest time"
+            f" constant of the device: {needed:.3g} s are needed",
+            field="resolution.duration",
+            remedy="Raise it, or give the case a shorter `split.slowest_time`",
+        )
+    return needed
+
+
+def learnt(
+    state: State,
+    record: "Record | xr.Dataset",
+    simulation: Simulation,
+    settings: Settings,
+    options: Options,
+    workers: int,
+) -> tuple[State, dict[str, float]]:
+    """Return the state after a further record, and the density that each hypothesis gave it."""
+    samples = signals_of(record, simulation)
+    error = _error_on(state, samples)
+    told = {name: predicted(each, samples, error) for name, each in state.explanations.items()}
+    log_densities = {name: each.log_density for name, each in told.items()}
+    leading = max(state.explanations, key=lambda name: state.posterior.now[name])
+    wide = error.at_least(_gap(state.diagnosis))
+    log_densities[ANOTHER] = predicted(state.explanations[leading], samples, wide).log_density
+    posterior = state.posterior.after(log_densities)
+    records = (*state.records, record)
+    offered = replace(settings, effects=_offered(state, posterior, settings, options))
+    found = diagnose(records, simulation, settings=offered, workers=workers)
+    now = _error(found)
+    fitted = _explanations(found, now)
+    shares = _shares(found)
+    new = {name: shares[name] for name in fitted if name not in posterior.now and name != NONE}
+    total = sum(new.values())
+    if total > 0:
+        scale = _TO_NEW / total
+        posterior = posterior.with_new({n: scale * s for n, s in new.items()}, ANOTHER)
+    explanations = {name: each.informed for name, each in told.items()} | {
+        name: each for name, each in fitted.items() if name in posterior.now
+    }
+    driven = state.driven + samples.u.size * samples.interval
+    return State(records, found, explanations, posterior, now, driven), log_densities
+
+
+def _offered(
+    state: State, posterior: Posterior, settings: Settings, options: Options
+) -> tuple[str, ...]:
+    """Return the effects of the hypotheses that are left; all while another one may be right."""
+    left = frozenset(posterior.now) - posterior.rejected(options.level)
+    if ANOTHER in left:
+        return settings.effects
+    effects: set[str] = set()
+    return tuple(sorted(effects.union(*(state.explanations[name].effects for name in left))))
+
+
+def _certified(
+    found: Resolution,
+    desk: Desk,
+    simulation: Simulation,
+    limits: Limits,
+    settings: Settings,
+    options: Options,
+) -> Resolution:
+    """Certify on a fresh record, whose excitation was chosen by chance."""
+    diagnosis = found.last.diagnosis
+    if not transferable(diagnosis.final.extended):
+        return found
+    rng = _generator(settings, CERTIFICATE)
+    question = Question(
+        [*found.last.explanations.values()], [1.0] * len(found.last.explanations),
+        found.last.explanations[NONE], found.last.error, 0.0, limits,
+        float(np.clip(np.mean(diagnosis.problem.u), limits.low, limits.high)),
+    )  # fmt: skip
+
+    def fresh() -> Design | None:
+        return question.judged(express(rng.random(genes()), 0.5 * options.duration, limits), "free")
+
+    design = desk.design(CERTIFICATE, fresh)
+    record = desk.record(CERTIFICATE, design.u) if design else None
+    if record is None:
+        return replace(found, pending=CERTIFICATE)
+    other = {"fresh": signals_of(record, simulation)}
+    certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)
+    return replace(found, certificate=certified["fresh"])
+
+
+def _explanations(found: Diagnosis, error: Error) -> dict[str, Explanation]:
+    """Return the simulation alone and the candidates that were weighed, by their names."""
+    fits = [found.nominal, *(c.fit for c in found.presence.candidates)]
+    each = (explained(fit, error) for fit in fits)
+    return {one.name: one for one in each}
+
+
+def _shares(found: Diagnosis) -> dict[str, float]:
+    """Return the weight that each explanation has by the records of a diagnosis."""
+    pairs = zip(found.presence.candidates, found.presence.weights, strict=True)
+    shares = {"+".join(sorted(c.labels)): float(weight) for c, weight in pairs}
+    return shares | {NONE: max(0.0, 1.0 - sum(shares.values()))}
+
+
+def _error(found: Diagnosis) -> Error:
+    return Error(found.error.white, found.error.left, max(found.error.memory, 1.0))
+
+
+def _error_on(state: State, samples: Samples) -> Error:
+    """Return the error on a record, from its excitation and what was known before it."""
+    outputs = [e.simulated(samples.u, samples.interval) for e in state.explanations.values()]
+    finite = [bool(np.isfinite(y).all()) for y in outputs]
+    weights = [
+        state.posterior.now[name] * good
+        for name, good in zip(state.explanations, finite, strict=True)
+    ]
+    shown = [y if good else np.zeros_like(y) for y, good in zip(outputs, finite, strict=True)]
+    without = state.explanations[NONE].simulated(samples.u, samples.interval)
+    return error_with_gap(state.error, shown, weights, without, state.diagnosis.rules.law_error)
+
+
+def _gap(found: Diagnosis) -> float:
+    """Return the misfit of the simulation alone over the records of a diagnosis."""
+    return misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
+
+
+def _generator(settings: Settings, number: int) -> np.random.Generator:
+    return generator(settings.seed, settings.name, "resolve", str(number))

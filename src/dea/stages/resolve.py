@@ -1,0 +1,365 @@
+"""From several explanations of a system to one: ``python -m dea.stages.resolve --help``."""
+
+import argparse
+import getpass
+import json
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dea import acquisition, archive, modbus, resolution, seeds, store
+from dea.configuration.acquisition import Actuator
+from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.case import Case, read_cases
+from dea.configuration.files import read_yaml
+from dea.configuration.problems import did_you_mean
+from dea.configuration.study import FILE, Study, check_actuators, check_study
+from dea.configuration.study import settings as written
+from dea.discrepancy import Settings
+from dea.errors import DeviceError, InputError
+from dea.resolution import CERTIFICATE, Design, Limits, Options, Resolution, Round
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+RESULTS = Path("results")
+CASES = Path("config/cases")
+# Name of a designed record: the excitation of a record of hardware, the key in a case.
+_PREFIX = "resolve_"
+
+
+def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> Resolution:
+    """Resolve the diagnosis of an actuator or case by designed records.
+
+    Raises
+    ------
+    InputError, DeviceError
+        As the acquisition does; also where there is no record to begin from, or what is kept
+        belongs to another one.
+    """
+    study = check_study(read_yaml(FILE, what="the configuration", example=FILE))
+    check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
+    cases = {file.stem: case for file, case in read_cases(CASES, study).items()}
+    actuators = {actuator.name: actuator for actuator in study.actuators}
+    folder = results / "resolve" / name
+    first = results / name / "record.nc"
+    if not first.exists():
+        raise _no_record(name, {**actuators, **cases}, first)
+    records = [store.read_record(first).isel(time=slice(study.resolution.first))]
+    leaves = written(study) | {"system": name, "split": {}}
+    simulation = study.discrepancy.simulation
+    desk: Driven | ByHand
+    options = Options(
+        study.resolution.records,
+        study.resolution.duration,
+        study.resolution.level,
+        study.resolution.another,
+    )
+    if name in actuators:
+        device = modbus.read_device(Path(actuators[name].device))
+        limits = _of_device(study, device, records[0])
+        desk = Driven(folder, first, limits, study, actuators[name], device, operator)
+    else:
+        case = cases[name]
+        if case.simulation is None:
+            raise InputError(
+                "it names no simulation",
+                file=CASES / f"{name}.yaml",
+                field="simulation",
+                remedy="Name the physics that the record is compared with",
+            )
+        simulation = case.simulation
+        leaves["split"] = written(case.split) if case.split else {}
+        further = [key for key in case.records if not key.startswith(_PREFIX)]
+        records += [store.read_record(results / name / "further" / f"{k}.nc") for k in further]
+        limits = _of_records(study, records)
+        desk = ByHand(folder, first, limits, results / name / "further", case)
+    found = resolution.resolve(
+        records, simulation, desk, limits,
+        settings=Settings.of(leaves), options=options, workers=threads,
+    )  # fmt: skip
+    desk.finish(found)
+    store.write(
+        resolution.resolution_dataset(found, options.level),
+        folder / "resolution.nc",
+        title=f"Explanations of {name}, round by round",
+        inputs={"record": first},
+        settings=leaves,
+        seed=study.seed,
+    )
+    return found
+
+
+def _no_record(name: str, known: Mapping[str, Any], first: Path) -> InputError:
+    if name in known:
+        return InputError("there is no record", file=first, remedy=f"Make it: make {first}")
+    return InputError(
+        f"there is no actuator or case {name!r}",
+        file=FILE,
+        field="actuators",
+        remedy=f"{did_you_mean(name, known)}There are {', '.join(known)}.",
+    )
+
+
+def _of_device(study: Study, device: modbus.Device, record: "xr.Dataset") -> Limits:
+    """Return what the excitations of the study, the device and its first record allow."""
+    own = _of_records(study, [record])
+    played = study.excitation.record
+    rate = study.resolution.rate or (device.safety.max_rate if device.safety else None) or own.rate
+    return Limits(
+        played.low, played.high, rate, own.output_low, own.output_high, device.sampling_rate
+    )
+
+
+def _of_records(study: Study, records: "list[xr.Dataset]") -> Limits:
+    """Return range and rate of the input, and the range of the output with its margin."""
+    signals = [store.signals(record) for record in records]
+    u = np.concatenate([each.u for each in signals])
+    y = np.concatenate([each.y for each in signals])
+    rate = signals[0].sampling_rate
+    fastest = max(float(np.abs(np.diff(each.u)).max()) for each in signals) * rate
+    low, high = float(np.nanmin(y)), float(np.nanmax(y))
+    margin = study.resolution.output_margin * (high - low)
+    return Limits(
+        float(u.min()),
+        float(u.max()),
+        study.resolution.rate or fastest,
+        low - margin,
+        high + margin,
+        rate,
+    )
+
+
+@dataclass
+class Kept:
+    """Designs and findings in ``results/resolve/NAME/round_N/``; nothing there is made twice."""
+
+    folder: Path
+    first: Path
+    limits: Limits
+
+    def place(self, number: int) -> Path:
+        """Return the folder of a designed record."""
+        return self.folder / ("certificate" if number == CERTIFICATE else f"round_{number}")
+
+    def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
+        """Return the design that is kept, if it rests on the same record, or make it."""
+        file = self.place(number) / "design.json"
+        table = file.with_name("excitation.csv")
+        begun = store.sha256(self.first)
+        if not file.exists():
+            made = make()
+            if made is None:
+                return None
+            self._write_table(table, made.u)
+            said = asdict(made) | {"first_record": begun, "sha256": store.sha256(table)}
+            del said["u"]
+            _write_json(file, said)
+        said = json.loads(file.read_text())
+        if said.pop("first_record") != begun or said.pop("sha256") != store.sha256(table):
+            raise InputError(
+                "it was designed for another record, or its excitation was changed",
+                file=file,
+                remedy=f"Move {self.folder} away; records of hardware stay in {archive.ROOT}",
+            )
+        u = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
+        return Design(**said | {"u": u, "closest": tuple(said["closest"])})
+
+    def keep(self, found: Round) -> None:
+        """Write the verdict and the probabilities after a round."""
+        place = self.place(found.number)
+        found.after.diagnosis.verdict.write(place / "verdict.json")
+        posterior = {
+            name: {
+                "prior": found.after.posterior.prior[name],
+                "before": found.before.posterior.now.get(name),
+                "log_density": found.log_densities.get(name),
+                "after": value,
+            }
+            for name, value in found.after.posterior.now.items()
+        }
+        _write_json(place / "posterior.json", posterior)
+
+    def _write_table(self, path: Path, u: np.ndarray) -> None:
+        units = store.signals(store.read_record(self.first)).u_units
+        with store.atomic(path) as partial:
+            partial.write_text(
+                resolution.excitation_table(u, self.limits.sampling_rate, units), encoding="utf-8"
+            )
+
+
+@dataclass
+class Driven(Kept):
+    """An actuator that is driven over Modbus, virtual or not."""
+
+    study: Study
+    actuator: Actuator
+    device: modbus.Device
+    operator: str
+
+    def record(self, number: int, u: np.ndarray) -> "xr.Dataset":
+        """Return the record of an excitation, which is driven where there is none yet."""
+        file = self.place(number) / "record.nc"
+        if not file.exists():
+            acquisition.check_excitation(self.device, u)
+            (self._drive if self.actuator.bench else self._archive)(number, u, file)
+        return store.read_record(file)
+
+    def finish(self, found: Resolution) -> None:
+        """Leave nothing to be done by hand."""
+
+    def _settings(self, number: int) -> dict[str, Any]:
+        return {
+            "seed": self.study.seed,
+            "system": self.actuator.name,
+            "excitation_name": f"{_PREFIX}{number}",
+            "excitation_sha256": store.sha256(self.place(number) / "excitation.csv"),
+            "acquisition": written(self.study.acquisition),
+        }
+
+    def _drive(self, number: int, u: np.ndarray, file: Path) -> None:
+        """Drive a virtual actuator as the study does."""
+        from dataclasses import replace
+
+        from dea.stages.bench_process import bench_process
+        from dea.stages.driving import write
+
+        settings = self._settings(number)
+        job = seeds.generator(self.study.seed, self.actuator.name, settings["excitation_name"])
+        options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
+        partial = file.with_name(".samples.partial")
+        with bench_process(
+            str(self.actuator.bench),
+            config=Path(BENCH),
+            device=Path(self.actuator.device),
+            seed=int(job.integers(2**31)),
+            watchdog_time=self.study.bench.watchdog_time,
+        ) as port:
+            answering = replace(self.device, host="127.0.0.1", port=port, virtual=True)
+            acquired = acquisition.acquire(answering, u, partial, options)
+        inputs = {
+            "device": Path(self.actuator.device),
+            "excitation": file.parent / "excitation.csv",
+        }
+        write(acquired, {"link": file.with_name("link.nc"), "record": file}, settings, inputs)
+        partial.unlink()
+
+    def _archive(self, number: int, u: np.ndarray, file: Path) -> None:
+        """Drive hardware as `make record` does; a record that was kept before is taken."""
+        import xarray as xr
+
+        from dea.stages.driving import Excitation
+        from dea.stages.record import keep
+        from dea.stages.take_record import take_record
+
+        settings = self._settings(number)
+        kept = [
+            folder
+            for folder in archive.finished(self.actuator.name, settings["excitation_name"])
+            if archive.manifest(folder)["settings"].get("excitation_sha256")
+            == settings["excitation_sha256"]
+        ]
+        played = Excitation(u, 0, xr.Dataset())
+        folder = kept[-1] if kept else keep(self.device, played, settings, self.operator)
+        take_record(settings, folder / archive.MANIFEST, file, file.with_name("link.nc"))
+
+
+@dataclass
+class ByHand(Kept):
+    """A case, whose designed records are made by hand and handed in with the case."""
+
+    further: Path
+    case: Case
+
+    def record(self, number: int, u: np.ndarray) -> "xr.Dataset | None":
+        """Return the record of an excitation that was handed in."""
+        key = _key(number)
+        if key not in self.case.records:
+            return None
+        found = store.read_record(self.further / f"{key}.nc")
+        signals = store.signals(found)
+        span = self.limits.high - self.limits.low
+        if signals.u.size != u.size or np.abs(signals.u - u).max() > 0.05 * span:
+            raise InputError(
+                f"its input is not the excitation of {self.place(number) / 'excitation.csv'}",
+                file=CASES / f"{self.folder.name}.yaml",
+                field=f"records.{key}",
+                remedy="Play that excitation, or name the record otherwise to begin with it",
+            )
+        return found
+
+    def finish(self, found: Resolution) -> None:
+        """Write what is to be made next, and how to hand it in."""
+        pages = [self.folder / "next_excitation.csv", self.folder / "next_experiment.md"]
+        if found.pending is None:
+            for path in pages:
+                path.unlink(missing_ok=True)
+            return
+        design = self.design(found.pending, lambda: None)
+        assert design is not None
+        self._write_table(pages[0], design.u)
+        with store.atomic(pages[1]) as partial:
+            partial.write_text(
+                resolution.experiment_page(
+                    self.folder.name, _key(found.pending), design, self.limits,
+                    found.last.posterior.now, found.last.diagnosis.units,
+                ),
+                encoding="utf-8",
+            )  # fmt: skip
+
+
+def _key(number: int) -> str:
+    return f"{_PREFIX}{'fresh' if number == CERTIFICATE else number}"
+
+
+def _write_json(path: Path, content: Mapping[str, Any]) -> None:
+    with store.atomic(path) as partial:
+        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def said(name: str, found: Resolution) -> str:
+    """Return what a resolution found in a few lines."""
+    verdict = found.last.diagnosis.verdict
+    lines = [f"{name}: {verdict.sentence}"]
+    if found.outcome is resolution.Outcome.OUTSIDE:
+        lines = [f"{name}: no effect of the catalogue explains the designed records."]
+    lines.append(
+        f"{found.outcome}: {len(found.rounds)} designed records, {found.last.driven:g} s driven."
+    )
+    if found.certificate:
+        before, after = found.certificate.before, found.certificate.after
+        lines.append(f"On a fresh record: error {before:.3g} to {after:.3g} {verdict.unit}.")
+    if found.pending is not None:
+        lines.append(f"Next: {RESULTS / 'resolve' / name / 'next_experiment.md'}")
+    return "\n".join(lines)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; exits with 2 for bad input, 1 for a failed acquisition."""
+    parser = argparse.ArgumentParser(prog="python -m dea.stages.resolve", description=__doc__)
+    parser.add_argument("name", nargs="+", help="actuators of config/config.yaml, or cases")
+    parser.add_argument(
+        "--operator", default=getpass.getuser(), help="who arms the device and is in charge of it"
+    )
+    parser.add_argument("--threads", type=int, default=2)
+    options = parser.parse_args(arguments)
+    try:
+        for name in options.name:
+            print(said(name, resolve(name, options.operator, options.threads)))
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    except (DeviceError, OSError) as error:
+        print(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]), file=sys.stderr)
+        raise SystemExit(1) from None
+    except acquisition.Interrupted as signal:
+        print(f"ended by {signal}; the output is at zero", file=sys.stderr)
+        raise SystemExit(130) from None
+
+
+if __name__ == "__main__":
+    main()

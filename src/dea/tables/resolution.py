@@ -1,0 +1,46 @@
+"""Round by round, what designed records have decided."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from dea.store import Sources
+from dea.tables.table import Table, rounded
+
+
+def tabulate(sources: Sources) -> Table:
+    """Make it from ``resolution.nc`` of every system."""
+    return resolution(sources.datasets("resolution"))
+
+
+def resolution(found: Mapping[str, xr.Dataset]) -> Table:
+    """One row for each round of each system (contract ``resolution``)."""
+    rows = []
+    for name, dataset in found.items():
+        for number in range(dataset.sizes["round"]):
+            part = dataset.isel(round=number)
+            likeliest = int(np.nanargmax(part["probability"].values))
+            last = number == dataset.sizes["round"] - 1
+            unit = part["gap_after"].attrs["units"]
+            rows.append(
+                {
+                    "system": name,
+                    "round": number,
+                    "driven (s)": float(part["driven"]),
+                    "verdict": str(part["status"].values),
+                    "names": str(part["names"].values),
+                    "likeliest": str(part["hypothesis"].values[likeliest]),
+                    "probability": float(part["probability"][likeliest]),
+                    "hypotheses left": int(
+                        np.sum(
+                            np.isfinite(part["probability"].values) & (part["rejected"].values == 0)
+                        )
+                    ),
+                    f"gap before ({unit})": float(part["gap_before"]),
+                    f"gap after ({unit})": float(part["gap_after"]),
+                    "outcome": str(dataset.attrs["outcome"]) if last else "",
+                }
+            )
+    return rounded(pd.DataFrame(rows))

@@ -1,0 +1,103 @@
+"""The distance of two explanations against fits by another optimiser, and what designs reach."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_devices import CARRIAGE, INTERVAL, LIMITS
+from scipy.optimize import minimize
+
+from dea.resolution.design import Question, designed, fixed_forms
+from dea.resolution.distance import expected, nested, squared_distance
+from dea.resolution.error import Error
+from dea.resolution.explanation import Explanation
+from dea.simulation import catalogue, measured_scales, prepared
+
+pytestmark = pytest.mark.slow
+
+ERROR = Error(4e-3, 6e-3, 25.0)
+
+
+def explanation(effect, law, spread=0.02):
+    """Return the carriage with an effect, whose coordinates are known to this spread."""
+    u = np.repeat([-1.0, 1.0, 0.5, -0.2], 250)
+    extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
+    values = extended.values(np.zeros(extended.free.size))
+    if effect is None:
+        whole = extended
+    else:
+        record = type("Record", (), {"u": u, "y": u, "interval": INTERVAL})()
+        whole = extended.attach(catalogue()[effect], measured_scales(extended, values, record))
+        rest = whole.values(np.zeros(whole.free.size))[values.size + len(law) :]
+        values = np.concatenate([values, law, rest])
+    own = whole.own_of_records
+    deviation = np.where(own, 1.0, spread)
+    return Explanation(whole, whole.coordinates(values), np.diag(deviation**2))
+
+
+def distance(truth, rival, u, error=ERROR):
+    views = [expected(*each.linearised(u, INTERVAL), each.root, error) for each in (truth, rival)]
+    return squared_distance(*views)
+
+
+def refitted(truth, rival, u):
+    """Return what a search without derivatives leaves of the difference, with the belief's cost."""
+    goal = truth.simulated(u, INTERVAL)
+    deviation = np.sqrt(np.diag(rival.covariance))
+
+    def cost(step):
+        x = rival.mean + deviation * step
+        left = goal - rival.extended.simulate(rival.extended.values(x), u, INTERVAL)
+        whitened = ERROR.whitened(left)
+        return whitened @ whitened + step @ step
+
+    best, start = np.inf, np.zeros(deviation.size)
+    for _ in range(4):
+        found = minimize(cost, start, method="Powell", options={"xtol": 1e-6, "ftol": 1e-10})
+        if found.fun > best - 1e-6:
+            break
+        best, start = found.fun, found.x
+    return best
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_distance_is_what_a_nonlinear_refit_leaves(seed):
+    u = np.repeat(np.random.default_rng(seed).uniform(-1.0, 1.0, 12), 25)
+    lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
+    for truth, rival in ((lag, late), (late, lag)):
+        assert distance(truth, rival, u) == pytest.approx(refitted(truth, rival, u), rel=0.1)
+
+
+def test_distance_of_an_explanation_to_itself_is_zero_and_grows_with_what_is_known():
+    u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 12), 25)
+    lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
+    assert distance(lag, lag, u) == 0.0
+    surer = replace(late, covariance=1e-4 * late.covariance)
+    assert distance(lag, surer, u) > distance(lag, late, u) > 0.0
+    assert nested(lag, explanation(None, []))
+    assert not nested(lag, late)
+
+
+def test_a_design_is_at_least_as_good_as_every_fixed_form_and_decides_sooner():
+    lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
+    question = Question(
+        [lag, late], [0.5, 0.5], explanation(None, []), ERROR, 0.0, LIMITS, 0.0
+    )  # fmt: skip
+    found = designed(question, (6.0, 6.0), 1e-300, np.random.default_rng(5))
+    others = [question.judged(u, kind) for kind, u in fixed_forms(6.0, LIMITS, 8)]
+    assert found.log_bound < min(other.log_bound for other in others)
+    assert set(found.closest) == {"sensor_lag", "transport_delay"}
+    short = designed(question, (1.0, 12.0), 0.4, np.random.default_rng(5))
+    assert short.u.size == 150
+
+
+def test_no_predicted_output_leaves_its_range():
+    lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
+    tight = replace(LIMITS, output_low=-0.5, output_high=0.5)
+    question = Question([lag, late], [0.5, 0.5], explanation(None, []), ERROR, 0.0, tight, 0.0)
+    found = designed(question, (1.0, 6.0), 0.4, np.random.default_rng(6))
+    for each in (lag, late):
+        assert tight.holds(each.simulated(found.u, INTERVAL))
+    impossible = replace(tight, output_low=5.0, output_high=6.0)
+    nowhere = replace(question, limits=impossible)
+    assert designed(nowhere, (1.0, 6.0), 0.4, np.random.default_rng(6)) is None

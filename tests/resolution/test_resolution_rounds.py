@@ -1,0 +1,75 @@
+"""The loop from end to end, on devices that hide an effect."""
+
+import numpy as np
+import pytest
+from made_devices import CARRIAGE, INTERVAL, LIMITS, NOISE, InMemory, hidden
+
+from dea.discrepancy import Settings
+from dea.errors import InputError
+from dea.resolution import CERTIFICATE, Options, Outcome, resolution_dataset, resolve
+
+pytestmark = pytest.mark.slow
+
+SETTINGS = Settings(effects=("sensor_lag", "transport_delay", "electrode_lag"), warm_up=0.0)
+OPTIONS = Options(duration=20.0)
+
+
+def first(device):
+    """Two slow sines, on which a delay and a lag are nearly the same."""
+    t = np.arange(1500) * INTERVAL
+    u = 0.3 * np.sin(2 * np.pi * 0.5 * t) + 0.1 * np.sin(2 * np.pi * 0.8 * t)
+    return device(u, 0)
+
+
+def solved(device, options=OPTIONS, desk=None):
+    desk = desk or InMemory(device)
+    records = [first(device)]
+    return resolve(records, CARRIAGE, desk, LIMITS, settings=SETTINGS, options=options), desk
+
+
+@pytest.mark.parametrize(
+    ("effect", "law"), [("sensor_lag", [0.15, 0.9, 0.0]), ("transport_delay", [0.15])]
+)
+def test_designed_records_leave_the_effect_that_is_hidden(effect, law):
+    found, desk = solved(hidden(effect, law))
+    assert found.first.diagnosis.verdict.status == "ambiguous"
+    assert found.outcome is Outcome.DECIDED
+    assert found.last.diagnosis.verdict.names == (effect,)
+    assert [each.number for each in desk.kept] == list(range(1, len(found.rounds) + 1))
+    assert found.certificate.after < 1.3 * NOISE < found.certificate.before
+    for design in desk.designs.values():
+        assert design.u.min() >= LIMITS.low
+        assert design.u.max() <= LIMITS.high
+        assert np.abs(np.diff(design.u)).max() / INTERVAL <= LIMITS.rate * (1 + 1e-9)
+        assert design.u.size * INTERVAL <= OPTIONS.duration
+    dataset = resolution_dataset(found, OPTIONS.level)
+    np.testing.assert_allclose(np.nansum(dataset["probability"], axis=1), 1.0)
+    assert dataset["names"].values[-1] == effect
+    seconds = sum(desk.designs[each.number].u.size for each in found.rounds) * INTERVAL
+    assert dataset["driven"].values[-1] == pytest.approx(seconds)
+    assert CERTIFICATE in desk.designs
+
+
+def test_an_effect_that_is_not_offered_ends_without_a_name():
+    found, desk = solved(hidden("dead_zone", [0.3]), Options(records=1, duration=20.0))
+    assert found.outcome is not Outcome.DECIDED
+    assert found.certificate is None
+    assert CERTIFICATE not in desk.designs
+    assert found.last.posterior.now["another"] > 0.99
+
+
+def test_a_loop_that_was_ended_goes_on_with_what_it_has():
+    device = hidden("transport_delay", [0.15])
+    whole, desk = solved(device)
+
+    def driven_again(u, seed):
+        raise AssertionError("a record that there is was driven again")
+
+    again = InMemory(driven_again, designs=dict(desk.designs), records=dict(desk.records))
+    resumed, _ = solved(device, desk=again)
+    assert resumed.last.posterior == whole.last.posterior
+
+
+def test_records_too_short_to_be_diagnosed_are_refused():
+    with pytest.raises(InputError, match=r"resolution\.duration.*Raise it"):
+        solved(hidden("transport_delay", [0.15]), Options(duration=4.0))

@@ -1,0 +1,228 @@
+"""The command: records by hand for a case, and driven ones for an actuator."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from made_devices import INTERVAL, LIMITS, hidden
+
+from dea import archive, modbus, store
+from dea.configuration.files import read_yaml
+from dea.configuration.study import check_study
+from dea.errors import InputError
+from dea.resolution import Design
+from dea.stages.resolve import Driven, main, resolve
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parents[2]
+CARRIAGE = """
+from dataclasses import replace
+
+from dea.simulation import Parameter, State, load_simulation
+
+simulation = replace(
+    load_simulation("mass_spring_damper"),
+    states=(State("position", "V", 0.0, 0.2), State("velocity", "V/s", 0.0, 2.0)),
+    parameters=(
+        Parameter("natural_frequency", "Hz", 1.5, 0.3, 1e-2, 1e2, log=True),
+        Parameter("damping_ratio", "1", 0.5, 0.5, 1e-3, 10.0, log=True),
+        Parameter("static_gain", "V/V", 1.0, 0.3, 1e-2, 1e2, log=True),
+    ),
+    accuracy=0.0,
+    input_interpolation="zero",
+)
+"""
+COLUMNS = {
+    "sampling_interval": INTERVAL,
+    "input": {"column": "u", "units": "V"},
+    "output": {"column": "y", "units": "V"},
+}
+DEVICE = hidden("transport_delay", [0.15])
+
+
+def kept(folder, name, u, seed):
+    """Record the device by hand, as a file beside the case and as the workflow imports it."""
+    record = DEVICE(u, seed)
+    for variable in ("input", "output"):
+        record[variable].attrs["long_name"] = variable
+    record["time"].attrs["long_name"] = "time"
+    store.write(record, folder / f"{name}.nc", title=name)
+    return {"file": f"data/{name}.csv", **COLUMNS}
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    """A study whose case is a carriage that no program drives; returns the file of the case."""
+    shutil.copytree(ROOT / "config", tmp_path / "config")
+    (tmp_path / "carriage.py").write_text(CARRIAGE)
+    monkeypatch.chdir(tmp_path)
+    study = yaml.safe_load(Path("config/config.yaml").read_text())
+    study["discrepancy"] |= {
+        "effects": ["sensor_lag", "transport_delay", "electrode_lag"],
+        "warm_up": 0.0,
+    }
+    study["resolution"] = {"duration": 20.0, "rate": 20.0, "output_margin": 5.0}
+    Path("config/config.yaml").write_text(yaml.safe_dump(study))
+    t = np.arange(1500) * INTERVAL
+    u = 0.3 * np.sin(2 * np.pi * 0.5 * t) + 0.1 * np.sin(2 * np.pi * 0.8 * t)
+    file = Path("config/cases/carriage.yaml")
+    file.write_text(
+        yaml.safe_dump(
+            {
+                "title": "A carriage",
+                "record": kept(Path("results/carriage"), "record", u, 0),
+                "simulation": "carriage.py",
+            }
+        )
+    )
+    return file
+
+
+def hand_in(file, key, u, seed):
+    content = yaml.safe_load(file.read_text())
+    record = kept(Path("results/carriage/further"), key, u, seed)
+    content.setdefault("records", {})[key] = record
+    file.write_text(yaml.safe_dump(content))
+
+
+def test_a_case_is_resolved_by_hand(case, capsys):
+    folder = Path("results/resolve/carriage")
+    main(["carriage", "--threads", "1"])
+    assert "Next: results/resolve/carriage/next_experiment.md" in capsys.readouterr().out
+    page = (folder / "next_experiment.md").read_text()
+    for words in ("resolve_1", "transport_delay", "make resolve NAME=carriage", "V/s"):
+        assert words in page
+    u = np.loadtxt(folder / "next_excitation.csv", delimiter=",", skiprows=1)[:, 1]
+    np.testing.assert_array_equal(
+        u, np.loadtxt(folder / "round_1/excitation.csv", delimiter=",", skiprows=1)[:, 1]
+    )
+    first = (folder / "next_excitation.csv").read_bytes()
+    hand_in(case, "resolve_1", -u, 1)
+    with pytest.raises(InputError, match=r"resolve_1: its input is not the excitation of"):
+        resolve("carriage", "me", 1)
+    hand_in(case, "resolve_1", u, 1)
+    main(["carriage", "--threads", "1"])
+    assert (folder / "round_1/excitation.csv").read_bytes() == first
+    assert (folder / "round_1/posterior.json").exists()
+    assert "resolve_fresh" in (folder / "next_experiment.md").read_text()
+    fresh = np.loadtxt(folder / "next_excitation.csv", delimiter=",", skiprows=1)[:, 1]
+    hand_in(case, "resolve_fresh", fresh, 2)
+    main(["carriage", "--threads", "1"])
+    said = capsys.readouterr().out
+    assert "decided: 1 designed records" in said
+    assert "On a fresh record: error" in said
+    assert not (folder / "next_experiment.md").exists()
+    found = store.read(folder / "resolution.nc")
+    assert found["names"].values[-1] == "transport_delay"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("carriag", "there is no actuator or case 'carriag'. Did you mean 'carriage'?"),
+        (
+            "dea1",
+            "results/dea1/record.nc: there is no record. Make it: make results/dea1/record.nc",
+        ),
+    ],
+)
+def test_what_cannot_be_resolved_is_said_in_one_line(case, capsys, name, said):
+    with pytest.raises(SystemExit) as exit_:
+        main([name])
+    assert exit_.value.code == 2
+    message = capsys.readouterr().err
+    assert said in message
+    assert message.count("\n") == 1
+
+
+def test_a_case_without_physics_and_a_changed_excitation_are_refused(case, capsys):
+    content = yaml.safe_load(case.read_text())
+    case.write_text(yaml.safe_dump({k: v for k, v in content.items() if k != "simulation"}))
+    with pytest.raises(InputError, match="it names no simulation"):
+        resolve("carriage", "me", 1)
+
+
+@pytest.fixture
+def desk(tmp_path, monkeypatch, serve_bench):
+    """Return what makes the desk of an actuator: hardware, or virtual."""
+    bench = serve_bench()
+    shutil.copytree(ROOT / "config", tmp_path / "config")
+    monkeypatch.chdir(tmp_path)
+    description = yaml.safe_load(Path("config/devices/virtual_bench.yaml").read_text())
+    description["endpoint"] = {"host": "127.0.0.1", "port": bench.endpoint.port}
+    Path("config/devices/mine.yaml").write_text(yaml.safe_dump(description))
+    content = read_yaml("config/config.yaml", what="", example="")
+    content["acquisition"]["ramp_rate"] = 20.0
+    content["actuators"] = [
+        {"name": "film1", "device": "config/devices/mine.yaml"},
+        {"name": "dea1", "device": "config/devices/virtual_bench.yaml", "bench": "dea1"},
+    ]
+    study = check_study(content)
+    Path("config/config.yaml").write_text(yaml.safe_dump(content))
+    first = Path("results/film1/record.nc")
+    first.parent.mkdir(parents=True)
+    first.write_bytes(b"the first record")
+
+    def make(name):
+        actuator = next(each for each in study.actuators if each.name == name)
+        device = modbus.read_device(Path(actuator.device))
+        folder = Path("results/resolve") / name
+        return Driven(folder, first, LIMITS, study, actuator, device, "A. Volta")
+
+    return make
+
+
+def put(desk, number, u):
+    place = desk.place(number)
+    place.mkdir(parents=True)
+    text = "".join(f"{k},{v!r}\n" for k, v in enumerate(u.tolist()))
+    (place / "excitation.csv").write_text("time,input\n" + text)
+
+
+def test_a_record_of_hardware_is_archived_and_not_driven_again(desk):
+    own, u = desk("film1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
+    put(own, 1, u)
+    record = own.record(1, u)
+    np.testing.assert_allclose(record["voltage"], u, atol=1e-3)
+    (folder,) = Path("records/film1").iterdir()
+    assert archive.check(folder)["excitation"] == "resolve_1"
+    assert archive.check(folder)["operator"] == "A. Volta"
+    # A loop that was ended before it took the record from the archive finds it there.
+    (own.place(1) / "record.nc").unlink()
+    again = own.record(1, u)
+    assert len(list(Path("records/film1").iterdir())) == 1
+    np.testing.assert_array_equal(again["displacement"], record["displacement"])
+
+
+def test_a_virtual_actuator_is_driven_once(desk):
+    own, u = desk("dea1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
+    put(own, 1, u)
+    record = own.record(1, u)
+    file = own.place(1) / "record.nc"
+    before = file.stat().st_mtime_ns
+    np.testing.assert_array_equal(own.record(1, u)["displacement"], record["displacement"])
+    assert file.stat().st_mtime_ns == before
+    assert not Path("records").exists()
+
+
+def test_a_voltage_beyond_the_limits_is_refused_before_anything_is_driven(desk):
+    own, u = desk("film1"), np.full(100, 3.9)
+    put(own, 1, u)
+    with pytest.raises(InputError, match=r"asks for 3\.9 V, outside"):
+        own.record(1, u)
+    assert not Path("records").exists()
+
+
+def test_a_design_that_was_changed_or_is_of_another_record_is_refused(desk):
+    own = desk("film1")
+    own._write_table = lambda path, u: put(own, 1, u)
+    made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
+    kept = own.design(1, lambda: made)
+    np.testing.assert_array_equal(kept.u, made.u)
+    assert (kept.closest, kept.distance) == (("a", "b"), 3.0)
+    own.first.write_bytes(b"another record")
+    with pytest.raises(InputError, match="designed for another record"):
+        own.design(1, lambda: made)
