@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from benchmarks.naming.methods import REFERENCE, methods
 from benchmarks.naming.methods._grey_box import aic
-from benchmarks.naming.methods._library import CORRECTION, FOREIGN, library
+from benchmarks.naming.methods._library import CORRECTION, FOREIGN, Term, library
 from benchmarks.naming.methods._stlsq import stlsq
 from benchmarks.naming.methods.sindy import Discrepancy, Equation, run
 from made_tasks import STIFFNESS, posed
@@ -83,22 +83,31 @@ def test_sindy_recovers_a_cubic_spring(stiffened):
     assert stiffened.error(answer.ahead) < 0.7 * reference_error(stiffened)
 
 
-def test_sindy_counts_terms_by_what_they_contribute(stiffened):
-    found = Discrepancy.of(stiffened.task)
-    names = [term.name for term in found.terms]
+def test_sindy_counts_terms_by_what_the_others_cannot_make_up_for():
+    """Orthogonal columns: each contributes its coefficient, whatever lies beside it."""
+    signs = [CORRECTION, "sensor_lag", FOREIGN, "end_stop", "dead_zone", "dead_zone"]
+    terms = [Term(str(k), sign, np.zeros(0)) for k, sign in enumerate(signs)]
+    found = Discrepancy(None, terms, 0.02)
 
-    def equation(order, **coefficients):
-        forcing = np.zeros(len(names))
-        for name, value in coefficients.items():
-            forcing[names.index(name)] = value
-        return Equation(order, np.zeros(order), forcing)
+    def names(*coefficients, alike=0.0):
+        """``alike`` correlates the last two terms, which then nearly cancel."""
+        G = np.eye(len(signs) + 1)
+        G[5, 6] = G[6, 5] = alike
+        c = np.array([0.0, *coefficients])
+        target = G @ c
+        whole = np.zeros((len(c) + 1, len(c) + 1))
+        whole[:-1, :-1], whole[:-1, -1], whole[-1, :-1] = G, target, target
+        whole[-1, -1] = c @ target + 0.1
+        return found.names(Equation(1, c[:1], c[1:], whole))
 
-    friction = "sign(v)"
-    assert found.names(equation(2, u=5.0, v=5.0, **{friction: 1.0})) == {"coulomb_friction"}
-    assert found.names(equation(2, **{"v |v|": 2.0, friction: 0.5})) == frozenset()
-    both = {"coulomb_friction", "strain_stiffening"}
-    assert found.names(equation(1, **{friction: 1.0, "y^3": -0.6})) == both
-    assert found.names(equation(1, **{friction: 1.0, "y^3": -0.4})) == {"coulomb_friction"}
+    assert names(9.0, 1.0, 0.0, 0.0, 0.0, 0.0) == {"sensor_lag"}
+    assert names(0.0, 1.0, 0.0, 0.6, 0.0, 0.0) == {"sensor_lag", "end_stop"}
+    assert names(0.0, 1.0, 0.0, 0.4, 0.0, 0.0) == {"sensor_lag"}
+    assert names(0.0, 1.0, 0.6, 0.0, 0.0, 0.0) == {"sensor_lag"}
+    assert names(0.0, 1.0, 2.0, 0.0, 0.0, 0.0) == frozenset()
+    assert names(9.0, 0.0, 0.0, 0.0, 0.0, 0.0) == frozenset()
+    assert names(0.0, 1.0, 0.0, 0.0, 9.0, -9.0) == {"dead_zone"}
+    assert names(0.0, 1.0, 0.0, 0.0, 9.0, -9.0, alike=0.9999) == {"sensor_lag"}
 
 
 def reference_error(given):

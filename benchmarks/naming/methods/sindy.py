@@ -25,17 +25,22 @@ _ORDERS = (1, 2)  # of the derivative
 _LENGTHS = (5, 11, 25, 51, 101)  # samples of the filter
 _THRESHOLDS = np.geomspace(0.01, 0.5, 10)  # of the derivative's root mean square
 _RIDGES = (1e-5, 1e-3, 0.1)  # of the number of samples
-_WORTH = 0.03  # part of the error that a term must remove
+_WORTH = 0.1  # part of the error that a term must remove
 _SECOND = 0.5  # part of the leading effect's contribution from which a second one is named
 
 
 @dataclass(frozen=True)
 class Equation:
-    """The derivative of an ``order`` is ``own`` times e, e' and so on, and ``forcing`` terms."""
+    """The derivative of an ``order`` is ``own`` times e, e' and so on, and ``forcing`` terms.
+
+    ``G`` holds the mean products of all columns of the regression, in units of their root mean
+    squares: of e and its derivatives, of the terms, and of the derivative, which is the last.
+    """
 
     order: int
     own: Array
     forcing: Array
+    G: Array
 
     @property
     def stable(self) -> bool:
@@ -90,7 +95,7 @@ class Discrepancy:
                 for threshold, ridge in product(_THRESHOLDS, _RIDGES):
                     sparse = stlsq(G[:-1, :-1], G[:-1, -1], threshold, ridge)
                     sparse = sparse * scale[-1] / scale[:-1]
-                    equation = Equation(order, sparse[:order], sparse[order:])
+                    equation = Equation(order, sparse[:order], sparse[order:], G)
                     found[Setting(order, length, threshold, ridge)] = equation
         return found
 
@@ -105,22 +110,29 @@ class Discrepancy:
     def names(self, equation: Equation) -> frozenset[str]:
         """Return the effects that the terms of an equation are signs of.
 
-        An effect contributes the root mean square of the sum of its terms. The one that contributes
-        most is named, and the second, where it contributes half as much. Terms that correct
-        parameters of the simulation do not count; where terms that are signs of no effect lead,
-        there is no name.
+        An effect contributes what the regression leaves more, as a root mean square, if its terms
+        are dropped and the others fitted again. The one that contributes most is named, and the
+        second, where it contributes half as much. Terms that correct parameters of the simulation
+        do not count; where terms that are signs of no effect lead, there is no name.
         """
-        parts: dict[str, Array] = {}
-        for coefficient, term in zip(equation.forcing, self.terms, strict=True):
-            if coefficient and term.sign_of != CORRECTION:
-                before = parts.get(term.sign_of, np.zeros(term.values.size))
-                parts[term.sign_of] = before + coefficient * term.values
-        sizes = {name: float(np.sqrt(np.mean(part**2))) for name, part in parts.items()}
-        leading = sorted(sizes, key=lambda name: -sizes[name])[:2]
+        kept = np.concatenate([equation.own, equation.forcing]) != 0.0
+        signs = np.array([*[CORRECTION] * equation.order, *(term.sign_of for term in self.terms)])
+        before = _left(equation.G, kept)
+        sizes = {
+            name: np.sqrt(max(_left(equation.G, kept & (signs != name)) - before, 0.0))
+            for name in {*signs[kept]} - {CORRECTION}
+        }
+        leading = sorted(sizes, key=lambda name: (-sizes[name], name))[:2]
         if not leading or leading[0] == FOREIGN:
             return frozenset()
         enough = _SECOND * sizes[leading[0]]
-        return frozenset(n for n in leading if n != FOREIGN and sizes[n] >= enough)
+        return frozenset(str(n) for n in leading if n != FOREIGN and sizes[n] >= enough)
+
+
+def _left(G: Array, kept: Mask) -> float:
+    """Return the mean square that the last column of ``G`` has beside the columns ``kept``."""
+    own, b = G[:-1, :-1][np.ix_(kept, kept)], G[:-1, -1][kept]
+    return float(G[-1, -1] - b @ np.linalg.lstsq(own, b, rcond=None)[0])
 
 
 def answer(task: Task) -> Answer:
