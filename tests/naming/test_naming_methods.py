@@ -58,7 +58,9 @@ def test_the_lorenz_equations_come_out_of_thresholded_least_squares():
 def test_every_effect_of_the_catalogue_has_a_sign_in_the_library():
     rng = np.random.default_rng(1)
     terms = library(*rng.standard_normal((2, 1000)), rng.standard_normal(800), 0.02)
-    assert {term.sign_of for term in terms} - {CORRECTION, FOREIGN} == set(catalogue())
+    assert {term.in_motion for term in terms} - {CORRECTION, FOREIGN} == set(catalogue())
+    forces = {"strain_stiffening", "end_stop"}
+    assert {t.in_reading for t in terms} - {CORRECTION, FOREIGN} == set(catalogue()) - forces
     assert len({term.name for term in terms}) == len(terms)
     assert all(np.mean(term.values**2) == pytest.approx(1.0) for term in terms)
 
@@ -86,7 +88,7 @@ def test_sindy_recovers_a_cubic_spring(stiffened):
 def test_sindy_counts_terms_by_what_the_others_cannot_make_up_for():
     """Orthogonal columns: each contributes its coefficient, whatever lies beside it."""
     signs = [CORRECTION, "sensor_lag", FOREIGN, "end_stop", "dead_zone", "dead_zone"]
-    terms = [Term(str(k), sign, np.zeros(0)) for k, sign in enumerate(signs)]
+    terms = [Term(str(k), sign, FOREIGN, np.zeros(0)) for k, sign in enumerate(signs)]
     found = Discrepancy(None, terms, 0.02)
 
     def names(*coefficients, alike=0.0):

@@ -1,9 +1,10 @@
 """The library of SINDy on the discrepancy, and the effect that each of its terms is a sign of.
 
 A term is a function of the simulated output y, its rate v, the input u and time; all of them are
-known where the output is not measured. The regression explains the rate or the acceleration of the
-residual, to which a force adds as it is. What a sensor adds to the reading appears as its rate: a
-curve of the sensor as y v, its lag as the acceleration.
+known where the output is not measured. What it is a sign of depends on what is regressed: to the
+rate or acceleration of the residual a force adds as it is, and what a sensor adds to the reading
+appears as its rate (a curve as y v, a lag as the acceleration); to the residual itself, a sensor
+adds as it is.
 """
 
 from collections.abc import Callable
@@ -28,10 +29,11 @@ Add = Callable[..., None]
 
 @dataclass(frozen=True)
 class Term:
-    """A column (n,) of the library, and the effect that it is a sign of."""
+    """A column (n,) of the library, and what it is a sign of, in the motion and in the reading."""
 
     name: str
-    sign_of: str
+    in_motion: str
+    in_reading: str
     values: Array
 
 
@@ -42,9 +44,9 @@ def library(u: Array, simulated: Array, residual: Array, interval: float) -> lis
     """
     found: list[Term] = []
 
-    def add(name: str, values: Array, sign_of: str) -> None:
+    def add(name: str, values: Array, in_motion: str, in_reading: str = "") -> None:
         size = float(np.sqrt(np.mean(values**2))) or 1.0
-        found.append(Term(name, sign_of, values / size))
+        found.append(Term(name, in_motion, in_reading or in_motion, values / size))
 
     _add_states(add, u, simulated, interval)
     bipolar = float(u.min()) < 0.0 < float(u.max())
@@ -61,24 +63,20 @@ def _add_states(add: Add, u: Array, simulated: Array, interval: float) -> None:
     rate = np.gradient(simulated, interval)
     u, y, v = _standard(u), _standard(simulated), _standard(rate)
     a = _standard(np.gradient(rate, interval))
-    for name, values, sign_of in (
-        ("1", np.ones(u.size), CORRECTION),
-        ("u", u, CORRECTION),
-        ("y", y, CORRECTION),
-        ("v", v, CORRECTION),
-        ("a", a, "sensor_lag"),
-        ("y^2", y**2, "strain_stiffening"),
-        ("y^3", y**3, "strain_stiffening"),
-        ("y v", y * v, "sensor_nonlinearity"),
-        ("y^2 v", y**2 * v, "sensor_nonlinearity"),
-        ("sign(v)", np.tanh(v / 0.05), "coulomb_friction"),
-        ("u^2", u**2, FOREIGN),
-        ("u y", u * y, FOREIGN),
-        ("u v", u * v, FOREIGN),
-        ("v |v|", v * np.abs(v), FOREIGN),
-        ("v^3", v**3, FOREIGN),
-    ):
-        add(name, values, sign_of)
+    add("1", np.ones(u.size), CORRECTION)
+    add("u", u, CORRECTION)
+    add("y", y, CORRECTION)
+    add("v", v, CORRECTION, "sensor_lag")
+    add("a", a, "sensor_lag")
+    add("y^2", y**2, "strain_stiffening", "sensor_nonlinearity")
+    add("y^3", y**3, "strain_stiffening", "sensor_nonlinearity")
+    add("y v", y * v, "sensor_nonlinearity", FOREIGN)
+    add("y^2 v", y**2 * v, "sensor_nonlinearity", FOREIGN)
+    add("sign(v)", np.tanh(v / 0.05), "coulomb_friction")
+    for name, product in (
+        ("u^2", u**2), ("u y", u * y), ("u v", u * v), ("v |v|", v * np.abs(v)), ("v^3", v**3),
+    ):  # fmt: skip
+        add(name, product, FOREIGN)
 
 
 def _add_limits(add: Add, u: Array, y: Array, v: Array, interval: float, bipolar: bool) -> None:
@@ -90,10 +88,10 @@ def _add_limits(add: Add, u: Array, y: Array, v: Array, interval: float, bipolar
     fast = np.quantile(np.abs(push), 0.7)
     add("fast u", push - np.clip(push, -fast, fast), "slew_limit")
     bottom, top = np.quantile(y, [0.1, 0.9])
-    add("low y", np.maximum(bottom - y, 0.0), "end_stop")
-    add("high y", np.maximum(y - top, 0.0), "end_stop")
-    add("v at low y", np.where(y < bottom, v, 0.0), "output_saturation")
-    add("v at high y", np.where(y > top, v, 0.0), "output_saturation")
+    add("low y", np.maximum(bottom - y, 0.0), "end_stop", "output_saturation")
+    add("high y", np.maximum(y - top, 0.0), "end_stop", "output_saturation")
+    add("v at low y", np.where(y < bottom, v, 0.0), "output_saturation", FOREIGN)
+    add("v at high y", np.where(y > top, v, 0.0), "output_saturation", FOREIGN)
 
 
 def _add_memory(add: Add, u: Array, y: Array) -> None:

@@ -1,11 +1,11 @@
 """SINDy on the discrepancy: a sparse equation of the residual's dynamics, and the name in it.
 
-The rate or the acceleration of the residual e is regressed on a library of terms, and on e and its
-lower derivative, by sequentially thresholded least squares. All go through the same
-Savitzky–Golay filter. Which derivative, the filter's length, the threshold and the ridge are those
-whose equation, run freely, predicts the last quarter of the seen part best, where a term must lower
-the error by a given part to be worth its place. That equation is fitted again to all that is seen.
-Equations that do not return to zero without forcing are left out.
+The residual e, its rate or its acceleration is regressed on a library of terms, and on e and its
+lower derivatives, by sequentially thresholded least squares. All go through the same Savitzky–Golay
+filter. There is an equation for every choice of the derivative, the filter's length, the threshold
+and the ridge. Of those that, run freely, predict the last quarter of the seen part nearly as well
+as the best, the one with the fewest terms is taken and fitted again to all that is seen. Equations
+that do not return to zero without forcing are left out.
 """
 
 from dataclasses import dataclass
@@ -21,11 +21,11 @@ from benchmarks.naming.methods._residual import Mask, Residual, needed
 from benchmarks.naming.methods._stlsq import stlsq
 from benchmarks.naming.task import Answer, Array, Method, Task
 
-_ORDERS = (1, 2)  # of the derivative
+_ORDERS = (0, 1, 2)  # of the derivative
 _LENGTHS = (5, 11, 25, 51, 101)  # samples of the filter
 _THRESHOLDS = np.geomspace(0.01, 0.5, 10)  # of the derivative's root mean square
 _RIDGES = (1e-5, 1e-3, 0.1)  # of the number of samples
-_WORTH = 0.1  # part of the error that a term must remove
+_NEARLY = 1.5  # times the least error, up to which an equation of fewer terms is preferred
 _SECOND = 0.5  # part of the leading effect's contribution from which a second one is named
 
 
@@ -102,10 +102,16 @@ class Discrepancy:
     def run(self, equation: Equation) -> Array:
         """Return the free run of an equation over the whole record, (n,)."""
         forcing = np.column_stack([term.values for term in self.terms]) @ equation.forcing
+        if equation.order == 0:
+            return forcing
         first = int(np.argmax(self.residual.used))
         start = np.zeros(equation.order)
         start[0] = np.mean(self.residual.values[first : first + 5])
         return run(equation.own, forcing, start, first, self.interval)
+
+    def signs(self, order: int) -> list[str]:
+        """Return what each term is a sign of in an equation of an order."""
+        return [term.in_motion if order else term.in_reading for term in self.terms]
 
     def names(self, equation: Equation) -> frozenset[str]:
         """Return the effects that the terms of an equation are signs of.
@@ -116,7 +122,7 @@ class Discrepancy:
         do not count; where terms that are signs of no effect lead, there is no name.
         """
         kept = np.concatenate([equation.own, equation.forcing]) != 0.0
-        signs = np.array([*[CORRECTION] * equation.order, *(term.sign_of for term in self.terms)])
+        signs = np.array([*[CORRECTION] * equation.order, *self.signs(equation.order)])
         before = _left(equation.G, kept)
         sizes = {
             name: np.sqrt(max(_left(equation.G, kept & (signs != name)) - before, 0.0))
@@ -143,11 +149,12 @@ def answer(task: Task) -> Answer:
     wholes = found.equations(residual.used)
     for setting, part in found.equations(residual.train).items():
         if part.stable and wholes[setting].stable:
-            error = residual.error(found.run(part))
-            tried.append((error * np.exp(_WORTH * part.size), error, setting))
-    _, error, chosen = min(tried, default=(0.0, np.inf, None))
-    if chosen is None or not needed(error, residual):
+            tried.append((part.size, residual.error(found.run(part)), setting))
+    useful = [each for each in tried if needed(each[1], residual)]
+    if not useful:
         return Answer("none", task.ahead(task.nominal))
+    enough = _NEARLY * min(error for _, error, _ in useful)
+    *_, chosen = min(each for each in useful if each[1] <= enough)
     equation = wholes[chosen]
     ahead = (residual.simulated + found.run(equation))[task.y.size :]
     names = found.names(equation)
