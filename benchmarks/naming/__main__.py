@@ -19,7 +19,7 @@ from benchmarks.naming.scores import scored, table, table_of_records
 from benchmarks.naming.trials import config
 from benchmarks.stored import store as keep
 from dea.errors import InputError
-from dea.trials import kind_of
+from dea.trials import KINDS, kind_of
 
 SETS = ("reporting", "tuning")
 
@@ -32,7 +32,7 @@ def values(tried: Sequence[Tried], records: Sequence[Tried], settings: Settings)
         "seed": settings.seed,
         "count": len(tried),
         "longest": settings.longest,
-        "kinds": dict(Counter(kind_of(each.label) for each in tried)),
+        "kinds": {kind: sum(kind_of(each.label) == kind for each in tried) for kind in KINDS},
         "devices": dict(Counter(each.label.device for each in tried)),
         "table": table(tried),
         "records": table_of_records(records) if records else [],

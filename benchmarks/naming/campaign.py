@@ -27,6 +27,8 @@ _SHARED = (
     "benchmarks/naming/task.py", "config/config.yaml", "config/simulations/*.py",
     "src/dea/discrepancy/**/*.py", "src/dea/simulation/**/*.py", "src/dea/least_squares.py",
 )  # fmt: skip
+# Trials that are drawn at once, at least.
+_AT_ONCE = 4
 _METHODS = Path(__file__).parent / "methods"
 
 
@@ -118,10 +120,10 @@ def _drawn(settings: Settings, work: Work) -> list[trials.Drawn]:
     found: list[trials.Drawn] = []
     indices = count()
     while len(found) < settings.count:
-        wanted = [next(indices) for _ in range(settings.count - len(found))]
+        wanted = [next(indices) for _ in range(max(settings.count - len(found), _AT_ONCE))]
         more = work("trials drawn", partial(_draw, settings), wanted)
         found += [each for each in more if each.samples <= settings.longest]
-    return found
+    return found[: settings.count]
 
 
 def _draw(settings: Settings, index: int) -> trials.Drawn:

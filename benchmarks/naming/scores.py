@@ -12,6 +12,9 @@ from dea.simulation import catalogue
 from dea.trials import Label, Proportion, kind_of, outcome, wilson
 
 DASH = "–"
+OURS = "diagnosis"
+# Part by which an error must be lower to count as lower.
+_CLEARLY = 0.05
 
 
 class Scored(NamedTuple):
@@ -80,6 +83,16 @@ def ratios(found: Sequence[Scored], missing: bool) -> np.ndarray:
     return kept[~np.isnan(kept)]
 
 
+def lower(found: Sequence[Scored], ours: Sequence[Scored]) -> Proportion:
+    """Return the share of trials, something missing, with a clearly lower error than ours."""
+    pairs = [
+        (each.ratio, own.ratio)
+        for each, own in zip(found, ours, strict=True)
+        if each.kind != "null" and not np.isnan([each.ratio, own.ratio]).any()
+    ]
+    return wilson(sum(each < (1.0 - _CLEARLY) * own for each, own in pairs), len(pairs))
+
+
 def table(tried: Sequence[Tried]) -> list[str]:
     """Return the rates of every method as lines of Markdown, a column for each."""
     found = {name: scored(tried, name) for name in _answering(tried)}
@@ -91,8 +104,16 @@ def table(tried: Sequence[Tried]) -> list[str]:
     for missing, what in ((True, "something"), (False, "nothing")):
         errors = [_quartiles(ratios(each, missing)) for each in found.values()]
         rows.append([f"unseen error, {what} missing", *errors])
-    times = [np.nanmean([each.seconds for each in scores]) for scores in found.values()]
-    rows.append(["time of a processor (s)", *(f"{time:.1f}" for time in times)])
+    rows.append(
+        [
+            f"unseen error lower than that of {methods()[OURS].title}",
+            *(
+                DASH if name == OURS else _share(lower(each, found[OURS]))
+                for name, each in found.items()
+            ),
+        ]
+    )
+    rows.append(["time of a processor (s)", *map(_seconds, found.values())])
     return _markdown(["measure", *(methods()[name].title for name in found)], rows)
 
 
@@ -142,6 +163,11 @@ def _share(share: Proportion) -> str:
         return DASH
     low, high = 100.0 * share.low, 100.0 * share.high
     return f"{100.0 * share.value:.0f} ({low:.0f} to {high:.0f})"
+
+
+def _seconds(found: Sequence[Scored]) -> str:
+    known = [each.seconds for each in found if not np.isnan(each.seconds)]
+    return f"{np.mean(known):.1f}" if known else DASH
 
 
 def _quartiles(values: np.ndarray) -> str:

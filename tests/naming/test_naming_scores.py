@@ -5,7 +5,7 @@ from math import nan
 import pytest
 from benchmarks.naming.campaign import Said, Tried
 from benchmarks.naming.methods import REFERENCE, methods
-from benchmarks.naming.scores import rates, ratios, scored, table, table_of_records
+from benchmarks.naming.scores import OURS, lower, rates, ratios, scored, table, table_of_records
 
 from dea.trials import Label, wilson
 
@@ -63,6 +63,23 @@ def test_errors_are_divided_by_those_of_the_simulation_alone():
     assert ratios(found, missing=False).tolist() == [1.0, 2.0]
     expected = [0.25, 0.5, 1.5, 0.5, 1.0, 0.5, 0.5, 0.5, 0.5, 0.5]
     assert ratios(found, missing=True).tolist() == expected
+
+
+def test_lower_errors_are_counted_pair_by_pair():
+    def with_errors(name, *errors):
+        answers = dict.fromkeys(methods(), said("none", error=2.0))
+        return Tried(
+            name, label("dead_zone"), answers | dict(zip(("ridge", OURS), errors, strict=True))
+        )
+
+    tried = [
+        with_errors("0", said("unknown", error=0.90), said("named", "dead_zone", error=1.0)),
+        with_errors("1", said("unknown", error=0.96), said("named", "dead_zone", error=1.0)),
+        with_errors("2", said("unknown", error=1.50), said("named", "dead_zone", error=1.0)),
+        with_errors("3", said("unknown", error=nan), said("named", "dead_zone", error=1.0)),
+    ]  # fmt: skip
+    tried.append(Tried("4", label(), tried[0].said))
+    assert lower(scored(tried, "ridge"), scored(tried, OURS)) == wilson(1, 3)
 
 
 def test_the_table_has_a_column_for_each_method_and_a_number_in_each_cell():
