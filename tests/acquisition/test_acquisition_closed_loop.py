@@ -11,6 +11,7 @@ from dea.acquisition import (
     AcquisitionSettings,
     ClosedLoop,
     ControllerError,
+    StoppedError,
     acquire,
 )
 from dea.acquisition.closed_loop import Asked
@@ -111,7 +112,7 @@ def test_what_a_controller_raises_is_raised_with_the_output_at_zero(serve_bench,
 
 def test_a_controller_that_hangs_does_not_hold_the_voltage(serve_bench, tmp_path):
     """The guardian does not wait for it: it is at zero while the controller still hangs."""
-    bench, law, at_zero = serve_bench(), Law(), []
+    bench, law, at_zero = serve_bench(virtual_clock=False), Law(), []
 
     def hanging(displacement):
         if len(law.measured) == 25:
@@ -119,9 +120,34 @@ def test_a_controller_that_hangs_does_not_hold_the_voltage(serve_bench, tmp_path
             at_zero.append(bench.applied[-1] == 0)
         return law(displacement)
 
+    paced = replace(SETTINGS, paced=True)
     with pytest.raises(ControllerError, match="no voltage for 1 s"):
-        acquire(bench.endpoint, loop(hanging), tmp_path / "a.partial", SETTINGS)
+        acquire(bench.endpoint, loop(hanging), tmp_path / "a.partial", paced)
     assert at_zero == [True]
+
+
+def test_a_device_whose_clock_waits_waits_for_a_busy_host(serve_bench, tmp_path):
+    """What is recorded there does not depend on the host's load."""
+    records = []
+    for pause in 0.0, 1.3:
+        law = Law()
+
+        def slow(displacement, law=law, pause=pause):
+            if len(law.measured) == 25:
+                time.sleep(pause)
+            return law(displacement)
+
+        partial = tmp_path / f"{pause}.partial"
+        records.append(acquire(serve_bench().endpoint, loop(slow), partial, SETTINGS).record)
+    assert np.array_equal(records[0]["voltage"], records[1]["voltage"])
+
+    def hanging(displacement):
+        time.sleep(2.0)
+        return 2.0
+
+    with pytest.raises(StoppedError, match="no voltage for 1 s"):
+        acquire(serve_bench().endpoint, loop(hanging), tmp_path / "a.partial",
+                replace(SETTINGS, stall_time=1.0))  # fmt: skip
 
 
 @pytest.mark.parametrize(

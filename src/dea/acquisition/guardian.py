@@ -227,11 +227,21 @@ class Guardian:
         self.wire.post("ask", displacement)
 
     def _answer(self) -> int:
-        """Wait for the count that was asked for."""
-        end = time.monotonic() + ANSWER_TIME
+        """Wait for the count that was asked for.
+
+        The clock of a device that is not paced waits: there it is the host that is slow, and not
+        the controller, whose record would otherwise depend on the host's load.
+        """
+        settings = self.job.settings
+        patience, failure = (
+            (ANSWER_TIME, ControllerError)
+            if settings.paced
+            else (settings.stall_time, StoppedError)
+        )
+        end = time.monotonic() + patience
         while not self._answers:
             if time.monotonic() > end:
-                raise ControllerError(f"the controller gave no voltage for {ANSWER_TIME:g} s")
+                raise failure(f"the controller gave no voltage for {patience:g} s")
             self.wire.wait(SERVICE)
             self._listen()
             self._check()
