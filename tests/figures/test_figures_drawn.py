@@ -121,6 +121,14 @@ def test_a_figure_of_all_actuators_is_readable_and_says_its_units(name, each, na
     assert all(ax.has_data() or not ax.axison or ax.texts for ax in figure.axes if ax.get_visible())
 
 
+def test_a_controller_that_was_stopped_is_said_to_be():
+    figure = control(made.control(1).isel(controller=[1, 0]))
+    assert_readable(figure)
+    shown = [text for text, _ in texts(figure)]
+    assert shown.count("stopped: it hung") == 2
+    assert "PI (stopped)" in shown
+
+
 def test_fig1_shows_every_sample_of_the_record():
     record = made.record(1)
     figure = fig1(record, "dea1", (100, 130))

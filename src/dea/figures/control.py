@@ -39,6 +39,9 @@ def _followed(ax: Axes, best: xr.Dataset, inside: np.ndarray, title: str) -> Non
     time, measured = best["time"].values[inside], best["measured"].values[inside]
     ax.plot(time, measured, color=style.MEASURED, lw=2.4, label="measured")
     ax.plot(time, best["reference"].values[inside], color=style.BLACK, lw=0.6, label="wanted")
+    if np.isnan(measured).all():
+        ax.text(0.5, 0.95, f"stopped: {best['outcome'].item()}", ha="center", va="top",
+                transform=ax.transAxes)  # fmt: skip
     ax.set(xlabel="time (s)", ylabel=style.quantity("displacement", best["measured"].units))
     ax.set_xlim(time[0], time[-1])
     ax.margins(y=0.25)
@@ -51,7 +54,8 @@ def _errors(ax: Axes, dataset: xr.Dataset) -> None:
     minutes = dataset["minute"].values
     for name, colour in zip(dataset["controller"].values, style.CYCLE, strict=False):
         course = share.sel(controller=name).values
-        ax.plot(minutes, course, ".-", ms=3, lw=0.8, color=colour, label=str(name))
+        label = str(name) if np.isfinite(course).any() else f"{name} (stopped)"
+        ax.plot(minutes, course, ".-", ms=3, lw=0.8, color=colour, label=label)
     ax.axhline(1.0, color=style.GREY, lw=0.6, ls=":")
     ax.set(yscale="log", xlabel="time (min)", ylabel="RMS error (% of the stroke)")
     style.plain_log_ticks(ax.yaxis)
