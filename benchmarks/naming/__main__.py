@@ -10,11 +10,12 @@ import os
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from benchmarks.naming.campaign import Settings, Tried, of_records, of_trials
-from benchmarks.naming.methods import methods
+from benchmarks.naming.methods import REFERENCE, methods
 from benchmarks.naming.scores import scored, table, table_of_records
 from benchmarks.naming.trials import config
 from benchmarks.stored import store as keep
@@ -36,6 +37,7 @@ def values(tried: Sequence[Tried], records: Sequence[Tried], settings: Settings)
         "devices": dict(Counter(each.label.device for each in tried)),
         "table": table(tried),
         "records": table_of_records(records) if records else [],
+        "runs_away": sum(not isfinite(each.said[REFERENCE].error) for each in tried),
         "failed": {
             name: sum(bool(each.said[name].failed) for each in [*tried, *records])
             for name in methods()
@@ -44,11 +46,15 @@ def values(tried: Sequence[Tried], records: Sequence[Tried], settings: Settings)
             each.name: {
                 "hidden": sorted(each.label.effects),
                 "outcomes": {name: found[name][k].outcome for name in methods()},
-                "ratios": {name: round(found[name][k].ratio, 4) for name in methods()},
+                "ratios": {name: _rounded(found[name][k].ratio) for name in methods()},
             }
             for k, each in enumerate(tried)
         },
     }
+
+
+def _rounded(ratio: float) -> float | None:
+    return round(ratio, 4) if isfinite(ratio) else None
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -24,7 +24,7 @@ class Scored(NamedTuple):
     outcome: str
     named: bool
     acceptable: bool
-    ratio: float  # of the error on what was kept back to that of the simulation alone
+    ratio: float  # of the unseen error to that of the simulation alone, NaN where that runs away
     seconds: float
 
 
@@ -42,9 +42,15 @@ def _scored(tried: Tried, method: str, family: dict[str, str]) -> Scored:
         outcome(label, _as_verdict(said), family),
         named,
         named and not label.outside and said.effects <= label.effects,
-        said.error / tried.said[REFERENCE].error,
+        ratio(tried, method),
         said.seconds,
     )
+
+
+def ratio(tried: Tried, method: str) -> float:
+    """Return the error on what was kept back over that of the simulation alone."""
+    alone = tried.said[REFERENCE].error
+    return tried.said[method].error / alone if np.isfinite(alone) else np.nan
 
 
 def _as_verdict(said: Said) -> trials.Said:
@@ -123,11 +129,7 @@ def table_of_records(tried: Sequence[Tried]) -> list[str]:
     rows = [
         [
             f"{each.name} ({_names(each.label)})",
-            *(
-                f"{_said(each.label, each.said[name])}, "
-                f"{each.said[name].error / each.said[REFERENCE].error:.2f}"
-                for name in names
-            ),
+            *(f"{_said(each.label, each.said[name])}, {ratio(each, name):.2f}" for name in names),
         ]
         for each in tried
     ]
@@ -173,7 +175,7 @@ def _seconds(found: Sequence[Scored]) -> str:
 def _quartiles(values: np.ndarray) -> str:
     if not values.size:
         return DASH
-    low, middle, high = np.quantile(values, [0.25, 0.5, 0.75])
+    low, middle, high = np.quantile(values, [0.25, 0.5, 0.75], method="inverted_cdf")
     return f"{middle:.2f} ({low:.2f} to {high:.2f})"
 
 

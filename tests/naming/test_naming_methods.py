@@ -129,6 +129,24 @@ def test_nothing_is_said_where_nothing_is_missing(name, plain):
     assert plain.error(answer.ahead) == pytest.approx(2e-3, rel=0.15)
 
 
+@pytest.mark.parametrize("name", ["ridge", "sindy"])
+def test_a_simulation_that_runs_away_ahead_predicts_nothing_but_is_learned_from(
+    name, stiffened, monkeypatch
+):
+    before = answered(name, stiffened)
+    simulated = type(stiffened.task).simulated
+
+    def away(task, fitted):
+        run = simulated(task, fitted)
+        return np.where(np.arange(run.size) < 1800, run, np.nan)
+
+    monkeypatch.setattr(type(stiffened.task), "simulated", away)
+    after = answered(name, stiffened)
+    assert after.status == before.status
+    assert np.isfinite(after.ahead[:200]).all()
+    assert stiffened.error(after.ahead) == np.inf
+
+
 def test_akaikes_criterion_is_that_of_the_likelihood():
     residual = np.random.default_rng(2).standard_normal(500)
     variance = np.mean(residual**2)

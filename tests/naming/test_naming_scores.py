@@ -1,6 +1,6 @@
 """Rates and tables against hand counts."""
 
-from math import nan
+from math import inf, nan
 
 import pytest
 from benchmarks.naming.campaign import Said, Tried
@@ -105,3 +105,16 @@ def test_the_simulation_alone_gives_no_name(what):
     given = scored([tried("0", what, said("unknown"))], REFERENCE)
     assert not given[0].named
     assert given[0].ratio == 1.0
+
+
+def test_where_the_simulation_runs_away_there_is_no_ratio():
+    away = TRIED[0]._replace(said=TRIED[0].said | {REFERENCE: said("none", error=inf)})
+    found = scored([away, TRIED[1]], "sindy")
+    assert ratios(found, missing=True).tolist() == [0.5]
+    assert found[0].outcome == "right name"
+
+
+def test_a_prediction_that_runs_away_is_the_worst_of_all():
+    away = tried("0", label("dead_zone"), said("named", "dead_zone", error=inf))
+    rows = [line for line in table([TRIED[0], TRIED[1], away]) if "something missing" in line]
+    assert rows[0].count("0.50 (0.25 to inf)") == len(methods()) - 1

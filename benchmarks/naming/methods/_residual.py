@@ -21,7 +21,7 @@ class Residual:
     Parameters
     ----------
     simulated : (n,)
-        Its free run over the whole record.
+        Its free run over the whole record; NaN from where it runs away.
     values : (m,)
         Measured minus simulated output of the seen part.
     used, train, choose : (m,) bool
@@ -42,6 +42,13 @@ class Residual:
         late = np.cumsum(used) > (1.0 - _CHOOSING) * used.sum()
         values = task.nominal.residual
         return cls(task.simulated(task.nominal), values, used, used & ~late, used & late)
+
+    @property
+    def held(self) -> Array:
+        """The free run, with its last value from where it runs away: what terms are made of."""
+        away = ~np.isfinite(self.simulated)
+        first = int(np.argmax(away))
+        return np.where(away, self.simulated[first - 1], self.simulated)
 
     def error(self, predicted: Array) -> float:
         """Return the RMS error of a prediction (n,) where choices are made; infinite if it is."""

@@ -21,7 +21,7 @@ def answer(task: Task) -> Answer:
     residual = Residual.of(task)
     choices = [
         (ridge, columns)
-        for columns in _columns(task, residual.simulated)
+        for columns in _columns(task, residual.held)
         for ridge in _RIDGES
     ]  # fmt: skip
 

@@ -74,7 +74,7 @@ class Discrepancy:
     def of(cls, task: Task) -> "Discrepancy":
         """Return that of a task."""
         residual = Residual.of(task)
-        terms = library(task.u, residual.simulated, residual.values, task.interval)
+        terms = library(task.u, residual.held, residual.values, task.interval)
         return cls(residual, terms, task.interval)
 
     def equations(self, samples: Mask) -> dict[Setting, Equation]:
