@@ -19,7 +19,7 @@ SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --logger progress \
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study record case cases report handover control control-robustness diagnose discrepancy resolve \
+.PHONY: help study record case cases report handover control control-robustness diagnose discrepancy resolve resolution-trials \
 	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test mutants benchmark benchmark-naming clean FORCE
@@ -88,6 +88,9 @@ resolve: $(VENV)/installed ## designed records until one explanation is left: ma
 	$(SNAKEMAKE) $(NAME:%=resolvable_%)
 	python -m dea.stages.resolve $(NAME) --threads $(CORES) $(if $(OPERATOR),--operator "$(OPERATOR)")
 	$(SNAKEMAKE) $(NAME:%=results/figures/resolve/%.png) results/tables/resolution.md
+
+resolution-trials: $(VENV)/installed ## how often designed records decide (COUNT=20 SET=ambiguous_tuning)
+	python -m benchmarks.resolution --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %)
 
 discrepancy: $(VENV)/installed ## name what the simulation of each actuator is missing
 	$(SNAKEMAKE) discrepancy

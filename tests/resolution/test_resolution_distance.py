@@ -7,7 +7,8 @@ import pytest
 from made_devices import CARRIAGE, INTERVAL, LIMITS
 from scipy.optimize import minimize
 
-from dea.resolution.design import Question, designed, fixed_forms
+from dea.excitation import KINDS
+from dea.resolution.design import Forms, Question, designed, fixed_forms
 from dea.resolution.distance import expected, nested, squared_distance
 from dea.resolution.error import Error
 from dea.resolution.explanation import Explanation
@@ -87,6 +88,10 @@ def test_a_design_is_at_least_as_good_as_every_fixed_form_and_decides_sooner():
     others = [question.judged(u, kind) for kind, u in fixed_forms(6.0, LIMITS, 8)]
     assert found.log_bound < min(other.log_bound for other in others)
     assert set(found.closest) == {"sensor_lag", "transport_delay"}
+    fixed = designed(question, (6.0, 6.0), 1e-300, np.random.default_rng(5), Forms.FIXED)
+    assert fixed.form in KINDS
+    drawn = designed(question, (6.0, 6.0), 1e-300, np.random.default_rng(5), Forms.RANDOM)
+    assert found.log_bound < min(fixed.log_bound, drawn.log_bound)
     short = designed(question, (1.0, 12.0), 0.4, np.random.default_rng(5))
     assert short.u.size == 150
 

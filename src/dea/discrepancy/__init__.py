@@ -15,11 +15,13 @@ from dea.discrepancy.report.datasets import (
 from dea.discrepancy.report.verdict import Estimate, NamedEffect, Verdict, read_verdict
 from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.budget import Budget
+from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.sensitivity import sensitivities
 from dea.discrepancy.settings import Settings
 
 __all__ = [
     "Budget",
+    "Candidate",
     "Certified",
     "Diagnosis",
     "Estimate",

@@ -2,7 +2,7 @@
 
 from dea.resolution.by_hand import excitation_table, experiment_page
 from dea.resolution.datasets import resolution_dataset
-from dea.resolution.design import Design
+from dea.resolution.design import Design, Forms
 from dea.resolution.excitation import Limits
 from dea.resolution.rounds import (
     ANOTHER,
@@ -21,6 +21,7 @@ __all__ = [
     "CERTIFICATE",
     "Design",
     "Desk",
+    "Forms",
     "Limits",
     "Options",
     "Outcome",

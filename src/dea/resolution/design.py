@@ -10,6 +10,7 @@ explanations, each as probable as it is: the closest probable pair dominates the
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from itertools import combinations
 
 import numpy as np
@@ -24,7 +25,7 @@ from dea.resolution.explanation import Explanation
 _MOST = 6
 # Excitations of a duration that are tried: as many as this many simulated samples allow, within
 # bounds; and the part of them that is drawn at random, before the best one is changed.
-_WORK, _FEWEST, _MOST_TRIED = 4e7, 40, 160
+_WORK, _FEWEST, _MOST_TRIED = 2.5e7, 32, 160
 _DRAWN = 0.4
 # Genes that a change alters at most, and the deviation of a small change.
 _ALTERED, _SMALL = 3, 0.2
@@ -47,6 +48,14 @@ _FIXED: tuple[tuple[str, dict[str, float]], ...] = (
 
 # Lines that the band of a short excitation of fixed form holds at least.
 _LEAST_LINES = 4.0
+
+
+class Forms(StrEnum):
+    """Which excitations compete."""
+
+    FREE = "free"
+    FIXED = "fixed"
+    RANDOM = "random"
 
 
 @dataclass(frozen=True)
@@ -186,6 +195,7 @@ def designed(
     durations: tuple[float, float],
     needed: float,
     rng: np.random.Generator,
+    forms: Forms = Forms.FREE,
 ) -> Design | None:
     """Return the shortest excitation that is expected to decide, or the best of the longest.
 
@@ -204,16 +214,18 @@ def designed(
     shortest, longest = durations
     best = None
     for duration in sorted({max(shortest, part * longest) for part in _PARTS}):
-        best = _of_duration(question, duration, rng) or best
+        best = _of_duration(question, duration, rng, forms) or best
         if best is not None and best.log_bound <= np.log(needed):
             break
     return best
 
 
-def _of_duration(question: Question, duration: float, rng: np.random.Generator) -> Design | None:
+def _of_duration(
+    question: Question, duration: float, rng: np.random.Generator, forms: Forms
+) -> Design | None:
     """Return the best of random excitations, of changes of the best one, and of fixed forms."""
     best, best_genes = None, np.empty(0)
-    tries = question.affordable(duration)
+    tries = {Forms.FREE: question.affordable(duration), Forms.FIXED: 0, Forms.RANDOM: 1}[forms]
     for number in range(tries):
         if number < _DRAWN * tries or best is None:
             values = rng.random(genes())
@@ -222,6 +234,8 @@ def _of_duration(question: Question, duration: float, rng: np.random.Generator) 
         tried = question.judged(express(values, duration, question.limits), "free")
         if tried is not None and (best is None or tried.log_bound < best.log_bound):
             best, best_genes = tried, values
+    if forms is Forms.RANDOM:
+        return best
     for kind, u in fixed_forms(duration, question.limits, int(rng.integers(2**31))):
         tried = question.judged(u, kind)
         if tried is not None and (best is None or tried.log_bound < best.log_bound):

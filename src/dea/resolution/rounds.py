@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from dea.discrepancy import (
+    Candidate,
     Certified,
     Diagnosis,
     Samples,
@@ -21,7 +22,8 @@ from dea.discrepancy import (
     transferable,
 )
 from dea.errors import InputError
-from dea.resolution.design import Design, Question, designed, error_with_gap, likeliest
+from dea.progress import part_of, tell
+from dea.resolution.design import Design, Forms, Question, designed, error_with_gap, likeliest
 from dea.resolution.error import Error
 from dea.resolution.excitation import Limits, express, genes
 from dea.resolution.explanation import NONE, Explanation, explained
@@ -69,12 +71,16 @@ class Options:
         Probability at which the right hypothesis may be rejected, over all rounds together.
     another
         Prior probability of an explanation that was not offered.
+    forms
+        Forms of excitation that compete: free ones beside fixed ones, fixed ones alone, or none,
+        which plays a random one of free form.
     """
 
     records: int = 3
     duration: float = 120.0
     level: float = 0.01
     another: float = 0.1
+    forms: Forms = Forms.FREE
 
 
 @dataclass(frozen=True)
@@ -183,7 +189,8 @@ def resolve(
         record = desk.record(number, design.u)
         if record is None:
             return Resolution(first, tuple(rounds), Outcome.OPEN, pending=number)
-        after, log_densities = learnt(state, record, own, settings, options, workers)
+        with part_of(f"record {number}"):
+            after, log_densities = learnt(state, record, own, settings, options, workers)
         rounds.append(Round(number, design, log_densities, state, after))
         desk.keep(rounds[-1])
         state = after
@@ -224,6 +231,7 @@ def next_design(
     state: State, limits: Limits, settings: Settings, options: Options, number: int
 ) -> Design | None:
     """Return the excitation that best tells apart the hypotheses that are left."""
+    tell(f"record {number}: designing it")
     left = state.open_hypotheses(options.level) - {ANOTHER}
     probability = {name: state.posterior.now[name] for name in left}
     asked = likeliest([state.explanations[name] for name in left], probability)
@@ -239,9 +247,9 @@ def next_design(
         float(np.clip(np.mean(state.diagnosis.problem.u), limits.low, limits.high)),
     )
     shortest = _shortest(state, settings, options)
-    return designed(
-        question, (shortest, options.duration), options.level, _generator(settings, number)
-    )
+    durations = shortest, options.duration
+    rng = _generator(settings, number)
+    return designed(question, durations, options.level, rng, options.forms)
 
 
 def _shortest(state: State, settings: Settings, options: Options) -> float:
@@ -282,9 +290,9 @@ def learnt(
     now = _error(found)
     fitted = _explanations(found, now)
     shares = _shares(found)
-    new = {name: shares[name] for name in fitted if name not in posterior.now and name != NONE}
+    new = {name: share for name, share in shares.items() if name not in posterior.now and share}
     total = sum(new.values())
-    if total > 0:
+    if new:
         scale = _TO_NEW / total
         posterior = posterior.with_new({n: scale * s for n, s in new.items()}, ANOTHER)
     explanations = {name: each.informed for name, each in told.items()} | {
@@ -337,16 +345,33 @@ def _certified(
 
 
 def _explanations(found: Diagnosis, error: Error) -> dict[str, Explanation]:
-    """Return the simulation alone and the candidates that were weighed, by their names."""
-    fits = [found.nominal, *(c.fit for c in found.presence.candidates)]
-    each = (explained(fit, error) for fit in fits)
-    return {one.name: one for one in each}
+    """Return the simulation alone and every candidate that may be right, by their names.
+
+    These are the candidates that were weighed, those that the verdict speaks of, and every single
+    effect that was fitted to the end.
+    """
+    decision = found.decision
+    candidates = [
+        *found.presence.candidates,
+        *([decision.chosen] if decision.chosen else []),
+        *decision.rivals,
+        *(c for c in found.singles.candidates if c.finished),
+    ]
+    explanations = {NONE: explained(found.nominal, error)}
+    for candidate in candidates:
+        if _name(candidate) not in explanations:
+            explanations[_name(candidate)] = explained(candidate.fit, error)
+    return explanations
+
+
+def _name(candidate: Candidate) -> str:
+    return "+".join(sorted(candidate.labels))
 
 
 def _shares(found: Diagnosis) -> dict[str, float]:
     """Return the weight that each explanation has by the records of a diagnosis."""
     pairs = zip(found.presence.candidates, found.presence.weights, strict=True)
-    shares = {"+".join(sorted(c.labels)): float(weight) for c, weight in pairs}
+    shares = {_name(candidate): float(weight) for candidate, weight in pairs}
     return shares | {NONE: max(0.0, 1.0 - sum(shares.values()))}
 
 

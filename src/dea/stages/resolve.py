@@ -1,4 +1,4 @@
-"""From several explanations of a system to one: ``python -m dea.stages.resolve --help``."""
+"""Leave one explanation, by designed records: ``python -m dea.stages.resolve --help``."""
 
 import argparse
 import getpass
@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from dea.configuration.study import FILE, Study, check_actuators, check_study
 from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.errors import DeviceError, InputError
+from dea.progress import heard_by, part_of
 from dea.resolution import CERTIFICATE, Design, Limits, Options, Resolution, Round
 
 if TYPE_CHECKING:
@@ -185,7 +187,8 @@ class Kept:
         _write_json(place / "posterior.json", posterior)
 
     def _write_table(self, path: Path, u: np.ndarray) -> None:
-        units = store.signals(store.read_record(self.first)).u_units
+        first = store.signals(store.read_record(self.first))
+        units = first.unit_of_one_input("the design of a further record")
         with store.atomic(path) as partial:
             partial.write_text(
                 resolution.excitation_table(u, self.limits.sampling_rate, units), encoding="utf-8"
@@ -349,7 +352,9 @@ def main(arguments: list[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     try:
         for name in options.name:
-            print(said(name, resolve(name, options.operator, options.threads)))
+            with heard_by(partial(print, file=sys.stderr)), part_of(name):
+                found = resolve(name, options.operator, options.threads)
+            print(said(name, found))
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None

@@ -1,0 +1,145 @@
+"""Ambiguous trials, resolved by designed records: how often right, and after how many seconds.
+
+Each trial is a film that hides one or two effects which its own record may not tell apart
+(docs/trials.md, set `ambiguous`). The loop sees records alone; names are compared with what is
+hidden when it has ended. The same trials are resolved with excitations of free form, with those of
+fixed form alone, and with random ones.
+"""
+
+import argparse
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from dea import resolution
+from dea.configuration.bench import BENCH
+from dea.configuration.files import read_yaml
+from dea.configuration.study import FILE, check_study
+from dea.configuration.study import settings as written
+from dea.discrepancy import Settings
+from dea.excitation import design
+from dea.plant import Trial, Use, draw_trial
+from dea.resolution import CERTIFICATE, Design, Forms, Limits, Options, Outcome, Round
+from dea.store import Record
+
+OUTCOMES = Path("build/resolution.jsonl")
+RECORDS = 2
+_OUTPUT_MARGIN = 0.1
+
+
+@dataclass
+class Film:
+    """The desk of a trial: its device is driven in this process, from rest each time."""
+
+    trial: Trial
+
+    def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
+        """Return a new design."""
+        return make()
+
+    def record(self, number: int, u: np.ndarray) -> Record:
+        """Return the record of an excitation, with noise of its own."""
+        own = replace(self.trial, seed=self.trial.seed + number + 1)
+        readings, _ = own.readings(Path(BENCH), u)
+        rate = own.sampling_rate
+        return Record.of(u, readings, rate, units=("V", own.kind.unit))
+
+    def keep(self, found: Round) -> None:
+        """Keep nothing: what is wanted stands in the resolution."""
+
+
+def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -> dict[str, Any]:
+    """Resolve a trial; return what was said, and what it cost."""
+    desk = Film(trial)
+    first = desk.record(CERTIFICATE, design(**trial.excitation))
+    low, high = float(first.u.min()), float(first.u.max())
+    margin = _OUTPUT_MARGIN * float(np.ptp(first.y))
+    limits = Limits(
+        low,
+        high,
+        float(np.abs(np.diff(first.u)).max()) * first.sampling_rate,
+        float(first.y.min()) - margin,
+        float(first.y.max()) + margin,
+        first.sampling_rate,
+    )
+    found = resolution.resolve(
+        [first],
+        trial.kind.simulation,
+        desk,
+        limits,
+        settings=Settings.of({**leaves, "system": trial.name}),
+        options=Options(records=RECORDS, forms=forms),
+        workers=threads,
+    )
+    hidden = {effect.name for effect in trial.effects}
+    verdict, before = found.last.diagnosis.verdict, found.first.diagnosis.verdict
+    names = set(verdict.names) if verdict.status == "named" else set()
+    played = [each.design.u for each in found.rounds]
+    return {
+        "trial": trial.name,
+        "forms": str(forms),
+        "hidden": "+".join(sorted(hidden)),
+        "at first": f"{before.status}: {'+'.join(before.names)}",
+        "said": f"{verdict.status}: {'+'.join(verdict.names)}",
+        "outcome": str(found.outcome),
+        "right": names == hidden,
+        "wrong": bool(names - hidden),
+        "decided": found.outcome is Outcome.DECIDED,
+        "records": len(found.rounds),
+        "seconds": found.last.driven,
+        "limit violated": any(
+            u.min() < low
+            or u.max() > high
+            or np.abs(np.diff(u)).max() > limits.rate / limits.sampling_rate * (1 + 1e-9)
+            for u in played
+        ),
+        "ambiguous at first": before.status == "ambiguous",
+    }
+
+
+def table(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return a line for each kind of excitation, of the trials that a first record left open."""
+    opened = rows[rows["records"] > 0]
+    return pd.DataFrame(
+        {
+            "excitation": forms,
+            "trials": len(own),
+            "right": int(own["right"].sum()),
+            "wrong": int(own["wrong"].sum()),
+            "without a name": int((~own["right"] & ~own["wrong"]).sum()),
+            "median seconds driven": float(own["seconds"].median()),
+            "limit violated": int(own["limit violated"].sum()),
+        }
+        for forms, own in opened.groupby("forms", sort=False)
+    )
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the campaign, whose outcomes are kept one by one, and print its table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=20, help="trials")
+    parser.add_argument("--set", choices=("ambiguous", "ambiguous_tuning"), default="ambiguous")
+    parser.add_argument("--forms", nargs="+", choices=list(Forms), default=list(Forms))
+    parser.add_argument("--cores", type=int, default=1)
+    options = parser.parse_args(arguments)
+    study = written(check_study(read_yaml(FILE, what="the configuration", example=FILE)))
+    use = Use.TUNING if options.set.endswith("tuning") else Use.REPORTING
+    rows = []
+    OUTCOMES.parent.mkdir(exist_ok=True)
+    for index in range(options.count):
+        seed = study["trials"]["seeds"][options.set]
+        trial = draw_trial(Path(BENCH), seed, index, use, ambiguous=True)
+        for forms in options.forms:
+            rows.append(resolved(trial, Forms(forms), study, options.cores))
+            with OUTCOMES.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(rows[-1]) + "\n")
+    print(table(pd.DataFrame(rows)).to_markdown(index=False))
+
+
+if __name__ == "__main__":
+    main()
