@@ -1,6 +1,5 @@
 """Every method on every trial and record; what is answered already is not answered again."""
 
-import hashlib
 import json
 import re
 from collections.abc import Callable, Iterator
@@ -15,13 +14,13 @@ from typing import Any, NamedTuple
 
 from benchmarks.bars import progress_bars
 from benchmarks.naming import measured, trials
+from benchmarks.naming.code import digest
 from benchmarks.naming.methods import methods
 from benchmarks.naming.task import Posed
 from dea import store
 from dea.errors import InputError
 from dea.trials import Label
 
-ROOT = Path(__file__).parents[2]
 # What the answer of every method may depend on, besides the method's own files.
 _SHARED = (
     "benchmarks/naming/task.py", "config/config.yaml", "config/simulations/*.py",
@@ -182,11 +181,7 @@ def _answer(name: str, posed: Posed) -> dict[str, Any]:
 
 def _code(name: str) -> str:
     """Return a digest of all that a method's answers may depend on."""
-    digest = hashlib.sha256()
-    shared = {file for pattern in _SHARED for file in ROOT.glob(pattern)}
-    for file in sorted(shared | _own_files(name)):
-        digest.update(file.read_bytes())
-    return digest.hexdigest()
+    return digest(_SHARED, _own_files(name))
 
 
 def _own_files(name: str) -> set[Path]:

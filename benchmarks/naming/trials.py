@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from benchmarks.naming.code import digest
 from benchmarks.naming.task import Posed
 from dea import store, trials
 from dea.configuration.bench import BENCH
@@ -22,6 +23,11 @@ from dea.stages.trial_log import trial_log
 
 # Part of a record that is kept from the methods, its last.
 KEPT_BACK = 0.2
+# What a drawn trial and its record depend on.
+_CODE = (
+    "config/bench.yaml", "config/devices/*.yaml", "src/dea/acquisition/*.py", "src/dea/bench/*.py",
+    "src/dea/excitation.py", "src/dea/plant/**/*.py",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -47,10 +53,14 @@ def config() -> dict[str, Any]:
 
 def draw(folder: Path, of_set: str, seed: int, index: int) -> Drawn:
     """Draw a trial and seal it, unless that is done."""
-    sealed, commitment = folder / "sealed", folder / "commitment.json"
-    if not commitment.exists():
+    sealed, commitment, made_by = (
+        folder / name for name in ("sealed", "commitment.json", "code.txt")
+    )
+    code = digest(_CODE)
+    if not (commitment.exists() and made_by.exists() and made_by.read_text() == code):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
+        made_by.write_text(code)
         wanted = {"set": of_set, "seed": seed, "first": index, "last": index}
         trial_draw(wanted, Path(BENCH), sealed, commitment)
     ((name, public),) = json.loads(commitment.read_text()).items()

@@ -1,6 +1,7 @@
 """A campaign of two trials draws, answers, opens the seals, and goes on where it ended."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from benchmarks.naming import campaign
@@ -36,7 +37,7 @@ def answers(settings):
 
 
 def test_two_trials_are_answered_scored_and_kept(settings, quick, monkeypatch):
-    tried = of_trials(settings)
+    tried = of_trials(replace(settings, cores=2))
     assert len(tried) == 2
     assert len(answers(settings)) == 2 * len(quick)
     found = values(tried, [], settings)
@@ -92,3 +93,13 @@ def test_an_answer_depends_on_the_files_of_its_method():
     assert names("aic") == {"aic.py", "_grey_box.py"}
     assert names("diagnosis") == {"diagnosis.py"}
     assert campaign._code("aic") != campaign._code("aic_single")
+
+
+def test_a_trial_that_other_code_drew_is_drawn_again(settings, quick, monkeypatch):
+    first = of_trials(settings)
+    folder = settings.keep / "tuning-1" / first[0].name
+    (folder / "code.txt").write_text("other")
+    old = folder / "answers" / "old.json"
+    old.write_text("{}")
+    assert [each.label for each in of_trials(settings)] == [each.label for each in first]
+    assert not old.exists()
