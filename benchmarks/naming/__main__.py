@@ -16,7 +16,7 @@ from typing import Any
 
 from benchmarks.naming.campaign import Settings, Tried, of_records, of_trials
 from benchmarks.naming.methods import REFERENCE, methods
-from benchmarks.naming.scores import scored, table, table_of_records
+from benchmarks.naming.scores import scored, table, table_of_answers
 from benchmarks.naming.trials import config
 from benchmarks.stored import store as keep
 from dea.errors import InputError
@@ -35,8 +35,10 @@ def values(tried: Sequence[Tried], records: Sequence[Tried], settings: Settings)
         "longest": settings.longest,
         "kinds": {kind: sum(kind_of(each.label) == kind for each in tried) for kind in KINDS},
         "devices": dict(Counter(each.label.device for each in tried)),
+        "methods": {name: [each.title, each.source] for name, each in methods().items()},
         "table": table(tried),
-        "records": table_of_records(records) if records else [],
+        "each": table_of_answers(tried),
+        "records": table_of_answers(records) if records else [],
         "runs_away": sum(not isfinite(each.said[REFERENCE].error) for each in tried),
         "failed": {
             name: sum(bool(each.said[name].failed) for each in [*tried, *records])

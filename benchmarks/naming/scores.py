@@ -123,13 +123,16 @@ def table(tried: Sequence[Tried]) -> list[str]:
     return _markdown(["measure", *(methods()[name].title for name in found)], rows)
 
 
-def table_of_records(tried: Sequence[Tried]) -> list[str]:
-    """Return what every method says of each record, and its unseen error, as lines of Markdown."""
+def table_of_answers(tried: Sequence[Tried]) -> list[str]:
+    """Return what every method says of each trial, and its unseen error, as lines of Markdown."""
     names = _answering(tried)
     rows = [
         [
             f"{each.name} ({_names(each.label)})",
-            *(f"{_said(each.label, each.said[name])}, {ratio(each, name):.2f}" for name in names),
+            *(
+                f"{_said(each.label, each.said[name])}, {_number(ratio(each, name))}"
+                for name in names
+            ),
         ]
         for each in tried
     ]
@@ -150,7 +153,11 @@ def _answering(tried: Sequence[Tried]) -> list[str]:
 
 
 def _names(label: Label) -> str:
-    return " + ".join(sorted(label.effects)) or "none"
+    return " + ".join(sorted(label.effects)) + ", foreign" * label.outside or "none"
+
+
+def _number(ratio: float) -> str:
+    return DASH if np.isnan(ratio) else f"{ratio:.2f}"
 
 
 def _said(label: Label, said: Said) -> str:

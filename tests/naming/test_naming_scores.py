@@ -5,7 +5,7 @@ from math import inf, nan
 import pytest
 from benchmarks.naming.campaign import Said, Tried
 from benchmarks.naming.methods import REFERENCE, methods
-from benchmarks.naming.scores import OURS, lower, rates, ratios, scored, table, table_of_records
+from benchmarks.naming.scores import OURS, lower, rates, ratios, scored, table, table_of_answers
 
 from dea.trials import Label, wilson
 
@@ -93,8 +93,8 @@ def test_the_table_has_a_column_for_each_method_and_a_number_in_each_cell():
     assert cells["time of a processor (s)"][column] == "2.0"
 
 
-def test_the_table_of_records_marks_right_names():
-    rows = table_of_records(TRIED[:1] + TRIED[9:10])
+def test_the_table_of_answers_marks_right_names():
+    rows = table_of_answers(TRIED[:1] + TRIED[9:10])
     assert "**dead_zone**, 0.25" in rows[2]
     assert rows[3].startswith("| 9 (none) |")
     assert rows[3].count("none, 1.00") == len(methods())
