@@ -15,7 +15,7 @@ SEARCHES = {"refined": Refined, "forward": Forward, "orthogonal": Orthogonal}
 
 
 class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
-    """Select and simulate a NARX model with one input: rows are samples in the order of time.
+    """Select and simulate a NARX model: rows are samples in the order of time, columns inputs.
 
     Cross-validate it with :class:`sklearn.model_selection.TimeSeriesSplit`; splits that shuffle
     rows take the order away.
@@ -48,12 +48,12 @@ class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.search = search
 
     def fit(self, X: Any, y: Any) -> Self:
-        """Select a model from the input ``X``, shape (samples, 1), and the output ``y``.
+        """Select a model from the inputs ``X``, shape (samples, inputs), and the output ``y``.
 
         Raises
         ------
         InputError
-            As :func:`dea.select_terms`; for several inputs, or a search that there is not.
+            As :func:`dea.select_terms`; for a search that there is not.
         """
         inputs, outputs = validate_data(self, X, y, dtype=float, y_numeric=True)
         if self.search not in SEARCHES:
@@ -63,7 +63,7 @@ class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
                 remedy=f"Choose one of {', '.join(SEARCHES)}",
             )
         self.model_: NarxModel = select_terms(
-            _only_input(inputs),
+            inputs,
             outputs,
             y_lags=self.y_lags,
             u_lags=self.u_lags,
@@ -74,8 +74,8 @@ class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         return self
 
     def predict(self, X: Any) -> Array:
-        """Return the free run on the input ``X``, shape (samples,), from rest on."""
-        inputs = _only_input(self._checked(X))
+        """Return the free run on the inputs ``X``, shape (samples,), from rest on."""
+        inputs = self._checked(X)
         return self.model_.simulate(inputs)
 
     def score(self, X: Any, y: Any, sample_weight: None = None) -> float:
@@ -83,18 +83,10 @@ class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
         The run starts from the first measured outputs, which are not scored.
         """
-        inputs = _only_input(self._checked(X))
+        inputs = self._checked(X)
         return self.model_.score(inputs, np.asarray(y, dtype=float))
 
     def _checked(self, X: Any) -> Array:
         check_is_fitted(self)
         checked: Array = validate_data(self, X, dtype=float, reset=False)
         return checked
-
-
-def _only_input(X: Array) -> Array:
-    if X.shape[1] != 1:
-        raise InputError(
-            f"X has {X.shape[1]} columns", field="X", remedy="Give one input, shape (samples, 1)"
-        )
-    return np.ascontiguousarray(X[:, 0])

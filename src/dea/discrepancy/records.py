@@ -39,7 +39,7 @@ def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples
 
     found = record if isinstance(record, Record) else signals(record)
     for role, unit, expected in (
-        ("input", found.u_units, simulation.input_unit),
+        ("input", found.unit_of_one_input("A diagnosis"), simulation.input_unit),
         ("output", found.y_units, simulation.output_unit),
     ):
         if unit != expected:

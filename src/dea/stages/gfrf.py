@@ -1,7 +1,7 @@
 """Frequency responses of a tracked model over the whole record."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import combinations_with_replacement
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
     from dea import store
     from dea.errors import InputError
     from dea.gfrf import Grid, response_over_time
-    from dea.narx import NarxModel
+    from dea.narx import Labels, NarxModel
     from dea.tracking import with_constant
 
     chosen = settings["gfrf"]
@@ -32,7 +32,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
     options = {name: value for name, value in chosen.items() if name != "tracker"}
     of_grid = {each.name for each in fields(Grid)} & options.keys()
     result = response_over_time(
-        with_constant(NarxModel.load(model)),
+        replace(with_constant(NarxModel.load(model)), labels=Labels.of(signals)),
         of_tracker,
         signals.u,
         signals.sampling_rate,
