@@ -255,6 +255,23 @@ def gfrf(seed: int) -> xr.Dataset:
     )  # fmt: skip
 
 
+def gfrf_of_inputs(names=("left", "right")) -> xr.Dataset:
+    """Responses of a system with two inputs, those of each input and pair as of a seed."""
+    pairs = [f"{a} × {b}" for k, a in enumerate(names) for b in names[k:]]
+    each = [gfrf(seed) for seed in range(1, len(pairs) + 1)]
+    of_pairs = [n for n in each[0].data_vars if n.startswith("H2") or n == "excited_h2"]
+    at_rest = ["y0", "y0_low", "y0_high"]
+    of_inputs = [n for n in each[0].data_vars if n not in (*of_pairs, *at_rest)]
+    parts = [
+        xr.concat([one[of_inputs] for one in each[: len(names)]], "input", data_vars="all"),
+        xr.concat([one[of_pairs] for one in each], "pair", data_vars="all"),
+        each[0][at_rest],
+    ]
+    found = xr.merge(parts, compat="override").assign_coords(input=list(names), pair=pairs)
+    found["H1"].attrs["units"] = "mm/V, mm/%"
+    return checked(found.assign_attrs(each[0].attrs), "gfrf")
+
+
 def link(seed: int, *, polled: bool = False) -> xr.Dataset:
     rng = np.random.default_rng(seed)
     n = 900

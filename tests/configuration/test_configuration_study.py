@@ -260,3 +260,28 @@ def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_pat
     device.write_text((CONFIG / "devices" / device.name).read_text().replace("unit_id", "unit_di"))
     with pytest.raises(InputError, match=r"virtual_bench.yaml: unit_di: .*'unit_id'"):
         check_actuators(study, served, "bench.yaml")
+
+
+INPUTS = [{"column": "a", "units": "V"}, {"column": "b", "units": "%"}]
+
+
+def of_several(record):
+    """The same record with two inputs."""
+    return {name: value for name, value in record.items() if name != "input"} | {"inputs": INPUTS}
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "words"),
+    [
+        ({"test_records": {"later": MINE["record"]}}, "test_records.later", "inputs, 1, is not"),
+        ({"identification": {"u_lags": [[1], [1], [2]]}}, "identification.u_lags", "lags of 3"),
+        ({"simulation": "cascaded_tanks"}, "simulation", "records with one input, and this one"),
+    ],
+)
+def test_a_case_with_several_inputs_must_agree_with_itself(changes, field, words):
+    own = {name: value for name, value in MINE.items() if name not in ("simulation", "split")}
+    case = own | {"record": of_several(MINE["record"]), "test_records": {}, "records": {}}
+    check_case(case, check_study(STUDY))
+    with pytest.raises(InputError, match=words) as caught:
+        check_case(case | changes, check_study(STUDY))
+    assert caught.value.field == field

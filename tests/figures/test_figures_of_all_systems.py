@@ -105,6 +105,32 @@ def test_curves_of_h1_lie_within_their_bands_at_three_times():
             assert points >= set(zip(response["frequency"].values[~silent], ends, strict=True))
 
 
+@pytest.mark.parametrize("draw", [fig3, fig3_phase])
+def test_each_of_several_inputs_has_a_map_of_h1(draw):
+    response = made.gfrf_of_inputs()
+    figure = draw({"dea1": made.record(1)}, {"dea1": response})
+    titles = [ax.get_title() for ax in figure.axes if ax.get_title()]
+    assert titles == ["dea1, left", "dea1, right"]
+    labels = {ax.get_ylabel() for ax in figure.axes}
+    if draw is fig3:
+        assert {"gain $|H_1|$ (mm/V)", "gain $|H_1|$ (mm/%)"} <= labels
+        for k, (_, mesh) in enumerate(meshes(figure)):
+            gain = abs(as_complex(response["H1"].isel(input=k))).values
+            np.testing.assert_allclose(mesh.get_array().ravel(), (gain / gain[90, 0]).T.ravel())
+
+
+def test_each_pair_of_inputs_has_a_map_of_h2_and_one_without_terms_says_so():
+    response = made.gfrf_of_inputs()
+    response["H2"].loc[{"pair": "right × right"}] = 0.0
+    figure = fig4_h2({"dea1": response})
+    titles = [ax.get_title() for ax in figure.axes if ax.get_title()]
+    assert titles == ["dea1\nleft × left", "dea1\nleft × right", "dea1\nright × right"]
+    zero = [ax for ax, _ in meshes(figure) if "zero" in [text.get_text() for text in ax.texts]]
+    assert {ax.get_subplotspec().colspan.start for ax in zero} == {2}
+    said = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "the model of that time has no steady state" not in said
+
+
 def test_the_last_row_of_fig4_is_the_diagonal_with_its_band():
     response = made.gfrf(1)
     figure = fig4_h2({"dea1": response})

@@ -13,7 +13,7 @@ from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Identification, Orders, Validation
 from dea.configuration.problems import validated
 from dea.configuration.record import Record
-from dea.configuration.section import NAME, Name, Section, key, partial
+from dea.configuration.section import NAME, Name, Section, key, partial, refuse
 from dea.configuration.study import RESERVED, Study, check_simulation, check_tracker, settings
 from dea.configuration.tracking import Tracking
 from dea.errors import InputError
@@ -41,6 +41,33 @@ class Case(Section):
     gfrf: Gfrf = key("keys of that section, for this case alone")
     simulation: str | None = key("the physics, by name or as a Python file", default=None)
     split: Split | None = key("how the record is split for the diagnosis", default=None)
+
+    @model_validator(mode="after")
+    def _inputs_agree(self) -> Self:
+        count = len(self.record.driving)
+        for section, others in (("test_records", self.test_records), ("records", self.records)):
+            for name, other in others.items():
+                if len(other.driving) != count:
+                    raise refuse(
+                        f"{section}.{name}",
+                        f"the number of its inputs, {len(other.driving)}, is not that of the"
+                        f" record, {count}",
+                        "Name the inputs of the record, in the same order.",
+                    )
+        lags = self.identification.u_lags
+        if isinstance(lags, list) and isinstance(lags[0], list) and len(lags) != count:
+            raise refuse(
+                "identification.u_lags",
+                f"lags of {len(lags)} inputs for a record with {count}",
+                "Give one list for every input, or one for all.",
+            )
+        if self.simulation is not None and count > 1:
+            raise refuse(
+                "simulation",
+                f"a diagnosis is of records with one input, and this one has {count}",
+                "Leave the simulation out, or name one input of a record whose others rest.",
+            )
+        return self
 
     @model_validator(mode="after")
     def _tracker_runs(self) -> Self:

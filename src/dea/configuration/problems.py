@@ -137,9 +137,9 @@ def _member(node: Schema, step: str | int) -> Schema | None:
 
 
 def _inner(node: Schema, step: str | int, definitions: Schema) -> Schema | None:
-    if isinstance(step, int):
+    if isinstance(step, int) and "items" in node:
         own = {"unit": node["unit"]} if "unit" in node else {}
-        return {**node["items"], **own} if "items" in node else None
+        return {**node["items"], **own}
     if step in node.get("properties", {}):
         found: Schema = node["properties"][step]
         return found

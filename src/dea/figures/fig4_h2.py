@@ -68,7 +68,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
             mesh = _panel(ax, responses[name], values.isel(time_h2=row), norm)
             ax.tick_params(labelleft=column == 0, labelbottom=row == times.size - 1)
             axes[row, 0].set_ylabel(f"at {time / unit:.3g} {unit_name}\n$f_2$ (Hz)")
-        axes[0, column].set_title(name)
+        axes[0, column].set_title(name.replace(", ", "\n"))
         axes[-2, column].set_xlabel("$f_1$ (Hz)")
         _diagonal(axes[-1, column], responses[name], sizes[name])
     units = [response["H2"].attrs["units"] for response in responses.values()]
@@ -84,7 +84,12 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
 
 
 def _reference(size: xr.DataArray) -> float:
-    """Return |H2| at the lowest frequencies at the time with a steady state nearest the middle."""
+    """Return |H2| at the lowest frequencies at the time with a steady state nearest the middle.
+
+    One where it is zero everywhere: the model has no terms of that order.
+    """
+    if not size.where(size.notnull(), 0.0).any() and size.notnull().any():
+        return 1.0
     slow = size.isel(frequency_1=0, frequency_2=0).values
     known = np.flatnonzero(np.isfinite(slow) & (slow > 0.0))
     if not known.size:
@@ -143,6 +148,8 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize
         f1, f2, values.transpose("frequency_2", "frequency_1").values, norm=norm,
         cmap=style.GAIN_MAP, shading="nearest", rasterized=True,
     )  # fmt: skip
+    if values.notnull().all() and not values.any():
+        ax.text(0.5, 0.5, "zero", transform=ax.transAxes, ha="center", va="center")
     doubtful = _doubtful(response)
     ax.set_xlim(_view(f1, np.any(~doubtful, axis=0)))
     ax.set_ylim(_view(f2, np.any(~doubtful, axis=1)))
