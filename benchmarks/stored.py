@@ -18,12 +18,15 @@ ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "docs" / "measured"
 
 
-def store(name: str, command: str, values: Mapping[str, Any]) -> Path:
-    """Keep what ``command`` measured; return the file."""
+def store(name: str, command: str, values: Mapping[str, Any], made_at: str = "") -> Path:
+    """Keep what ``command`` measured; return the file.
+
+    ``made_at`` is the commit that the program ran from, if that is not the one checked out now.
+    """
     file = FOLDER / f"{name}.json"
     content = {
         "command": command,
-        "commit": _commit(),
+        "commit": made_at or commit(),
         "date": datetime.datetime.now(datetime.UTC).date().isoformat(),
         "machine": {
             "processor": provenance.run_facts()["processor"],
@@ -38,7 +41,7 @@ def store(name: str, command: str, values: Mapping[str, Any]) -> Path:
     return file
 
 
-def _commit() -> str:
+def commit() -> str:
     """Return the commit that is checked out, ``-dirty`` where the program differs from it."""
     head = _git("rev-parse", "HEAD").stdout.strip() or "unknown"
     changed = _git("diff", "--quiet", "HEAD", "--", ".", ":!docs", ":!README.md").returncode

@@ -55,6 +55,11 @@ def values(tried: Sequence[Tried], records: Sequence[Tried], settings: Settings)
     }
 
 
+def made_at(*tried: Tried) -> str:
+    """Return the commits that the answers were made at: several, where a campaign went on later."""
+    return ", ".join(sorted({said.commit for each in tried for said in each.said.values()}))
+
+
 def _rounded(ratio: float) -> float | None:
     return round(ratio, 4) if isfinite(ratio) else None
 
@@ -80,7 +85,7 @@ def main(arguments: list[str] | None = None) -> None:
         raise SystemExit(2) from None
     found = values(tried, records, settings)
     command = f"make benchmark-naming COUNT={given.count} SET={given.set} SEED={seed}"
-    keep("naming", command, found)
+    keep("naming", command, found, made_at(*tried, *records))
     print("\n".join([*found["table"], "", *found["records"]]))
 
 

@@ -17,6 +17,7 @@ from benchmarks.naming import measured, trials
 from benchmarks.naming.code import digest
 from benchmarks.naming.methods import methods
 from benchmarks.naming.task import Posed
+from benchmarks.stored import commit
 from dea import store
 from dea.errors import InputError
 from dea.trials import Label
@@ -55,7 +56,7 @@ class Said(NamedTuple):
     """What a method said of a task, as it is kept.
 
     ``error`` is that of its prediction of what was kept back, in the output's unit; ``seconds``
-    are of a processor. ``failed`` says why there is no answer.
+    are of a processor. ``failed`` says why there is no answer, ``commit`` whence the program was.
     """
 
     status: str
@@ -64,6 +65,7 @@ class Said(NamedTuple):
     error: float
     seconds: float
     failed: str = ""
+    commit: str = ""
 
 
 class Tried(NamedTuple):
@@ -145,7 +147,7 @@ def _answers(folder: Path, pose: Callable[[], Posed]) -> dict[str, Said]:
         file, code = folder / "answers" / f"{name}.json", _code(name)
         kept = json.loads(file.read_text()) if file.exists() else {}
         if kept.get("code") != code:
-            kept = {"code": code, **_answer(name, posed())}
+            kept = {"code": code, "commit": commit(), **_answer(name, posed())}
             file.parent.mkdir(exist_ok=True, parents=True)
             with store.atomic(file) as partial_file:
                 partial_file.write_text(json.dumps(kept, indent=1) + "\n")
@@ -156,6 +158,7 @@ def _answers(folder: Path, pose: Callable[[], Posed]) -> dict[str, Said]:
             kept["error"],
             kept["seconds"],
             kept["failed"],
+            kept["commit"],
         )
     return found
 

@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import pytest
 from benchmarks.naming import campaign
-from benchmarks.naming.__main__ import values
+from benchmarks.naming.__main__ import made_at, values
 from benchmarks.naming.campaign import Settings, of_trials
 from benchmarks.naming.methods import REFERENCE, methods
 from benchmarks.naming.scores import OURS
+from benchmarks.stored import commit
 
 from dea.errors import InputError
 
@@ -41,6 +42,7 @@ def test_two_trials_are_answered_scored_and_kept(settings, quick, monkeypatch):
     assert len(tried) == 2
     assert len(answers(settings)) == 2 * len(quick)
     found = values(tried, [], settings)
+    assert made_at(*tried) == commit()
     assert found["count"] == sum(found["kinds"].values()) == 2
     assert set(found["trials"]) == {each.name for each in tried}
     for each in tried:
