@@ -59,7 +59,7 @@ def as_input(values: ArrayLike, name: str = "u") -> Array:
 
 def by_input(u: Array) -> Array:
     """Return one input or several as contiguous rows, shape (inputs, samples)."""
-    return np.ascontiguousarray(np.atleast_2d(u.T))
+    return np.ascontiguousarray(u.reshape(1, -1) if u.ndim == 1 else u.T)
 
 
 def check_inputs(numbered: int | None, u: Array) -> None:

@@ -43,6 +43,15 @@ def output_of(coefficients: Array, i: int, y_lags: Indices, y: Array, t: int) ->
 
 
 @njit(cache=True)
+def _row(u: Array, row: int) -> Array:
+    """The input of a row, of one input all there is; numba compiles only the case at hand."""
+    if u.ndim == 1:
+        return u
+    found: Array = u[row]
+    return found
+
+
+@njit(cache=True)
 def _coefficients(
     structure: Structure, parameters: Array, u: Array, first: int, last: int, work: Array
 ) -> None:
@@ -60,7 +69,7 @@ def _coefficients(
             lag = u_lags[j, factor]
             if lag == NONE:
                 break
-            shifted = u[u_rows[j, factor], first - lag : last - lag]
+            shifted = _row(u, u_rows[j, factor])[first - lag : last - lag]
             for i in range(count):
                 product[i] *= shifted[i]
         row = work[group[j]]
@@ -72,7 +81,7 @@ def _coefficients(
 def run(structure: Structure, parameters: Array, u: Array, y: Array, bound: float) -> None:
     """Continue ``y`` from the structure's start, infinite from the sample on where it diverges.
 
-    Each row of ``u`` is an input.
+    ``u`` is one input, shape (samples,), or each of its rows is one.
     """
     y_lags = structure.y_lags
     work = np.empty((y_lags.shape[0] + 1, BLOCK))
@@ -103,7 +112,7 @@ def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: f
             for factor in range(u_lags.shape[1]):
                 if u_lags[j, factor] == NONE:
                     break
-                monomial *= u[u_rows[j, factor], t - u_lags[j, factor]]
+                monomial *= _row(u, u_rows[j, factor])[t - u_lags[j, factor]]
             total += monomial
         if not abs(total) <= bound:
             y[t:] = np.inf
@@ -135,7 +144,7 @@ def run_with_slope(
                 lag = u_lags[j, factor]
                 if lag == NONE:
                     break
-                source = u[u_rows[j, factor]]
+                source = _row(u, u_rows[j, factor])
                 for i in range(last - first):
                     inputs[i, j] *= source[first + i - lag]
         for t in range(first, last):

@@ -11,7 +11,7 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.narx import kernels
-from dea.narx.checks import Array, by_input, check_inputs
+from dea.narx.checks import Array, check_inputs
 from dea.narx.kernels import NONE, Indices, Structure
 from dea.terms import Term, max_lag, numbered_inputs
 
@@ -20,17 +20,23 @@ from dea.terms import Term, max_lag, numbered_inputs
 BOUND = 1e10
 
 
-@lru_cache(maxsize=4096)
 def structure(terms: tuple[Term, ...]) -> Structure:
     """Return the integer arrays that describe ``terms``."""
+    return _described(terms)[0]
+
+
+@lru_cache(maxsize=4096)
+def _described(terms: tuple[Term, ...]) -> tuple[Structure, int | None]:
+    """Return the integer arrays that describe ``terms``, and the largest number of an input."""
     monomials = sorted({term.y_lags for term in terms}, key=lambda lags: (len(lags), lags))
-    return Structure(
+    arrays = Structure(
         group=np.array([monomials.index(term.y_lags) for term in terms], dtype=np.int64),
         y_lags=_padded(monomials),
         u_lags=_padded([term.u_lags for term in terms]),
         u_rows=_padded([term.input_columns for term in terms]),
         start=max_lag(terms),
     )
+    return arrays, numbered_inputs(terms)
 
 
 def simulate(
@@ -54,11 +60,12 @@ def simulate(
     ndarray
         Outputs, shape (samples,).
     """
-    shape, rows = structure(terms), input_rows(terms, u)
-    y = np.empty(rows.shape[1])
+    shape, numbered = _described(terms)
+    check_inputs(numbered, u)
+    y = np.empty(u.shape[0])
     initial = initial_outputs(y_initial, shape.start, y.size)
     y[: initial.size] = initial
-    kernels.run(shape, parameters, rows, y, bound)
+    kernels.run(shape, parameters, _rows(u), y, bound)
     return y
 
 
@@ -86,9 +93,16 @@ def simulate_varying(
 
 
 def input_rows(terms: tuple[Term, ...], u: Array) -> Array:
-    """Return the inputs of ``terms`` as contiguous rows, checked to be all that they name."""
-    check_inputs(_numbered(terms), u)
-    return by_input(u)
+    """Return the inputs of ``terms`` as the kernels take them, checked to be all that they name.
+
+    One stays as it is; several are contiguous rows.
+    """
+    check_inputs(_described(terms)[1], u)
+    return _rows(u)
+
+
+def _rows(u: Array) -> Array:
+    return np.ascontiguousarray(u.T)
 
 
 def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
@@ -100,11 +114,6 @@ def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
             remedy=f"Give the first {start} outputs.",
         )
     return y_initial[: min(start, samples)]
-
-
-@lru_cache(maxsize=4096)
-def _numbered(terms: tuple[Term, ...]) -> int | None:
-    return numbered_inputs(terms)
 
 
 def _padded(lags: list[tuple[int, ...]]) -> Indices:
