@@ -12,6 +12,7 @@ import made_datasets as made
 from dea import store
 from dea.case_page import Findings, page, summary
 from dea.case_page.findings import percentage
+from dea.narx import NarxModel, Scaling
 
 PICTURE = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + (2000).to_bytes(4) + b" not really"
 
@@ -60,15 +61,19 @@ test_scores.__test__ = False
 
 @pytest.fixture
 def findings(tmp_path):
+    record = made.record(1, 60.0).rename(voltage="input", displacement="output")
+    return findings_of(tmp_path, record, made.model(1), made.gfrf(1))
+
+
+def findings_of(tmp_path, record, model, gfrf):
     folder = tmp_path / "mine"
     folder.mkdir()
-    record = made.record(1, 60.0).rename(voltage="input", displacement="output")
     record.attrs["source_file"] = "<mine & yours>.csv"
     datasets = {
         "record": record,
-        "model": made.model(1).assign_attrs(stability="slow"),
+        "model": model.assign_attrs(stability="slow"),
         "validation": made.validation(1),
-        "gfrf": made.gfrf(1).assign_attrs(withheld="one step is not white"),
+        "gfrf": gfrf.assign_attrs(withheld="one step is not white"),
         "test_scores": test_scores(),
     }
     for name, dataset in datasets.items():
@@ -119,3 +124,23 @@ def test_the_summary_ends_with_the_path(findings):
     assert text.split()[-1] == "results/mine/page.html"
     assert "It lacks a `<delay>`." in text
     assert "99.0 % explained, rmse 0.0500 mm" in text
+
+
+def test_several_inputs_are_named_on_the_page_and_in_the_terminal(tmp_path):
+    record = made.record(1, 60.0).rename(voltage="input_1", displacement="output")
+    record["input_2"] = -record["input_1"]
+    for name, label, units in (("input_1", "left", "V"), ("input_2", "<right>", "%")):
+        record[name].attrs = {"units": units, "long_name": label}
+    terms = {"1": 0.5, "y(t-1)": 0.5, "u1(t-1)u2(t-2)": 0.25}
+    model = NarxModel.from_terms(terms, scaling=Scaling((1.0, 2.0), (3.0, 4.0), 5.0, 6.0))
+    found = findings_of(tmp_path, record, model.to_dataset(("V", "%"), "mm"), made.gfrf_of_inputs())
+    assert "left (V) and <right> (%) drive " in found.record
+    text = page(found, {})
+    assert "<i>u</i><sub>1</sub> = (left - 1.000 V) / 3.000 V" in text
+    assert "<i>u</i><sub>2</sub> = (&lt;right&gt; - 2.000 %) / 4.000 %" in text
+    assert "u1 is left (V), u2 is <right> (%)" in summary(found, "page.html")
+
+
+def test_one_input_needs_no_explanation(findings):
+    assert findings.inputs == ""
+    assert " u is " not in summary(findings, "page.html")

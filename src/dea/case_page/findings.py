@@ -11,7 +11,7 @@ import xarray as xr
 from dea.equation import equation_html, equation_text
 from dea.number_format import number
 from dea.store import Record, Sources, signals
-from dea.terms import Term
+from dea.terms import Term, input_symbol
 
 _DECIMALS = 4  # of a percentage, at most
 _BASELINES = {
@@ -73,6 +73,14 @@ class Findings:
             f" {record.y_name} ({record.y_units});"
             f" {dataset.attrs['source_file']}."
         )
+
+    @property
+    def inputs(self) -> str:
+        """What u1, u2 and so on are in the equation; empty where there is one input."""
+        named = self.signals.inputs
+        symbols = [input_symbol(k, len(named)) for k in range(len(named))]
+        each = [f"{u} is {name} ({units})" for u, (name, units) in zip(symbols, named, strict=True)]
+        return ", ".join(each) if len(each) > 1 else ""
 
     @cached_property
     def _model(self) -> xr.Dataset:

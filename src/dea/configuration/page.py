@@ -96,7 +96,7 @@ def _allowed(node: Schema, definitions: Schema) -> str:
 
 
 def _container(node: Schema) -> str:
-    if node.get("type") == "array":
+    if "array" in (each.get("type") for each in (node, *node.get("anyOf", ()))):
         return "list of "
     if "additionalProperties" in node or "patternProperties" in node:
         return "by name: "
