@@ -46,7 +46,8 @@ record: $(VENV)/installed ## drive a device and keep its record: make record NAM
 	python -m dea.stages.record $(NAME) $(EXCITATION:%=--excitation %) \
 		$(if $(OPERATOR),--operator "$(OPERATOR)")
 
-# What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50.
+# What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50;
+# several inputs: INPUT=left:V,right:V.
 INTAKE = python -m dea.intake $(if $(FILE),"$(FILE)") $(if $(INPUT),--input "$(INPUT)") \
 	$(if $(OUTPUT),--output "$(OUTPUT)") $(if $(TIME),--time "$(TIME)") $(RATE:%=--rate %) \
 	$(NAME:%=--name %) $(SIMULATION:%=--simulation %)

@@ -218,3 +218,8 @@ def test_unusable_inputs_are_refused(record):
 def test_what_knows_one_input_says_so(handover):
     with pytest.raises(InputError, match="models with one input, and this one has 2"):
         handover(NarxModel.from_terms(PLANT))
+
+
+def test_a_diagnosis_is_of_one_input(record):
+    with pytest.raises(InputError, match="A diagnosis is of records with one input, and this one"):
+        dea.diagnose(record, "cascaded_tanks")
