@@ -6,7 +6,6 @@ import json
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -341,6 +340,12 @@ def said(name: str, found: Resolution) -> str:
     return "\n".join(lines)
 
 
+def _show(step: str) -> None:
+    """Show the last step on a terminal."""
+    if sys.stderr.isatty():
+        print(f"\r\033[K{step}", end="", file=sys.stderr, flush=True)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; exits with 2 for bad input, 1 for a failed acquisition."""
     parser = argparse.ArgumentParser(prog="python -m dea.stages.resolve", description=__doc__)
@@ -352,8 +357,11 @@ def main(arguments: list[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     try:
         for name in options.name:
-            with heard_by(partial(print, file=sys.stderr)), part_of(name):
-                found = resolve(name, options.operator, options.threads)
+            try:
+                with heard_by(_show), part_of(name):
+                    found = resolve(name, options.operator, options.threads)
+            finally:
+                _show("")
             print(said(name, found))
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
