@@ -88,7 +88,7 @@ resolve: $(VENV)/installed ## designed records until one explanation is left: ma
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make resolve NAME=dea1))
 	$(SNAKEMAKE) $(NAME:%=resolvable_%)
 	python -m dea.stages.resolve $(NAME) --threads $(CORES) $(if $(OPERATOR),--operator "$(OPERATOR)")
-	$(SNAKEMAKE) $(NAME:%=results/figures/resolve/%.png) results/tables/resolution.md
+	python -m dea.audit --collect
 
 resolution-trials: $(VENV)/installed ## how often designed records decide (COUNT=20 SET=ambiguous_tuning)
 	python -m benchmarks.resolution --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %)

@@ -12,11 +12,13 @@ from dea.resolution.design import Forms, Question, designed, fixed_forms
 from dea.resolution.distance import expected, nested, squared_distance
 from dea.resolution.error import Error
 from dea.resolution.explanation import Explanation
+from dea.resolution.law_error import LawError, Motion
 from dea.simulation import catalogue, measured_scales, prepared
 
 pytestmark = pytest.mark.slow
 
 ERROR = Error(4e-3, 6e-3, 25.0)
+AS_SEEN = LawError(ERROR, Motion(np.inf, np.inf), 0.0)
 
 
 def explanation(effect, law, spread=0.02):
@@ -82,7 +84,7 @@ def test_distance_of_an_explanation_to_itself_is_zero_and_grows_with_what_is_kno
 def test_a_design_is_at_least_as_good_as_every_fixed_form_and_decides_sooner():
     lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
     question = Question(
-        [lag, late], [0.5, 0.5], explanation(None, []), ERROR, 0.0, LIMITS, 0.0
+        [lag, late], [0.5, 0.5], explanation(None, []), AS_SEEN, LIMITS, 0.0
     )  # fmt: skip
     found = designed(question, (6.0, 6.0), 1e-300, np.random.default_rng(5))
     others = [question.judged(u, kind) for kind, u in fixed_forms(6.0, LIMITS, 8)]
@@ -99,7 +101,7 @@ def test_a_design_is_at_least_as_good_as_every_fixed_form_and_decides_sooner():
 def test_no_predicted_output_leaves_its_range():
     lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
     tight = replace(LIMITS, output_low=-0.5, output_high=0.5)
-    question = Question([lag, late], [0.5, 0.5], explanation(None, []), ERROR, 0.0, tight, 0.0)
+    question = Question([lag, late], [0.5, 0.5], explanation(None, []), AS_SEEN, tight, 0.0)
     found = designed(question, (1.0, 6.0), 0.4, np.random.default_rng(6))
     for each in (lag, late):
         assert tight.holds(each.simulated(found.u, INTERVAL))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from dea.resolution.error import Error
+from dea.resolution.law_error import LawError, Motion
 
 N = 400
 
@@ -34,3 +35,17 @@ def test_white_noise_alone_is_scaled_alone():
     whitened = Error(0.5, 0.0, 1.0).whitened(signal)
     np.testing.assert_allclose(np.sum(whitened**2, 0), np.sum(signal**2, 0) / 0.25, rtol=1e-12)
     np.testing.assert_array_equal(Error(0.5, 0.0, 1.0).whitened(signal[:, 0]), whitened[:, 0])
+
+
+def test_the_error_grows_with_the_motion_and_with_what_the_effects_do():
+    y = np.random.default_rng(2).standard_normal(N)
+    error = LawError(Error(0.1, 0.2, 9.0), Motion.of(y), 0.05)
+    assert error.on([0.5 * y], [1.0], 0.5 * y) == error.seen
+    assert error.on([3.0 * y], [1.0], 3.0 * y).coloured == pytest.approx(0.6)
+    slow = np.repeat(y, 2)[:N]
+    faster = LawError(error.seen, Motion.of(slow), 0.05).on([y], [1.0], y)
+    assert faster.coloured == pytest.approx(0.2 * Motion.of(y).pace / Motion.of(slow).pace)
+    assert error.on([y, y + 40.0], [0.75, 0.25], y).coloured == pytest.approx(0.05 * 20.0)
+    away = np.full(N, np.nan)
+    assert error.on([y, away], [0.5, 0.5], y) == error.seen
+    assert error.on([away], [1.0], y) == error.seen

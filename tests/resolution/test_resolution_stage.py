@@ -63,6 +63,7 @@ def case(tmp_path, monkeypatch):
     study["discrepancy"] |= {
         "effects": ["sensor_lag", "transport_delay", "electrode_lag"],
         "warm_up": 0.0,
+        "budget": {"finished": 6, "beam": 2, "effects": 1, "starts": 2, "shakes": 0},
     }
     study["resolution"] = {"duration": 20.0, "rate": 20.0, "output_margin": 5.0}
     Path("config/config.yaml").write_text(yaml.safe_dump(study))
@@ -117,6 +118,8 @@ def test_a_case_is_resolved_by_hand(case, capsys):
     assert not (folder / "next_experiment.md").exists()
     found = store.read(folder / "resolution.nc")
     assert found["names"].values[-1] == "transport_delay"
+    assert (folder / "probability.pdf").stat().st_size > 1000
+    assert "carriage" in (folder.parent / "rounds.md").read_text()
 
 
 @pytest.mark.parametrize(

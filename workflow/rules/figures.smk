@@ -64,11 +64,6 @@ FIGURES = filled(
             path="results/figures/discrepancy/{system}",
             system="{system}",
         ),
-        "resolution": Group(
-            sources="results/resolve/{system}/resolution.nc",
-            path="results/figures/resolve/{system}",
-            system="{system}",
-        ),
         "trials": Group(
             sources=scores_of,
             path="results/figures/{name}{suffix}",

@@ -48,12 +48,6 @@ TABLES = filled(
             path="results/tables/{name}",
             system="cases",
         ),
-        # Of those that `make resolve` has been asked about.
-        "resolution": Group(
-            sources=sorted(map(str, Path("results/resolve").glob("*/resolution.nc"))),
-            path="results/tables/{name}",
-            system="all",
-        ),
         "trials": Group(
             sources=scores_of,
             path="results/tables/{name}{suffix}",

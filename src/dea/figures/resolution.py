@@ -1,4 +1,7 @@
-"""Probability of each explanation against the seconds driven in designed records."""
+"""Probability of each explanation against the seconds driven in designed records.
+
+Its stage draws it, since no rule knows how many records there will be.
+"""
 
 import numpy as np
 import xarray as xr
@@ -6,16 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from dea.figures import style
-from dea.store import Sources
 
 _SHOWN = 6
 # Probabilities nearer to zero or one than this are drawn there.
 _NEAREST = 1e-4
-
-
-def draw(sources: Sources) -> Figure:
-    """Draw it from ``resolution.nc`` of a system."""
-    return resolution(sources.dataset("resolution"), sources.system)
 
 
 @style.styled

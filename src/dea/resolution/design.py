@@ -17,9 +17,9 @@ import numpy as np
 
 from dea.excitation import design as fixed_design
 from dea.resolution.distance import Expected, expected, nested, squared_distance
-from dea.resolution.error import Error
 from dea.resolution.excitation import Limits, express, genes
 from dea.resolution.explanation import Explanation
+from dea.resolution.law_error import LawError
 
 # Explanations that are told apart: so many of the most probable ones.
 _MOST = 6
@@ -85,15 +85,14 @@ class Design:
 class Question:
     """Which explanations are to be told apart, how probable they are, and what may be driven.
 
-    ``law_error`` is the part of an effect that the law of the right one may leave; ``alone`` is the
-    simulation without effects, which says how large the effects are.
+    ``alone`` is the simulation without effects, which says how large the effects are; ``middle``
+    is the input to which an excitation is drawn.
     """
 
     explanations: Sequence[Explanation]
     probabilities: Sequence[float]
     alone: Explanation
-    error: Error
-    law_error: float
+    error: LawError
     limits: Limits
     middle: float
 
@@ -120,11 +119,6 @@ class Question:
         samples = simulations * duration * self.limits.sampling_rate
         return int(np.clip(_WORK / samples, _FEWEST, _MOST_TRIED))
 
-    def error_on(self, outputs: Sequence[np.ndarray], u: np.ndarray) -> Error:
-        """Return the error on an excitation on which the explanations give these outputs."""
-        without = self.alone.simulated(u, 1.0 / self.limits.sampling_rate)
-        return error_with_gap(self.error, outputs, self.probabilities, without, self.law_error)
-
     def judged(self, u: np.ndarray, form: str) -> Design | None:
         """Return how well an excitation tells apart; nothing where its output would run away."""
         drawn = self._within(u)
@@ -133,7 +127,8 @@ class Question:
     def _of(self, u: np.ndarray, form: str) -> Design:
         interval = 1.0 / self.limits.sampling_rate
         found = [each.linearised(u, interval) for each in self.explanations]
-        error = self.error_on([y for y, _ in found], u)
+        without = self.alone.simulated(u, interval)
+        error = self.error.on([y for y, _ in found], self.probabilities, without)
         views = [
             expected(y, J, each.root, error)
             for (y, J), each in zip(found, self.explanations, strict=True)
@@ -165,22 +160,6 @@ class Question:
             if all(self.limits.holds(e.simulated(tried, interval)) for e in self.explanations):
                 return tried
         return None
-
-
-def error_with_gap(
-    error: Error,
-    outputs: Sequence[np.ndarray],
-    probabilities: Sequence[float],
-    without: np.ndarray,
-    law_error: float,
-) -> Error:
-    """Return the error where the explanations predict ``outputs``, and the simulation ``without``.
-
-    The law of a right effect is never quite right: it leaves this part of what the effect does.
-    """
-    weights = np.array(probabilities) / np.sum(probabilities)
-    gap = np.sqrt(weights @ [float(np.mean((y - without) ** 2)) for y in outputs])
-    return error.at_least(law_error * float(gap)) if np.isfinite(gap) else error
 
 
 def likeliest(

@@ -23,10 +23,11 @@ from dea.discrepancy import (
 )
 from dea.errors import InputError
 from dea.progress import part_of, tell
-from dea.resolution.design import Design, Forms, Question, designed, error_with_gap, likeliest
+from dea.resolution.design import Design, Forms, Question, designed, likeliest
 from dea.resolution.error import Error
 from dea.resolution.excitation import Limits, express, genes
 from dea.resolution.explanation import NONE, Explanation, explained
+from dea.resolution.law_error import LawError, Motion
 from dea.resolution.posterior import Posterior
 from dea.resolution.prediction import predicted
 from dea.seeds import generator
@@ -94,7 +95,7 @@ class State:
     diagnosis: Diagnosis
     explanations: Mapping[str, Explanation]
     posterior: Posterior
-    error: Error
+    error: LawError
     driven: float = 0.0
 
     def open_hypotheses(self, level: float) -> frozenset[str]:
@@ -210,8 +211,8 @@ def begun(
 ) -> State:
     """Return the state before any designed record: the diagnosis gives hypotheses and prior."""
     found = diagnose(records, simulation, settings=settings, workers=workers)
-    error = _error(found)
-    explanations = _explanations(found, error)
+    error = _law_error(found)
+    explanations = _explanations(found, error.seen)
     shares = _shares(found)
     prior = {
         name: (1.0 - options.another)
@@ -242,7 +243,6 @@ def next_design(
         [max(state.posterior.now[each.name], np.finfo(float).tiny) for each in asked],
         state.explanations[NONE],
         state.error,
-        state.diagnosis.rules.law_error,
         limits,
         float(np.clip(np.mean(state.diagnosis.problem.u), limits.low, limits.high)),
     )
@@ -287,8 +287,8 @@ def learnt(
     records = (*state.records, record)
     offered = replace(settings, effects=_offered(state, posterior, settings, options))
     found = diagnose(records, simulation, settings=offered, workers=workers)
-    now = _error(found)
-    fitted = _explanations(found, now)
+    now = _law_error(found)
+    fitted = _explanations(found, now.seen)
     shares = _shares(found)
     new = {name: share for name, share in shares.items() if name not in posterior.now and share}
     total = sum(new.values())
@@ -328,7 +328,7 @@ def _certified(
     rng = _generator(settings, CERTIFICATE)
     question = Question(
         [*found.last.explanations.values()], [1.0] * len(found.last.explanations),
-        found.last.explanations[NONE], found.last.error, 0.0, limits,
+        found.last.explanations[NONE], found.last.error, limits,
         float(np.clip(np.mean(diagnosis.problem.u), limits.low, limits.high)),
     )  # fmt: skip
 
@@ -375,21 +375,18 @@ def _shares(found: Diagnosis) -> dict[str, float]:
     return shares | {NONE: max(0.0, 1.0 - sum(shares.values()))}
 
 
-def _error(found: Diagnosis) -> Error:
-    return Error(found.error.white, found.error.left, max(found.error.memory, 1.0))
+def _law_error(found: Diagnosis) -> LawError:
+    seen = Error(found.error.white, found.error.left, max(found.error.memory, 1.0))
+    motion = Motion.of(found.problem.y - found.nominal.residual)
+    return LawError(seen, motion, found.rules.law_error)
 
 
 def _error_on(state: State, samples: Samples) -> Error:
     """Return the error on a record, from its excitation and what was known before it."""
-    outputs = [e.simulated(samples.u, samples.interval) for e in state.explanations.values()]
-    finite = [bool(np.isfinite(y).all()) for y in outputs]
-    weights = [
-        state.posterior.now[name] * good
-        for name, good in zip(state.explanations, finite, strict=True)
-    ]
-    shown = [y if good else np.zeros_like(y) for y, good in zip(outputs, finite, strict=True)]
-    without = state.explanations[NONE].simulated(samples.u, samples.interval)
-    return error_with_gap(state.error, shown, weights, without, state.diagnosis.rules.law_error)
+    names = list(state.explanations)
+    outputs = [state.explanations[n].simulated(samples.u, samples.interval) for n in names]
+    without = outputs[names.index(NONE)]
+    return state.error.on(outputs, [state.posterior.now[n] for n in names], without)
 
 
 def _gap(found: Diagnosis) -> float:

@@ -92,7 +92,21 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         settings=leaves,
         seed=study.seed,
     )
+    _show_rounds(folder, study.figures.resolution)
     return found
+
+
+def _show_rounds(folder: Path, dots_per_inch: int) -> None:
+    """Draw the figure of a system, and write the table of all systems that were resolved."""
+    from dea.figures import style
+    from dea.figures.resolution import resolution as drawn
+    from dea.tables.resolution import resolution as tabulated
+    from dea.tables.table import save
+
+    every = store.Sources(sorted(folder.parent.glob("*/resolution.nc"))).datasets("resolution")
+    paths = [folder / f"probability.{kind}" for kind in ("png", "pdf")]
+    style.save(drawn(every[folder.name], folder.name), paths, dots_per_inch)
+    save(tabulated(every), *(folder.parent / f"rounds.{kind}" for kind in ("csv", "md", "tex")))
 
 
 def _no_record(name: str, known: Mapping[str, Any], first: Path) -> InputError:

@@ -1,4 +1,7 @@
-"""Round by round, what designed records have decided."""
+"""Round by round, what designed records have decided.
+
+The stage that drives them makes it, of all systems that it has been asked about.
+"""
 
 from collections.abc import Mapping
 
@@ -6,13 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from dea.store import Sources
 from dea.tables.table import Table, rounded
-
-
-def tabulate(sources: Sources) -> Table:
-    """Make it from ``resolution.nc`` of every system."""
-    return resolution(sources.datasets("resolution"))
 
 
 def resolution(found: Mapping[str, xr.Dataset]) -> Table:

@@ -1,0 +1,71 @@
+"""The error that is expected on a further excitation, before its record is seen."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from dea.resolution.error import Error
+
+
+class Motion(NamedTuple):
+    """How far an output moves, and how much from sample to sample: standard deviations."""
+
+    size: float
+    pace: float
+
+    @classmethod
+    def of(cls, y: np.ndarray) -> Self:
+        """Return that of an output (n,)."""
+        return cls(float(np.std(y)), float(np.std(np.diff(y))))
+
+    def beyond(self, other: "Motion") -> float:
+        """Return the factor by which this motion is larger or faster than another; one if not."""
+        ratios = (
+            own / before
+            for own, before in zip(self, other, strict=True)
+            if np.isfinite(own) and before > 0.0
+        )
+        return max(1.0, *ratios, 0.0)
+
+
+@dataclass(frozen=True)
+class LawError:
+    """The error on the records so far, and how it goes on.
+
+    The law of a right effect is never quite right. What it leaves grows with what it acts on, so
+    that an excitation which moves the device further or faster makes the error larger; and it is at
+    least a part of what the effects do.
+
+    Parameters
+    ----------
+    seen
+        Error on the records so far.
+    motion
+        Motion in them.
+    share
+        Part of what the effects do that a right law may leave.
+    """
+
+    seen: Error
+    motion: Motion
+    share: float
+
+    def on(
+        self,
+        outputs: Sequence[np.ndarray],
+        probabilities: Sequence[float],
+        without: np.ndarray,
+    ) -> Error:
+        """Return the error where the explanations predict ``outputs``, and without effects (n,)."""
+        finite = [bool(np.isfinite(y).all()) for y in outputs]
+        weights = np.array(probabilities) * finite
+        shown = [y for y, good in zip(outputs, finite, strict=True) if good]
+        if not weights.sum() > 0.0 or not np.isfinite(without).all():
+            return self.seen
+        weights = weights[finite] / weights.sum()
+        gap = np.sqrt(weights @ [float(np.mean((y - without) ** 2)) for y in shown])
+        factor = float(weights @ [Motion.of(y).beyond(self.motion) for y in shown])
+        grown = replace(self.seen, coloured=factor * self.seen.coloured)
+        return grown.at_least(self.share * float(gap))
