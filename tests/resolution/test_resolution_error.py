@@ -40,12 +40,21 @@ def test_white_noise_alone_is_scaled_alone():
 def test_the_error_grows_with_the_motion_and_with_what_the_effects_do():
     y = np.random.default_rng(2).standard_normal(N)
     error = LawError(Error(0.1, 0.2, 9.0), Motion.of(y), 0.05)
-    assert error.on([0.5 * y], [1.0], 0.5 * y) == error.seen
-    assert error.on([3.0 * y], [1.0], 3.0 * y).coloured == pytest.approx(0.6)
+    assert error.on([0.5 * y], [1.0], 0.5 * y).right == error.seen
+    assert error.on([3.0 * y], [1.0], 3.0 * y).right.coloured == pytest.approx(0.6)
     slow = np.repeat(y, 2)[:N]
-    faster = LawError(error.seen, Motion.of(slow), 0.05).on([y], [1.0], y)
+    faster = LawError(error.seen, Motion.of(slow), 0.05).on([y], [1.0], y).right
     assert faster.coloured == pytest.approx(0.2 * Motion.of(y).pace / Motion.of(slow).pace)
-    assert error.on([y, y + 40.0], [0.75, 0.25], y).coloured == pytest.approx(0.05 * 20.0)
+    moved = error.on([y, y + 40.0], [0.75, 0.25], y).right
+    assert moved.coloured == pytest.approx(0.05 * 20.0)
     away = np.full(N, np.nan)
-    assert error.on([y, away], [0.5, 0.5], y) == error.seen
-    assert error.on([away], [1.0], y) == error.seen
+    assert error.on([y, away], [0.5, 0.5], y).right == error.seen
+    assert error.on([away], [1.0], y).right == error.seen
+
+
+def test_another_explanation_errs_by_what_is_unexplained_grown_alike():
+    y = np.random.default_rng(3).standard_normal(N)
+    error = LawError(Error(0.1, 0.2, 9.0), Motion.of(y), 0.05, unexplained=0.7)
+    assert error.on([3.0 * y], [1.0], 3.0 * y).another.coloured == pytest.approx(2.1)
+    assert error.on([y], [1.0], y + 40.0).another.coloured == pytest.approx(0.05 * 40.0)
+    assert error.on([y], [1.0], np.full(N, np.nan)).another.coloured == 0.7

@@ -128,7 +128,7 @@ class Question:
         interval = 1.0 / self.limits.sampling_rate
         found = [each.linearised(u, interval) for each in self.explanations]
         without = self.alone.simulated(u, interval)
-        error = self.error.on([y for y, _ in found], self.probabilities, without)
+        error = self.error.on([y for y, _ in found], self.probabilities, without).right
         views = [
             expected(y, J, each.root, error)
             for (y, J), each in zip(found, self.explanations, strict=True)

@@ -30,6 +30,13 @@ class Motion(NamedTuple):
         return max(1.0, *ratios, 0.0)
 
 
+class Errors(NamedTuple):
+    """Errors on a record: of the right explanation, and of one that is not offered."""
+
+    right: Error
+    another: Error
+
+
 @dataclass(frozen=True)
 class LawError:
     """The error on the records so far, and how it goes on.
@@ -46,26 +53,31 @@ class LawError:
         Motion in them.
     share
         Part of what the effects do that a right law may leave.
+    unexplained
+        What the simulation without effects leaves beyond the white noise on the records so far: an
+        explanation that is not offered is as far from those that are.
     """
 
     seen: Error
     motion: Motion
     share: float
+    unexplained: float = 0.0
 
     def on(
         self,
         outputs: Sequence[np.ndarray],
         probabilities: Sequence[float],
         without: np.ndarray,
-    ) -> Error:
-        """Return the error where the explanations predict ``outputs``, and without effects (n,)."""
+    ) -> Errors:
+        """Return the errors where explanations predict ``outputs``, each (n,)."""
         finite = [bool(np.isfinite(y).all()) for y in outputs]
         weights = np.array(probabilities) * finite
         shown = [y for y, good in zip(outputs, finite, strict=True) if good]
         if not weights.sum() > 0.0 or not np.isfinite(without).all():
-            return self.seen
+            return Errors(self.seen, self.seen.at_least(self.unexplained))
         weights = weights[finite] / weights.sum()
         gap = np.sqrt(weights @ [float(np.mean((y - without) ** 2)) for y in shown])
         factor = float(weights @ [Motion.of(y).beyond(self.motion) for y in shown])
         grown = replace(self.seen, coloured=factor * self.seen.coloured)
-        return grown.at_least(self.share * float(gap))
+        right = grown.at_least(self.share * float(gap))
+        return Errors(right, right.at_least(factor * self.unexplained))

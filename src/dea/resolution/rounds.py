@@ -27,7 +27,7 @@ from dea.resolution.design import Design, Forms, Question, designed, likeliest
 from dea.resolution.error import Error
 from dea.resolution.excitation import Limits, express, genes
 from dea.resolution.explanation import NONE, Explanation, explained
-from dea.resolution.law_error import LawError, Motion
+from dea.resolution.law_error import Errors, LawError, Motion
 from dea.resolution.posterior import Posterior
 from dea.resolution.prediction import predicted
 from dea.seeds import generator
@@ -277,11 +277,10 @@ def learnt(
 ) -> tuple[State, dict[str, float]]:
     """Return the state after a further record, and the density that each hypothesis gave it."""
     samples = signals_of(record, simulation)
-    error = _error_on(state, samples)
+    error, wide = _errors_on(state, samples)
     told = {name: predicted(each, samples, error) for name, each in state.explanations.items()}
     log_densities = {name: each.log_density for name, each in told.items()}
     leading = max(state.explanations, key=lambda name: state.posterior.now[name])
-    wide = error.at_least(_gap(state.diagnosis))
     log_densities[ANOTHER] = predicted(state.explanations[leading], samples, wide).log_density
     posterior = state.posterior.after(log_densities)
     records = (*state.records, record)
@@ -376,22 +375,20 @@ def _shares(found: Diagnosis) -> dict[str, float]:
 
 
 def _law_error(found: Diagnosis) -> LawError:
-    seen = Error(found.error.white, found.error.left, max(found.error.memory, 1.0))
+    """Return the error of a right explanation: one that left more would not be called right."""
     motion = Motion.of(found.problem.y - found.nominal.residual)
-    return LawError(seen, motion, found.rules.law_error)
+    unexplained = misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
+    left = min(found.error.left, found.rules.misfit * unexplained)
+    seen = Error(found.error.white, left, max(found.error.memory, 1.0))
+    return LawError(seen, motion, found.rules.law_error, unexplained)
 
 
-def _error_on(state: State, samples: Samples) -> Error:
-    """Return the error on a record, from its excitation and what was known before it."""
+def _errors_on(state: State, samples: Samples) -> Errors:
+    """Return the errors on a record, from its excitation and what was known before it."""
     names = list(state.explanations)
     outputs = [state.explanations[n].simulated(samples.u, samples.interval) for n in names]
     without = outputs[names.index(NONE)]
     return state.error.on(outputs, [state.posterior.now[n] for n in names], without)
-
-
-def _gap(found: Diagnosis) -> float:
-    """Return the misfit of the simulation alone over the records of a diagnosis."""
-    return misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
 
 
 def _generator(settings: Settings, number: int) -> np.random.Generator:
