@@ -13,7 +13,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
 from dea.resolution import Design
-from dea.stages.resolve import Driven, main, resolve
+from dea.stages.resolve import Driven, _plays, main, resolve
 
 pytestmark = pytest.mark.slow
 
@@ -80,6 +80,22 @@ def case(tmp_path, monkeypatch):
         )
     )
     return file
+
+
+@pytest.mark.parametrize(
+    ("change", "taken"),
+    [
+        (lambda u: np.roll(u, 1), True),
+        (lambda u: u + 0.02 * np.random.default_rng(0).standard_normal(u.size), True),
+        (lambda u: u[:290], True),
+        (lambda u: u[:200], False),
+        (lambda u: -u, False),
+        (lambda u: u + 0.5, False),
+    ],
+)
+def test_an_input_played_by_hand_may_be_a_little_off(change, taken):
+    u = np.sin(np.arange(300) / 10)
+    assert _plays(change(u), u) is taken
 
 
 def hand_in(file, key, u, seed):
