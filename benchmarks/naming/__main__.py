@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.naming.campaign import Settings, Tried, of_records, of_trials
+from benchmarks.naming.measured import RECORDS
 from benchmarks.naming.methods import REFERENCE, methods
 from benchmarks.naming.scores import scored, table, table_of_answers
 from benchmarks.naming.trials import config
@@ -73,18 +74,21 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--longest", type=int, default=6000, help="samples of a record, at most")
     parser.add_argument("--cores", type=int, default=os.cpu_count(), help="trials at a time")
     parser.add_argument("--keep", type=Path, default=Path("build/naming"), help="folder")
-    parser.add_argument("--trials-only", action="store_true", help="without the public records")
+    parser.add_argument("--records", nargs="*", choices=list(RECORDS), default=list(RECORDS),
+                        help="public records; all if not given, none if it is empty")  # fmt: skip
     given = parser.parse_args(arguments)
     seed = config()["trials"]["seeds"][given.set] if given.seed is None else given.seed
     settings = Settings(given.set, seed, given.count, given.longest, given.cores, given.keep)
     try:
-        records = [] if given.trials_only else of_records(given.keep, given.cores)
+        records = of_records(given.records, given.keep, given.cores) if given.records else []
         tried = of_trials(settings)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
     found = values(tried, records, settings)
     command = f"make benchmark-naming COUNT={given.count} SET={given.set} SEED={seed}"
+    if given.records != list(RECORDS):
+        command += f" RECORDS='{' '.join(given.records)}'"
     keep("naming", command, found, made_at(*tried, *records))
     print("\n".join([*found["table"], "", *found["records"]]))
 

@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -90,12 +90,11 @@ def of_trials(settings: Settings) -> list[Tried]:
     ]
 
 
-def of_records(keep: Path, cores: int) -> list[Tried]:
-    """Let every method answer on every public record."""
+def of_records(names: Sequence[str], keep: Path, cores: int) -> list[Tried]:
+    """Let every method answer on these public records."""
     with ExitStack() as stack:
         work = _workers(stack, cores)
-        names = list(measured.RECORDS)
-        said = list(work("records answered", partial(_on_record, keep), names))
+        said = list(work("records answered", partial(_on_record, keep), list(names)))
     return [
         Tried(name, measured.label(name), answers)
         for name, answers in zip(names, said, strict=True)
