@@ -8,10 +8,11 @@ import pytest
 import yaml
 
 from dea.acquisition import AcquisitionSettings
-from dea.configuration import acquisition, device, discrepancy, excitation
+from dea.configuration import acquisition, device, discrepancy, excitation, resolution
 from dea.discrepancy import Settings
 from dea.excitation import KINDS as DESIGNS
 from dea.modbus import Register, Serial, parse_device
+from dea.resolution import Options
 
 ROOT = Path(__file__).parents[2]
 KINDS = {
@@ -67,3 +68,11 @@ def test_the_diagnosis_has_the_numbers_of_the_config(name, model):
     shipped = yaml.safe_load((ROOT / "config/config.yaml").read_text())["discrepancy"][name]
     configured = defaults(getattr(discrepancy, model)) | shipped
     assert asdict(getattr(Settings(), name)).items() == configured.items()
+
+
+def test_a_resolution_has_the_defaults_of_the_library():
+    own = defaults(resolution.Resolution)
+    library = asdict(Options())
+    shared = own.keys() & library.keys()
+    assert shared == {"records", "duration", "level", "another"}
+    assert {name: own[name] for name in shared} == {name: library[name] for name in shared}
