@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from scipy.io import savemat
@@ -189,3 +190,16 @@ def test_a_record_whose_inputs_all_rest_is_refused(tmp_path):
         else:
             with pytest.raises(InputError, match="the input is constant at 1 V"):
                 store.import_record(settings, CASE, tmp_path)
+
+
+def test_columns_of_a_frame_are_inputs_with_their_names():
+    frame = pd.DataFrame({"left": U, "right": Y})
+    record = store.Record.of(frame, Y, 2.0, units=("V", "mm"))
+    assert record.inputs == [("left", "V"), ("right", "V")]
+    assert store.Record.of(frame.to_numpy(), Y, 2.0).u_names == ("input 1", "input 2")
+    assert store.Record.of(frame[["left"]], Y, 2.0).inputs == [("left", "1")]
+    with pytest.raises(InputError, match="A drawing is of records with one input"):
+        record.unit_of_one_input("A drawing")
+    for u in (frame.to_numpy()[:-1], frame.to_numpy()[None]):
+        with pytest.raises(InputError, match="several inputs are the columns of u"):
+            store.Record.of(u, Y, 2.0)

@@ -121,7 +121,7 @@ class Record(NamedTuple):
             for attributes, name, role in zip(carried, own, ("input", "output"), strict=True)
         ]
         number = inputs.shape[1] if inputs.ndim == 2 else 1
-        if number > 1 and names is None:
+        if names is None and (number > 1 or hasattr(u, "columns")):
             called = list(map(str, getattr(u, "columns", input_names(number))))
         u_units, u_name = _for_each(of_inputs, number, "units"), _for_each(called, number, "names")
         time = np.arange(outputs.size) / sampling_rate
