@@ -17,7 +17,7 @@ from typing import Any
 from benchmarks.naming.campaign import Settings, Tried, of_records, of_trials
 from benchmarks.naming.measured import RECORDS
 from benchmarks.naming.methods import REFERENCE, methods
-from benchmarks.naming.scores import scored, table, table_of_answers
+from benchmarks.naming.scores import ranked, scored, table, table_of_answers
 from benchmarks.naming.trials import config
 from benchmarks.stored import store as keep
 from dea.errors import InputError
@@ -38,8 +38,8 @@ def values(tried: Sequence[Tried], records: Sequence[Tried], settings: Settings)
         "devices": dict(Counter(each.label.device for each in tried)),
         "methods": {name: [each.title, each.source] for name, each in methods().items()},
         "table": table(tried),
-        "each": table_of_answers(tried),
-        "records": table_of_answers(records) if records else [],
+        "each": table_of_answers(tried, ranked(tried)),
+        "records": table_of_answers(records, ranked(tried)) if records else [],
         "runs_away": sum(not isfinite(each.said[REFERENCE].error) for each in tried),
         "failed": {
             name: sum(bool(each.said[name].failed) for each in [*tried, *records])

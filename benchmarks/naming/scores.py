@@ -23,7 +23,8 @@ class Scored(NamedTuple):
     kind: str
     outcome: str
     named: bool
-    acceptable: bool
+    acceptable: bool  # all names given are hidden
+    found: bool  # all that is hidden is among the names given
     ratio: float  # of the unseen error to that of the simulation alone, NaN where that runs away
     seconds: float
 
@@ -42,6 +43,7 @@ def _scored(tried: Tried, method: str, family: dict[str, str]) -> Scored:
         outcome(label, _as_verdict(said), family),
         named,
         named and not label.outside and said.effects <= label.effects,
+        named and not label.outside and said.effects >= label.effects,
         ratio(tried, method),
         said.seconds,
     )
@@ -71,6 +73,9 @@ def rates(found: Sequence[Scored]) -> dict[str, Proportion]:
     given = [each for each in found if each.named]
     return {
         "right name": share("single", "right name"),
+        "right name, alone or with another": wilson(
+            sum(each.found for each in of["single"]), len(of["single"])
+        ),
         "right class": share("single", "right name", "right class"),
         "wrong name": share("single", "wrong name"),
         "no name (`ambiguous`, `unknown`)": share("single", "abstained"),
@@ -101,7 +106,7 @@ def lower(found: Sequence[Scored], ours: Sequence[Scored]) -> Proportion:
 
 def table(tried: Sequence[Tried]) -> list[str]:
     """Return the rates of every method as lines of Markdown, a column for each."""
-    found = {name: scored(tried, name) for name in _answering(tried)}
+    found = {name: scored(tried, name) for name in ranked(tried)}
     shares = {name: rates(each) for name, each in found.items()}
     rows = [
         [measure, *(_share(shares[name][measure]) for name in found)]
@@ -123,9 +128,8 @@ def table(tried: Sequence[Tried]) -> list[str]:
     return _markdown(["measure", *(methods()[name].title for name in found)], rows)
 
 
-def table_of_answers(tried: Sequence[Tried]) -> list[str]:
-    """Return what every method says of each trial, and its unseen error, as lines of Markdown."""
-    names = _answering(tried)
+def table_of_answers(tried: Sequence[Tried], names: Sequence[str]) -> list[str]:
+    """Return what methods say of each trial, and their unseen errors, as lines of Markdown."""
     rows = [
         [
             f"{each.name} ({_names(each.label)})",
@@ -139,7 +143,7 @@ def table_of_answers(tried: Sequence[Tried]) -> list[str]:
     return _markdown(["record", *(methods()[name].title for name in names)], rows)
 
 
-def _answering(tried: Sequence[Tried]) -> list[str]:
+def ranked(tried: Sequence[Tried]) -> list[str]:
     """Return the methods, those first that give the most right names and the fewest wrong ones."""
 
     def worth(name: str) -> float:

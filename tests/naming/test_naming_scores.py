@@ -27,7 +27,7 @@ def tried(name, what, answer):
 TRIED = [
     tried("0", label("dead_zone"), said("named", "dead_zone", error=0.5)),
     tried("1", label("sensor_lag"), said("named", "electrode_lag", error=1.0)),
-    tried("2", label("sensor_lag"), said("named", "dead_zone", error=3.0)),
+    tried("2", label("sensor_lag"), said("named", "dead_zone", "sensor_lag", error=3.0)),
     tried("3", label("sensor_lag"), said("unknown")),
     tried("4", label("sensor_lag"), said("none", error=2.0)),
     tried("5", label("sensor_lag"), said("ambiguous", "sensor_lag", error=nan,
@@ -46,6 +46,7 @@ def test_rates_are_those_counted_by_hand():
     found = rates(scored(TRIED, "sindy"))
     assert found == {
         "right name": wilson(1, 6),
+        "right name, alone or with another": wilson(2, 6),
         "right class": wilson(3, 6),
         "wrong name": wilson(1, 6),
         "no name (`ambiguous`, `unknown`)": wilson(1, 6),
@@ -94,10 +95,13 @@ def test_the_table_has_a_column_for_each_method_and_a_number_in_each_cell():
 
 
 def test_the_table_of_answers_marks_right_names():
-    rows = table_of_answers(TRIED[:1] + TRIED[9:10])
+    away = TRIED[11]._replace(said=TRIED[11].said | {REFERENCE: said("none", error=inf)})
+    rows = table_of_answers([TRIED[0], TRIED[9], away], list(methods()))
     assert "**dead_zone**, 0.25" in rows[2]
     assert rows[3].startswith("| 9 (none) |")
     assert rows[3].count("none, 1.00") == len(methods())
+    assert rows[4].startswith("| 11 (speckle, foreign) |")
+    assert rows[4].count("| dead_zone, – ") == len(methods()) - 1
 
 
 @pytest.mark.parametrize("what", [label("dead_zone"), label()])
