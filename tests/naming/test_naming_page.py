@@ -1,0 +1,51 @@
+"""The page is in step with the methods and with the stored campaign, and its example works."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks.naming.methods import methods
+from made_tasks import posed
+
+from dea.audit.quotations import printed, quotations, value
+
+ROOT = Path(__file__).parents[2]
+PAGE = Path("docs/naming_benchmark.md")
+
+
+@pytest.fixture
+def page(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    return PAGE.read_text(encoding="utf-8")
+
+
+def test_every_method_has_a_line_on_the_page(page):
+    described = re.findall(r"^\| (.+?) \|", page.partition("## Measured")[0], re.MULTILINE)
+    assert set(described) >= {method.title for method in methods().values()}
+
+
+def test_the_page_says_what_the_campaign_measured(page):
+    quoted = [one for one in quotations() if one.document == PAGE]
+    assert len(quoted) > 5
+    for one in quoted:
+        assert one.text == printed(one.address, value(one.address)), one.address
+
+
+def test_the_stored_tables_have_a_column_for_each_method(page):
+    titles = sorted(method.title for method in methods().values())
+    for table in ("table", "each", "records"):
+        header = value(f"naming; {table};")[0].strip("| ").split(" | ")
+        assert sorted(header[1:]) == titles
+
+
+def test_the_example_of_a_method_answers(page):
+    (example,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    defined = {}
+    exec(example, defined)
+    given = posed(samples=500)
+    answer = defined["METHOD"].answer(given.task)
+    assert answer.status == "unknown"
+    left = given.task.nominal.residual[given.task.problem.seen]
+    shift = answer.ahead - given.task.ahead(given.task.nominal)
+    np.testing.assert_allclose(shift, left.mean())
