@@ -163,6 +163,7 @@ def test_a_record_may_have_several_inputs(tmp_path):
     [
         ([{"column": "u", "units": "V"}], "at least 2"),
         ([{"column": "u", "units": "V"}] * 2, "inputs: a column is named twice"),
+        ([{"column": c, "units": "V", "name": "drive"} for c in "uy"], "two have the same name"),
         (None, "input: missing"),
     ],
 )
@@ -200,6 +201,8 @@ def test_columns_of_a_frame_are_inputs_with_their_names():
     assert store.Record.of(frame[["left"]], Y, 2.0).inputs == [("left", "1")]
     with pytest.raises(InputError, match="A drawing is of records with one input"):
         record.unit_of_one_input("A drawing")
+    with pytest.raises(InputError, match="a name of its own"):
+        store.Record.of(frame, Y, 2.0, names=("drive", "position"))
     for u in (frame.to_numpy()[:-1], frame.to_numpy()[None]):
         with pytest.raises(InputError, match="several inputs are the columns of u"):
             store.Record.of(u, Y, 2.0)

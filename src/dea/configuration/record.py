@@ -59,6 +59,9 @@ class Columns(Section):
         names = [column.column for column in self.driving]
         if len(set(names)) < len(names):
             raise refuse("inputs", "a column is named twice", "Name each input once.")
+        called = [column.name or column.column for column in self.driving]
+        if len(set(called)) < len(called):
+            raise refuse("inputs", "two have the same name", "Give each its own `name`.")
         return self
 
     @model_validator(mode="after")

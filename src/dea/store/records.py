@@ -123,7 +123,7 @@ class Record(NamedTuple):
         number = inputs.shape[1] if inputs.ndim == 2 else 1
         if names is None and (number > 1 or hasattr(u, "columns")):
             called = list(map(str, getattr(u, "columns", input_names(number))))
-        u_units, u_name = _for_each(of_inputs, number, "units"), _for_each(called, number, "names")
+        u_units, u_name = _for_each(of_inputs, number, "units"), _called(called, number)
         time = np.arange(outputs.size) / sampling_rate
         return cls(time, inputs, outputs, sampling_rate, u_units, y_units, u_name, y_name)
 
@@ -163,6 +163,16 @@ def _for_each(text: Text | Sequence[str], count: int, field: str) -> Text:
             f"there are {len(texts)} for {count} inputs", field=field, remedy="Give one for each"
         )
     return texts if count > 1 else texts[0]
+
+
+def _called(names: Text | Sequence[str], count: int) -> Text:
+    """Return the names of so many inputs, each its own."""
+    called = _for_each(names, count, "names")
+    if len(set(each_text(called))) < count:
+        raise InputError(
+            f"they are {called}", field="names", remedy="Give each input a name of its own"
+        )
+    return called
 
 
 def signals(record: xr.Dataset) -> Record:
