@@ -108,3 +108,13 @@ def test_no_predicted_output_leaves_its_range():
     impossible = replace(tight, output_low=5.0, output_high=6.0)
     nowhere = replace(question, limits=impossible)
     assert designed(nowhere, (1.0, 6.0), 0.4, np.random.default_rng(6)) is None
+
+
+def test_an_explanation_without_probability_changes_no_judgement():
+    lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
+    other = explanation("electrode_lag", [0.04])
+    three = Question([lag, late, other], [0.5, 0.5, 0.0], explanation(None, []), AS_SEEN, LIMITS, 0)
+    two = replace(three, explanations=[lag, late], probabilities=[0.5, 0.5])
+    u = np.repeat(np.random.default_rng(7).uniform(-1.0, 1.0, 12), 25)
+    assert three.judged(u, "free").log_bound == pytest.approx(two.judged(u, "free").log_bound)
+    assert set(three.judged(u, "free").closest) == {"sensor_lag", "transport_delay"}

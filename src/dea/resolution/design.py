@@ -134,10 +134,9 @@ class Question:
             for (y, J), each in zip(found, self.explanations, strict=True)
         ]
         squares = [self._square(views, i, j) for i, j in self.pairs]
-        terms = [
-            0.5 * np.log(self.probabilities[i] * self.probabilities[j]) - square / 8.0
-            for (i, j), square in zip(self.pairs, squares, strict=True)
-        ]
+        weights = [self.probabilities[i] * self.probabilities[j] for i, j in self.pairs]
+        with np.errstate(divide="ignore"):  # an explanation without probability counts nothing
+            terms = 0.5 * np.log(weights) - np.array(squares) / 8.0
         worst = int(np.argmax(terms))
         i, j = self.pairs[worst]
         return Design(
