@@ -1,7 +1,9 @@
 """The command: records by hand for a case, and driven ones for an actuator."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
 from dea.resolution import Design
-from dea.stages.resolve import Driven, _plays, main, resolve
+from dea.stages.resolve import Driven, _of_device, _plays, main, resolve
 
 pytestmark = pytest.mark.slow
 
@@ -196,7 +198,7 @@ def desk(tmp_path, monkeypatch, serve_bench):
 
 def put(desk, number, u):
     place = desk.place(number)
-    place.mkdir(parents=True)
+    place.mkdir(parents=True, exist_ok=True)
     text = "".join(f"{k},{v!r}\n" for k, v in enumerate(u.tolist()))
     (place / "excitation.csv").write_text("time,input\n" + text)
 
@@ -245,3 +247,28 @@ def test_a_design_that_was_changed_or_is_of_another_record_is_refused(desk):
     own.first.write_bytes(b"another record")
     with pytest.raises(InputError, match="designed for another record"):
         own.design(1, lambda: made)
+
+
+def test_a_design_that_was_not_driven_obeys_the_limits_of_today(desk):
+    own = desk("dea1")
+    own._write_table = lambda path, u: put(own, 1, u)
+    fast, slow = np.array([0.0, 0.4, 0.0]), np.array([0.0, 0.1, 0.0])
+    own.design(1, lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
+    own.limits = replace(LIMITS, rate=10.0)
+    anew = own.design(1, lambda: Design(slow, -4.0, ("a", "b"), 2.0, "free"))
+    np.testing.assert_array_equal(anew.u, slow)
+    own.limits = replace(LIMITS, high=0.05)
+    assert own.design(1, lambda: None) is None
+    # What has been driven is kept, whatever the limits are now.
+    (own.place(1) / "record.nc").touch()
+    np.testing.assert_array_equal(own.design(1, lambda: None).u, slow)
+
+
+def test_the_smaller_of_the_rates_that_are_given_holds(desk):
+    own = desk("film1")
+    record = hidden("transport_delay", [0.15])(np.linspace(0.0, 1.0, 50), 0)
+    for asked, allowed, rate in ((20.0, 0.5, 0.5), (0.2, 0.5, 0.2), (None, 0.5, 0.5)):
+        asks = own.study.resolution.model_copy(update={"rate": asked})
+        study = own.study.model_copy(update={"resolution": asks})
+        device = replace(own.device, safety=SimpleNamespace(max_rate=allowed))
+        assert _of_device(study, device, record).rate == rate

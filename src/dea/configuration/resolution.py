@@ -23,8 +23,8 @@ class Resolution(Section):
         "prior probability of an explanation that is not offered", default=0.1, gt=0, lt=1
     )
     rate: Positive | None = key(
-        "largest change of the input per s; where it is not given, that of the device description's"
-        " `safety.max_rate`, or else that of the first record",
+        "largest change of the input per s; the device description's `safety.max_rate` holds too,"
+        " and where neither is given, that of the first record",
         default=None,
     )
     output_margin: NotNegative = key(

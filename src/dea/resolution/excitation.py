@@ -13,6 +13,8 @@ _REST = 0.2
 _SHORTEST = 0.1
 # Part of the sampling rate up to which sines are put.
 _HIGHEST = 0.125
+# Part by which rounding may make a change of the input look too fast.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,12 @@ class Limits:
             before = result[k - 1]
             result[k] = min(max(result[k], before - step), before + step)
         return np.array(result)
+
+    def allows(self, u: np.ndarray) -> bool:
+        """Return whether an input (n,) stays in the range and changes slowly enough."""
+        fastest = np.abs(np.diff(u)).max(initial=0.0) * self.sampling_rate
+        inside = np.all((u >= self.low) & (u <= self.high))
+        return bool(inside and fastest <= self.rate * (1.0 + _ROUNDING))
 
     def holds(self, y: np.ndarray) -> bool:
         """Return whether a predicted output stays in its range."""

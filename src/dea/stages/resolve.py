@@ -127,7 +127,9 @@ def _of_device(study: Study, device: modbus.Device, record: "xr.Dataset") -> Lim
     """Return what the excitations of the study, the device and its first record allow."""
     own = _of_records(study, [record])
     played = study.excitation.record
-    rate = study.resolution.rate or (device.safety.max_rate if device.safety else None) or own.rate
+    of_device = device.safety.max_rate if device.safety else None
+    given = [each for each in (study.resolution.rate, of_device) if each]
+    rate = min(given, default=own.rate)
     return Limits(
         played.low, played.high, rate, own.output_low, own.output_high, device.sampling_rate
     )
@@ -164,20 +166,37 @@ class Kept:
         """Return the folder of a designed record."""
         return self.folder / ("certificate" if number == CERTIFICATE else f"round_{number}")
 
+    def recorded(self, number: int) -> bool:
+        """Return whether there is a record of the excitation that is kept."""
+        raise NotImplementedError
+
     def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
-        """Return the design that is kept, if it rests on the same record, or make it."""
+        """Return the design that is kept, if it rests on the same record, or make it.
+
+        One that has not been driven yet is made anew where today's limits forbid it.
+        """
         file = self.place(number) / "design.json"
+        kept = self._kept(file) if file.exists() else None
+        if kept is not None and (self.recorded(number) or self.limits.allows(kept.u)):
+            return kept
+        made = make()
+        if made is None:
+            return None
         table = file.with_name("excitation.csv")
-        begun = store.sha256(self.first)
-        if not file.exists():
-            made = make()
-            if made is None:
-                return None
-            self._write_table(table, made.u)
-            said = asdict(made) | {"first_record": begun, "sha256": store.sha256(table)}
-            del said["u"]
-            _write_json(file, said)
+        self._write_table(table, made.u)
+        said = asdict(made) | {
+            "first_record": store.sha256(self.first),
+            "sha256": store.sha256(table),
+        }
+        del said["u"]
+        _write_json(file, said)
+        return self._kept(file)
+
+    def _kept(self, file: Path) -> Design:
+        """Return the design of a file, if it rests on the same record."""
+        table = file.with_name("excitation.csv")
         said = json.loads(file.read_text())
+        begun = store.sha256(self.first)
         if said.pop("first_record") != begun or said.pop("sha256") != store.sha256(table):
             raise InputError(
                 "it was designed for another record, or its excitation was changed",
@@ -219,6 +238,12 @@ class Driven(Kept):
     actuator: Actuator
     device: modbus.Device
     operator: str
+
+    def recorded(self, number: int) -> bool:
+        """Return whether it has been driven."""
+        if (self.place(number) / "record.nc").exists():
+            return True
+        return not self.actuator.bench and bool(self._archived(self._settings(number)))
 
     def record(self, number: int, u: np.ndarray) -> "xr.Dataset":
         """Return the record of an excitation, which is driven where there is none yet."""
@@ -276,15 +301,19 @@ class Driven(Kept):
         from dea.stages.take_record import take_record
 
         settings = self._settings(number)
-        kept = [
+        kept = self._archived(settings)
+        played = Excitation(u, 0, xr.Dataset())
+        folder = kept[-1] if kept else keep(self.device, played, settings, self.operator)
+        take_record(settings, folder / archive.MANIFEST, file, file.with_name("link.nc"))
+
+    def _archived(self, settings: Mapping[str, Any]) -> list[Path]:
+        """Return the folders of the records of this excitation, oldest first."""
+        return [
             folder
             for folder in archive.finished(self.actuator.name, settings["excitation_name"])
             if archive.manifest(folder)["settings"].get("excitation_sha256")
             == settings["excitation_sha256"]
         ]
-        played = Excitation(u, 0, xr.Dataset())
-        folder = kept[-1] if kept else keep(self.device, played, settings, self.operator)
-        take_record(settings, folder / archive.MANIFEST, file, file.with_name("link.nc"))
 
 
 @dataclass
@@ -293,6 +322,10 @@ class ByHand(Kept):
 
     further: Path
     case: Case
+
+    def recorded(self, number: int) -> bool:
+        """Return whether it was handed in."""
+        return _key(number) in self.case.records
 
     def record(self, number: int, u: np.ndarray) -> "xr.Dataset | None":
         """Return the record of an excitation that was handed in."""
