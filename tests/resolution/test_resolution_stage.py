@@ -14,7 +14,7 @@ from dea import archive, modbus, store
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
-from dea.resolution import Design
+from dea.resolution import CERTIFICATE, Design
 from dea.stages.resolve import Driven, _of_device, _plays, main, resolve
 
 pytestmark = pytest.mark.slow
@@ -216,6 +216,17 @@ def test_a_record_of_hardware_is_archived_and_not_driven_again(desk):
     again = own.record(1, u)
     assert len(list(Path("records/film1").iterdir())) == 1
     np.testing.assert_array_equal(again["displacement"], record["displacement"])
+
+
+def test_a_record_that_another_first_record_led_to_is_not_taken(desk):
+    own = desk("film1")
+    put(own, CERTIFICATE, np.full(50, 1.5))
+    played = own._settings(CERTIFICATE)
+    with archive.unfinished("film1") as folder:
+        archive.seal(folder, {"excitation": played["excitation_name"], "settings": played})
+    assert own.recorded(CERTIFICATE)
+    own.first.write_bytes(b"the device a year later")
+    assert not own.recorded(CERTIFICATE)
 
 
 def test_a_virtual_actuator_is_driven_once(desk):

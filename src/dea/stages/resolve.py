@@ -262,6 +262,7 @@ class Driven(Kept):
             "system": self.actuator.name,
             "excitation_name": f"{_PREFIX}{number}",
             "excitation_sha256": store.sha256(self.place(number) / "excitation.csv"),
+            "first_record": store.sha256(self.first),
             "acquisition": written(self.study.acquisition),
         }
 
@@ -307,12 +308,14 @@ class Driven(Kept):
         take_record(settings, folder / archive.MANIFEST, file, file.with_name("link.nc"))
 
     def _archived(self, settings: Mapping[str, Any]) -> list[Path]:
-        """Return the folders of the records of this excitation, oldest first."""
+        """Return the folders of the records that this excitation and first record led to."""
+        asked = ("excitation_sha256", "first_record")
+        folders = archive.finished(self.actuator.name, settings["excitation_name"])
+        kept = [(folder, archive.manifest(folder)["settings"]) for folder in folders]
         return [
             folder
-            for folder in archive.finished(self.actuator.name, settings["excitation_name"])
-            if archive.manifest(folder)["settings"].get("excitation_sha256")
-            == settings["excitation_sha256"]
+            for folder, played in kept
+            if all(played.get(key) == settings[key] for key in asked)
         ]
 
 
