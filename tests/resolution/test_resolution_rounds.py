@@ -1,12 +1,29 @@
 """The loop from end to end, on devices that hide an effect."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from made_devices import CARRIAGE, INTERVAL, LIMITS, NOISE, InMemory, hidden
+from made_devices import CARRIAGE, INTERVAL, LIMITS, NOISE, InMemory, as_record, hidden
 
 from dea.discrepancy import Budget, Settings
 from dea.errors import InputError
-from dea.resolution import CERTIFICATE, Options, Outcome, resolution_dataset, resolve
+from dea.resolution import (
+    ANOTHER,
+    CERTIFICATE,
+    Options,
+    Outcome,
+    Resolution,
+    State,
+    experiment_page,
+    resolution_dataset,
+    resolve,
+)
+from dea.resolution.error import Error
+from dea.resolution.law_error import LawError, Motion
+from dea.resolution.posterior import Posterior
+from dea.resolution.rounds import fresh_design
+from dea.stages.resolve import said
 
 pytestmark = pytest.mark.slow
 
@@ -78,3 +95,57 @@ def test_a_loop_that_was_ended_goes_on_with_what_it_has():
 def test_records_too_short_to_be_diagnosed_are_refused():
     with pytest.raises(InputError, match=r"resolution\.duration.*Raise it"):
         solved(hidden("transport_delay", [0.15]), Options(duration=4.0))
+
+
+def known(left=("a",)):
+    """Return a state in which some of three explanations are left, of which one runs away."""
+
+    def level(value):
+        return lambda u, interval: np.full(u.size, value)
+
+    names = {"none": 0.0, "a": 0.1, "away": 99.0}
+    explanations = {
+        name: SimpleNamespace(
+            name=name,
+            labels=() if name == "none" else (name,),
+            mean=np.zeros(1),
+            root=np.eye(1),
+            simulated=level(value),
+            linearised=lambda u, interval, y=value: (np.full(u.size, y), np.zeros((u.size, 1))),
+        )
+        for name, value in names.items()
+    }
+    prior = Posterior.of(dict.fromkeys([*names, ANOTHER], 1.0))
+    posterior = prior.after({name: 0.0 if name in left else -1e3 for name in prior.now})
+    error = LawError(Error(0.1, 0.0, 1.0), Motion(np.inf, np.inf), 0.0)
+    diagnosis = SimpleNamespace(problem=SimpleNamespace(u=np.zeros(9), interval=INTERVAL))
+    return State((), diagnosis, explanations, posterior, error)
+
+
+def test_a_certificate_asks_the_explanations_that_are_left():
+    design = fresh_design(known(), LIMITS, SETTINGS, OPTIONS)
+    assert LIMITS.allows(design.u)
+    assert design.closest == ()
+    assert fresh_design(known(left=("away",)), LIMITS, SETTINGS, OPTIONS) is None
+    page = experiment_page("carriage", "resolve_fresh", design, LIMITS, {"a": 1.0}, ("V", "V"))
+    assert "the one that is left" in page
+
+
+def test_why_no_record_was_designed_is_said(monkeypatch):
+    from dea.resolution import rounds
+
+    state = known()
+    verdict = SimpleNamespace(status="ambiguous", names=(), sentence="It is open.", whole=True)
+    monkeypatch.setattr(state.diagnosis, "verdict", verdict, raising=False)
+    monkeypatch.setattr(rounds, "begun", lambda *arguments: state)
+    monkeypatch.setattr(rounds, "next_design", lambda *arguments: None)
+    found, _ = solved(lambda u, seed: as_record(u, u))
+    assert (found.outcome, found.rounds, found.pending) == (Outcome.OPEN, (), None)
+    assert "Raise `resolution.output_margin`" in said("carriage", found)
+    monkeypatch.setattr(state.diagnosis, "final", SimpleNamespace(extended=None), raising=False)
+    monkeypatch.setattr(rounds, "transferable", lambda extended: True)
+    nowhere = SimpleNamespace(design=lambda number, make: None)
+    decided = Resolution(state, (), Outcome.DECIDED)
+    found = rounds._certified(decided, nowhere, CARRIAGE, LIMITS, SETTINGS, OPTIONS)
+    assert (found.certificate, found.pending) == (None, None)
+    assert "not certified: no excitation was found" in said("carriage", found)

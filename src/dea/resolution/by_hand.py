@@ -25,7 +25,14 @@ def experiment_page(
     """Return the page, in Markdown, that says how to make the record ``key`` of a case."""
     seconds = design.u.size / limits.sampling_rate
     rate = float(np.abs(np.diff(design.u)).max()) * limits.sampling_rate
-    first, second = design.closest
+    told = "The record of `next_excitation.csv` shows how well the one that is left predicts."
+    if design.closest:
+        first, second = design.closest
+        told = (
+            "On the excitation in `next_excitation.csv` the two that are hardest to tell apart,"
+            f" {first} and {second}, differ by {design.distance:.3g} standard deviations of the"
+            " error."
+        )
     left = sorted(probabilities.items(), key=lambda item: -item[1])
     lines = [
         f"# Next experiment: {name}, `{key}`",
@@ -36,8 +43,7 @@ def experiment_page(
         "|---|---|",
         *(f"| {each} | {value:.3f} |" for each, value in left),
         "",
-        "On the excitation in `next_excitation.csv` the two that are hardest to tell apart,"
-        f" {first} and {second}, differ by {design.distance:.3g} standard deviations of the error.",
+        told,
         "",
         "## Run it",
         f"* {seconds:g} s at {limits.sampling_rate:g} Hz, {design.u.size} samples, each held until"

@@ -69,14 +69,14 @@ class Design:
         worse.
     closest
         Names of the two explanations that contribute most to it, and their distance in units of the
-        error.
+        error; none, at an infinite distance, where there is one explanation alone.
     form
         ``free``, or the kind of fixed excitation.
     """
 
     u: np.ndarray
     log_bound: float
-    closest: tuple[str, str]
+    closest: tuple[str, ...]
     distance: float
     form: str
 
@@ -133,6 +133,8 @@ class Question:
             expected(y, J, each.root, error)
             for (y, J), each in zip(found, self.explanations, strict=True)
         ]
+        if not self.pairs:
+            return Design(u, -np.inf, (), np.inf, form)
         squares = [self._square(views, i, j) for i, j in self.pairs]
         weights = [self.probabilities[i] * self.probabilities[j] for i, j in self.pairs]
         with np.errstate(divide="ignore"):  # an explanation without probability counts nothing

@@ -46,6 +46,12 @@ _EQUAL = 0.2
 _TO_NEW = 0.5
 # Factor on the shortest record, since its split may rest on a slower time constant.
 _SPARE = 1.2
+# Excitations that are drawn for the certificate, until one keeps the outputs in range.
+_DRAWS = 8
+_NOWHERE = (
+    "no excitation was found that keeps the outputs in range which the explanations predict."
+    " Raise `resolution.output_margin`, if the device bears it."
+)
 CERTIFICATE = 0  # number of the record that certifies
 
 
@@ -132,7 +138,8 @@ class Resolution:
     """How a question was resolved, or how far.
 
     ``pending`` is the number of the record that is to be made by hand next; the certificate is
-    missing where nothing is named, or where it belongs to one record alone.
+    missing where nothing is named, or where it belongs to one record alone. ``halted`` says why a
+    record that was still wanted could not be designed.
     """
 
     first: State
@@ -140,6 +147,7 @@ class Resolution:
     outcome: Outcome
     certificate: Certified | None = None
     pending: int | None = None
+    halted: str = ""
 
     @property
     def last(self) -> State:
@@ -179,6 +187,7 @@ def resolve(
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     state = first = begun(records, own, settings, options, workers)
     rounds: list[Round] = []
+    halted = ""
     undecided = (Outcome.OPEN, Outcome.PART)
     while state.outcome(options.level) in undecided and len(rounds) < options.records:
         if not rounds and state.diagnosis.verdict.status == NONE:
@@ -186,6 +195,7 @@ def resolve(
         number = len(rounds) + 1
         design = desk.design(number, partial(next_design, state, limits, settings, options, number))
         if design is None:
+            halted = f"Record {number} is not driven: {_NOWHERE}"
             break
         record = desk.record(number, design.u)
         if record is None:
@@ -196,7 +206,7 @@ def resolve(
         desk.keep(rounds[-1])
         state = after
     outcome = state.outcome(options.level)
-    found = Resolution(first, tuple(rounds), outcome)
+    found = Resolution(first, tuple(rounds), outcome, halted=halted)
     if outcome not in (Outcome.DECIDED, Outcome.PART) or not rounds:
         return found
     return _certified(found, desk, own, limits, settings, options)
@@ -324,23 +334,40 @@ def _certified(
     diagnosis = found.last.diagnosis
     if not transferable(diagnosis.final.extended):
         return found
-    rng = _generator(settings, CERTIFICATE)
-    question = Question(
-        [*found.last.explanations.values()], [1.0] * len(found.last.explanations),
-        found.last.explanations[NONE], found.last.error, limits,
-        float(np.clip(np.mean(diagnosis.problem.u), limits.low, limits.high)),
-    )  # fmt: skip
-
-    def fresh() -> Design | None:
-        return question.judged(express(rng.random(genes()), 0.5 * options.duration, limits), "free")
-
-    design = desk.design(CERTIFICATE, fresh)
-    record = desk.record(CERTIFICATE, design.u) if design else None
+    design = desk.design(CERTIFICATE, partial(fresh_design, found.last, limits, settings, options))
+    if design is None:
+        return replace(found, halted=f"The name is not certified: {_NOWHERE}")
+    record = desk.record(CERTIFICATE, design.u)
     if record is None:
         return replace(found, pending=CERTIFICATE)
     other = {"fresh": signals_of(record, simulation)}
     certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)
     return replace(found, certificate=certified["fresh"])
+
+
+def fresh_design(
+    state: State, limits: Limits, settings: Settings, options: Options
+) -> Design | None:
+    """Return an excitation drawn at random, of which the hypotheses that are left expect no harm.
+
+    Nothing where none of a few draws keeps their outputs in range.
+    """
+    rng = _generator(settings, CERTIFICATE)
+    left = sorted(state.open_hypotheses(options.level) - {ANOTHER})
+    question = Question(
+        [state.explanations[name] for name in left],
+        [1.0] * len(left),
+        state.explanations[NONE],
+        state.error,
+        limits,
+        float(np.clip(np.mean(state.diagnosis.problem.u), limits.low, limits.high)),
+    )
+    for _ in range(_DRAWS):
+        u = express(rng.random(genes()), 0.5 * options.duration, limits)
+        design = question.judged(u, "free")
+        if design is not None:
+            return design
+    return None
 
 
 def _explanations(found: Diagnosis, error: Error) -> dict[str, Explanation]:

@@ -393,6 +393,8 @@ def said(name: str, found: Resolution) -> str:
     if found.certificate:
         before, after = found.certificate.before, found.certificate.after
         lines.append(f"On a fresh record: error {before:.3g} to {after:.3g} {verdict.unit}.")
+    if found.halted:
+        lines.append(found.halted)
     if found.pending is not None:
         lines.append(f"Next: {RESULTS / 'resolve' / name / 'next_experiment.md'}")
     return "\n".join(lines)
