@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from dea.resolution import ANOTHER, Outcome, State
@@ -17,7 +18,8 @@ def state(now, status="named", names=("a",), whole=True):
         for name in PRIOR
         if name != ANOTHER
     }
-    posterior = Posterior(PRIOR, dict.fromkeys(PRIOR, 0.0) | now)
+    logs = dict.fromkeys(PRIOR, -np.inf) | {name: np.log(value) for name, value in now.items()}
+    posterior = Posterior(PRIOR, logs)
     return State((), SimpleNamespace(verdict=verdict), explanations, posterior, None)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dea.errors import InputError
 from dea.resolution.posterior import Posterior
 
 LEVEL = 0.05
@@ -19,6 +20,21 @@ def test_probabilities_are_those_of_bayes():
     assert after.now == pytest.approx({"a": 0.2, "b": 0.8, "c": 0.0})
     assert after.prior == {"a": 0.5, "b": 0.25, "c": 0.25}
     assert after.rejected(LEVEL) == {"c"}
+
+
+def test_evidence_is_not_forgotten_however_strong():
+    """A hypothesis that has lost e^5000 against another is not right after winning e^4000 back."""
+    found = Posterior.of({"a": 1.0, "b": 1.0}).after({"a": -5000.0, "b": 0.0})
+    assert found.rejected(LEVEL) == {"a"}
+    again = found.after({"a": 4000.0, "b": 0.0})
+    assert again.rejected(LEVEL) == {"a"}
+    assert again.log_now["a"] == pytest.approx(-1000.0)
+    assert again.after({"a": 2000.0, "b": 0.0}).now == pytest.approx({"a": 1.0, "b": 0.0})
+
+
+def test_a_record_that_every_hypothesis_rules_out_is_refused():
+    with pytest.raises(InputError, match="no explanation gives the designed record"):
+        Posterior.of({"a": 1.0, "b": 1.0}).after({"a": -np.inf, "b": -np.inf})
 
 
 def test_new_hypotheses_take_their_share_from_another():

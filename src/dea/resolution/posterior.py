@@ -14,41 +14,64 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dea.errors import InputError
+
 
 @dataclass(frozen=True)
 class Posterior:
-    """Hypotheses by name: probabilities before any designed record, and now; both sum to one."""
+    """Hypotheses by name: probabilities before any designed record, and logarithms of those now.
+
+    As logarithms they forget no evidence, however strong.
+    """
 
     prior: Mapping[str, float]
-    now: Mapping[str, float]
+    log_now: Mapping[str, float]
 
     @classmethod
     def of(cls, prior: Mapping[str, float]) -> "Posterior":
         """Return the posterior before any designed record; ``prior`` is normalised."""
         total = sum(prior.values())
         shares = {name: value / total for name, value in prior.items()}
-        return cls(shares, shares)
+        return cls(shares, _logarithms(shares))
+
+    @property
+    def now(self) -> dict[str, float]:
+        """The probabilities now, which sum to one."""
+        return {name: float(np.exp(value)) for name, value in self.log_now.items()}
 
     def after(self, log_densities: Mapping[str, float]) -> "Posterior":
-        """Return the posterior after a record to which each hypothesis gave this density."""
-        logs = {
-            name: np.log(max(value, np.finfo(float).tiny)) + log_densities[name]
-            for name, value in self.now.items()
-        }
-        largest = max(logs.values())
-        weights = {name: float(np.exp(value - largest)) for name, value in logs.items()}
-        total = sum(weights.values())
-        return Posterior(self.prior, {name: value / total for name, value in weights.items()})
+        """Return the posterior after a record to which each hypothesis gave this density.
+
+        Raises
+        ------
+        InputError
+            If no hypothesis has one.
+        """
+        logs = {name: value + log_densities[name] for name, value in self.log_now.items()}
+        total = float(np.logaddexp.reduce(list(logs.values())))
+        if not np.isfinite(total):
+            raise InputError(
+                "no explanation gives the designed record a finite density",
+                field="record",
+                remedy="Look at its samples; where they are right, give the simulation narrower"
+                " priors, so that it does not run away",
+            )
+        return Posterior(self.prior, {name: value - total for name, value in logs.items()})
 
     def rejected(self, level: float) -> frozenset[str]:
         """Return the hypotheses that are rejected at this level."""
-        return frozenset(name for name in self.now if self.now[name] <= level * self.prior[name])
+        bounds = _logarithms({name: level * self.prior[name] for name in self.log_now})
+        return frozenset(name for name, value in self.log_now.items() if value <= bounds[name])
 
     def with_new(self, shares: Mapping[str, float], source: str) -> "Posterior":
         """Return it with new hypotheses, which get these shares of what ``source`` has."""
-        prior, now = dict(self.prior), dict(self.now)
-        for held in (prior, now):
-            whole = held[source]
-            held |= {name: whole * share for name, share in shares.items()}
-            held[source] = whole * (1.0 - sum(shares.values()))
-        return Posterior(prior, now)
+        left = _logarithms({**shares, source: 1.0 - sum(shares.values())})
+        prior = {name: value * self.prior[source] for name, value in shares.items()}
+        prior[source] = self.prior[source] * (1.0 - sum(shares.values()))
+        logs = {name: value + self.log_now[source] for name, value in left.items()}
+        return Posterior({**self.prior, **prior}, {**self.log_now, **logs})
+
+
+def _logarithms(values: Mapping[str, float]) -> dict[str, float]:
+    with np.errstate(divide="ignore"):
+        return {name: float(np.log(value)) for name, value in values.items()}
