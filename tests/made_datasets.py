@@ -256,7 +256,7 @@ def gfrf(seed: int) -> xr.Dataset:
 
 
 def gfrf_of_inputs(names=("left", "right")) -> xr.Dataset:
-    """Responses of a system with two inputs, those of each input and pair as of a seed."""
+    """Responses of a system with inputs in V and %, those of each input and pair as of a seed."""
     pairs = [f"{a} × {b}" for k, a in enumerate(names) for b in names[k:]]
     each = [gfrf(seed) for seed in range(1, len(pairs) + 1)]
     of_pairs = [n for n in each[0].data_vars if n.startswith("H2") or n == "excited_h2"]
@@ -268,7 +268,11 @@ def gfrf_of_inputs(names=("left", "right")) -> xr.Dataset:
         each[0][at_rest],
     ]
     found = xr.merge(parts, compat="override").assign_coords(input=list(names), pair=pairs)
-    found["H1"].attrs["units"] = "mm/V, mm/%"
+    for name in ("H1", "gain_low", "gain_high"):
+        found[name].attrs["units"] = "mm/V, mm/%"
+    for name in ("H2", "H2_gain_low", "H2_gain_high"):
+        found[name].attrs["units"] = "mm/V^2, mm/(V %), mm/%^2"
+    found["input_spectrum"].attrs["units"] = "V^2/Hz, %^2/Hz"
     return checked(found.assign_attrs(each[0].attrs), "gfrf")
 
 

@@ -122,9 +122,13 @@ def test_each_of_several_inputs_has_a_map_of_h1(draw):
 def test_each_pair_of_inputs_has_a_map_of_h2_and_one_without_terms_says_so():
     response = made.gfrf_of_inputs()
     response["H2"].loc[{"pair": "right × right"}] = 0.0
+    given = {name: each.attrs["units"] for name, each in response.data_vars.items()}
     figure = fig4_h2({"dea1": response})
+    assert {name: each.attrs["units"] for name, each in response.data_vars.items()} == given
     titles = [ax.get_title() for ax in figure.axes if ax.get_title()]
     assert titles == ["dea1\nleft × left", "dea1\nleft × right", "dea1\nright × right"]
+    curves = [ax.get_ylabel() for ax in figure.axes if ax.get_xlabel() == "$f$ (Hz)"]
+    assert curves == [f"$|H_2(f, f)|$ ({unit})" for unit in ("mm/V²", "mm/(V %)", "mm/%²")]
     zero = [ax for ax, _ in meshes(figure) if "zero" in [text.get_text() for text in ax.texts]]
     assert {ax.get_subplotspec().colspan.start for ax in zero} == {2}
     said = [text.get_text() for legend in figure.legends for text in legend.get_texts()]

@@ -38,9 +38,10 @@ def one_by_one(responses: Mapping[str, xr.Dataset], dimension: str) -> dict[str,
             continue
         for k, label in enumerate(response[dimension].values.tolist()):
             part = response.isel({dimension: k}, drop=True)
-            for variable in part.data_vars.values():
-                units = variable.attrs["units"].split(", ")
-                variable.attrs["units"] = units[k if len(units) > 1 else 0]
+            for variable in part.data_vars:
+                if dimension in response[variable].dims:
+                    units = response[variable].attrs["units"].split(", ")
+                    part[variable].attrs["units"] = units[k if len(units) > 1 else 0]
             found[f"{name}, {label}"] = part
     return found
 
