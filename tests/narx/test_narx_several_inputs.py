@@ -142,6 +142,16 @@ def test_one_column_is_one_input(record):
     assert dea.Record.of(u[:, None], y, 10.0).u.shape == y.shape
 
 
+def test_stability_holds_no_input_outside_its_range():
+    """Without an offset, as for an even system, zero may lie outside the range of an input."""
+    model = NarxModel.from_terms({"y(t-1)": 1.2, "u1(t-1)": 0.1, "y(t-1)u2(t-1)": -0.2})
+    u = excitation(400) + np.array([0.0, 4.0])
+    report = model.stability(u, model.simulate(u))
+    assert (report.inputs >= u.min(axis=0)).all()
+    assert (report.inputs <= u.max(axis=0)).all()
+    assert report.stable
+
+
 def test_stability_tries_the_inputs_together():
     """At u1 = u2 = 1 the pole is 1.1; with either input alone it is at most 0.8."""
     model = NarxModel.from_terms({"y(t-1)": 0.5, "u1(t-1)": 0.1, "y(t-1)u1(t-1)u2(t-1)": 0.6})

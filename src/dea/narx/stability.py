@@ -35,9 +35,9 @@ class Stability:
     inputs, outputs, poles
         Constant inputs over the record's range and the rests there in physical units, and the
         largest modulus of the poles; shape (levels,). Several inputs, shape (levels, inputs), are
-        varied one by one, the others at their offsets, and together from corner to
-        corner. Where there is no rest the output is NaN
-        and the modulus infinite.
+        varied one by one, the others at their offsets or where their range comes nearest to them,
+        and together from corner to corner. Where there is no rest the output is NaN and the
+        modulus infinite.
     holds, runs, surrogates
         Bounded runs and runs in all: holds at levels over the range; random inputs with the values
         and the spectrum of the record's; phase-randomised inputs with its spectrum. Runs on such
@@ -227,17 +227,17 @@ def stays_in_range(
 
 
 def _lines(u: Array, count: int) -> list[Array]:
-    """Return constant inputs along lines through the middle of the range of ``u``.
+    """Return constant inputs along lines through the range of ``u``.
 
-    Each input is varied by itself, the others at zero; several also together, along the diagonals
-    of their range.
+    Each input is varied by itself, the others at zero or at the end of their range nearest to it;
+    several also together, along the diagonals of their range.
     """
     low, high = u.min(axis=0), u.max(axis=0)
     if u.ndim == 1:
         return [np.linspace(low, high, count)]
     lines = []
     for column in range(low.size):
-        line = np.zeros((count, low.size))
+        line = np.tile(np.clip(0.0, low, high), (count, 1))
         line[:, column] = np.linspace(low[column], high[column], count)
         lines.append(line)
     for signs in product((False, True), repeat=low.size - 1):
