@@ -5,14 +5,18 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 import yaml
+from scipy.signal import lfilter
 
 from dea import store
 from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
+from dea.errors import InputError
 from dea.intake.__main__ import main
 from dea.intake.dynamics import linear_dynamics
+from dea.intake.plan import make_plan
 
 ROOT = Path(__file__).parents[2]
 N, RATE = 500, 10.0
@@ -31,6 +35,28 @@ def test_each_input_has_its_own_delay():
     found = linear_dynamics(*made((1, 6)))
     assert [lags[0] for lags in found.u_lags] == [1, 6]
     assert found.error < 0.05
+
+
+def of(u, y):
+    return store.Record.of(u, y, RATE, units=(("V",) * u.shape[1], "K"))
+
+
+@pytest.mark.parametrize("inputs", [2, 3, 4])
+def test_the_shortest_record_allows_a_model_and_a_shorter_one_is_refused(inputs):
+    rng = np.random.default_rng(4)
+    u = rng.normal(size=(18 * (inputs + 2), inputs))
+    y = lfilter([0.0, 1.0], [1.0, -0.5], u.sum(axis=1))
+    assert make_plan(of(u, y)).sections["identification"]["degree"] == 1
+    with pytest.raises(InputError, match=f"{len(u) - 1} samples of {inputs} inputs") as refused:
+        make_plan(of(u[:-1], y[:-1]))
+    assert f"Record at least {len(u)}" in refused.value.remedy
+
+
+def test_a_stretch_too_short_for_two_inputs_is_refused():
+    u, y = made()
+    y[45:300:40] = np.nan
+    with pytest.raises(InputError, match="longest part without a missing sample"):
+        make_plan(of(u[:120], y[:120]))
 
 
 def test_a_file_with_two_inputs_becomes_a_case(tmp_path, monkeypatch, capsys):

@@ -7,6 +7,7 @@ smallest that comes near the best is taken: L. Ljung, System Identification, 2nd
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,19 +52,24 @@ class Dynamics:
         return max(lags[-1] for lags in self.u_lags)
 
 
+def samples_needed(inputs: int) -> int:
+    """Return the fewest samples from which :func:`linear_dynamics` finds a model."""
+    return ceil(_PER_UNKNOWN * _unknowns(inputs, min(_ORDERS)) / _LEARNT)
+
+
 def linear_dynamics(u: Array, y: Array) -> Dynamics:
     """Return order and delay of the smallest linear model that simulates nearly as well as any.
 
     Parameters
     ----------
     u, y
-        A stretch without a missing sample, shape (samples,); several inputs are the columns of
-        ``u``.
+        A stretch without a missing sample, shape (samples,), of :func:`samples_needed` at least;
+        several inputs are the columns of ``u``.
     """
     inputs = u.shape[1] if u.ndim == 2 else 1
     split = int(_LEARNT * y.size)
     longest = min(_DELAYS, split // (4 * _PER_UNKNOWN))
-    orders = [order for order in _ORDERS if _PER_UNKNOWN * ((1 + inputs) * order + 1) <= split]
+    orders = [order for order in _ORDERS if _PER_UNKNOWN * _unknowns(inputs, order) <= split]
     delays = [1, 0, *range(2, longest + 1)]
     # A delay other than one sample is taken where it simulates clearly better; that of each input
     # is sought with those of the inputs before it.
@@ -86,6 +92,10 @@ def linear_dynamics(u: Array, y: Array) -> Dynamics:
     error, model = tried[order, found]
     lags = tuple(tuple(range(delay, delay + order)) for delay in found)
     return Dynamics(order, lags, _settling(model, y.size, inputs), error)
+
+
+def _unknowns(inputs: int, order: int) -> int:
+    return (1 + inputs) * order + 1
 
 
 def _replaced(delays: tuple[int, ...], column: int, delay: int) -> tuple[int, ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import comb
+from math import ceil, comb
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dea.errors import InputError
 from dea.intake.bandwidth import band
-from dea.intake.dynamics import Dynamics, linear_dynamics, written
+from dea.intake.dynamics import Dynamics, linear_dynamics, samples_needed, written
 from dea.missing import filled
 from dea.store import Record
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 _HELD_OUT = 1 / 3  # share of the record, at its end, that identification does not see
 _LONGEST = 4000  # samples to identify from: more take longer and change little
-_SHORTEST = 60  # samples of a record
+_SHORTEST = 60  # samples of a record, whatever its inputs
 _PER_CANDIDATE = 4  # samples for each term that could be selected
 _POOR = 0.5  # error of the linear model over the output's deviation, above which it says little
 _MOST_LAGS = 4
@@ -49,27 +49,30 @@ def make_plan(signals: Record) -> Plan:
         If it is too short to identify from one part and test on another.
     """
     u, y, rate = signals.u, signals.y, signals.sampling_rate
-    if y.size < _SHORTEST:
+    columns = np.atleast_2d(u.T)
+    in_a_row = samples_needed(len(columns))
+    shortest = max(_SHORTEST, ceil(in_a_row / (1 - _HELD_OUT)))
+    if y.size < shortest:
+        driven = f" of {len(columns)} inputs" if len(columns) > 1 else ""
         raise InputError(
-            f"it holds {y.size} samples at {rate:g} Hz",
-            remedy=f"Record at least {_SHORTEST}: two thirds to identify from, the rest to test",
+            f"it holds {y.size} samples{driven} at {rate:g} Hz",
+            remedy=f"Record at least {shortest}: two thirds to identify from, the rest to test",
         )
     outputs, seen = filled(y)
     known = round((1 - _HELD_OUT) * y.size)
     used = min(known, _LONGEST)
     part = _longest_stretch(seen[:used])
-    if part.stop - part.start < _SHORTEST // 2:
+    if part.stop - part.start < in_a_row:
         raise InputError(
             f"the longest part without a missing sample, within the first {used}, holds"
             f" {part.stop - part.start}",
-            remedy=f"At least {_SHORTEST // 2} in a row are needed: record it again, or cut it",
+            remedy=f"At least {in_a_row} in a row are needed: record it again, or cut it",
         )
     linear = linear_dynamics(u[part], outputs[part])
     lags, degree = _size(linear, part.stop - part.start)
     held = y.size - known
     reach = min(50, held // (2 * _WINDOWS) - 1)
     windows = _windows(known, max(reach, 3), u, seen)
-    columns = np.atleast_2d(u.T)
     bands = [band(each, rate) for each in columns if np.ptp(each) > 0.0]
     low, high = min(each[0] for each in bands), max(each[1] for each in bands)
     time = y.size / rate
