@@ -59,6 +59,24 @@ def test_a_stretch_too_short_for_two_inputs_is_refused():
         make_plan(of(u[:120], y[:120]))
 
 
+def stepped(first):
+    """A record of two heaters, the second of which rests before sample ``first``."""
+    u, _ = made()
+    u[:first, 1] = 3.0
+    return of(u, lfilter([0.0, 0.2], [1.0, -0.8], u.sum(axis=1)))
+
+
+def test_an_input_that_first_moves_late_is_kept():
+    plan = make_plan(stepped(round(0.5 * N))).sections
+    assert plan["identification"]["length"] * RATE == pytest.approx(2 * N / 3, abs=1)
+
+
+def test_an_input_that_rests_where_models_come_from_is_named_with_the_part():
+    with pytest.raises(InputError, match=r"is constant at 3 from 0 to 33.3 s, the part") as refused:
+        make_plan(stepped(round(0.7 * N)))
+    assert "Leave it out, or cut" in refused.value.remedy
+
+
 def test_a_file_with_two_inputs_becomes_a_case(tmp_path, monkeypatch, capsys):
     (tmp_path / "config" / "cases").mkdir(parents=True)
     for part in ("devices", "config.yaml", "bench.yaml"):

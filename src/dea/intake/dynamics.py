@@ -12,7 +12,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.narx import NarxModel, candidate_terms, estimate, rmse
+from dea.narx import NarxModel, Scaling, candidate_terms, estimate, rmse, scaling_of
 
 Array = NDArray[np.float64]
 
@@ -71,19 +71,25 @@ def linear_dynamics(u: Array, y: Array) -> Dynamics:
     longest = min(_DELAYS, split // (4 * _PER_UNKNOWN))
     orders = [order for order in _ORDERS if _PER_UNKNOWN * _unknowns(inputs, order) <= split]
     delays = [1, 0, *range(2, longest + 1)]
+    # One of several inputs may rest in the part that parameters come from.
+    scaling = scaling_of([(u, y)]) if inputs > 1 else None
+
+    def unseen(order: int, delays: tuple[int, ...]) -> tuple[float, NarxModel]:
+        return _unseen(u, y, split, order, delays, scaling)
+
     # A delay other than one sample is taken where it simulates clearly better; that of each input
     # is sought with those of the inputs before it.
     found = (1,) * inputs
     for column in range(inputs):
         coarse = {d: _replaced(found, column, d) for d in delays}
-        errors = {d: _unseen(u, y, split, min(2, orders[-1]), coarse[d])[0] for d in delays}
+        errors = {d: unseen(min(2, orders[-1]), coarse[d])[0] for d in delays}
         found = coarse[min(delays, key=lambda d: errors[d])]
     near = {
         _replaced(found, column, d)
         for column, delay in enumerate(found)
         for d in (1, max(delay - 1, 0), delay, delay + 1)
     }
-    tried = {(n, d): _unseen(u, y, split, n, d) for n, d in product(orders, sorted(near))}
+    tried = {(n, d): unseen(n, d) for n, d in product(orders, sorted(near))}
     least = min(error for error, _ in tried.values())
     order, found = min(
         (key for key, (error, _) in tried.items() if error <= _NEAR * least),
@@ -103,11 +109,16 @@ def _replaced(delays: tuple[int, ...], column: int, delay: int) -> tuple[int, ..
 
 
 def _unseen(
-    u: Array, y: Array, split: int, order: int, delays: tuple[int, ...]
+    u: Array,
+    y: Array,
+    split: int,
+    order: int,
+    delays: tuple[int, ...],
+    scaling: Scaling | None,
 ) -> tuple[float, NarxModel]:
     lags = [list(range(delay, delay + order)) for delay in delays]
     terms = candidate_terms(order, lags, 1, len(delays))
-    model = estimate(terms, u[:split], y[:split])
+    model = estimate(terms, u[:split], y[:split], scaling=scaling)
     start = model.max_lag
     run = model.simulate(u[split:], y[split:])[start:]
     measured = y[split:][start:]

@@ -68,12 +68,20 @@ def make_plan(signals: Record) -> Plan:
             f" {part.stop - part.start}",
             remedy=f"At least {in_a_row} in a row are needed: record it again, or cut it",
         )
+    for (name, _), column in zip(signals.inputs, columns, strict=True):
+        if not np.ptp(column[part]):
+            raise InputError(
+                f"{name} is constant at {column[part.start]:g} from {part.start / rate:g} to"
+                f" {part.stop / rate:g} s, the part that models come from",
+                field="input",
+                remedy="Leave it out, or cut the record so that it moves there",
+            )
     linear = linear_dynamics(u[part], outputs[part])
     lags, degree = _size(linear, part.stop - part.start)
     held = y.size - known
     reach = min(50, held // (2 * _WINDOWS) - 1)
     windows = _windows(known, max(reach, 3), u, seen)
-    bands = [band(each, rate) for each in columns if np.ptp(each) > 0.0]
+    bands = [band(each, rate) for each in columns]
     low, high = min(each[0] for each in bands), max(each[1] for each in bands)
     time = y.size / rate
     sections = {
