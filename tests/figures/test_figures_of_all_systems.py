@@ -119,6 +119,16 @@ def test_each_of_several_inputs_has_a_map_of_h1(draw):
             np.testing.assert_allclose(mesh.get_array().ravel(), (gain / gain[90, 0]).T.ravel())
 
 
+def test_the_gain_of_an_input_without_linear_effect_is_drawn_as_zero():
+    response = made.gfrf_of_inputs()
+    response["H1"].loc[{"input": "right"}] = 0.0
+    figure = fig3({"dea1": made.record(1)}, {"dea1": response})
+    _, mesh = meshes(figure)[1]
+    np.testing.assert_array_equal(np.ma.filled(mesh.get_array(), np.nan), 0.0)
+    said = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "the model of that time has no steady state" not in said
+
+
 def test_each_pair_of_inputs_has_a_map_of_h2_and_one_without_terms_says_so():
     response = made.gfrf_of_inputs()
     response["H2"].loc[{"pair": "right × right"}] = 0.0

@@ -2,12 +2,17 @@
 
 from collections.abc import Mapping
 
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex, magnitude_scale, one_by_one, system_of
+from dea.figures.frequency_maps import (
+    as_complex,
+    magnitude_scale,
+    one_by_one,
+    slow_reference,
+    system_of,
+)
 from dea.figures.h1_over_time import Quantity, excited_values, h1_over_time
 from dea.store import Sources
 
@@ -26,7 +31,7 @@ def fig3(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset])
     """
     parts = one_by_one(responses, "input")
     gains = {name: abs(as_complex(response["H1"])) for name, response in parts.items()}
-    relative = {name: gain / _reference(gain) for name, gain in gains.items()}
+    relative = {name: gain / slow_reference(gain) for name, gain in gains.items()}
     shown = Quantity(
         relative,
         magnitude_scale(excited_values(relative, parts)),
@@ -42,15 +47,3 @@ def fig3(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset])
     )
     of_system = {name: records[system_of(records, name)] for name in parts}
     return h1_over_time(of_system, parts, shown)
-
-
-def _reference(gain: xr.DataArray) -> float:
-    """Return the gain at the lowest frequency, at the time with a steady state nearest the middle.
-
-    Without any such time it is missing.
-    """
-    slow = gain.isel(frequency=0).values
-    known = np.flatnonzero(np.isfinite(slow))
-    if not known.size:
-        return float("nan")
-    return float(slow[known[np.argmin(np.abs(known - slow.size // 2))]])

@@ -23,6 +23,7 @@ from dea.figures.frequency_maps import (
     missing_handles,
     one_by_one,
     reservations,
+    slow_reference,
     veil_handle,
 )
 from dea.store import Sources
@@ -52,7 +53,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     """
     responses = one_by_one(responses, "pair")
     sizes = {name: abs(as_complex(response["H2"])) for name, response in responses.items()}
-    maps = {name: size / _reference(size) for name, size in sizes.items()}
+    maps = {name: size / slow_reference(size) for name, size in sizes.items()}
     times = next(iter(maps.values()))["time_h2"].values
     unit, unit_name = style.clock(times)
     panel = min((style.FULL_WIDTH - _MARGIN) / len(maps), _LARGEST_PANEL)
@@ -81,20 +82,6 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
         title=reservations(responses, width), title_fontsize=6,
     )  # fmt: skip
     return figure
-
-
-def _reference(size: xr.DataArray) -> float:
-    """Return |H2| at the lowest frequencies at the time with a steady state nearest the middle.
-
-    One where it is zero everywhere: the model has no terms of that order.
-    """
-    if not size.where(size.notnull(), 0.0).any() and size.notnull().any():
-        return 1.0
-    slow = size.isel(frequency_1=0, frequency_2=0).values
-    known = np.flatnonzero(np.isfinite(slow) & (slow > 0.0))
-    if not known.size:
-        return float("nan")
-    return float(slow[known[np.argmin(np.abs(known - slow.size // 2))]])
 
 
 def _diagonal(ax: Axes, response: xr.Dataset, sizes: xr.DataArray) -> None:

@@ -51,6 +51,23 @@ def system_of(names: Iterable[str], part: str) -> str:
     return next(name for name in names if part == name or part.startswith(f"{name}, "))
 
 
+def slow_reference(size: xr.DataArray) -> float:
+    """Return a magnitude at the lowest frequencies, at the time nearest the middle that has one.
+
+    Its dimensions are a time and frequencies. Times without a steady state, or of magnitude zero
+    there, are passed over; it is missing if none is left, and one where the magnitude is zero
+    everywhere, as of a model without terms of that order or input.
+    """
+    if not size.where(size.notnull(), 0.0).any() and size.notnull().any():
+        return 1.0
+    lowest = {name: 0 for name in size.dims if str(name).startswith("frequency")}
+    slow = size.isel(lowest).values
+    known = np.flatnonzero(np.isfinite(slow) & (slow > 0.0))
+    if not known.size:
+        return float("nan")
+    return float(slow[known[np.argmin(np.abs(known - slow.size // 2))]])
+
+
 def hatch(ax: Axes, x: Array, y: Array, where: NDArray[np.bool_]) -> None:
     """Grey and hatch the cells ``where`` (shape (y, x)) the input held no power."""
     if not where.any():
