@@ -8,7 +8,11 @@ from dea.discrepancy import Samples, sensitivities
 from dea.resolution.error import Error
 from dea.resolution.explanation import Explanation, as_problem
 
-_ITERATIONS = 15
+# Evaluations at most; a search that has not ended by then makes the density look too small.
+_ITERATIONS = 100
+# Parts of the mean from which the search begins, until one does not diverge: the belief reaches
+# where the record is described, though its mean may be just beyond.
+_STARTS = (1.0, 0.9, 0.5, 0.0)
 # Part of a prior spread by which a start is kept off its bounds.
 _INSIDE = 1e-9
 
@@ -28,7 +32,8 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
         log p = -(|r|² + (x - m)' P⁻¹ (x - m) + log |I + L' J' J L| + log |R| + n log 2π) / 2
 
     at the x that minimises the first two terms, where L L' = P. It is exact where the output is
-    linear in x.
+    linear in x. It is zero where the simulation diverges at the mean and all the way to the nominal
+    coordinates.
     """
     from scipy.linalg import solve_triangular
     from scipy.optimize import least_squares
@@ -51,8 +56,9 @@ def predicted(explanation: Explanation, record: Samples, error: Error) -> Predic
         return np.vstack([error.whitened(J), precise])
 
     low, high = extended.bounds
-    start = np.clip(explanation.mean, low + _INSIDE, high - _INSIDE)
-    if not np.isfinite(residual(start)).all():
+    starts = [np.clip(k * explanation.mean, low + _INSIDE, high - _INSIDE) for k in _STARTS]
+    start = next((x for x in starts if np.isfinite(residual(x)).all()), None)
+    if start is None:
         return Predicted(-np.inf, explanation)
     scales = np.sqrt(np.diag(explanation.covariance))
     found = least_squares(

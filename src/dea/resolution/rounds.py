@@ -290,7 +290,9 @@ def learnt(
     error, wide = _errors_on(state, samples)
     told = {name: predicted(each, samples, error) for name, each in state.explanations.items()}
     log_densities = {name: each.log_density for name, each in told.items()}
-    leading = max(state.explanations, key=lambda name: state.posterior.now[name])
+    # One that diverges on the record says nothing of an explanation that is not offered.
+    shown = [name for name, value in log_densities.items() if np.isfinite(value)]
+    leading = max(shown or log_densities, key=lambda name: state.posterior.log_now[name])
     log_densities[ANOTHER] = predicted(state.explanations[leading], samples, wide).log_density
     posterior = state.posterior.after(log_densities)
     records = (*state.records, record)

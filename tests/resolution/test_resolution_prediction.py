@@ -1,0 +1,60 @@
+"""The predictive density of a record, where the search for its peak is not easy."""
+
+from dataclasses import replace
+
+import numpy as np
+from made_devices import CARRIAGE, INTERVAL, NOISE, hidden
+from scipy.optimize import minimize
+
+from dea.discrepancy import Problem, Samples
+from dea.resolution.error import Error
+from dea.resolution.explanation import Explanation
+from dea.resolution.prediction import predicted
+from dea.simulation import prepared
+
+ERROR = Error(NOISE, 6e-3, 25.0)
+
+
+def without_effects():
+    """Return the simulation alone, and a record of a device that lags behind it."""
+    u = np.repeat(np.random.default_rng(3).uniform(-1.0, 1.0, 12), 25)
+    extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
+    size = extended.free.size
+    deviation = np.where(extended.own_of_records, 1.0, 0.02)
+    explanation = Explanation(extended, np.zeros(size), np.diag(deviation**2))
+    y = hidden("sensor_lag", [0.06, 0.9, 0.0])(u, 1)["output"].values
+    return explanation, Samples(u, y, INTERVAL)
+
+
+def test_the_peak_is_the_one_that_a_search_without_derivatives_finds():
+    explanation, record = without_effects()
+    deviation = np.sqrt(np.diag(explanation.covariance))
+
+    def cost(step):
+        values = explanation.extended.values(explanation.mean + deviation * step)
+        left = record.y - explanation.extended.simulate(values, record.u, INTERVAL)
+        whitened = ERROR.whitened(left)
+        return whitened @ whitened + step @ step
+
+    best = np.zeros(deviation.size)
+    for _ in range(6):
+        best = minimize(cost, best, method="Powell", options={"xtol": 1e-8, "ftol": 1e-12}).x
+    found = predicted(explanation, record, ERROR).informed.mean / deviation
+    shared = ~explanation.extended.own_of_records
+    np.testing.assert_allclose(found[shared], best[shared], atol=0.02)
+
+
+def test_a_mean_that_runs_away_is_not_the_whole_belief(monkeypatch):
+    explanation, record = without_effects()
+    plain = Problem.residual
+
+    def runs_away(problem, extended, values, *known):
+        left = plain(problem, extended, values, *known)
+        beyond = np.abs(extended.coordinates(values)).max() > 1.0
+        return np.full_like(left, np.nan) if beyond else left
+
+    monkeypatch.setattr(Problem, "residual", runs_away)
+    beyond = np.where(explanation.extended.own_of_records, 0.0, 1.02)
+    assert np.isfinite(predicted(replace(explanation, mean=beyond), record, ERROR).log_density)
+    monkeypatch.setattr(Problem, "residual", lambda *arguments: np.full(record.u.size, np.nan))
+    assert predicted(explanation, record, ERROR).log_density == -np.inf
