@@ -1,5 +1,6 @@
 """The loop from end to end, on devices that hide an effect."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,7 +23,7 @@ from dea.resolution import (
 from dea.resolution.error import Error
 from dea.resolution.law_error import LawError, Motion
 from dea.resolution.posterior import Posterior
-from dea.resolution.rounds import fresh_design
+from dea.resolution.rounds import fresh_design, next_design
 from dea.stages.resolve import said
 
 pytestmark = pytest.mark.slow
@@ -149,3 +150,29 @@ def test_why_no_record_was_designed_is_said(monkeypatch):
     found = rounds._certified(decided, nowhere, CARRIAGE, LIMITS, SETTINGS, OPTIONS)
     assert (found.certificate, found.pending) == (None, None)
     assert "not certified: no excitation was found" in said("carriage", found)
+
+
+@pytest.mark.parametrize(
+    ("logs", "asked"),
+    [
+        ({"none": -4.7, "a": -4.7, "away": -1e4, ANOTHER: 0.0}, {"none": 0.5, "a": 0.5}),
+        (
+            {"none": -1e3, "a": 0.0, "away": -1e4, ANOTHER: -1e3},
+            dict.fromkeys(["a", "none", "away"], 1 / 3),
+        ),
+    ],
+)
+def test_what_is_asked_counts_by_itself(monkeypatch, logs, asked):
+    """What another explanation or a rejection has taken is not what rivals may be mistaken for."""
+    from dea.resolution import rounds
+
+    questions = []
+    monkeypatch.setattr(rounds, "_shortest", lambda *arguments: 1.0)
+    monkeypatch.setattr(rounds, "designed", lambda question, *rest: questions.append(question))
+    state = known()
+    prior = dict.fromkeys(logs, 0.25)
+    state = replace(state, posterior=Posterior.of(prior).after(logs))
+    next_design(state, LIMITS, SETTINGS, OPTIONS, 1)
+    (question,) = questions
+    found = dict(zip([e.name for e in question.explanations], question.probabilities, strict=True))
+    assert found == pytest.approx(asked)

@@ -8,7 +8,7 @@ and 289), who maximise the distance that refitting the closest rival leaves, for
 explanations, each as probable as it is: the closest probable pair dominates the sum.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import combinations
@@ -85,6 +85,7 @@ class Design:
 class Question:
     """Which explanations are to be told apart, how probable they are, and what may be driven.
 
+    The ``probabilities`` are relative to these explanations, so that they sum to one.
     ``alone`` is the simulation without effects, which says how large the effects are; ``middle``
     is the input to which an excitation is drawn.
     """
@@ -136,9 +137,12 @@ class Question:
         if not self.pairs:
             return Design(u, -np.inf, (), np.inf, form)
         squares = [self._square(views, i, j) for i, j in self.pairs]
-        weights = [self.probabilities[i] * self.probabilities[j] for i, j in self.pairs]
         with np.errstate(divide="ignore"):  # an explanation without probability counts nothing
-            terms = 0.5 * np.log(weights) - np.array(squares) / 8.0
+            logs = np.log(self.probabilities)
+        terms = [
+            0.5 * (logs[i] + logs[j]) - square / 8.0
+            for (i, j), square in zip(self.pairs, squares, strict=True)
+        ]
         worst = int(np.argmax(terms))
         i, j = self.pairs[worst]
         return Design(
@@ -164,10 +168,10 @@ class Question:
 
 
 def likeliest(
-    explanations: Sequence[Explanation], probability: dict[str, float]
+    explanations: Sequence[Explanation], log_probability: Mapping[str, float]
 ) -> list[Explanation]:
     """Return the explanations that are worth telling apart, the most probable first."""
-    return sorted(explanations, key=lambda e: -probability[e.name])[:_MOST]
+    return sorted(explanations, key=lambda e: -log_probability[e.name])[:_MOST]
 
 
 def designed(

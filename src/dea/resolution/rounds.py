@@ -244,13 +244,16 @@ def next_design(
     """Return the excitation that best tells apart the hypotheses that are left."""
     tell(f"record {number}: designing it")
     left = state.open_hypotheses(options.level) - {ANOTHER}
-    probability = {name: state.posterior.now[name] for name in left}
-    asked = likeliest([state.explanations[name] for name in left], probability)
+    logs = state.posterior.log_now
+    asked = likeliest([state.explanations[name] for name in sorted(left)], logs)
+    weights = np.array([logs[each.name] for each in asked])
     if len(asked) < 2:
-        asked = likeliest(list(state.explanations.values()), {**state.posterior.now})
+        # Of those that are rejected nothing is open: the one that is left is tested against each.
+        asked = likeliest(list(state.explanations.values()), logs)
+        weights = np.zeros(len(asked))
     question = Question(
         asked,
-        [max(state.posterior.now[each.name], np.finfo(float).tiny) for each in asked],
+        np.exp(weights - np.logaddexp.reduce(weights)).tolist(),
         state.explanations[NONE],
         state.error,
         limits,
