@@ -103,7 +103,8 @@ class Posed(NamedTuple):
         """Keep the last part of a record back, a share ``kept_back`` of it."""
         seen = round((1.0 - kept_back) * record.u.size)
         interval = 1.0 / record.sampling_rate
-        task = Task(name, record.u, record.y[:seen], interval, simulation, settings)
+        # A view of the record would lead a method to the rest of it.
+        task = Task(name, record.u, record.y[:seen].copy(), interval, simulation, settings)
         return cls(task, record.y[seen:])
 
     def error(self, ahead: Array) -> float:

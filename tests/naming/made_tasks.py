@@ -50,6 +50,16 @@ def excitation(samples, seed=1):
 
 def posed(force=lambda x, v: 0.0, samples=2000, noise=2e-3, seed=1, kept_back=0.2):
     """Return the task of a record of the mass with ``force(x, v)`` (mm/s^2) added."""
+    return pose(recorded(force, samples, noise, seed), kept_back)
+
+
+def pose(record, kept_back=0.2):
+    """Return the task of a record."""
+    return Posed.of("made", record, kept_back, SIMULATION, Settings(warm_up=0.5))
+
+
+def recorded(force=lambda x, v: 0.0, samples=2000, noise=2e-3, seed=1):
+    """Return a record of the mass with ``force(x, v)`` (mm/s^2) added."""
     u = excitation(samples, seed)
 
     def slopes(t, x):
@@ -62,5 +72,4 @@ def posed(force=lambda x, v: 0.0, samples=2000, noise=2e-3, seed=1, kept_back=0.
         slopes, (0.0, times[-1]), start, t_eval=times, max_step=0.5 / RATE, rtol=1e-8, atol=1e-10
     ).y[0]
     y = x + noise * np.random.default_rng(seed + 100).standard_normal(samples)
-    record = Record.of(u, y, RATE, units=("V", "mm"))
-    return Posed.of("made", record, kept_back, SIMULATION, Settings(warm_up=0.5))
+    return Record.of(u, y, RATE, units=("V", "mm"))
