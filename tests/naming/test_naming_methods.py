@@ -167,6 +167,12 @@ def test_the_diagnosis_names_the_stiffening_spring(stiffened):
     assert stiffened.error(answer.ahead) == pytest.approx(2e-3, rel=0.5)
 
 
+def test_a_diagnosis_without_a_name_predicts_as_the_simulation_alone(plain):
+    answer = answered("diagnosis", plain)
+    assert answer.status == "none"
+    np.testing.assert_array_equal(answer.ahead, answered(REFERENCE, plain).ahead)
+
+
 def test_random_choice_follows_from_the_task_and_spreads(plain):
     first, again = (answered("random_choice", plain) for _ in range(2))
     assert (first.status, first.effects) == (again.status, again.effects)
