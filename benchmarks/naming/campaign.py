@@ -1,7 +1,6 @@
 """Every method on every trial and record; what is answered already is not answered again."""
 
 import json
-import re
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
@@ -14,7 +13,7 @@ from typing import Any, NamedTuple
 
 from benchmarks.bars import progress_bars
 from benchmarks.naming import measured, trials
-from benchmarks.naming.code import digest
+from benchmarks.naming.code import digest, imported
 from benchmarks.naming.methods import methods
 from benchmarks.naming.task import Posed
 from benchmarks.stored import commit
@@ -22,14 +21,13 @@ from dea import store
 from dea.errors import InputError
 from dea.trials import Label
 
-# What the answer of every method may depend on, besides the method's own files.
+# What every answer may depend on, besides what is imported: effects and devices are found by name.
 _SHARED = (
-    "benchmarks/naming/task.py", "config/config.yaml", "config/simulations/*.py",
-    "src/dea/discrepancy/**/*.py", "src/dea/simulation/**/*.py", "src/dea/least_squares.py",
+    "benchmarks/naming/campaign.py", "config/config.yaml", "config/simulations/*.py",
+    "src/dea/simulation/**/*.py",
 )  # fmt: skip
 # Trials that are drawn at once, at least.
 _AT_ONCE = 4
-_METHODS = Path(__file__).parent / "methods"
 
 
 @dataclass(frozen=True)
@@ -133,17 +131,18 @@ def _draw(settings: Settings, index: int) -> trials.Drawn:
 
 def _on_trial(place: tuple[Path, Path]) -> dict[str, Said]:
     folder, file = place
-    return _answers(folder, partial(trials.posed, file))
+    return _answers(folder, partial(trials.posed, file), trials.FILES)
 
 
 def _on_record(keep: Path, name: str) -> dict[str, Said]:
-    return _answers(keep / "records" / name, partial(measured.posed, name))
+    return _answers(keep / "records" / name, partial(measured.posed, name), measured.files(name))
 
 
-def _answers(folder: Path, pose: Callable[[], Posed]) -> dict[str, Said]:
+def _answers(folder: Path, pose: Callable[[], Posed], sources: frozenset[Path]) -> dict[str, Said]:
+    """Return what is kept of each method, or its answer; ``sources`` are files of the task."""
     found, posed = {}, cache(pose)
     for name in methods():
-        file, code = folder / "answers" / f"{name}.json", _code(name)
+        file, code = folder / "answers" / f"{name}.json", _code(name, sources)
         kept = json.loads(file.read_text()) if file.exists() else {}
         if kept.get("code") != code:
             kept = {"code": code, "commit": commit(), **_answer(name, posed())}
@@ -181,13 +180,6 @@ def _answer(name: str, posed: Posed) -> dict[str, Any]:
     }
 
 
-def _code(name: str) -> str:
+def _code(name: str, sources: frozenset[Path]) -> str:
     """Return a digest of all that a method's answers may depend on."""
-    return digest(_SHARED, _own_files(name))
-
-
-def _own_files(name: str) -> set[Path]:
-    """Return the file of a method's module, and of those of the package that it imports."""
-    file = _METHODS / f"{name}.py"
-    imported = re.findall(r"benchmarks\.naming\.methods\.(\w+) import", file.read_text())
-    return {file}.union(*(_own_files(each) for each in imported))
+    return digest(_SHARED, imported(f"benchmarks.naming.methods.{name}", "dea.store") | sources)

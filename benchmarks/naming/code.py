@@ -2,15 +2,46 @@
 
 import hashlib
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
+import grimp
+
 ROOT = Path(__file__).parents[2]
+_SOURCES = {"dea": ROOT / "src", "benchmarks": ROOT}
 
 
 def digest(patterns: Iterable[str], files: Iterable[Path] = ()) -> str:
     """Return a digest of the project's files that match patterns, and of other files."""
-    found = hashlib.sha256()
     matching = {file for pattern in patterns for file in ROOT.glob(pattern)}
-    for file in sorted(matching | set(files)):
-        found.update(file.read_bytes())
-    return found.hexdigest()
+    found = sorted(hashlib.sha256(file.read_bytes()).digest() for file in matching | set(files))
+    return hashlib.sha256(b"".join(found)).hexdigest()
+
+
+@cache
+def imported(*names: str) -> frozenset[Path]:
+    """Return the files of modules and of all that they import, directly or not.
+
+    Importing a module runs the packages above it, so these and their imports count too. Modules
+    that are found by name at run time are not seen.
+    """
+    graph = _graph()
+    found: set[str] = set()
+    pending = list(names)
+    while pending:
+        name = pending.pop()
+        if name and name not in found:
+            found.add(name)
+            pending.extend(graph.find_modules_directly_imported_by(name))
+            pending.append(name.rpartition(".")[0])
+    return frozenset(map(_file, found))
+
+
+@cache
+def _graph() -> grimp.ImportGraph:
+    return grimp.build_graph(*_SOURCES, exclude_type_checking_imports=True, cache_dir=None)
+
+
+def _file(module: str) -> Path:
+    path = _SOURCES[module.partition(".")[0]].joinpath(*module.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")

@@ -9,6 +9,7 @@ from benchmarks.naming.trials import KEPT_BACK, config
 from dea import store, trials
 from dea.configuration.files import read_yaml
 from dea.discrepancy import Settings
+from dea.errors import InputError
 from dea.simulation import load_simulation
 
 CASES = Path("config/cases")
@@ -72,6 +73,23 @@ def posed(name: str, root: Path = Path()) -> Posed:
         name, store.signals(record), known.kept_back, load_simulation(case["simulation"]),
         Settings.of(leaves),
     )  # fmt: skip
+
+
+def files(name: str, root: Path = Path()) -> frozenset[Path]:
+    """Return the files that the task of a case depends on: its record's, the case and this one.
+
+    Raises
+    ------
+    InputError
+        If its record has not been fetched.
+    """
+    case = CASES / f"{name}.yaml"
+    record = root / read_yaml(case, what="the case", example="config/cases")["record"]["file"]
+    if not record.exists():
+        raise InputError(
+            "the record has not been fetched", file=record, remedy="Fetch it with `make records`"
+        )
+    return frozenset({Path(__file__), case, record})
 
 
 def label(name: str) -> trials.Label:

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from benchmarks.naming.code import digest
+from benchmarks.naming.code import digest, imported
 from benchmarks.naming.task import Posed
 from dea import store, trials
 from dea.configuration.bench import BENCH
@@ -23,10 +23,13 @@ from dea.stages.trial_log import trial_log
 
 # Part of a record that is kept from the methods, its last.
 KEPT_BACK = 0.2
+# The files that say how a trial is set, besides what the record holds.
+FILES = frozenset({Path(__file__)})
 # What a drawn trial and its record depend on.
-_CODE = (
-    "config/bench.yaml", "config/devices/*.yaml", "src/dea/acquisition/*.py", "src/dea/bench/*.py",
-    "src/dea/excitation.py", "src/dea/plant/**/*.py",
+_CONFIGURATION = ("config/config.yaml", "config/bench.yaml", "config/devices/*.yaml")
+_MODULES = (
+    "dea.stages.trial_draw", "dea.stages.trial_acquire", "dea.stages.trial_log",
+    "dea.bench.__main__",
 )  # fmt: skip
 
 
@@ -56,7 +59,7 @@ def draw(folder: Path, of_set: str, seed: int, index: int) -> Drawn:
     sealed, commitment, made_by = (
         folder / name for name in ("sealed", "commitment.json", "code.txt")
     )
-    code = digest(_CODE)
+    code = digest(_CONFIGURATION, imported(*_MODULES) | FILES)
     if not (commitment.exists() and made_by.exists() and made_by.read_text() == code):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)

@@ -2,9 +2,10 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
-from benchmarks.naming import campaign
+from benchmarks.naming import campaign, measured, trials
 from benchmarks.naming.__main__ import made_at, values
 from benchmarks.naming.campaign import Settings, of_trials
 from benchmarks.naming.methods import REFERENCE, methods
@@ -14,6 +15,8 @@ from benchmarks.stored import commit
 from dea.errors import InputError
 
 pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parents[2]
 
 QUICK = (REFERENCE, "random_choice", "ridge")
 
@@ -59,7 +62,7 @@ def test_two_trials_are_answered_scored_and_kept(settings, quick, monkeypatch):
 
 def test_a_method_whose_file_changed_is_asked_again(settings, quick, monkeypatch):
     before = of_trials(settings)
-    monkeypatch.setattr(campaign, "_code", lambda name: f"another {name}")
+    monkeypatch.setattr(campaign, "_code", lambda name, sources: f"another {name}")
     asked = []
     known = campaign._answer
 
@@ -81,20 +84,81 @@ def test_a_method_that_cannot_answer_says_why(settings, quick, monkeypatch):
 
     asked = dict(quick) | {"ridge": quick["ridge"].__class__("ridge", "", refuses)}
     monkeypatch.setattr("benchmarks.naming.campaign.methods", lambda: asked)
-    monkeypatch.setattr(campaign, "_code", lambda name: f"refusing {name}")
+    monkeypatch.setattr(campaign, "_code", lambda name, sources: f"refusing {name}")
     found = of_trials(settings)
     assert all("too short" in each.said["ridge"].failed for each in found)
     assert values(found, [], settings)["failed"]["ridge"] == 2
 
 
-def test_an_answer_depends_on_the_files_of_its_method():
+@pytest.fixture
+def listed(monkeypatch):
+    """Have the files that a digest is made of in its place, with names from the project's root."""
+    monkeypatch.chdir(ROOT)
+
+    def names(patterns, files):
+        matching = {file for pattern in patterns for file in ROOT.glob(pattern)}
+        return {str(Path(file).absolute().relative_to(ROOT)) for file in matching | files}
+
+    monkeypatch.setattr(campaign, "digest", names)
+
+
+def test_an_answer_depends_on_the_files_of_its_method(listed):
     def names(method):
-        return {file.name for file in campaign._own_files(method)}
+        files = campaign._code(method, frozenset())
+        return {Path(f).name for f in files if "/methods/" in f} - {"__init__.py"}
 
     assert names("sindy") == {"sindy.py", "_library.py", "_residual.py", "_stlsq.py"}
     assert names("aic") == {"aic.py", "_grey_box.py"}
     assert names("diagnosis") == {"diagnosis.py"}
-    assert campaign._code("aic") != campaign._code("aic_single")
+
+
+def test_an_answer_depends_on_how_its_task_is_set(listed):
+    every = {
+        "benchmarks/naming/campaign.py", "benchmarks/naming/shared.py", "benchmarks/naming/task.py",
+        "config/config.yaml", "config/simulations/positioning_drive.py", "src/dea/store/records.py",
+        "src/dea/discrepancy/rules.py", "src/dea/simulation/effects/end_stop.py",
+        "src/dea/missing.py", "src/dea/seeds.py", "src/dea/least_squares.py",
+    }  # fmt: skip
+    of_trial = campaign._code("aic", trials.FILES)
+    assert of_trial >= every
+    assert "benchmarks/naming/trials.py" in of_trial
+    assert not any("/figures/" in file or "/narx/" in file for file in of_trial)
+
+
+def test_an_answer_depends_on_its_record(tmp_path, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    file = tmp_path / "data" / "cascaded_tanks" / "dataBenchmark.csv"
+    with pytest.raises(InputError, match="make records"):
+        measured.files("cascaded_tanks", tmp_path)
+    file.parent.mkdir(parents=True)
+    file.write_text("uEst,yEst\n1,2\n")
+    files = measured.files("cascaded_tanks", tmp_path)
+    assert {f.name for f in files} == {file.name, "cascaded_tanks.yaml", "measured.py"}
+    before = campaign._code("aic", files)
+    assert before == campaign._code("aic", files)
+    file.write_text("uEst,yEst\n1,3\n")
+    assert campaign._code("aic", files) != before
+
+
+def test_a_drawn_trial_depends_on_all_that_draws_and_records_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    found = set()
+
+    def seen(patterns, files):
+        found.update(file for pattern in patterns for file in ROOT.glob(pattern))
+        found.update(files)
+        raise InterruptedError
+
+    monkeypatch.setattr(trials, "digest", seen)
+    with pytest.raises(InterruptedError):
+        trials.draw(tmp_path, "tuning", 1, 0)
+    assert {str(Path(file).relative_to(ROOT)) for file in found} >= {
+        "benchmarks/naming/trials.py", "config/config.yaml", "config/bench.yaml",
+        "src/dea/stages/trial_draw.py", "src/dea/stages/trial_acquire.py",
+        "src/dea/stages/trial_log.py", "src/dea/modbus/codec.py", "src/dea/seeds.py",
+        "src/dea/bench/server.py", "src/dea/acquisition/acquire.py", "src/dea/excitation.py",
+        *(str(file.relative_to(ROOT)) for file in (ROOT / "src/dea/plant/hidden").rglob("*.py")),
+    }  # fmt: skip
 
 
 def test_a_trial_that_other_code_drew_is_drawn_again(settings, quick, monkeypatch):
