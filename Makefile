@@ -196,7 +196,7 @@ calibration: $(VENV)/installed ## the virtual actuators beside the measured ones
 
 benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's (COUNT=40 SET=tuning SEED=1)
 	python -m benchmarks.naming --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %) \
-		$(SEED:%=--seed %) $(if $(RECORDS),--records $(RECORDS))
+		$(SEED:%=--seed %) $(LONGEST:%=--longest %) $(if $(RECORDS),--records $(RECORDS))
 
 benchmark: $(VENV)/installed ## speed of identification, tracking and simulation against peers
 	python -m benchmarks

@@ -61,6 +61,15 @@ def made_at(*tried: Tried) -> str:
     return ", ".join(sorted({said.commit for each in tried for said in each.said.values()}))
 
 
+def command(settings: Settings, records: Sequence[str]) -> str:
+    """Return the command that makes these tables."""
+    given = {"COUNT": settings.count, "SET": settings.of_set, "SEED": settings.seed}
+    given["LONGEST"] = settings.longest
+    asked = " ".join(f"{name}={value}" for name, value in given.items())
+    chosen = f" RECORDS='{' '.join(records)}'" if list(records) != list(RECORDS) else ""
+    return f"make benchmark-naming {asked}{chosen}"
+
+
 def _rounded(ratio: float) -> float | None:
     return round(ratio, 4) if isfinite(ratio) else None
 
@@ -86,10 +95,7 @@ def main(arguments: list[str] | None = None) -> None:
         print(f"error: {error}", file=sys.stderr)
         raise SystemExit(2) from None
     found = values(tried, records, settings)
-    command = f"make benchmark-naming COUNT={given.count} SET={given.set} SEED={seed}"
-    if given.records != list(RECORDS):
-        command += f" RECORDS='{' '.join(given.records)}'"
-    keep("naming", command, found, made_at(*tried, *records))
+    keep("naming", command(settings, given.records), found, made_at(*tried, *records))
     print("\n".join([*found["table"], "", *found["records"]]))
 
 

@@ -1,12 +1,14 @@
 """A campaign of two trials draws, answers, opens the seals, and goes on where it ended."""
 
 import json
+import shlex
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from benchmarks.naming import campaign, measured, trials
-from benchmarks.naming.__main__ import made_at, values
+from benchmarks.naming.__main__ import command, made_at, values
 from benchmarks.naming.campaign import Settings, of_trials
 from benchmarks.naming.methods import REFERENCE, methods
 from benchmarks.naming.scores import OURS
@@ -138,6 +140,18 @@ def test_an_answer_depends_on_its_record(tmp_path, monkeypatch):
     assert before == campaign._code("aic", files)
     file.write_text("uEst,yEst\n1,3\n")
     assert campaign._code("aic", files) != before
+
+
+def test_the_stored_command_repeats_the_campaign(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    settings = Settings("tuning", 3, 5, 2500, 1, Path("kept"))
+    stored = command(settings, ["cascaded_tanks", "silverbox"])
+    run = subprocess.run(
+        ["make", "--dry-run", *shlex.split(stored)[1:]], capture_output=True, text=True, check=True
+    ).stdout
+    wanted = "--count 5 --set tuning --seed 3 --longest 2500 --records cascaded_tanks silverbox"
+    assert wanted in " ".join(run.replace("\\\n", " ").split())
+    assert "RECORDS" not in command(settings, list(measured.RECORDS))
 
 
 def test_a_drawn_trial_depends_on_all_that_draws_and_records_it(tmp_path, monkeypatch):
