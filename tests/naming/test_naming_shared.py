@@ -1,8 +1,12 @@
 """The time of what methods share counts for each of them, and once."""
 
+import time
+
+import numpy as np
 import pytest
 from benchmarks.naming import shared
 from benchmarks.naming.shared import Shared
+from numba import njit
 
 
 @pytest.fixture
@@ -39,6 +43,20 @@ def test_a_value_is_computed_once_and_charged_to_each_who_uses_it(clock):
     assert own.timed(second) == (2.0, 15.0)
     assert own.timed(second) == (2.0, 15.0)
     assert own.timed(first) == (1.0, 4.0)
+
+
+def test_compiling_is_no_method_s_time():
+    own = Shared()
+
+    def compiled():
+        function = njit(lambda x: np.sort(x)[::-1] + np.linalg.norm(x))
+        return function(np.arange(3.0))
+
+    start = time.process_time()
+    seconds = own.timed(lambda: own.once("value", compiled))[1]
+    whole = time.process_time() - start
+    assert whole > 0.1
+    assert 0.0 <= seconds < 0.2 * whole
 
 
 def test_what_a_value_needs_is_not_in_its_own_time(clock):
