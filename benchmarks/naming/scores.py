@@ -125,6 +125,8 @@ def table(tried: Sequence[Tried]) -> list[str]:
         ]
     )
     rows.append(["time of a processor (s)", *map(_seconds, found.values())])
+    failed = [sum(bool(each.said[name].failed) for each in tried) for name in found]
+    rows.append(["trials that it failed on", *map(str, failed)])
     return _markdown(["measure", *(methods()[name].title for name in found)], rows)
 
 
@@ -166,6 +168,8 @@ def _number(ratio: float) -> str:
 
 def _said(label: Label, said: Said) -> str:
     names = " + ".join(sorted(said.effects))
+    if said.failed:
+        return "failed"
     if said.status != "named":
         return f"{said.status}: {names}" if names else said.status
     return f"**{names}**" if said.effects == label.effects else names

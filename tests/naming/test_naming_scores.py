@@ -94,6 +94,20 @@ def test_the_table_has_a_column_for_each_method_and_a_number_in_each_cell():
     assert cells["time of a processor (s)"][column] == "2.0"
 
 
+def test_the_tables_say_where_a_method_failed():
+    def failing(each):
+        failed = said("unknown", error=nan, seconds=nan)._replace(failed="too short")
+        return each._replace(said=each.said | {"sindy": failed})
+
+    trials = [failing(TRIED[0]), failing(TRIED[1]), TRIED[2]]
+    header, *_, last = ([cell.strip() for cell in row.split("|")] for row in table(trials))
+    counts = dict(zip(header, last, strict=True))
+    assert counts["measure"] == "trials that it failed on"
+    assert counts[methods()["sindy"].title] == "2"
+    assert counts[methods()["ridge"].title] == "0"
+    assert "| failed, – |" in table_of_answers(trials, ["sindy"])[2]
+
+
 def test_the_table_of_answers_marks_right_names():
     away = TRIED[11]._replace(said=TRIED[11].said | {REFERENCE: said("none", error=inf)})
     rows = table_of_answers([TRIED[0], TRIED[9], away], list(methods()))
