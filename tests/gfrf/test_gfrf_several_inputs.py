@@ -44,7 +44,7 @@ def richardson(amplitude, order):
     return (4.0 * b - a) / 3.0
 
 
-@pytest.mark.parametrize("number", [1, 2])
+@pytest.mark.parametrize("number", [1, 2, np.int64(2)])
 def test_first_order_is_the_amplitude_of_a_small_tone(number):
     response = dea.frequency_response(MODEL, 1, 1.7, RATE, inputs=number, operating_point=CENTRE)
     measured = richardson(lambda a: line(17, [(number - 1, 17)], a), 1)

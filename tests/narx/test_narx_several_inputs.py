@@ -142,6 +142,21 @@ def test_one_column_is_one_input(record):
     assert dea.Record.of(u[:, None], y, 10.0).u.shape == y.shape
 
 
+@pytest.mark.parametrize(
+    ("symbol", "scaling"), [("u1", Scaling()), ("u", Scaling((0.0,), np.array([1.0])))]
+)
+def test_a_single_input_may_be_numbered(symbol, scaling, record):
+    u, y = record.u[:, 0], record.y
+    plain = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)^2": 0.2})
+    model = NarxModel.from_terms({"y(t-1)": 0.5, f"{symbol}(t-1)^2": 0.2}, scaling=scaling)
+    assert model.inputs == 1
+    for given in (u, u[:, None]):
+        np.testing.assert_array_equal(model.simulate(given, y), plain.simulate(given, y))
+    assert str(model.stability(u, y)) == str(plain.stability(u, y))
+    code = dea.to_c(model, 10.0).source.replace(f"{symbol}(", "u(")
+    assert code == dea.to_c(plain, 10.0).source
+
+
 def test_stability_holds_no_input_outside_its_range():
     """Without an offset, as for an even system, zero may lie outside the range of an input."""
     model = NarxModel.from_terms({"y(t-1)": 1.2, "u1(t-1)": 0.1, "y(t-1)u2(t-1)": -0.2})

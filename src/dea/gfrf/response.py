@@ -16,7 +16,8 @@ from dea.narx import NarxModel, rate_of
 from dea.terms import input_symbol
 
 Array = NDArray[np.float64]
-Inputs = str | int | Sequence[str | int] | None
+Number = int | np.integer[Any]
+Inputs = str | Number | Sequence[str | Number] | None
 
 
 def frequency_response(
@@ -240,22 +241,25 @@ def input_columns(model: NarxModel, order: int, inputs: Inputs) -> tuple[int, ..
     ]
     listed = ", ".join(f"{name!r} or {k}" for k, name in enumerate(known, start=1))
     remedy = f"Name one for each frequency: {listed}"
-    given = [inputs] if isinstance(inputs, str | int) else list(inputs or ())
+    given = [inputs] if isinstance(inputs, str | int | np.integer) else list(inputs or ())
     if len(given) != order:
         raise InputError(
             f"{len(given)} are named for order {order} of a model with {model.inputs}",
             field="inputs",
             remedy=remedy,
         )
-    columns = [known.index(each) if each in known else _number(each) - 1 for each in given]
+    columns = [_column(each, known) for each in given]
     for each, column in zip(given, columns, strict=True):
         if not 0 <= column < model.inputs:
             raise InputError(f"there is no input {each!r}", field="inputs", remedy=remedy)
     return tuple(columns)
 
 
-def _number(given: str | int) -> int:
-    return given if isinstance(given, int) else 0
+def _column(given: str | Number, known: Sequence[str]) -> int:
+    """Return the column of an input by its name or number, negative where there is none."""
+    if isinstance(given, str):
+        return known.index(given) if given in known else -1
+    return int(given) - 1 if isinstance(given, int | np.integer) else -1
 
 
 def normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Array:

@@ -68,10 +68,10 @@ def check_inputs(numbered: int | None, u: Array) -> None:
     Raises
     ------
     InputError
-        If ``u`` is one input and the terms number theirs, or the other way round, or if there are
-        fewer inputs than the terms name.
+        If there are several inputs and the terms do not number theirs, or if there are fewer than
+        the terms name.
     """
-    if numbered is None or (numbered == 0 and u.ndim == 1):
+    if numbered is None or (numbered <= 1 and u.ndim == 1):
         return
     if u.ndim == 1 or not 0 < numbered <= u.shape[1]:
         given = "one input" if u.ndim == 1 else f"{u.shape[1]} inputs"

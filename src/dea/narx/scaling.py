@@ -25,7 +25,7 @@ class Scaling:
     """How physical signals become those of the equation: (u - u_offset)/u_scale, y likewise.
 
     The default leaves them as they are. Of several inputs, ``u_offset`` and ``u_scale`` hold one
-    number each.
+    number each; one number in a sequence is that of a single input.
     """
 
     u_offset: PerInput = 0.0
@@ -37,7 +37,8 @@ class Scaling:
         for name in ("u_offset", "u_scale"):
             values = getattr(self, name)
             if np.ndim(values):
-                object.__setattr__(self, name, tuple(map(float, values)))
+                each = tuple(map(float, values))
+                object.__setattr__(self, name, each[0] if len(each) == 1 else each)
         for name, value in vars(self).items():
             if not np.isfinite(value).all() or (name.endswith("scale") and np.min(value) <= 0.0):
                 raise InputError(
