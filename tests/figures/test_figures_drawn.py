@@ -288,6 +288,8 @@ def test_a_fixed_model_that_diverges_is_said_to_have_and_keeps_its_axis():
         ("phi_ee", r"$\phi_{ee}$"),
         ("phi_e(eu)", r"$\phi_{e(eu)}$"),
         ("phi_u2e2", r"$\phi_{u^2e^2}$"),
+        ("phi_u2e, u12", r"$\phi_{u^2e}$, $u_{12}$"),
+        ("phi_uue, u1u12", r"$\phi_{uue}$, $u_{1}u_{12}$"),
     ],
 )
 def test_a_residual_test_as_mathematics(test, mathematics):

@@ -3,7 +3,7 @@ import pytest
 from scipy.signal import lfilter
 
 from dea.narx.residual_verdict import INPUT_TESTS, joint_tests, verdict
-from dea.narx.residuals import TESTS
+from dea.narx.residuals import TESTS, each_test
 
 
 def smooth(rng, samples, pole=0.95):
@@ -85,3 +85,26 @@ def test_the_verdict_names_which_of_several_inputs_explains_the_residual():
     said = verdict(found.p_value[None], found.explained[None], 1.0, 2.0, "K", ["left", "right"])
     assert "past values of right (" in said
     assert "left" not in said
+
+
+def test_a_missing_product_of_two_inputs_is_seen_and_named():
+    rng = np.random.default_rng(7)
+    u = np.column_stack([smooth(rng, 1500, 0.5) for _ in range(3)])
+    u /= u.std(axis=0)
+    e = rng.standard_normal(1500) + 0.4 * np.roll(u[:, 0] * u[:, 2], 1)
+    found = joint_tests(e, u, 25)
+    pair = list(each_test(3)).index("phi_uue, u1u3")
+    assert found.p_value[pair] < 1e-4
+    assert 0.05 < found.explained[pair] < 0.25
+    said = verdict(found.p_value[None], found.explained[None], 1, 2, "K", ["left", "up", "right"])
+    assert "the product of left and right (" in said
+    assert "the product of left and up" not in said
+
+
+def test_the_test_of_a_pair_refuses_five_percent_of_residuals_without_relation():
+    rng = np.random.default_rng(8)
+    refused = 0
+    for _ in range(200):
+        u = np.column_stack([smooth(rng, 500), smooth(rng, 500)])
+        refused += joint_tests(smooth(rng, 500, 0.8), u, 25).p_value[-1] < 0.05
+    assert 2 <= refused < 22  # ten on average, with a standard deviation of three

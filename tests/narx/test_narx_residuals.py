@@ -74,7 +74,20 @@ def test_several_inputs_are_tested_one_by_one():
     e, u = rng.standard_normal(300), rng.standard_normal((300, 2))
     names = list(each_test(2))
     assert names[0] == "phi_ee"
-    assert names[1::4] == ["phi_eu, u1", "phi_eu, u2"]
+    assert names[1:9:4] == ["phi_eu, u1", "phi_eu, u2"]
+    assert names[9:] == ["phi_uue, u1u2"]
     found = correlation_tests(e, u, 6)
     each = [correlation_tests(e, u[:, k], 6) for k in (0, 1)]
-    np.testing.assert_allclose(found, np.concatenate([each[0], each[1][1:]]), atol=1e-15)
+    np.testing.assert_allclose(found[:9], np.concatenate([each[0], each[1][1:]]), atol=1e-15)
+
+
+def test_the_product_of_two_inputs_has_a_test_of_its_own():
+    rng = np.random.default_rng(4)
+    u = rng.standard_normal((2000, 2))
+    e = rng.standard_normal(2000) + 0.5 * np.roll(u[:, 0] * u[:, 1], 3)
+    both = (u - u.mean(axis=0)).prod(axis=1)
+    found = dict(zip(each_test(2), correlation_tests(e, u, 5), strict=True))["phi_uue, u1u2"]
+    lagged = np.corrcoef(e[3:], both[:-3])[0, 1]
+    assert found[2] == pytest.approx(lagged, rel=0.01)
+    assert found[2] > 5 * band(2000)
+    assert np.abs(found[[0, 1, 3, 4]]).max() < 2 * band(2000)

@@ -9,6 +9,7 @@ from dea.figures import style
 from dea.store import Sources
 
 _SQUARE = re.compile(r"([a-z])2")
+_NUMBERED = re.compile(r"([a-z])(\d+)")
 _MODEL = {"linear": ("linear", style.LINEAR), "narx": ("NARX", style.NARX)}
 
 
@@ -56,9 +57,10 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
 def as_mathematics(test: str) -> str:
     """Return a residual test such as ``phi_u2e`` as ``$\\phi_{u^2 e}$``.
 
-    What names one of several inputs is put after it.
+    What names one or two of several inputs is put after it.
     """
     test, _, signal = test.partition(", ")
     letters = test.removeprefix("phi_").removeprefix("φ_").replace("²", "2").replace("^", "")
     subscript = _SQUARE.sub(r"\1^2", letters)
-    return rf"$\phi_{{{subscript}}}$" + (f", ${signal[0]}_{{{signal[1:]}}}$" if signal else "")
+    numbered = _NUMBERED.sub(r"\1_{\2}", signal)
+    return rf"$\phi_{{{subscript}}}$" + (f", ${numbered}$" if signal else "")

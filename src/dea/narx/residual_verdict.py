@@ -7,6 +7,7 @@ not pass for an effect of the input (Box and Jenkins 1970, chapter 11, on prewhi
 """
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from scipy.stats import chi2
 from scipy.stats import f as fisher
 
 from dea.narx.checks import Array, by_input
-from dea.narx.residuals import TESTS, each_test
+from dea.narx.residuals import TESTS, each_test, product
 
 WHITENESS, *INPUT_TESTS = TESTS
 LEVEL = 0.05  # of all tests of a system together
@@ -73,6 +74,9 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
             if name != "phi_u2e2":  # squares of a white residual are not coloured by its filter
                 instrument = _filtered(instrument, coefficients)
             found.append(_regression(target, instrument[-target.size :], max_lag))
+    for one, other in combinations(inputs, 2):
+        instrument = _filtered(product(one, other), coefficients)
+        found.append(_regression(white, instrument, max_lag))
     return JointTests(*np.array(found).T)
 
 
@@ -106,6 +110,9 @@ def verdict(
         _MEANING[test].format(name=name, short=name.removeprefix("the "))
         for name in inputs
         for test in INPUT_TESTS
+    ] + [
+        f"the product of {one} and {other}"
+        for one, other in combinations([name.removeprefix("the ") for name in inputs], 2)
     ]
     shown = [
         f"{meaning} ({100 * share:.2g} %)"

@@ -1,10 +1,12 @@
 """Residual correlation tests whose 95 % bands hold at every lag.
 
 After Billings and Voon (1986) and Billings and Zhu (1994): where the model leaves nothing
-unexplained, all five correlations stay within their bands.
+unexplained, all five correlations stay within their bands. Of several inputs, a sixth is for the
+product of each two, which the square of neither holds.
 """
 
 from collections.abc import Callable
+from itertools import combinations
 
 import numpy as np
 
@@ -18,6 +20,7 @@ TESTS: dict[str, Callable[[Array, Array], tuple[Array, Array]]] = {
     "phi_u2e": lambda e, u: (e, u**2 - np.mean(u**2)),
     "phi_u2e2": lambda e, u: (e**2, u**2 - np.mean(u**2)),
 }
+PAIR_TEST = "phi_uue"
 _WHITENESS = "phi_ee"
 _CONFIDENCE = 1.959963984540054  # two-sided 95 % of the normal distribution
 
@@ -48,25 +51,41 @@ def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
     residual = e - e.mean()
     return np.array(
         [
-            _correlation(*TESTS[test](residual, centred[column]), max_lag)
-            for test, column in tests.values()
+            _correlation(*_signals(test, residual, *(centred[k] for k in columns)), max_lag)
+            for test, columns in tests.values()
         ]
     )
 
 
-def each_test(inputs: int) -> dict[str, tuple[str, int]]:
-    """Return test and column of the input by the name under which results list them.
+def _signals(test: str, e: Array, *inputs: Array) -> tuple[Array, Array]:
+    """Return the two signals that a test correlates, from residual and the inputs it is of."""
+    return (e, product(*inputs)) if test == PAIR_TEST else TESTS[test](e, *inputs)
 
-    Of several inputs, each has the tests that it takes part in.
+
+def product(u: Array, v: Array) -> Array:
+    """Return the product of two inputs about its mean."""
+    both: Array = u * v
+    return both - np.mean(both)
+
+
+def each_test(inputs: int) -> dict[str, tuple[str, tuple[int, ...]]]:
+    """Return test and columns of the inputs by the name under which results list them.
+
+    Of several inputs, each has the tests that it takes part in, and each pair one for its product.
     """
     if inputs == 1:
-        return {test: (test, 0) for test in TESTS}
-    return {_WHITENESS: (_WHITENESS, 0)} | {
-        f"{test}, u{column + 1}": (test, column)
+        return {test: (test, (0,)) for test in TESTS}
+    of_each = {
+        f"{test}, u{column + 1}": (test, (column,))
         for column in range(inputs)
         for test in TESTS
         if test != _WHITENESS
     }
+    of_pairs = {
+        f"{PAIR_TEST}, u{i + 1}u{j + 1}": (PAIR_TEST, (i, j))
+        for i, j in combinations(range(inputs), 2)
+    }
+    return {_WHITENESS: (_WHITENESS, (0,)), **of_each, **of_pairs}
 
 
 def band(samples: int) -> float:
