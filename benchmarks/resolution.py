@@ -77,7 +77,7 @@ def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -
         workers=threads,
     )
     hidden = {effect.name for effect in trial.effects}
-    verdict, before = found.last.diagnosis.verdict, found.first.diagnosis.verdict
+    verdict, before = found.last.verdict, found.first.verdict
     names = set(verdict.names) if verdict.status == "named" else set()
     played = [each.design.u for each in found.rounds]
     return {

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dea.discrepancy import Diagnosis
 from dea.resolution.rounds import Resolution, State
 
 if TYPE_CHECKING:
@@ -50,10 +49,10 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
             "status": over([_status(s) for s in states], "1", "verdict on all records so far"),
             "names": over([_names(s) for s in states], "1", "effects of that verdict"),
             "gap_before": over(
-                [_gap(s.diagnosis, False) for s in states], unit, "error of the simulation alone"
+                [_gap(s, False) for s in states], unit, "error of the simulation alone"
             ),
             "gap_after": over(
-                [_gap(s.diagnosis, True) for s in states], unit, "error with the named effects"
+                [_gap(s, True) for s in states], unit, "error with the named effects"
             ),
             "form": over([d.form if d else "" for d in designs], "1", "form of the excitation"),
             "closest": over(
@@ -79,7 +78,7 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
             "contract": "resolution",
             "outcome": str(found.outcome),
             "level": level,
-            "sentence": found.last.diagnosis.verdict.sentence,
+            "sentence": found.last.verdict.sentence,
         },
     )
     if found.certificate:
@@ -91,16 +90,17 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
 
 
 def _status(state: State) -> str:
-    verdict = state.diagnosis.verdict
+    verdict = state.verdict
     return verdict.status if verdict.whole else f"{verdict.status} in part"
 
 
 def _names(state: State) -> str:
-    verdict = state.diagnosis.verdict
+    verdict = state.verdict
     rivals = verdict.effects[0].rivals if verdict.effects else ()
     return " or ".join("+".join(each) for each in (verdict.names, *rivals) if each)
 
 
-def _gap(found: Diagnosis, extended: bool) -> float:
-    fitted = found.extended if extended else found.nominal
+def _gap(state: State, named: bool) -> float:
+    found = state.diagnosis
+    fitted = found.extended if named and not state.withdrawn else found.nominal
     return found.problem.seen_rmse(fitted.residual)

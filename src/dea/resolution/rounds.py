@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -14,6 +14,7 @@ from dea.discrepancy import (
     Diagnosis,
     Samples,
     Settings,
+    Verdict,
     certify_elsewhere,
     diagnose,
     misfit,
@@ -48,6 +49,7 @@ _TO_NEW = 0.5
 _SPARE = 1.2
 # Excitations that are drawn for the certificate, until one keeps the outputs in range.
 _DRAWS = 8
+_OUTSIDE = "No effect of the catalogue explains the designed records."
 _NOWHERE = (
     "no excitation was found that keeps the outputs in range which the explanations predict."
     " Raise `resolution.output_margin`, if the device bears it."
@@ -95,6 +97,7 @@ class State:
     """What is known after some records.
 
     ``explanations`` hold a hypothesis each by its name; ``posterior`` also holds ``another``.
+    ``withdrawn`` says that all of the former are rejected, so that no name is given.
     """
 
     records: "tuple[Record | xr.Dataset, ...]"
@@ -103,6 +106,15 @@ class State:
     posterior: Posterior
     error: LawError
     driven: float = 0.0
+    withdrawn: bool = False
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """The verdict on all records, without a name where every hypothesis is rejected."""
+        found = self.diagnosis.verdict
+        if not self.withdrawn:
+            return found
+        return replace(found, status="unknown", sentence=_OUTSIDE, effects=(), share=None)
 
     def open_hypotheses(self, level: float) -> frozenset[str]:
         """Return the hypotheses that are not rejected."""
@@ -313,7 +325,9 @@ def learnt(
         name: each for name, each in fitted.items() if name in posterior.now
     }
     driven = state.driven + samples.u.size * samples.interval
-    return State(records, found, explanations, posterior, now, driven), log_densities
+    after = State(records, found, explanations, posterior, now, driven)
+    withdrawn = after.outcome(options.level) is Outcome.OUTSIDE
+    return replace(after, withdrawn=withdrawn), log_densities
 
 
 def _offered(

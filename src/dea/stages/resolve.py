@@ -209,7 +209,7 @@ class Kept:
     def keep(self, found: Round) -> None:
         """Write the verdict and the probabilities after a round."""
         place = self.place(found.number)
-        found.after.diagnosis.verdict.write(place / "verdict.json")
+        found.after.verdict.write(place / "verdict.json")
         posterior = {
             name: {
                 "prior": found.after.posterior.prior[name],
@@ -383,13 +383,11 @@ def _write_json(path: Path, content: Mapping[str, Any]) -> None:
 
 def said(name: str, found: Resolution) -> str:
     """Return what a resolution found in a few lines."""
-    verdict = found.last.diagnosis.verdict
-    lines = [f"{name}: {verdict.sentence}"]
-    if found.outcome is resolution.Outcome.OUTSIDE:
-        lines = [f"{name}: no effect of the catalogue explains the designed records."]
-    lines.append(
-        f"{found.outcome}: {len(found.rounds)} designed records, {found.last.driven:g} s driven."
-    )
+    verdict = found.last.verdict
+    lines = [
+        f"{name}: {verdict.sentence}",
+        f"{found.outcome}: {len(found.rounds)} designed records, {found.last.driven:g} s driven.",
+    ]
     if found.certificate:
         before, after = found.certificate.before, found.certificate.after
         lines.append(f"On a fresh record: error {before:.3g} to {after:.3g} {verdict.unit}.")
