@@ -6,9 +6,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dea.discrepancy import NamedEffect, Verdict, read_verdict
-from dea.resolution import ANOTHER, Design, Outcome, Resolution, Round, State, resolution_dataset
+from dea.discrepancy import NamedEffect, Settings, Verdict, read_verdict
+from dea.resolution import (
+    ANOTHER,
+    Design,
+    Options,
+    Outcome,
+    Resolution,
+    Round,
+    State,
+    resolution_dataset,
+)
 from dea.resolution.posterior import Posterior
+from dea.resolution.rounds import _offered
 from dea.stages.resolve import said
 
 PRIOR = {"none": 0.1, "a": 0.4, "b": 0.3, "a+b": 0.1, ANOTHER: 0.1}
@@ -36,6 +46,9 @@ def state(now, status="named", names=("a",), whole=True):
         ({"a": 0.9, "b": 0.1}, {}, Outcome.OPEN),
         ({"a": 0.9, "none": 0.1}, {}, Outcome.OPEN),
         ({"a": 0.9, ANOTHER: 0.1}, {}, Outcome.OPEN),
+        ({"none": 1.0}, {"status": "none", "names": ()}, Outcome.ALONE),
+        ({"none": 1.0}, {}, Outcome.ALONE),
+        ({"none": 0.9, "a": 0.1}, {"status": "none", "names": ()}, Outcome.OPEN),
         ({ANOTHER: 1.0}, {}, Outcome.OUTSIDE),
         ({ANOTHER: 1.0}, {"status": "unknown", "names": ()}, Outcome.OUTSIDE),
     ],
@@ -50,7 +63,14 @@ def test_what_is_left_follows_the_level():
     assert found.open_hypotheses(0.1) == {"a"}
 
 
-def test_a_name_whose_every_hypothesis_is_rejected_is_given_nowhere(tmp_path):
+@pytest.mark.parametrize(
+    ("outcome", "status", "sentence"),
+    [
+        (Outcome.OUTSIDE, "unknown", "No effect of the catalogue explains"),
+        (Outcome.ALONE, "none", "The simulation alone explains"),
+    ],
+)
+def test_a_name_that_is_withdrawn_is_given_nowhere(tmp_path, outcome, status, sentence):
     """Neither by the line that is said, nor by the dataset, nor by the verdict that is kept."""
     effect = NamedEffect("a", "input", "lag", {}, 2.0, 1.0, (0.7, 0.6, 0.8))
     named = Verdict("named", "It is a.", (effect,), {}, 0.1, {}, "mm")
@@ -61,15 +81,23 @@ def test_a_name_whose_every_hypothesis_is_rejected_is_given_nowhere(tmp_path):
         nominal=SimpleNamespace(residual=2.0), extended=SimpleNamespace(residual=1.0),
     )  # fmt: skip
     first = replace(found, diagnosis=diagnosis)
-    last = replace(first, withdrawn=True)
+    last = replace(first, withdrawn=outcome)
     design = Design(np.zeros(3), -1.0, ("a", "b"), 1.0, "free")
-    whole = Resolution(first, (Round(1, design, {}, first, last),), Outcome.OUTSIDE)
+    whole = Resolution(first, (Round(1, design, {}, first, last),), outcome)
     dataset = resolution_dataset(whole, 0.01)
     assert list(dataset["names"].values) == ["a", ""]
-    assert list(dataset["status"].values) == ["named", "unknown"]
+    assert list(dataset["status"].values) == ["named", status]
     assert list(dataset["gap_after"].values) == [1.0, 2.0]
     for words in (dataset.attrs["sentence"], said("film", whole)):
-        assert "No effect of the catalogue explains" in words
+        assert sentence in words
         assert "It is a." not in words
     last.verdict.write(tmp_path / "verdict.json")
     assert read_verdict(tmp_path / "verdict.json").names == ()
+
+
+def test_where_only_the_simulation_alone_is_left_all_effects_asked_for_are_offered():
+    settings = Settings(effects=("a", "b", "c"))
+    left = state({"none": 1.0})
+    assert _offered(left, left.posterior, settings, Options()) == ("a", "b", "c")
+    left = state({"none": 0.5, "a": 0.5})
+    assert _offered(left, left.posterior, settings, Options()) == ("a",)

@@ -22,6 +22,7 @@ from dea.discrepancy import (
     signals_of,
     transferable,
 )
+from dea.discrepancy.decision import Status
 from dea.errors import InputError
 from dea.progress import part_of, tell
 from dea.resolution.design import Design, Forms, Question, designed, likeliest
@@ -49,7 +50,6 @@ _TO_NEW = 0.5
 _SPARE = 1.2
 # Excitations that are drawn for the certificate, until one keeps the outputs in range.
 _DRAWS = 8
-_OUTSIDE = "No effect of the catalogue explains the designed records."
 _NOWHERE = (
     "no excitation was found that keeps the outputs in range which the explanations predict."
     " Raise `resolution.output_margin`, if the device bears it."
@@ -63,7 +63,15 @@ class Outcome(StrEnum):
     DECIDED = "decided"
     PART = "decided in part"
     OUTSIDE = "outside"
+    ALONE = "nothing is missing"
     OPEN = "open"
+
+
+# Status and sentence of the verdict where no hypothesis with an effect is left.
+_WITHOUT_NAME = {
+    Outcome.OUTSIDE: (Status.UNKNOWN, "No effect of the catalogue explains the designed records."),
+    Outcome.ALONE: (Status.NONE, "The simulation alone explains the designed records."),
+}
 
 
 @dataclass(frozen=True)
@@ -97,7 +105,7 @@ class State:
     """What is known after some records.
 
     ``explanations`` hold a hypothesis each by its name; ``posterior`` also holds ``another``.
-    ``withdrawn`` says that all of the former are rejected, so that no name is given.
+    ``withdrawn`` is the outcome where it leaves no effect, so that no name is given.
     """
 
     records: "tuple[Record | xr.Dataset, ...]"
@@ -106,27 +114,30 @@ class State:
     posterior: Posterior
     error: LawError
     driven: float = 0.0
-    withdrawn: bool = False
+    withdrawn: Outcome | None = None
 
     @cached_property
     def verdict(self) -> Verdict:
-        """The verdict on all records, without a name where every hypothesis is rejected."""
+        """The verdict on all records, without a name where no hypothesis with an effect is left."""
         found = self.diagnosis.verdict
-        if not self.withdrawn:
+        if self.withdrawn is None:
             return found
-        return replace(found, status="unknown", sentence=_OUTSIDE, effects=(), share=None)
+        status, sentence = _WITHOUT_NAME[self.withdrawn]
+        return replace(found, status=status, sentence=sentence, effects=(), share=None)
 
     def open_hypotheses(self, level: float) -> frozenset[str]:
         """Return the hypotheses that are not rejected."""
         return frozenset(self.posterior.now) - self.posterior.rejected(level)
 
     def outcome(self, level: float) -> Outcome:
-        """Return whether all hypotheses that are left contain the verdict, or none is left."""
+        """Return whether all hypotheses that are left hold the verdict, or none has an effect."""
         left = self.open_hypotheses(level)
         if left <= {ANOTHER}:
             return Outcome.OUTSIDE
+        if left == {NONE}:
+            return Outcome.ALONE
         verdict = self.diagnosis.verdict
-        if verdict.status != "named" or ANOTHER in left:
+        if verdict.status != Status.NAMED or ANOTHER in left:
             return Outcome.OPEN
         named = set(verdict.names)
         if not all(named <= self.explanations[name].effects for name in left):
@@ -202,7 +213,7 @@ def resolve(
     halted = ""
     undecided = (Outcome.OPEN, Outcome.PART)
     while state.outcome(options.level) in undecided and len(rounds) < options.records:
-        if not rounds and state.diagnosis.verdict.status == NONE:
+        if not rounds and state.verdict.status == Status.NONE:
             break
         number = len(rounds) + 1
         design = desk.design(number, partial(next_design, state, limits, settings, options, number))
@@ -326,19 +337,24 @@ def learnt(
     }
     driven = state.driven + samples.u.size * samples.interval
     after = State(records, found, explanations, posterior, now, driven)
-    withdrawn = after.outcome(options.level) is Outcome.OUTSIDE
+    outcome = after.outcome(options.level)
+    withdrawn = outcome if outcome in _WITHOUT_NAME else None
     return replace(after, withdrawn=withdrawn), log_densities
 
 
 def _offered(
     state: State, posterior: Posterior, settings: Settings, options: Options
 ) -> tuple[str, ...]:
-    """Return the effects of the hypotheses that are left; all while another one may be right."""
+    """Return the effects of the hypotheses that are left; all while another one may be right.
+
+    All, too, where none of those that are left has one.
+    """
     left = frozenset(posterior.now) - posterior.rejected(options.level)
     if ANOTHER in left:
         return settings.effects
     effects: set[str] = set()
-    return tuple(sorted(effects.union(*(state.explanations[name].effects for name in left))))
+    effects = effects.union(*(state.explanations[name].effects for name in left))
+    return tuple(sorted(effects)) or settings.effects
 
 
 def _certified(
