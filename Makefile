@@ -13,7 +13,7 @@ export OMP_NUM_THREADS := 1
 PLACE := $(if $(PROFILE),--workflow-profile workflow/profiles/default \
 	--profile workflow/profiles/$(PROFILE) --jobs $(or $(JOBS),100),\
 	--profile workflow/profiles/default --cores $(CORES))
-SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --logger progress \
+SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --nolock --logger progress \
 	$(PLACE)
 
 comma := ,
@@ -87,8 +87,8 @@ diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=
 resolve: $(VENV)/installed ## designed records until one explanation is left: make resolve NAME=dea1
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make resolve NAME=dea1))
 	$(SNAKEMAKE) $(NAME:%=resolvable_%)
-	python -m dea.stages.resolve $(NAME) --threads $(CORES) $(if $(OPERATOR),--operator "$(OPERATOR)")
-	python -m dea.audit --collect
+	workflow/alone.sh python -m dea.stages.resolve $(NAME) --threads $(CORES) \
+		$(if $(OPERATOR),--operator "$(OPERATOR)")
 
 resolution-trials: $(VENV)/installed ## how often designed records decide (COUNT=20 SET=ambiguous_tuning)
 	python -m benchmarks.resolution --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %)

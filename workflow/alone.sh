@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Run a command of Snakemake as the only run of this project: alone.sh snakemake TARGET...
-# A run that is killed frees this lock, and would leave Snakemake's own. Where the run before was
+# Run a command that makes results as the only run of this project: alone.sh COMMAND ARGUMENT...
+# A run that is killed frees this lock, and would leave Snakemake's own (--nolock). Where the run before was
 # killed at its very end, nothing is left to do but the manifest.
 set -euo pipefail
 mkdir -p build
 # The lock's file holds the process that has it.
 flock --nonblock --conflict-exit-code 75 build/lock \
-    bash -c 'echo $$ > build/lock; exec "$@"' run "$@" --nolock || {
+    bash -c 'echo $$ > build/lock; exec "$@"' run "$@" || {
     status=$?
     test $status -ne 75 || echo "error: another run of this project, process $(cat build/lock), has" \
         "not ended yet. Wait for it, or end it: kill -INT $(cat build/lock)" >&2

@@ -109,6 +109,7 @@ def hand_in(file, key, u, seed):
 
 def test_a_case_is_resolved_by_hand(case, capsys):
     folder = Path("results/resolve/carriage")
+    Path("results/MANIFEST.json").touch()
     main(["carriage", "--threads", "1"])
     assert "Next: results/resolve/carriage/next_experiment.md" in capsys.readouterr().out
     page = (folder / "next_experiment.md").read_text()
@@ -135,6 +136,11 @@ def test_a_case_is_resolved_by_hand(case, capsys):
     assert "On a fresh record: error" in said
     assert not (folder / "next_experiment.md").exists()
     found = store.read(folder / "resolution.nc")
+    for key in ("resolve_1", "resolve_fresh"):
+        file = Path(f"results/carriage/further/{key}.nc")
+        assert found.attrs[f"sha256_{key}"] == store.sha256(file)
+    # Results have changed: what lists them is made again when the run has ended.
+    assert not Path("results/MANIFEST.json").exists()
     assert found["names"].values[-1] == "transport_delay"
     assert (folder / "probability.pdf").stat().st_size > 1000
     assert "carriage" in (folder.parent / "rounds.md").read_text()
@@ -151,6 +157,9 @@ def test_a_case_is_resolved_by_hand(case, capsys):
     ],
 )
 def test_what_cannot_be_resolved_is_said_in_one_line(case, capsys, name, said):
+    stale = Path("results/carriag/record.nc")
+    stale.parent.mkdir()
+    stale.touch()
     with pytest.raises(SystemExit) as exit_:
         main([name])
     assert exit_.value.code == 2

@@ -4,7 +4,7 @@ import argparse
 import getpass
 import json
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dea import acquisition, archive, modbus, resolution, seeds, store
+from dea.audit import withdraw
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.case import Case, read_cases
@@ -51,12 +52,16 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     actuators = {actuator.name: actuator for actuator in study.actuators}
     folder = results / "resolve" / name
     first = results / name / "record.nc"
+    if name not in actuators and name not in cases:
+        raise _no_such(name, [*actuators, *cases])
     if not first.exists():
-        raise _no_record(name, {**actuators, **cases}, first)
+        raise InputError("there is no record", file=first, remedy=f"Make it: make {first}")
+    withdraw()
     records = [store.read_record(first).isel(time=slice(study.resolution.first))]
     leaves = written(study) | {"system": name, "split": {}}
     simulation = study.discrepancy.simulation
     desk: Driven | ByHand
+    given: list[str] = []
     options = Options(
         study.resolution.records,
         study.resolution.duration,
@@ -78,8 +83,8 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
             )
         simulation = case.simulation
         leaves["split"] = written(case.split) if case.split else {}
-        further = [key for key in case.records if not key.startswith(_PREFIX)]
-        records += [store.read_record(results / name / "further" / f"{k}.nc") for k in further]
+        given = [key for key in case.records if not key.startswith(_PREFIX)]
+        records += [store.read_record(results / name / "further" / f"{k}.nc") for k in given]
         limits = _of_records(study, records)
         desk = ByHand(folder, first, limits, results / name / "further", case)
     found = resolution.resolve(
@@ -87,11 +92,17 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         settings=Settings.of(leaves), options=options, workers=threads,
     )  # fmt: skip
     desk.finish(found)
+    driven = [each.number for each in found.rounds]
+    driven += [CERTIFICATE] if found.certificate else []
     store.write(
         resolution.resolution_dataset(found, options.level),
         folder / "resolution.nc",
         title=f"Explanations of {name}, round by round",
-        inputs={"record": first},
+        inputs={
+            "record": first,
+            **{key: results / name / "further" / f"{key}.nc" for key in given},
+            **{_key(number): desk.file(number) for number in driven},
+        },
         settings=leaves,
         seed=study.seed,
     )
@@ -112,9 +123,7 @@ def _show_rounds(folder: Path, dots_per_inch: int) -> None:
     save(tabulated(every), *(folder.parent / f"rounds.{kind}" for kind in ("csv", "md", "tex")))
 
 
-def _no_record(name: str, known: Mapping[str, Any], first: Path) -> InputError:
-    if name in known:
-        return InputError("there is no record", file=first, remedy=f"Make it: make {first}")
+def _no_such(name: str, known: Sequence[str]) -> InputError:
     return InputError(
         f"there is no actuator or case {name!r}",
         file=FILE,
@@ -165,6 +174,10 @@ class Kept:
     def place(self, number: int) -> Path:
         """Return the folder of a designed record."""
         return self.folder / ("certificate" if number == CERTIFICATE else f"round_{number}")
+
+    def file(self, number: int) -> Path:
+        """Return the file of a designed record."""
+        raise NotImplementedError
 
     def recorded(self, number: int) -> bool:
         """Return whether there is a record of the excitation that is kept."""
@@ -239,15 +252,19 @@ class Driven(Kept):
     device: modbus.Device
     operator: str
 
+    def file(self, number: int) -> Path:
+        """Return the file of a record, beside its design."""
+        return self.place(number) / "record.nc"
+
     def recorded(self, number: int) -> bool:
         """Return whether it has been driven."""
-        if (self.place(number) / "record.nc").exists():
+        if self.file(number).exists():
             return True
         return not self.actuator.bench and bool(self._archived(self._settings(number)))
 
     def record(self, number: int, u: np.ndarray) -> "xr.Dataset":
         """Return the record of an excitation, which is driven where there is none yet."""
-        file = self.place(number) / "record.nc"
+        file = self.file(number)
         if not file.exists():
             acquisition.check_excitation(self.device, u)
             (self._drive if self.actuator.bench else self._archive)(number, u, file)
@@ -326,6 +343,10 @@ class ByHand(Kept):
     further: Path
     case: Case
 
+    def file(self, number: int) -> Path:
+        """Return the file of a record as the workflow has imported it."""
+        return self.further / f"{_key(number)}.nc"
+
     def recorded(self, number: int) -> bool:
         """Return whether it was handed in."""
         return _key(number) in self.case.records
@@ -335,7 +356,7 @@ class ByHand(Kept):
         key = _key(number)
         if key not in self.case.records:
             return None
-        found = store.read_record(self.further / f"{key}.nc")
+        found = store.read_record(self.file(number))
         if not _plays(store.signals(found).u, u):
             raise InputError(
                 f"its input is not the excitation of {self.place(number) / 'excitation.csv'}",
