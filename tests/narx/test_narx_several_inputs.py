@@ -19,6 +19,7 @@ from dea.narx import (
     regressor_matrix,
     simulate_varying,
 )
+from dea.narx.stability import Trials
 from dea.terms import Term
 
 PLANT = {
@@ -165,6 +166,23 @@ def test_stability_holds_no_input_outside_its_range():
     assert (report.inputs >= u.min(axis=0)).all()
     assert (report.inputs <= u.max(axis=0)).all()
     assert report.stable
+
+
+@pytest.mark.parametrize(("inputs", "diagonals"), [(2, 2), (3, 4), (4, 8), (5, 8), (12, 8)])
+def test_stability_tries_distinct_diagonals_and_no_more_than_eight(inputs, diagonals):
+    u = excitation(60, inputs)
+    first, again = (Trials([(u, u[:, 0])]) for _ in range(2))
+    np.testing.assert_array_equal(first.lines, again.lines)
+    together = first.lines[inputs:]
+    assert len(together) == diagonals
+    assert len({tuple(line[0]) for line in together} | {tuple(line[-1]) for line in together}) == (
+        2 * diagonals
+    )
+    low, high = u.min(axis=0), u.max(axis=0)
+    for line in together:
+        for ends in (line[0], line[-1]):
+            assert np.all((ends == low) | (ends == high))
+        assert line[0, 0] == low[0]
 
 
 def test_stability_tries_the_inputs_together():

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from dea.narx.checks import Array
 from dea.narx.rest import Rests, rests_over
@@ -18,6 +19,7 @@ LEEWAY = 3.0  # times the largest measured output that a run on inputs of the cl
 DIVERGED = 100.0  # times the same, beyond which a hold has diverged
 SLOWEST = 0.2  # share of the record that a pole's time constant may last
 _LEVELS, _HOLDS, _RUNS, _SURROGATES = 41, 20, 100, 20
+_DIAGONALS = 8  # along which several inputs are varied together, at most
 _LONGEST = 20_000  # samples of an input that random ones are drawn from
 _SHORTEST = 5_000  # samples of a long run
 
@@ -36,8 +38,8 @@ class Stability:
         Constant inputs over the record's range and the rests there in physical units, and the
         largest modulus of the poles; shape (levels,). Several inputs, shape (levels, inputs), are
         varied one by one, the others at their offsets or where their range comes nearest to them,
-        and together from corner to corner. Where there is no rest the output is NaN and the
-        modulus infinite.
+        and together from corner to corner, along eight diagonals at most. Where there is no rest
+        the output is NaN and the modulus infinite.
     holds, runs, surrogates
         Bounded runs and runs in all: holds at levels over the range; random inputs with the values
         and the spectrum of the record's; phase-randomised inputs with its spectrum. Runs on such
@@ -230,7 +232,7 @@ def _lines(u: Array, count: int) -> list[Array]:
     """Return constant inputs along lines through the range of ``u``.
 
     Each input is varied by itself, the others at zero or at the end of their range nearest to it;
-    several also together, along the diagonals of their range.
+    several also together, along diagonals of their range.
     """
     low, high = u.min(axis=0), u.max(axis=0)
     if u.ndim == 1:
@@ -240,10 +242,26 @@ def _lines(u: Array, count: int) -> list[Array]:
         line = np.tile(np.clip(0.0, low, high), (count, 1))
         line[:, column] = np.linspace(low[column], high[column], count)
         lines.append(line)
-    for signs in product((False, True), repeat=low.size - 1):
-        falls = np.array([False, *signs])
-        lines.append(np.linspace(np.where(falls, high, low), np.where(falls, low, high), count))
-    return lines
+    return lines + [
+        np.linspace(np.where(falls, high, low), np.where(falls, low, high), count)
+        for falls in _diagonals(low.size)
+    ]
+
+
+def _diagonals(inputs: int) -> NDArray[np.bool_]:
+    """Return which inputs fall along each diagonal of their range, on which the first one rises.
+
+    There are 2^(inputs - 1); of more than eight, eight are drawn, the same each time.
+    """
+    if 2 ** (inputs - 1) <= _DIAGONALS:
+        return np.array([(False, *signs) for signs in product((False, True), repeat=inputs - 1)])
+    rng = np.random.default_rng(0)
+    drawn: dict[bytes, NDArray[np.bool_]] = {}
+    while len(drawn) < _DIAGONALS:
+        falls = rng.random(inputs) < 0.5
+        falls[0] = False
+        drawn[falls.tobytes()] = falls
+    return np.array(list(drawn.values()))
 
 
 def _repeated(u: Array, copies: int) -> Array:
