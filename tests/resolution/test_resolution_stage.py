@@ -15,6 +15,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
 from dea.resolution import CERTIFICATE, Design
+from dea.resolution.excitation import express, genes
 from dea.stages.resolve import Driven, _of_device, _plays, main, resolve
 
 pytestmark = pytest.mark.slow
@@ -98,6 +99,18 @@ def case(tmp_path, monkeypatch):
 def test_an_input_played_by_hand_may_be_a_little_off(change, taken):
     u = np.sin(np.arange(300) / 10)
     assert _plays(change(u), u) is taken
+
+
+@pytest.mark.parametrize("shift", [-2, -1, 1, 2])
+def test_an_input_may_be_a_sample_late_however_fast_it_moves(shift):
+    """The sines of a design reach an eighth of the sampling rate."""
+    rng = np.random.default_rng(0)
+    wide = replace(LIMITS, rate=1e9)
+    for _ in range(20):
+        u = express(rng.random(genes()), 20.0, wide)
+        played = np.roll(u, shift)
+        assert _plays(played, u)
+        assert not _plays(express(rng.random(genes()), 20.0, wide), u)
 
 
 def hand_in(file, key, u, seed):

@@ -33,8 +33,9 @@ CASES = Path("config/cases")
 # Name of a designed record: the excitation of a record of hardware, the key in a case.
 _PREFIX = "resolve_"
 # Part of a designed record that must be there, and by which part of its deviation the input may be
-# off (root mean square): it may be measured, or played a sample late.
+# off (root mean square), since it may be measured; and the samples by which it may be late.
 _LEAST, _OFF = 0.95, 0.25
+_LATE = 2
 
 
 def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> Resolution:
@@ -388,9 +389,17 @@ class ByHand(Kept):
 
 def _plays(played: np.ndarray, asked: np.ndarray) -> bool:
     """Return whether an input that was recorded is the one asked for, but for noise and ends."""
-    common = min(played.size, asked.size)
-    off = np.sqrt(np.mean((played[:common] - asked[:common]) ** 2))
-    return common >= _LEAST * asked.size and bool(off <= _OFF * np.std(asked))
+    allowed = _OFF * np.std(asked)
+    return any(_off(played, asked, shift) <= allowed for shift in range(-_LATE, _LATE + 1))
+
+
+def _off(played: np.ndarray, asked: np.ndarray, shift: int) -> float:
+    """Return the root mean square by which an input is off, if it was played this much late."""
+    late, early = played[max(shift, 0) :], asked[max(-shift, 0) :]
+    common = min(late.size, early.size)
+    if common < _LEAST * asked.size:
+        return np.inf
+    return float(np.sqrt(np.mean((late[:common] - early[:common]) ** 2)))
 
 
 def _key(number: int) -> str:
