@@ -181,6 +181,17 @@ def test_what_cannot_be_resolved_is_said_in_one_line(case, capsys, name, said):
     assert message.count("\n") == 1
 
 
+def test_a_diagnosis_that_is_ended_says_so_in_one_line(case, capsys, monkeypatch):
+    def ended(*arguments, **settings):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("dea.resolution.resolve", ended)
+    with pytest.raises(SystemExit) as exit_:
+        main(["carriage"])
+    assert exit_.value.code == 130
+    assert "the same command goes on" in capsys.readouterr().err
+
+
 def test_a_case_without_physics_and_a_changed_excitation_are_refused(case, capsys):
     content = yaml.safe_load(case.read_text())
     case.write_text(yaml.safe_dump({k: v for k, v in content.items() if k != "simulation"}))

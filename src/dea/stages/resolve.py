@@ -460,6 +460,9 @@ def main(arguments: list[str] | None = None) -> None:
     except acquisition.Interrupted as signal:
         print(f"ended by {signal}; the output is at zero", file=sys.stderr)
         raise SystemExit(130) from None
+    except KeyboardInterrupt:
+        print("ended; the same command goes on from the records that there are", file=sys.stderr)
+        raise SystemExit(130) from None
 
 
 if __name__ == "__main__":
