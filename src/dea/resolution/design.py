@@ -2,10 +2,11 @@
 
 For two explanations of equal covariance at the squared distance d² the probability to take one for
 the other is bounded by √(π₁ π₂) exp(-d²/8), with probabilities π (Bhattacharyya's bound: Kailath
-1967, IEEE Transactions on Communication Technology 15:52). The sum over all pairs bounds the
-probability of a wrong answer. Its minimum is that of Atkinson and Fedorov (1975, Biometrika 62:57
-and 289), who maximise the distance that refitting the closest rival leaves, for a set of
-explanations, each as probable as it is: the closest probable pair dominates the sum.
+1967, IEEE Transactions on Communication Technology 15:52). The sum of these over all pairs is the
+criterion. It is no bound itself: each rival is refitted with a covariance of its own, and d² is the
+smaller of both ways round. Its minimum is that of Atkinson and Fedorov (1975, Biometrika 62:57 and
+289), who maximise the distance that refitting the closest rival leaves, for a set of explanations,
+each as probable as it is: the closest probable pair dominates the sum.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -65,8 +66,8 @@ class Design:
     Parameters
     ----------
     log_bound
-        Logarithm of the bound on the probability of a wrong answer; larger where separation is
-        worse.
+        Logarithm of the criterion, which stands for the probability of a wrong answer; larger where
+        separation is worse.
     closest
         Names of the two explanations that contribute most to it, and their distance in units of the
         error; none, at an infinite distance, where there is one explanation alone.
@@ -188,7 +189,7 @@ def designed(
     durations
         The shortest and the longest in s.
     needed
-        Bound on the probability of a wrong answer that is low enough.
+        Value of the criterion that is low enough.
 
     Returns
     -------
