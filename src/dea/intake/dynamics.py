@@ -12,7 +12,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.narx import NarxModel, Scaling, candidate_terms, estimate, rmse, scaling_of
+from dea.narx import NarxModel, Scaling, candidate_terms, estimate, input_count, rmse, scaling_of
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ def linear_dynamics(u: Array, y: Array) -> Dynamics:
         A stretch without a missing sample, shape (samples,), of :func:`samples_needed` at least;
         several inputs are the columns of ``u``.
     """
-    inputs = u.shape[1] if u.ndim == 2 else 1
+    inputs = input_count(u)
     split = int(_LEARNT * y.size)
     longest = min(_DELAYS, split // (4 * _PER_UNKNOWN))
     orders = [order for order in _ORDERS if _PER_UNKNOWN * _unknowns(inputs, order) <= split]

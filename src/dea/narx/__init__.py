@@ -3,7 +3,7 @@
 from dea.narx.autoregression import fit_autoregression, whiten
 from dea.narx.baselines import baselines, constant
 from dea.narx.candidate_terms import candidate_terms, linear_terms
-from dea.narx.checks import as_signal
+from dea.narx.checks import as_signal, input_count
 from dea.narx.common import compare_structures
 from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
 from dea.narx.forecast import ForecastPlan, forecast_errors
@@ -68,6 +68,7 @@ __all__ = [
     "fpe",
     "held_out_error",
     "inclusion_frequency",
+    "input_count",
     "linear_model",
     "linear_terms",
     "load_published",

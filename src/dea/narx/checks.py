@@ -57,6 +57,12 @@ def as_input(values: ArrayLike, name: str = "u") -> Array:
     return np.asfortranarray(numbers)
 
 
+def input_count(u: ArrayLike) -> int:
+    """Return how many inputs ``u`` holds: its columns, or one."""
+    shape = np.shape(u)
+    return int(shape[1]) if len(shape) == 2 else 1
+
+
 def by_input(u: Array) -> Array:
     """Return one input or several as contiguous rows, shape (inputs, samples)."""
     return np.ascontiguousarray(u.reshape(1, -1) if u.ndim == 1 else u.T)

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from dea.errors import InputError
 from dea.narx.autoregression import fit_autoregression
-from dea.narx.checks import Array, as_record
+from dea.narx.checks import Array, as_record, input_count
 from dea.narx.model import NarxModel
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
@@ -137,7 +137,7 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
     records = [
         as_record(one, other, lag, terms) for one, other in zip(inputs, outputs, strict=True)
     ]
-    counts = sorted({u.shape[1] if u.ndim == 2 else 1 for u, _ in records})
+    counts = sorted({input_count(u) for u, _ in records})
     if len(counts) > 1:
         raise InputError(
             f"records with {' and '.join(map(str, counts))} inputs",

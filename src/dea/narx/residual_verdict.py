@@ -14,7 +14,7 @@ import numpy as np
 from scipy.stats import chi2
 from scipy.stats import f as fisher
 
-from dea.narx.checks import Array, by_input
+from dea.narx.checks import Array, by_input, input_count
 from dea.narx.residuals import TESTS, each_test, product
 
 WHITENESS, *INPUT_TESTS = TESTS
@@ -57,7 +57,7 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
         Of a residual that is not finite, p-values of 0 and everything explained; of a constant
         one, p-values of 1 and nothing explained.
     """
-    count = len(each_test(u.shape[1] if u.ndim == 2 else 1))
+    count = len(each_test(input_count(u)))
     if not np.isfinite(e).all():
         return JointTests(np.zeros(count), np.ones(count))
     residual, inputs = e - e.mean(), by_input(u - u.mean(axis=0))

@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from dea.narx.checks import Array, by_input
+from dea.narx.checks import Array, by_input, input_count
 
 # Which two signals each test correlates, from residual e and input u; the second is delayed.
 TESTS: dict[str, Callable[[Array, Array], tuple[Array, Array]]] = {
@@ -44,7 +44,7 @@ def correlation_tests(e: Array, u: Array, max_lag: int) -> Array:
         Shape (tests in the order of :func:`each_test`, max_lag). ``inf`` where the residual is,
         that is where the model diverged; 0 where a signal is constant.
     """
-    tests = each_test(u.shape[1] if u.ndim == 2 else 1)
+    tests = each_test(input_count(u))
     if not np.isfinite(e).all():
         return np.full((len(tests), max_lag), np.inf)
     centred = by_input(u - u.mean(axis=0))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dea.errors import InputError
-from dea.narx.checks import Array
+from dea.narx.checks import Array, input_count
 
 PerInput = float | tuple[float, ...]
 
@@ -68,7 +68,7 @@ class Scaling:
         """
         if self.inputs and (u.ndim == 1 or u.shape[1] != self.inputs):
             raise InputError(
-                f"{1 if u.ndim == 1 else u.shape[1]} of {self.inputs} inputs",
+                f"{input_count(u)} of {self.inputs} inputs",
                 field="u",
                 remedy="Give all inputs that the model is of, as columns in their order.",
             )

@@ -10,6 +10,7 @@ import numpy as np
 from dea.errors import InputError
 from dea.narx.candidate_models import CandidateModels, Segment
 from dea.narx.candidate_terms import InputLags, Lags, candidate_terms
+from dea.narx.checks import input_count
 from dea.narx.descent import Descent
 from dea.narx.estimation import (
     Signals,
@@ -203,8 +204,7 @@ def _candidates(
 def _inputs_in(u: Signals | Record | Sequence[Record]) -> int:
     """Return how many inputs one or several records have, by the first."""
     records = records_in(u)
-    shape = np.shape(records[0].u if records else listed(cast(Signals, u))[0])
-    return shape[1] if len(shape) == 2 else 1
+    return input_count(records[0].u if records else listed(cast(Signals, u))[0])
 
 
 def _linear(candidates: Sequence[Term]) -> int:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
 from dea.missing import filled, stretches
-from dea.narx.checks import Array, as_record
+from dea.narx.checks import Array, as_record, input_count
 from dea.narx.estimation import estimate, normalised
 from dea.narx.metrics import fit, fpe, nmse, rmse, squared
 from dea.narx.model import NarxModel
@@ -111,7 +111,7 @@ def validate(
     """
     driving, recorded = as_record(u, y, missing=True)
     outputs, seen = filled(recorded)
-    count = driving.shape[1] if driving.ndim == 2 else 1
+    count = input_count(driving)
     names = list(inputs) or [input_symbol(k, count) for k in range(count)]
     spans = _spans(windows, sampling_rate, outputs.size)
     samples = spans[0][1].stop - spans[0][1].start
