@@ -2,8 +2,8 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 from dea.errors import InputError
 
@@ -166,6 +166,18 @@ def max_lag(terms: Iterable[Term]) -> int:
 def input_symbol(column: int, count: int) -> str:
     """Return what terms call the input of a column, from 0, of so many: ``u``, or ``u1``."""
     return "u" if count == 1 else f"u{column + 1}"
+
+
+def static_value(powers: Mapping[int, int], levels: Any) -> Any:
+    """Return the product of constant inputs to their powers, as ``input_powers`` of a term tells.
+
+    ``levels`` holds one number for each input, or one array; then so is the product, but for a
+    product of no inputs, which is 1.
+    """
+    value: Any = 1.0
+    for column, power in powers.items():
+        value = value * levels[column] ** power
+    return value
 
 
 def numbered_inputs(terms: Iterable[Term]) -> int | None:

@@ -1,11 +1,12 @@
 import re
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dea.errors import InputError
-from dea.terms import Term, is_term, numbered_inputs
+from dea.terms import Term, is_term, numbered_inputs, static_value
 
 terms = st.builds(
     Term.of,
@@ -146,3 +147,11 @@ def test_terms_say_how_many_inputs_they_name():
 def test_every_input_lag_needs_a_number(lags, inputs):
     with pytest.raises(InputError, match="Number the inputs from 1"):
         Term.of((), lags, inputs)
+
+
+def test_the_value_of_constant_inputs_is_a_number_or_an_array_like_their_levels():
+    powers = Term.parse("y(t-1)u1(t-1)u1(t-3)u3(t-1)").input_powers
+    assert static_value(powers, [3.0, 5.0, 2.0]) == 18.0
+    levels = np.array([[3.0, -1.0], [5.0, 5.0], [2.0, 4.0]])
+    np.testing.assert_array_equal(static_value(powers, levels), [18.0, 4.0])
+    assert static_value(Term.parse("y(t-2)").input_powers, [3.0]) == 1.0

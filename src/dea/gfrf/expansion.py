@@ -1,13 +1,13 @@
 """The polynomial of a NARX model, written around an operating point."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import chain, combinations
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.terms import Term
+from dea.terms import Term, static_value
 
 Array = NDArray[np.float64]
 Polynomial = dict[Term, Array]
@@ -35,6 +35,7 @@ def expand(terms: Sequence[Term], theta: Any, y0: Any, u0: Array) -> dict[Term, 
         the constant left out: it is y0 itself where y0 solves the static polynomial.
     """
     expanded: dict[Term, Any] = {}
+    levels = u0.tolist()
     for j, term in enumerate(terms):
         for y_kept in _subsets(len(term.y_lags)):
             for u_kept in _subsets(len(term.u_lags)):
@@ -44,7 +45,7 @@ def expand(terms: Sequence[Term], theta: Any, y0: Any, u0: Array) -> dict[Term, 
                     tuple(term.inputs[i] for i in u_kept if term.inputs),
                 )
                 y_power = len(term.y_lags) - len(y_kept)
-                level = _static_value(term.input_powers - monomial.input_powers, u0)
+                level = static_value(term.input_powers - monomial.input_powers, levels)
                 if monomial == Term() or level == 0.0:
                     continue
                 share = theta[..., j] * y0**y_power * level
@@ -61,21 +62,10 @@ def static_polynomial(terms: Sequence[Term], theta: Array, u0: Array) -> Array:
     degree = max(1, *(len(term.y_lags) for term in terms))
     coefficients = np.zeros(degree + 1)
     coefficients[1] = -1.0
+    levels = u0.tolist()
     for term, parameter in zip(terms, theta, strict=True):
-        coefficients[len(term.y_lags)] += parameter * static_value(term, u0)
+        coefficients[len(term.y_lags)] += parameter * static_value(term.input_powers, levels)
     return coefficients
-
-
-def static_value(term: Term, u0: Array) -> float:
-    """Return the product of the input factors of a term at constant inputs, shape (inputs,)."""
-    return _static_value(term.input_powers, u0)
-
-
-def _static_value(powers: Mapping[int, int], u0: Array) -> float:
-    value = 1.0
-    for column, power in powers.items():
-        value *= float(u0[column]) ** power
-    return value
 
 
 def spectral_radius(expanded: Polynomial) -> Array:

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
-from dea.gfrf.expansion import expand, spectral_radius, static_polynomial, static_value
+from dea.gfrf.expansion import expand, spectral_radius, static_polynomial
 from dea.narx import simulate
-from dea.terms import Term, max_lag
+from dea.terms import Term, max_lag, static_value
 
 Array = NDArray[np.float64]
 
@@ -83,7 +83,8 @@ def rest_slope(terms: Sequence[Term], theta: Array, y0: Array, u0: Array) -> Arr
     theta, y0
         Parameters (sets, terms) and their rests (sets,), normalised.
     """
-    powers = [(len(term.y_lags), static_value(term, u0)) for term in terms]
+    levels = u0.tolist()
+    powers = [(len(term.y_lags), static_value(term.input_powers, levels)) for term in terms]
     values = np.stack([y0**q * share for q, share in powers])
     feedback = sum(
         theta[:, j] * q * y0 ** (q - 1) * share for j, (q, share) in enumerate(powers) if q

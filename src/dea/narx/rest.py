@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.narx.checks import Array
-from dea.terms import Term
+from dea.narx.checks import Array, by_input
+from dea.terms import Term, static_value
 
 _REAL = 1e-6  # imaginary part, relative to 1 + |root|, up to which a root counts as real
 
@@ -47,14 +47,6 @@ def rests_over(
     return Rests(inputs, outputs, _largest_pole(terms, parameters, inputs, outputs))
 
 
-def static_value(term: Term, inputs: Array) -> Array:
-    """Return the product of the input factors at constant inputs, shape (levels,)."""
-    value: Array = np.ones(len(inputs))
-    for column, power in term.input_powers.items():
-        value = value * (inputs if inputs.ndim == 1 else inputs[:, column]) ** power
-    return value
-
-
 def _real_roots(
     terms: Sequence[Term], parameters: Array, inputs: Array, limit: float
 ) -> list[Array]:
@@ -64,10 +56,10 @@ def _real_roots(
     rests of thousands of models.
     """
     order = max(1, *(len(term.y_lags) for term in terms))
-    coefficients = np.zeros((len(inputs), order + 1))
+    coefficients, columns = np.zeros((len(inputs), order + 1)), by_input(inputs)
     coefficients[:, 1] = -1.0
     for term, parameter in zip(terms, parameters.tolist(), strict=True):
-        coefficients[:, len(term.y_lags)] += parameter * static_value(term, inputs)
+        coefficients[:, len(term.y_lags)] += parameter * static_value(term.input_powers, columns)
     degrees = np.max(np.where(coefficients != 0.0, np.arange(order + 1), 0), axis=1)
     real = [np.empty(0)] * len(inputs)
     for degree in np.unique(degrees[degrees > 0]).tolist():
@@ -89,12 +81,13 @@ def _largest_pole(terms: Sequence[Term], parameters: Array, inputs: Array, outpu
     """Largest modulus of the roots of z^n - sum_k (df/dy_{t-k}) z^(n-k) at each rest."""
     order = max((max(term.y_lags) for term in terms if term.y_lags), default=1)
     at_rest = np.isfinite(outputs)
-    u, y = inputs[at_rest], outputs[at_rest]
+    columns, y = by_input(inputs[at_rest]), outputs[at_rest]
     companion = np.zeros((y.size, order, order))
     companion[:, range(1, order), range(order - 1)] = 1.0
     for term, parameter in zip(terms, parameters.tolist(), strict=True):
+        share = static_value(term.input_powers, columns)
         for lag in term.y_lags:
-            slope = parameter * y ** (len(term.y_lags) - 1) * static_value(term, u)
+            slope = parameter * y ** (len(term.y_lags) - 1) * share
             companion[:, 0, lag - 1] += slope
     modulus = np.full(len(inputs), np.inf)
     if y.size:
