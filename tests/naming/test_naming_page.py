@@ -32,6 +32,11 @@ def test_the_page_says_what_the_campaign_measured(page):
         assert one.text == printed(one.address, value(one.address)), one.address
 
 
+def test_no_method_failed_as_the_page_says(page):
+    assert "none did, on a trial or on a record" in page
+    assert not any(value(f"naming; failed.{name}") for name in methods())
+
+
 def test_the_stored_tables_have_a_column_for_each_method(page):
     titles = sorted(method.title for method in methods().values())
     for table in ("table", "each", "records"):
