@@ -7,9 +7,11 @@ fixed form alone, and with random ones.
 """
 
 import argparse
+import hashlib
 import json
+import subprocess
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +26,12 @@ from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.excitation import design
 from dea.plant import Trial, Use, draw_trial
-from dea.resolution import CERTIFICATE, Design, Forms, Limits, Options, Outcome, Round
+from dea.resolution import Design, Forms, Limits, Options, Outcome, Round
 from dea.store import Record
 
 OUTCOMES = Path("build/resolution.jsonl")
 RECORDS = 2
-_OUTPUT_MARGIN = 0.1
+FIRST = -1  # number of the record that is begun from
 
 
 @dataclass
@@ -37,6 +39,7 @@ class Film:
     """The desk of a trial: its device is driven in this process, from rest each time."""
 
     trial: Trial
+    driven: list[Record] = field(default_factory=list)
 
     def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
         """Return a new design."""
@@ -47,21 +50,28 @@ class Film:
         own = replace(self.trial, seed=self.trial.seed + number + 1)
         readings, _ = own.readings(Path(BENCH), u)
         rate = own.sampling_rate
-        return Record.of(u, readings, rate, units=("V", own.kind.unit))
+        record = Record.of(u, readings, rate, units=("V", own.kind.unit))
+        self.driven.append(record)
+        return record
 
     def keep(self, found: Round) -> None:
         """Keep nothing: what is wanted stands in the resolution."""
 
 
+def violated(record: Record, limits: Limits) -> bool:
+    """Return whether a record leaves the limits, by its input or by the measured output."""
+    return not (limits.allows(record.u) and limits.holds(record.y))
+
+
 def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -> dict[str, Any]:
     """Resolve a trial; return what was said, and what it cost."""
     desk = Film(trial)
-    first = desk.record(CERTIFICATE, design(**trial.excitation))
-    low, high = float(first.u.min()), float(first.u.max())
-    margin = _OUTPUT_MARGIN * float(np.ptp(first.y))
+    first = desk.record(FIRST, design(**trial.excitation))
+    asked = leaves["resolution"]
+    margin = asked["output_margin"] * float(np.ptp(first.y))
     limits = Limits(
-        low,
-        high,
+        float(first.u.min()),
+        float(first.u.max()),
         float(np.abs(np.diff(first.u)).max()) * first.sampling_rate,
         float(first.y.min()) - margin,
         float(first.y.max()) + margin,
@@ -73,13 +83,12 @@ def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -
         desk,
         limits,
         settings=Settings.of({**leaves, "system": trial.name}),
-        options=Options(records=RECORDS, forms=forms),
+        options=Options(RECORDS, asked["duration"], asked["level"], asked["another"], forms),
         workers=threads,
     )
     hidden = {effect.name for effect in trial.effects}
     verdict, before = found.last.verdict, found.first.verdict
     names = set(verdict.names) if verdict.status == "named" else set()
-    played = [each.design.u for each in found.rounds]
     return {
         "trial": trial.name,
         "forms": str(forms),
@@ -92,19 +101,15 @@ def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -
         "decided": found.outcome is Outcome.DECIDED,
         "records": len(found.rounds),
         "seconds": found.last.driven,
-        "limit violated": any(
-            u.min() < low
-            or u.max() > high
-            or np.abs(np.diff(u)).max() > limits.rate / limits.sampling_rate * (1 + 1e-9)
-            for u in played
-        ),
+        "limit violated": any(violated(each, limits) for each in desk.driven),
+        "left open": bool(found.rounds or found.halted),
         "ambiguous at first": before.status == "ambiguous",
     }
 
 
 def table(rows: pd.DataFrame) -> pd.DataFrame:
     """Return a line for each kind of excitation, of the trials that a first record left open."""
-    opened = rows[rows["records"] > 0]
+    opened = rows[rows["left open"]]
     return pd.DataFrame(
         {
             "excitation": forms,
@@ -119,6 +124,27 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
     )
 
 
+def commit() -> str:
+    """Return what the code is: its commit, and whether it was changed since."""
+    said = subprocess.run(
+        ["git", "describe", "--always", "--dirty", "--abbrev=40"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    return said.stdout.strip()
+
+
+def kept(file: Path, code: str, settings: str) -> dict[tuple[str, str], dict[str, Any]]:
+    """Return the outcomes that are there, by trial and forms, of this code and these settings.
+
+    Code that was changed since its commit may be any.
+    """
+    if code.endswith("-dirty") or not file.exists():
+        return {}
+    rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    asked = {"commit": code, "settings": settings}
+    return {(row["trial"], row["forms"]): row for row in rows if asked.items() <= row.items()}
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the campaign, whose outcomes are kept one by one, and print its table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -129,15 +155,23 @@ def main(arguments: list[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     study = written(check_study(read_yaml(FILE, what="the configuration", example=FILE)))
     use = Use.TUNING if options.set.endswith("tuning") else Use.REPORTING
+    seed = study["trials"]["seeds"][options.set]
+    code = commit()
+    leaves = json.dumps([options.set, study], sort_keys=True)
+    settings = hashlib.sha256(leaves.encode()).hexdigest()
+    known = kept(OUTCOMES, code, settings)
     rows = []
     OUTCOMES.parent.mkdir(exist_ok=True)
     for index in range(options.count):
-        seed = study["trials"]["seeds"][options.set]
         trial = draw_trial(Path(BENCH), seed, index, use, ambiguous=True)
         for forms in options.forms:
-            rows.append(resolved(trial, Forms(forms), study, options.cores))
-            with OUTCOMES.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(rows[-1]) + "\n")
+            row = known.get((trial.name, str(forms)))
+            if row is None:
+                row = resolved(trial, Forms(forms), study, options.cores)
+                row |= {"commit": code, "settings": settings}
+                with OUTCOMES.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row) + "\n")
+            rows.append(row)
     print(table(pd.DataFrame(rows)).to_markdown(index=False))
 
 
