@@ -50,6 +50,7 @@ def test_the_error_grows_with_the_motion_and_with_what_the_effects_do():
     away = np.full(N, np.nan)
     assert error.on([y, away], [0.5, 0.5], y).right == error.seen
     assert error.on([away], [1.0], y).right == error.seen
+    assert error.on([3.0 * y], [1.0], away).right.coloured == pytest.approx(0.6)
 
 
 def test_another_explanation_errs_by_what_is_unexplained_grown_alike():
