@@ -207,7 +207,7 @@ def test_a_record_with_two_inputs_runs_from_end_to_end(project):
     assert responses["pair"].values.tolist() == [
         "heater 1 × heater 1", "heater 1 × heater 2", "heater 2 × heater 2",
     ]  # fmt: skip
-    assert store.read(results / "validation.nc").sizes["test"] == 9
+    assert store.read(results / "validation.nc").sizes["test"] == 10
     shown = (results / "page.html").read_text()
     assert "heater 1 (%) and heater 2 (%) drive temperature 1 (degC)" in shown
     assert "<i>u</i><sub>2</sub> = (heater 2 " in shown
