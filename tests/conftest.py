@@ -1,5 +1,7 @@
 """Fixtures of every room."""
 
+import os
+
 import pytest
 from hypothesis import Phase, settings
 
@@ -30,6 +32,18 @@ def pytest_collection_modifyitems(items):
     """Begin with the files that take longest, so that all workers end at about the same time."""
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     items.sort(key=lambda item: (item.path not in slow, "workflow" not in item.path.parts))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def duty_folder(tmp_path_factory):
+    """Keep the files and the trips of guardians out of the machine's own.
+
+    Whichever test is the first to drive a device starts what all guardians descend from.
+    """
+    folder = tmp_path_factory.mktemp("duty")
+    os.environ["DEA_DUTY"] = str(folder)
+    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
+    return folder
 
 
 @pytest.fixture

@@ -1,21 +1,11 @@
-"""Guardians of these tests are known to these tests alone, and end with them."""
+"""Guardians of these tests end with them."""
 
-import os
 import time
 from pathlib import Path
 
 import pytest
 
 from dea.acquisition import duty
-
-
-@pytest.fixture(scope="session", autouse=True)
-def duty_folder(tmp_path_factory):
-    """Keep the files and the trips of guardians out of the machine's own."""
-    folder = tmp_path_factory.mktemp("duty")
-    os.environ["DEA_DUTY"] = str(folder)
-    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
-    return folder
 
 
 @pytest.fixture(autouse=True)

@@ -42,6 +42,12 @@ def module():
     made.stop()
 
 
+def guardian_of(module):
+    notice = duty.look(duty.duty_file(module.description()))
+    assert notice.alive  # process 0 would be the whole group of this one
+    return notice.process
+
+
 def once_driven(module, action):
     """A watcher that acts once at three volts."""
     done = []
@@ -182,7 +188,7 @@ def test_a_second_acquisition_of_one_output_is_refused(module, partial, tmp_path
 
 def test_an_output_left_by_a_killed_guardian_is_taken_to_zero_by_another(module, partial):
     def kill():
-        os.kill(duty.look(duty.duty_file(module.description())).process, signal.SIGKILL)
+        os.kill(guardian_of(module), signal.SIGKILL)
 
     with pytest.raises(Exception, match="the guardian's process was killed"):
         drive(module, partial, kill)
@@ -193,7 +199,7 @@ def test_an_output_left_by_a_killed_guardian_is_taken_to_zero_by_another(module,
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGQUIT, signal.SIGINT])
 def test_a_guardian_that_is_sent_a_signal_goes_to_zero(module, partial, number):
     def send():
-        os.kill(duty.look(duty.duty_file(module.description())).process, number)
+        os.kill(guardian_of(module), number)
 
     with pytest.raises(StoppedError, match=f"the guardian was sent {number.name}"):
         drive(module, partial, send)
@@ -204,7 +210,7 @@ def test_a_guardian_that_is_sent_a_signal_goes_to_zero(module, partial, number):
 @pytest.mark.parametrize("number", [signal.SIGUSR1, signal.SIGPIPE, signal.SIGTSTP])
 def test_a_guardian_is_deaf_to_other_signals(module, partial, number):
     def send():
-        os.kill(duty.look(duty.duty_file(module.description())).process, number)
+        os.kill(guardian_of(module), number)
 
     assert drive(module, partial, send).record.sizes["time"] == VOLTS.size
 

@@ -130,7 +130,10 @@ def _trip_watchdog(
     def kill(samples: Samples, _: LinkLog) -> None:
         if to_physical(device["output"], samples.requested).max() < volts.max():
             return
-        os.kill(look(duty_file(device)).process, signal.SIGKILL)
+        notice = look(duty_file(device))
+        if not notice.alive:
+            raise DeviceError(f"no guardian is known to {duty_file(device)}, which should name it")
+        os.kill(notice.process, signal.SIGKILL)
         link = Link(device)
         try:
             panel = Panel(link)
