@@ -32,7 +32,8 @@ def test_it_answers_the_record_as_the_model_does(unit, tmp_path):
     u, initial = signals.u, signals.y[: model.max_lag]
     scale = model.scaling.y_scale
     code = compiled(model, tmp_path)(u, initial)
-    np.testing.assert_allclose(code, model.simulate(u, initial), rtol=0.0, atol=1e-12 * scale)
+    # Of a model that runs away, as one of fixed parameters may, the share counts.
+    np.testing.assert_allclose(code, model.simulate(u, initial), rtol=1e-12, atol=1e-12 * scale)
     stretch = u[:20_000]
     found = Slave(unit, tmp_path / "unit").run(stretch)
     np.testing.assert_allclose(found, from_rest(model, stretch), rtol=0.0, atol=1e-12 * scale)
