@@ -70,7 +70,7 @@ def test_forecasts_and_validation(record):
     equal(several, one, ["simulated", "nmse", "rmse", "fpe"])
     assert several["input"].dims == ("window", "sample", "signal")
     assert several["input"].attrs["units"] == "V, %"
-    assert several.sizes["test"] == 9
+    assert several.sizes["test"] == 10
     first = several["correlation"].sel(test="phi_eu, u1").values
     np.testing.assert_allclose(first, one["correlation"].sel(test="phi_eu").values, atol=1e-12)
 
