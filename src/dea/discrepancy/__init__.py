@@ -1,5 +1,6 @@
 """Find, name and certify the effect that a simulation is missing."""
 
+from dea.discrepancy.decision import Status
 from dea.discrepancy.diagnose import diagnose
 from dea.discrepancy.diagnosis import Diagnosis
 from dea.discrepancy.evidence.certificate import Certified, certify_elsewhere, transferable
@@ -31,6 +32,7 @@ __all__ = [
     "Rules",
     "Samples",
     "Settings",
+    "Status",
     "Verdict",
     "candidates_dataset",
     "certificate_dataset",

@@ -14,6 +14,7 @@ from dea.discrepancy import (
     Diagnosis,
     Samples,
     Settings,
+    Status,
     Verdict,
     certify_elsewhere,
     diagnose,
@@ -22,7 +23,6 @@ from dea.discrepancy import (
     signals_of,
     transferable,
 )
-from dea.discrepancy.decision import Status
 from dea.errors import InputError
 from dea.progress import part_of, tell
 from dea.resolution.design import Design, Forms, Question, designed, likeliest
