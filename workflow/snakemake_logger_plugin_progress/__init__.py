@@ -113,8 +113,8 @@ class LogHandler(LogHandlerBase):
             for job_id, job in list(self._jobs.items()):
                 if job.seconds - named.get(job_id, 0.0) >= STILL:
                     named[job_id] = job.seconds
-                    doing = f"; {job.doing}" if job.doing else ""
-                    self._write(f"{job.name} has been running for {_duration(job.seconds)}{doing}")
+                    said = f"{job.name} has been running for {_duration(job.seconds)}"
+                    self._write("; ".join(filter(None, (said, job.doing))))
 
     def _write(self, text: str) -> None:
         with self._write_lock:
