@@ -25,7 +25,7 @@ comma := ,
 	check test mutants benchmark benchmark-naming clean FORCE
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 16
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 20
 
 $(VENV)/installed: environment.txt pyproject.toml requirements.in requirements-workflow.in
 	$(PYTHON) -m venv $(VENV)
