@@ -7,7 +7,6 @@ outputs to start from does the value interpolated between the neighbours take it
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import Akima1DInterpolator
 
 from dea.errors import InputError
 
@@ -32,6 +31,8 @@ def filled(y: Array) -> tuple[Array, NDArray[np.bool_]]:
     at = np.arange(y.size)
     between = np.interp(at, at[seen], y[seen])
     if np.count_nonzero(seen) > 1:
+        from scipy.interpolate import Akima1DInterpolator
+
         # A line misses the top of a curve by more than the noise of a good sensor.
         curve = Akima1DInterpolator(at[seen], y[seen], method="makima")(at)
         between = np.where(np.isfinite(curve), curve, between)

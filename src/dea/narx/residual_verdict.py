@@ -11,8 +11,6 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import chi2
-from scipy.stats import f as fisher
 
 from dea.narx.checks import Array, by_input, input_count
 from dea.narx.residuals import TESTS, each_test, product
@@ -163,6 +161,8 @@ def _filtered(signal: Array, coefficients: Array) -> Array:
 
 def _portmanteau(e: Array, max_lag: int, explained: float) -> tuple[float, float]:
     """Ljung and Box's test (1978) that a residual is white."""
+    from scipy.stats import chi2
+
     n = e.size
     lags = np.arange(1, max_lag + 1)
     correlation = np.array([e[k:] @ e[:-k] for k in lags]) / (e @ e)
@@ -172,6 +172,8 @@ def _portmanteau(e: Array, max_lag: int, explained: float) -> tuple[float, float
 
 def _regression(target: Array, instrument: Array, max_lag: int) -> tuple[float, float]:
     """F test of a target on the principal components of all lags of an instrument."""
+    from scipy.stats import f as fisher
+
     rows = target.size - max_lag
     lagged = np.column_stack(
         [instrument[max_lag - k : target.size - k] for k in range(1, max_lag + 1)]
