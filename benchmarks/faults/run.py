@@ -22,8 +22,10 @@ from dea.acquisition.commissioning import write_report
 
 PATIENCE = 90.0  # s beyond the plan and its faults until the command is held to hang
 NOTICED = 0.1  # s, some samples: a fault of the device that lasts less with voltage on may pass
-# What the command says of a trip.
-TRIP = re.compile(r"interlock \w+: |the current is |the monitor of the high voltage reads")
+# What the command says of a trip. With "error:" it refuses to begin, and there is nothing to latch.
+TRIP = re.compile(
+    r"^failed: .*(interlock \w+: |the current is |the monitor of the high voltage reads)", re.M
+)
 WATCHED = 1.0  # s of zero after the last process and the last held write
 
 
