@@ -11,7 +11,7 @@ import numpy as np
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.sensitivity import sensitivities
 from dea.least_squares import Damping, Model, Point, minimise
-from dea.simulation import TIMING_OFFSET, ExtendedSimulation
+from dea.simulation import TIMING_OFFSET, ExtendedSimulation, samples_of_each
 
 # Iterations after which slowly changing columns of the Jacobian are computed anew.
 _REFRESH = 3
@@ -56,6 +56,11 @@ class Fit:
     def values(self) -> np.ndarray:
         """All parameter values."""
         return self.extended.values(self.coordinates)
+
+    @property
+    def records(self) -> list[slice]:
+        """The samples of each record."""
+        return samples_of_each(self.extended.lengths or (self.residual.size,))
 
     def freedom(self, samples: np.ndarray, noise: float) -> float:
         """Return the trace of the matrix that maps the record to its fit, given the noise."""

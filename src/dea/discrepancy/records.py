@@ -11,7 +11,7 @@ from dea.discrepancy.problem import Problem, Samples
 from dea.discrepancy.settings import Settings
 from dea.errors import InputError
 from dea.missing import filled
-from dea.simulation import ExtendedSimulation, Simulation, prepared, slowest_time
+from dea.simulation import ExtendedSimulation, Simulation, prepared, samples_of_each, slowest_time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,7 +70,7 @@ def prepare(
     u, interval = joined.u, joined.interval
     y, seen = filled(joined.y)
     lengths = tuple(each.u.size for each in records)
-    white = white_level(y, _parts(lengths))
+    white = white_level(y, samples_of_each(lengths))
     noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
     tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
     extended = prepared(simulation, u, interval, tolerance, lengths)
@@ -119,8 +119,3 @@ def _joined(records: Sequence[Samples]) -> Samples:
         np.concatenate([each.y for each in records]),
         interval,
     )
-
-
-def _parts(lengths: Sequence[int]) -> list[slice]:
-    stops = np.cumsum(lengths)
-    return [slice(stop - size, stop) for stop, size in zip(stops, lengths, strict=True)]

@@ -1,6 +1,5 @@
 """An explanation of a device: its simulation with effects, and what records tell of it."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -89,7 +88,7 @@ def explained(fitted: Fit, error: Error) -> Explanation:
     joint = fitted.extended
     alone = joint.alone
     precision = np.eye(fitted.coordinates.size)
-    for part in _records(fitted):
+    for part in fitted.records:
         J = error.whitened(fitted.jacobian[part])
         precision += J.T @ J
     joint_covariance = np.linalg.inv(precision)
@@ -102,9 +101,3 @@ def explained(fitted: Fit, error: Error) -> Explanation:
     covariance[np.ix_(kept, kept)] = joint_covariance[np.ix_(of_joint, of_joint)]
     low, high = alone.bounds
     return Explanation(alone, np.clip(mean, low, high), covariance)
-
-
-def _records(fitted: Fit) -> Sequence[slice]:
-    lengths = fitted.extended.lengths or (fitted.residual.size,)
-    stops = np.cumsum(lengths)
-    return [slice(stop - length, stop) for stop, length in zip(stops, lengths, strict=True)]

@@ -2,7 +2,7 @@
 
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect, Family, Port, catalogue, low_pass
-from dea.simulation.extended import TIMING_OFFSET, ExtendedSimulation
+from dea.simulation.extended import TIMING_OFFSET, ExtendedSimulation, samples_of_each
 from dea.simulation.force_port import ForcePort
 from dea.simulation.law_course import LawCourse, law_courses
 from dea.simulation.loading import load_simulation
@@ -35,6 +35,7 @@ __all__ = [
     "low_pass",
     "measured_scales",
     "prepared",
+    "samples_of_each",
     "save_extended",
     "slowest_time",
     "with_fine_steps",

@@ -1,5 +1,6 @@
 """A simulation with effects attached, which is fitted, saved and simulated."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,6 +25,12 @@ from dea.simulation.timing import shifted
 _REACH = 3.0
 INPUT_OFFSET, OUTPUT_GAIN, OUTPUT_OFFSET = "input_offset", "output_gain", "output_offset"
 TIMING_OFFSET = "timing_offset"
+
+
+def samples_of_each(lengths: Sequence[int]) -> list[slice]:
+    """Return the samples of each of several records that follow one another."""
+    stops = np.cumsum(lengths)
+    return [slice(stop - length, stop) for stop, length in zip(stops, lengths, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -88,10 +95,9 @@ class ExtendedSimulation:
 
     def each(self, values: np.ndarray) -> list[tuple[slice, np.ndarray]]:
         """Return the samples of each of several records, and the values of ``alone`` for it."""
-        ends = np.cumsum(self.lengths)
         return [
-            (slice(end - length, end), self.of_record(values, record))
-            for record, (end, length) in enumerate(zip(ends, self.lengths, strict=True))
+            (samples, self.of_record(values, record))
+            for record, samples in enumerate(samples_of_each(self.lengths))
         ]
 
     @cached_property

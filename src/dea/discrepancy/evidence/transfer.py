@@ -7,6 +7,7 @@ import numpy as np
 from dea.discrepancy.evidence.certificate import Certified
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem, rmse
+from dea.simulation import samples_of_each
 
 _ITERATIONS = 10
 
@@ -18,11 +19,9 @@ def leave_one_out(problem: Problem, nominal: Fit, extended: Fit) -> dict[str, Ce
     course of what happens in one record alone. A single record leaves nothing to compare.
     """
     found = {}
-    lengths = nominal.extended.lengths
-    stops = np.cumsum(lengths)
-    for number, (stop, length) in enumerate(zip(stops, lengths, strict=True), 1):
+    for number, samples in enumerate(samples_of_each(nominal.extended.lengths), 1):
         record = np.zeros(problem.u.size, bool)
-        record[stop - length : stop] = True
+        record[samples] = True
         before, after = (_on(problem, record, each) for each in (nominal, extended))
         found[f"record_{number}"] = Certified(before, after, int((record & problem.seen).sum()))
     return found
