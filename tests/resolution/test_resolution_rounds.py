@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from made_devices import CARRIAGE, INTERVAL, LIMITS, NOISE, InMemory, as_record, hidden
 
-from dea.discrepancy import Budget, Settings
+from dea.discrepancy import Budget, Fit, Rules, Settings
 from dea.errors import InputError
 from dea.resolution import (
     ANOTHER,
@@ -96,6 +96,23 @@ def test_a_loop_that_was_ended_goes_on_with_what_it_has():
 def test_records_too_short_to_be_diagnosed_are_refused():
     with pytest.raises(InputError, match=r"resolution\.duration.*Raise it"):
         solved(hidden("transport_delay", [0.15]), Options(duration=4.0))
+
+
+def test_the_motion_in_several_records_does_not_count_the_jump_from_one_to_the_next():
+    """Two records of one wave, the second of which is displaced by ten times its size."""
+    from dea.resolution.rounds import _law_error
+
+    wave = np.sin(np.arange(400) / 20)
+    y = np.concatenate([wave, wave + 10.0])
+    extended = SimpleNamespace(lengths=(400, 400))
+    nominal = Fit(extended, np.zeros(0), np.zeros(800), np.zeros((800, 0)), 0.0)
+    diagnosis = SimpleNamespace(
+        problem=SimpleNamespace(y=y, seen_rmse=lambda residual: 0.2), nominal=nominal, floor=0.1,
+        error=SimpleNamespace(white=0.1, left=0.05, memory=4.0), rules=Rules(),
+    )  # fmt: skip
+    motion = _law_error(diagnosis).motion
+    assert motion.size == pytest.approx(np.std(y))
+    assert motion.pace == pytest.approx(np.std(np.diff(wave)))
 
 
 def known(left=("a",)):

@@ -16,9 +16,10 @@ class Motion(NamedTuple):
     pace: float
 
     @classmethod
-    def of(cls, y: np.ndarray) -> Self:
-        """Return that of an output (n,)."""
-        return cls(float(np.std(y)), float(np.std(np.diff(y))))
+    def of(cls, *outputs: np.ndarray) -> Self:
+        """Return that in the outputs of one record or several, each (n,)."""
+        steps = [np.diff(y) for y in outputs]
+        return cls(float(np.std(np.concatenate(outputs))), float(np.std(np.concatenate(steps))))
 
     def beyond(self, other: "Motion") -> float:
         """Return the factor by which this motion is larger or faster than another; one if not."""

@@ -438,7 +438,8 @@ def _shares(found: Diagnosis) -> dict[str, float]:
 
 def _law_error(found: Diagnosis) -> LawError:
     """Return the error of a right explanation: one that left more would not be called right."""
-    motion = Motion.of(found.problem.y - found.nominal.residual)
+    simulated = found.problem.y - found.nominal.residual
+    motion = Motion.of(*(simulated[samples] for samples in found.nominal.records))
     unexplained = misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
     left = min(found.error.left, found.rules.misfit * unexplained)
     seen = Error(found.error.white, left, max(found.error.memory, 1.0))
