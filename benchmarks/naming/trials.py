@@ -104,14 +104,4 @@ def label(drawn: Drawn) -> trials.Label:
     """Open the seal of a trial."""
     file = drawn.folder / "sealed" / f"{drawn.name}.json"
     trials.open_seal(file, drawn.public["sha256"])
-    content = Trial.read(file).label()
-    effects = content["effects"]
-    return trials.Label(
-        effects=frozenset(effect["name"] for effect in effects),
-        outside=any(effect["port"] == "outside" for effect in effects),
-        strength=content["strength"],
-        excitation=content["excitation"],
-        device=content["device"],
-        noise=str(content["noise"]),
-        forms={effect["name"]: effect["form"] for effect in effects},
-    )
+    return trials.Label.of(Trial.read(file).label())

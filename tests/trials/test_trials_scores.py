@@ -31,6 +31,19 @@ def test_no_trials_give_no_share():
     assert all(isnan(value) for value in share[:3])
 
 
+def test_a_label_counts_times_from_the_start_of_the_record():
+    step = {"name": "step_fault", "form": "jump", "port": "input",
+            "defining": {"time": 12.0, "size": 0.5}}  # fmt: skip
+    told = {"effects": [step], "strength": 4.0, "excitation": "bursts", "device": "film",
+            "noise": "white"}  # fmt: skip
+    found = trials.Label.of(told, start=2.5)
+    assert found == trials.Label(
+        frozenset({"step_fault"}), False, 4.0, "bursts", forms={"step_fault": "jump"},
+        defining={("step_fault", "time"): 9.5, ("step_fault", "size"): 0.5},
+    )  # fmt: skip
+    assert trials.Label.of({**told, "effects": [step | {"port": "outside"}]}).outside
+
+
 SINGLE, PAIR = label("sensor_lag"), label("dead_zone", "end_stop")
 NOTHING, FOREIGN = label(), label("sticking_sensor", outside=True)
 

@@ -45,7 +45,7 @@ def trial_score(
                 true = truth_of / f"{name}.npy"
             else:
                 first, true = 0, log_truth_of / f"{name}.npy"
-            labels[name] = _label(trial, first / trial.sampling_rate)
+            labels[name] = trials.Label.of(trial.label(), first / trial.sampling_rate)
             said[name] = _said(trial, verdicts_of, rankings[name], true, first)
     store.write(
         trials.scores(labels, said, family).assign_attrs(contract="scores"),
@@ -54,28 +54,6 @@ def trial_score(
         inputs={f"commitment_{file.parent.name}": file for file in commitment},
         settings=settings,
         seed=settings["seed"],
-    )
-
-
-def _label(trial: "Trial", start: float) -> "trials.Label":
-    """Return the label of a trial whose record begins ``start`` seconds after the device."""
-    from dea import trials
-
-    label = trial.label()
-    effects = label["effects"]
-    return trials.Label(
-        effects=frozenset(effect["name"] for effect in effects),
-        outside=any(effect["port"] == "outside" for effect in effects),
-        strength=label["strength"],
-        excitation=label["excitation"],
-        device=label["device"],
-        noise=str(label["noise"]),
-        forms={effect["name"]: effect["form"] for effect in effects},
-        defining={
-            (effect["name"], meaning): value - start if meaning == "time" else value
-            for effect in effects
-            for meaning, value in effect["defining"].items()
-        },
     )
 
 

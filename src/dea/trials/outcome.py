@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
+from typing import Any, Self
 
 KINDS = ("single", "pair", "outside", "null")
 OUTCOMES = (
@@ -45,6 +46,25 @@ class Label:
     noise: str = "white"
     forms: Mapping[str, str] = field(default_factory=dict)
     defining: Mapping[tuple[str, str], float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, told: Mapping[str, Any], start: float = 0.0) -> Self:
+        """Return what a drawn trial tells of itself; times count from ``start`` (s) on."""
+        effects = told["effects"]
+        return cls(
+            effects=frozenset(effect["name"] for effect in effects),
+            outside=any(effect["port"] == "outside" for effect in effects),
+            strength=told["strength"],
+            excitation=told["excitation"],
+            device=told["device"],
+            noise=str(told["noise"]),
+            forms={effect["name"]: effect["form"] for effect in effects},
+            defining={
+                (effect["name"], meaning): value - start if meaning == "time" else value
+                for effect in effects
+                for meaning, value in effect["defining"].items()
+            },
+        )
 
 
 @dataclass(frozen=True)
