@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from dea import archive, store
+from dea.acquisition import ZeroNotVerifiedError
 from dea.stages.record import main
 from dea.stages.take_record import take_record
 
@@ -68,6 +69,17 @@ def test_a_failed_record_keeps_its_samples_and_gets_no_name(study, capsys, monke
     (folder,) = Path("records/film1").iterdir()
     assert folder.name.endswith(".partial")
     assert (folder / "samples.partial").stat().st_size > 150 * 50
+
+
+def test_an_output_that_is_not_shown_to_be_at_zero_is_told_apart(study, capsys, monkeypatch):
+    def stuck(*_, **__):
+        raise ZeroNotVerifiedError("the output reads 2 V after the ramp to zero")
+
+    monkeypatch.setattr("dea.acquisition.acquire_watched", stuck)
+    with pytest.raises(SystemExit) as exit_:
+        main(["film1"])
+    assert exit_.value.code == 3
+    assert "DANGER: the output reads 2 V" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

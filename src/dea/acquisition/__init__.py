@@ -9,6 +9,7 @@ from dea.acquisition.link_log import LinkSettings
 from dea.acquisition.partial import Recovered, recover
 from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.recorder import GuardianLostError
+from dea.acquisition.reported import reported
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError, StoppedError
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples
 from dea.acquisition.settings import AcquisitionSettings
@@ -40,4 +41,5 @@ __all__ = [
     "check_excitation",
     "recover",
     "report_file",
+    "reported",
 ]

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,20 +11,19 @@ import xarray as xr
 
 from dea import store
 from dea.acquisition import by_hand, commissioning, latch
-from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.link_log import LinkSettings
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
 from dea.acquisition.preview import preview
 from dea.acquisition.record import record_dataset
+from dea.acquisition.reported import reported
 from dea.acquisition.retrying_link import Link
 from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import plan_sequence
 from dea.acquisition.watched import acquire_watched
-from dea.acquisition.zero import ZeroNotVerifiedError
-from dea.errors import DeviceError, InputError
+from dea.errors import InputError
 from dea.excitation import KINDS, design
 from dea.modbus import BLOCK, REPLY, Device, read_device
 
@@ -33,26 +31,10 @@ Command = Callable[[argparse.Namespace], None]
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run one command.
-
-    Exits with 1 for a failed acquisition, 2 for bad input, 3 where the output could not be shown to
-    be at zero, 130 on a signal.
-    """
+    """Run one command; exits as :func:`dea.acquisition.reported`."""
     options = _parser().parse_args(arguments)
-    try:
+    with reported():
         options.run(options)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
-    except ZeroNotVerifiedError as error:
-        print(f"DANGER: {error} A guardian goes on trying: see status.", file=sys.stderr)
-        raise SystemExit(3) from None
-    except (DeviceError, OSError) as error:
-        print(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]), file=sys.stderr)
-        raise SystemExit(1) from None
-    except Interrupted as signal:
-        print(f"ended by {signal}; the output is at zero", file=sys.stderr)
-        raise SystemExit(130) from None
 
 
 def drive(options: argparse.Namespace) -> None:

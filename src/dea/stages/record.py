@@ -4,7 +4,6 @@ import argparse
 import getpass
 import platform
 import subprocess
-import sys
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -19,7 +18,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, check_actuators, check_study
 from dea.configuration.study import settings as written
-from dea.errors import DeviceError, InputError
+from dea.errors import InputError
 from dea.stages.driving import Excitation, excitation, write
 
 
@@ -123,7 +122,7 @@ def _software() -> dict[str, str]:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; exits with 2 for bad input, 1 for a failed acquisition."""
+    """Run the command line; exits as :func:`dea.acquisition.reported`."""
     parser = argparse.ArgumentParser(prog="python -m dea.stages.record", description=__doc__)
     parser.add_argument("name", help="an actuator of config/config.yaml without `bench`")
     parser.add_argument("--excitation", choices=("record", "second", "probed"), default="record")
@@ -131,17 +130,8 @@ def main(arguments: list[str] | None = None) -> None:
         "--operator", default=getpass.getuser(), help="who arms the device and is in charge of it"
     )
     options = parser.parse_args(arguments)
-    try:
+    with acquisition.reported():
         print(record(options.name, options.excitation, options.operator))
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
-    except (DeviceError, OSError) as error:
-        print(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]), file=sys.stderr)
-        raise SystemExit(1) from None
-    except acquisition.Interrupted as signal:
-        print(f"ended by {signal}; the output is at zero", file=sys.stderr)
-        raise SystemExit(130) from None
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, Study, check_actuators, check_study
 from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
-from dea.errors import DeviceError, InputError
+from dea.errors import InputError
 from dea.progress import heard_by, part_of
 from dea.resolution import CERTIFICATE, Design, Limits, Options, Resolution, Round
 
@@ -435,7 +435,7 @@ def _show(step: str) -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; exits with 2 for bad input, 1 for a failed acquisition."""
+    """Run the command line; exits as :func:`dea.acquisition.reported`, and with 130 if ended."""
     parser = argparse.ArgumentParser(prog="python -m dea.stages.resolve", description=__doc__)
     parser.add_argument("name", nargs="+", help="actuators of config/config.yaml, or cases")
     parser.add_argument(
@@ -444,22 +444,14 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args(arguments)
     try:
-        for name in options.name:
-            try:
-                with heard_by(_show), part_of(name):
-                    found = resolve(name, options.operator, options.threads)
-            finally:
-                _show("")
-            print(said(name, found))
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
-    except (DeviceError, OSError) as error:
-        print(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]), file=sys.stderr)
-        raise SystemExit(1) from None
-    except acquisition.Interrupted as signal:
-        print(f"ended by {signal}; the output is at zero", file=sys.stderr)
-        raise SystemExit(130) from None
+        with acquisition.reported():
+            for name in options.name:
+                try:
+                    with heard_by(_show), part_of(name):
+                        found = resolve(name, options.operator, options.threads)
+                finally:
+                    _show("")
+                print(said(name, found))
     except KeyboardInterrupt:
         print("ended; the same command goes on from the records that there are", file=sys.stderr)
         raise SystemExit(130) from None
