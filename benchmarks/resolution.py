@@ -9,7 +9,6 @@ fixed form alone, and with random ones.
 import argparse
 import hashlib
 import json
-import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from benchmarks.stored import commit
 from dea import resolution
 from dea.configuration.bench import BENCH
 from dea.configuration.files import read_yaml
@@ -122,15 +122,6 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
         }
         for forms, own in opened.groupby("forms", sort=False)
     )
-
-
-def commit() -> str:
-    """Return what the code is: its commit, and whether it was changed since."""
-    said = subprocess.run(
-        ["git", "describe", "--always", "--dirty", "--abbrev=40"],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
-    return said.stdout.strip()
 
 
 def kept(file: Path, code: str, settings: str) -> dict[tuple[str, str], dict[str, Any]]:
