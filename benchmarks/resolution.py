@@ -68,15 +68,7 @@ def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -
     desk = Film(trial)
     first = desk.record(FIRST, design(**trial.excitation))
     asked = leaves["resolution"]
-    margin = asked["output_margin"] * float(np.ptp(first.y))
-    limits = Limits(
-        float(first.u.min()),
-        float(first.u.max()),
-        float(np.abs(np.diff(first.u)).max()) * first.sampling_rate,
-        float(first.y.min()) - margin,
-        float(first.y.max()) + margin,
-        first.sampling_rate,
-    )
+    limits = Limits.of([first], asked["output_margin"])
     found = resolution.resolve(
         [first],
         trial.kind.simulation,

@@ -1,8 +1,13 @@
 """Excitations without a fixed form, within what a device may be driven with."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from dea.store import Record
 
 # Segments of an excitation, and sines of its multisine.
 _SEGMENTS, _LINES = 8, 10
@@ -39,6 +44,25 @@ class Limits:
     output_low: float
     output_high: float
     sampling_rate: float
+
+    @classmethod
+    def of(
+        cls, records: "Sequence[Record]", output_margin: float, rate: float | None = None
+    ) -> Self:
+        """Return what records allow: their ranges, and their rate unless another is given.
+
+        The range of the output is wider on both sides by ``output_margin`` times its width.
+        """
+        u = np.concatenate([each.u for each in records])
+        y = np.concatenate([each.y for each in records])
+        sampling_rate = records[0].sampling_rate
+        fastest = max(float(np.abs(np.diff(each.u)).max()) for each in records) * sampling_rate
+        low, high = float(np.nanmin(y)), float(np.nanmax(y))
+        margin = output_margin * (high - low)
+        return cls(
+            float(u.min()), float(u.max()), rate or fastest, low - margin, high + margin,
+            sampling_rate,
+        )  # fmt: skip
 
     def obeyed(self, u: np.ndarray) -> np.ndarray:
         """Return the input (n,) cut to the range, and where it changes too fast, slowed down."""

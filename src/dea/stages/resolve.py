@@ -146,22 +146,9 @@ def _of_device(study: Study, device: modbus.Device, record: "xr.Dataset") -> Lim
 
 
 def _of_records(study: Study, records: "list[xr.Dataset]") -> Limits:
-    """Return range and rate of the input, and the range of the output with its margin."""
+    """Return what the records of a device allow, at the rate of the study if it gives one."""
     signals = [store.signals(record) for record in records]
-    u = np.concatenate([each.u for each in signals])
-    y = np.concatenate([each.y for each in signals])
-    rate = signals[0].sampling_rate
-    fastest = max(float(np.abs(np.diff(each.u)).max()) for each in signals) * rate
-    low, high = float(np.nanmin(y)), float(np.nanmax(y))
-    margin = study.resolution.output_margin * (high - low)
-    return Limits(
-        float(u.min()),
-        float(u.max()),
-        study.resolution.rate or fastest,
-        low - margin,
-        high + margin,
-        rate,
-    )
+    return Limits.of(signals, study.resolution.output_margin, study.resolution.rate)
 
 
 @dataclass
