@@ -59,8 +59,8 @@ def test_all_hypotheses_left_must_hold_the_verdict(now, kind, outcome):
 
 def test_what_is_left_follows_the_level():
     found = state({"a": 0.98, "b": 0.02})
-    assert found.open_hypotheses(0.01) == {"a", "b"}
-    assert found.open_hypotheses(0.1) == {"a"}
+    assert found.posterior.left(0.01) == {"a", "b"}
+    assert found.posterior.left(0.1) == {"a"}
 
 
 @pytest.mark.parametrize(

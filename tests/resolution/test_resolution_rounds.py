@@ -55,7 +55,7 @@ def solved(device, options=OPTIONS, desk=None):
 def test_designed_records_leave_the_effect_that_is_hidden(effect, law):
     found, desk = solved(hidden(effect, law))
     assert found.first.outcome(OPTIONS.level) is Outcome.OPEN
-    assert {"sensor_lag", "transport_delay"} <= found.first.open_hypotheses(OPTIONS.level)
+    assert {"sensor_lag", "transport_delay"} <= found.first.posterior.left(OPTIONS.level)
     assert found.outcome is Outcome.DECIDED
     assert found.last.diagnosis.verdict.names == (effect,)
     assert [each.number for each in desk.kept] == list(range(1, len(found.rounds) + 1))

@@ -63,6 +63,10 @@ class Posterior:
         bounds = _logarithms({name: level * self.prior[name] for name in self.log_now})
         return frozenset(name for name, value in self.log_now.items() if value <= bounds[name])
 
+    def left(self, level: float) -> frozenset[str]:
+        """Return the hypotheses that are not rejected at this level."""
+        return frozenset(self.log_now) - self.rejected(level)
+
     def with_new(self, shares: Mapping[str, float], source: str) -> "Posterior":
         """Return it with new hypotheses, which get these shares of what ``source`` has."""
         left = _logarithms({**shares, source: 1.0 - sum(shares.values())})

@@ -125,13 +125,9 @@ class State:
         status, sentence = _WITHOUT_NAME[self.withdrawn]
         return replace(found, status=status, sentence=sentence, effects=(), share=None)
 
-    def open_hypotheses(self, level: float) -> frozenset[str]:
-        """Return the hypotheses that are not rejected."""
-        return frozenset(self.posterior.now) - self.posterior.rejected(level)
-
     def outcome(self, level: float) -> Outcome:
         """Return whether all hypotheses that are left hold the verdict, or none has an effect."""
-        left = self.open_hypotheses(level)
+        left = self.posterior.left(level)
         if left <= {ANOTHER}:
             return Outcome.OUTSIDE
         if left == {NONE}:
@@ -266,7 +262,7 @@ def next_design(
 ) -> Design | None:
     """Return the excitation that best tells apart the hypotheses that are left."""
     tell(f"record {number}: designing it")
-    left = state.open_hypotheses(options.level) - {ANOTHER}
+    left = state.posterior.left(options.level) - {ANOTHER}
     logs = state.posterior.log_now
     asked = likeliest([state.explanations[name] for name in sorted(left)], logs)
     weights = np.array([logs[each.name] for each in asked])
@@ -349,11 +345,10 @@ def _offered(
 
     All, too, where none of those that are left has one.
     """
-    left = frozenset(posterior.now) - posterior.rejected(options.level)
+    left = posterior.left(options.level)
     if ANOTHER in left:
         return settings.effects
-    effects: set[str] = set()
-    effects = effects.union(*(state.explanations[name].effects for name in left))
+    effects = frozenset[str]().union(*(state.explanations[name].effects for name in left))
     return tuple(sorted(effects)) or settings.effects
 
 
@@ -388,7 +383,7 @@ def fresh_design(
     Nothing where none of a few draws keeps their outputs in range.
     """
     rng = _generator(settings, CERTIFICATE)
-    left = sorted(state.open_hypotheses(options.level) - {ANOTHER})
+    left = sorted(state.posterior.left(options.level) - {ANOTHER})
     question = Question(
         [state.explanations[name] for name in left],
         [1.0] * len(left),
