@@ -149,6 +149,12 @@ def test_a_certificate_asks_the_explanations_that_are_left():
     assert "the one that is left" in page
 
 
+def test_explanations_that_a_certificate_asks_are_equally_probable():
+    design = fresh_design(known(left=("none", "a")), LIMITS, SETTINGS, OPTIONS)
+    assert design.closest == ("a", "none")
+    assert design.log_bound == pytest.approx(np.log(0.5) - design.distance**2 / 8.0)
+
+
 def test_why_no_record_was_designed_is_said(monkeypatch):
     from dea.resolution import rounds
 

@@ -270,7 +270,18 @@ def next_design(
         # Of those that are rejected nothing is open: the one that is left is tested against each.
         asked = likeliest(list(state.explanations.values()), logs)
         weights = np.zeros(len(asked))
-    question = Question(
+    question = _question(state, asked, weights, limits)
+    shortest = _shortest(state, settings, options)
+    durations = shortest, options.duration
+    rng = _generator(settings, number)
+    return designed(question, durations, options.level, rng, options.forms)
+
+
+def _question(
+    state: State, asked: Sequence[Explanation], weights: np.ndarray, limits: Limits
+) -> Question:
+    """Return the question of these explanations, with the logarithms of their weights."""
+    return Question(
         asked,
         np.exp(weights - np.logaddexp.reduce(weights)).tolist(),
         state.explanations[NONE],
@@ -278,10 +289,6 @@ def next_design(
         limits,
         float(np.clip(np.mean(state.diagnosis.problem.u), limits.low, limits.high)),
     )
-    shortest = _shortest(state, settings, options)
-    durations = shortest, options.duration
-    rng = _generator(settings, number)
-    return designed(question, durations, options.level, rng, options.forms)
 
 
 def _shortest(state: State, settings: Settings, options: Options) -> float:
@@ -384,14 +391,8 @@ def fresh_design(
     """
     rng = _generator(settings, CERTIFICATE)
     left = sorted(state.posterior.left(options.level) - {ANOTHER})
-    question = Question(
-        [state.explanations[name] for name in left],
-        [1.0] * len(left),
-        state.explanations[NONE],
-        state.error,
-        limits,
-        float(np.clip(np.mean(state.diagnosis.problem.u), limits.low, limits.high)),
-    )
+    asked = [state.explanations[name] for name in left]
+    question = _question(state, asked, np.zeros(len(asked)), limits)
     for _ in range(_DRAWS):
         u = express(rng.random(genes()), 0.5 * options.duration, limits)
         design = question.judged(u, "free")
