@@ -16,12 +16,11 @@ def answer(task: Task) -> Answer:
     record = Record.of(task.seen.u, task.seen.y, 1.0 / task.interval, units=units)
     found = diagnose(record, own, settings=task.settings)
     verdict = found.verdict
-    rivals = verdict.effects[0].rivals if verdict.effects else ()
     return Answer(
         verdict.status,
         task.ahead(found.final if found.decision.answer else task.nominal),
         frozenset(verdict.names),
-        tuple(frozenset(rival) for rival in rivals),
+        tuple(frozenset(rival) for rival in verdict.rivals),
     )
 
 

@@ -96,8 +96,7 @@ def _status(state: State) -> str:
 
 def _names(state: State) -> str:
     verdict = state.verdict
-    rivals = verdict.effects[0].rivals if verdict.effects else ()
-    return " or ".join("+".join(each) for each in (verdict.names, *rivals) if each)
+    return " or ".join("+".join(each) for each in (verdict.names, *verdict.rivals) if each)
 
 
 def _gap(state: State, named: bool) -> float:

@@ -71,11 +71,10 @@ def _said(
     certified = certificate["role"].values == CERTIFY
     samples = np.rint(certificate["time"].values * trial.sampling_rate).astype(int)[certified]
     wrong = certificate["extended"].values[certified] - np.load(truth)[first + samples]
-    rivals = verdict.effects[0].rivals if verdict.effects else ()
     return trials.Said(
         status=verdict.status,
         effects=frozenset(verdict.names),
-        rivals=tuple(frozenset(rival) for rival in rivals),
+        rivals=tuple(frozenset(rival) for rival in verdict.rivals),
         ranking=tuple((frozenset(one["effects"]), one["error"]) for one in ranking),
         error_before=verdict.certified["rmse_before"],
         error_after=verdict.certified["rmse_after"],

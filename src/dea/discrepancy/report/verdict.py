@@ -93,6 +93,11 @@ class Verdict:
         """Names of the effects."""
         return tuple(effect.name for effect in self.effects)
 
+    @property
+    def rivals(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the effects of each explanation that may be right instead."""
+        return self.effects[0].rivals if self.effects else ()
+
     def write(self, path: str | Path) -> None:
         """Write ``verdict.json``."""
         from dea.store import atomic
