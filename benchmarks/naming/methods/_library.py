@@ -14,6 +14,7 @@ import numpy as np
 from scipy.signal import lsim, periodogram
 
 from benchmarks.naming.task import Array
+from dea.discrepancy.evidence.residual_model import play, standard
 from dea.simulation import low_pass
 
 # What a term is that only corrects parameters of the simulation, and one that the catalogue lacks.
@@ -50,8 +51,8 @@ def library(u: Array, simulated: Array, residual: Array, interval: float) -> lis
 
     _add_states(add, u, simulated, interval)
     bipolar = float(u.min()) < 0.0 < float(u.max())
-    u, y = _standard(u), _standard(simulated)
-    v = _standard(np.gradient(simulated, interval))
+    u, y = standard(u), standard(simulated)
+    v = standard(np.gradient(simulated, interval))
     _add_limits(add, u, y, v, interval, bipolar)
     _add_memory(add, u, y)
     _add_courses(add, u, y)
@@ -61,8 +62,8 @@ def library(u: Array, simulated: Array, residual: Array, interval: float) -> lis
 
 def _add_states(add: Add, u: Array, simulated: Array, interval: float) -> None:
     rate = np.gradient(simulated, interval)
-    u, y, v = _standard(u), _standard(simulated), _standard(rate)
-    a = _standard(np.gradient(rate, interval))
+    u, y, v = standard(u), standard(simulated), standard(rate)
+    a = standard(np.gradient(rate, interval))
     add("1", np.ones(u.size), CORRECTION)
     add("u", u, CORRECTION)
     add("y", y, CORRECTION)
@@ -105,7 +106,7 @@ def _add_memory(add: Add, u: Array, y: Array) -> None:
         add(f"memory of u, {part:g}", low_pass(u, slow), "charge_leakage")
         add(f"memory of y, {part:g}", low_pass(y, slow), "viscoelastic_creep")
     for radius in _RADII:
-        add(f"play(y, {radius:g})", _play(y, radius), "rate_independent_hysteresis")
+        add(f"play(y, {radius:g})", play(y, radius), "rate_independent_hysteresis")
 
 
 def _add_courses(add: Add, u: Array, y: Array) -> None:
@@ -134,17 +135,3 @@ def _add_lines(add: Add, u: Array, residual: Array, interval: float) -> None:
         if 0.0 < omega * interval < 0.5 * np.pi:
             mode = ([omega**2], [1.0, 0.1 * omega, omega**2])
             add(f"ring(u, {omega:.4g})", lsim(mode, u, t)[1], "second_mode")
-
-
-def _play(y: Array, radius: float) -> Array:
-    result = np.empty(y.size)
-    now = y[0]
-    for k, value in enumerate(y):
-        now = min(max(now, value - radius), value + radius)
-        result[k] = now
-    return result
-
-
-def _standard(signal: Array) -> Array:
-    result: Array = (signal - signal.mean()) / (signal.std() or 1.0)
-    return result

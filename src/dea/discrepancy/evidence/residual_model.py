@@ -39,15 +39,15 @@ class ResidualModel:
 
 def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Return names and columns (n, m) of what a residual could depend on."""
-    t, u, y = problem.time, _standard(problem.u), _standard(simulated)
-    rate = _standard(np.gradient(simulated, problem.interval))
-    input_rate = _standard(np.gradient(problem.u, problem.interval))
+    t, u, y = problem.time, standard(problem.u), standard(simulated)
+    rate = standard(np.gradient(simulated, problem.interval))
+    input_rate = standard(np.gradient(problem.u, problem.interval))
     terms: dict[str, np.ndarray] = {
         "u": u, "u^2": u**2, "u^3": u**3, "y": y, "y^2": y**2, "y^3": y**3, "u y": u * y,
         "y'": rate, "|y'|": np.abs(rate), "sign(y')": np.tanh(rate / 0.05), "y y'": y * rate,
         "y'^2": rate**2, "y'|y'|": rate * np.abs(rate), "y'^3": rate**3, "y^2 y'": y**2 * rate,
         "u'": input_rate, "u u'": u * input_rate, "|u'|": np.abs(input_rate),
-        "y''": _standard(np.gradient(np.gradient(simulated))),
+        "y''": standard(np.gradient(np.gradient(simulated))),
     }  # fmt: skip
     for level in np.quantile(u, [0.1, 0.25, 0.75, 0.9]):
         terms[f"max(u - {level:.2g}, 0)"] = np.maximum(u - level, 0)
@@ -59,7 +59,7 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
             terms[f"lag({name}, {tau:.2g} s)"] = low_pass(signal, [tau / problem.interval, 1.0])
         tau *= 3.0
     for radius in (0.2, 0.6, 1.2):
-        terms[f"play(y, {radius:g})"] = _play(y, radius)
+        terms[f"play(y, {radius:g})"] = play(y, radius)
     x = 2.0 * t / t[-1] - 1.0
     for degree in range(1, 7):
         slow = np.polynomial.legendre.Legendre.basis(degree)(x)
@@ -111,7 +111,8 @@ def _sparse(
     return (" ".join(terms) if terms else "0"), max(0.0, 1.0 - error / first)
 
 
-def _play(y: np.ndarray, radius: float) -> np.ndarray:
+def play(y: np.ndarray, radius: float) -> np.ndarray:
+    """Return the play of a signal (n,): what follows it only beyond this distance."""
     result = np.empty(y.size)
     now = y[0]
     for k, value in enumerate(y):
@@ -120,6 +121,7 @@ def _play(y: np.ndarray, radius: float) -> np.ndarray:
     return result
 
 
-def _standard(signal: np.ndarray) -> np.ndarray:
+def standard(signal: np.ndarray) -> np.ndarray:
+    """Return a signal (n,) with a mean of zero and a deviation of one; a constant as zeros."""
     result: np.ndarray = (signal - signal.mean()) / (signal.std() or 1.0)
     return result
