@@ -1,29 +1,16 @@
 """Joint diagnosis of several records of one device."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import xarray as xr
 
-from dea.discrepancy import Settings, diagnose
+from dea.discrepancy import Samples, Settings, diagnose
 from dea.errors import InputError
-from dea.simulation import Parameter, State, catalogue, load_simulation, measured_scales, prepared
+from dea.simulation import catalogue, measured_scales, prepared
 from dea.store import signals
+from made_carriage import CARRIAGE
 
 INTERVAL, NOISE = 0.02, 4e-3
-SLOW = load_simulation("mass_spring_damper")
-SLOW = replace(
-    SLOW,
-    states=(State("position", "V", 0.0, 0.2), State("velocity", "V/s", 0.0, 2.0)),
-    parameters=(
-        Parameter("natural_frequency", "Hz", 1.5, 0.3, 1e-2, 1e2, log=True),
-        Parameter("damping_ratio", "1", 0.5, 0.5, 1e-3, 10.0, log=True),
-        Parameter("static_gain", "V/V", 1.0, 0.3, 1e-2, 1e2, log=True),
-    ),
-    accuracy=0.0,
-    input_interpolation="zero",
-)
 OFFERED = ("sensor_lag", "dead_zone", "baseline_drift")
 
 
@@ -31,10 +18,10 @@ def recorded(seed, start, interval=INTERVAL):
     """Return a record of a carriage whose sensor lags by 0.15 s, and which drifts as it likes."""
     rng = np.random.default_rng(seed)
     u = np.repeat(rng.uniform(-1, 1, 50), 25)
-    extended = prepared(SLOW, u, interval, 1e-5)
+    extended = prepared(CARRIAGE, u, interval, 1e-5)
     values = extended.values(np.zeros(extended.free.size))
     values[extended.names.index("initial.position")] = start
-    samples = type("Record", (), {"u": u, "y": u, "interval": interval})()
+    samples = Samples(u, u, interval)
     lagging = extended.attach(catalogue()["sensor_lag"], measured_scales(extended, values, samples))
     y = lagging.simulate(np.concatenate([values, [0.15, 0.9, 0.0]]), u, interval)
     y += NOISE * rng.standard_normal(u.size)
@@ -47,7 +34,7 @@ def recorded(seed, start, interval=INTERVAL):
 
 def test_records_of_one_device_share_their_law_and_not_their_start():
     settings = Settings(effects=OFFERED, warm_up=0.0)
-    found = diagnose([recorded(1, 0.4), recorded(2, -0.3)], SLOW, settings=settings)
+    found = diagnose([recorded(1, 0.4), recorded(2, -0.3)], CARRIAGE, settings=settings)
     verdict = found.verdict
     assert (verdict.status, verdict.names) == ("named", ("sensor_lag",)), verdict.sentence
     estimate = verdict.effects[0].parameters["time_constant"]
@@ -62,9 +49,9 @@ def test_records_of_one_device_share_their_law_and_not_their_start():
 
 def test_records_sampled_otherwise_are_refused():
     with pytest.raises(InputError, match=r"record 2 is sampled every 0\.03 s"):
-        diagnose([recorded(1, 0.0), signals(recorded(2, 0.0, 0.03))], SLOW)
+        diagnose([recorded(1, 0.0), signals(recorded(2, 0.0, 0.03))], CARRIAGE)
 
 
 def test_no_record_is_refused():
     with pytest.raises(InputError, match="there is no record"):
-        diagnose([], SLOW)
+        diagnose([], CARRIAGE)

@@ -1,25 +1,16 @@
 """A carriage on a spring, with effects hidden in it, that can be driven as often as one likes."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
 
+from dea.discrepancy import Samples
 from dea.resolution import Limits
-from dea.simulation import Parameter, State, catalogue, load_simulation, measured_scales, prepared
+from dea.simulation import catalogue, measured_scales, prepared
+from made_carriage import CARRIAGE
 
 INTERVAL, NOISE = 0.02, 4e-3
-CARRIAGE = replace(
-    load_simulation("mass_spring_damper"),
-    states=(State("position", "V", 0.0, 0.2), State("velocity", "V/s", 0.0, 2.0)),
-    parameters=(
-        Parameter("natural_frequency", "Hz", 1.5, 0.3, 1e-2, 1e2, log=True),
-        Parameter("damping_ratio", "1", 0.5, 0.5, 1e-3, 10.0, log=True),
-        Parameter("static_gain", "V/V", 1.0, 0.3, 1e-2, 1e2, log=True),
-    ),
-    accuracy=0.0,
-    input_interpolation="zero",
-)
 LIMITS = Limits(-1.0, 1.0, 20.0, -2.5, 2.5, 1.0 / INTERVAL)
 
 
@@ -29,7 +20,7 @@ def hidden(effect, law):
     def device(u, seed):
         extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
         values = extended.values(np.zeros(extended.free.size))
-        record = type("Record", (), {"u": u, "y": u, "interval": INTERVAL})()
+        record = Samples(u, u, INTERVAL)
         whole = extended.attach(catalogue()[effect], measured_scales(extended, values, record))
         rest = whole.values(np.zeros(whole.free.size))[values.size + len(law) :]
         y = whole.simulate(np.concatenate([values, law, rest]), u, INTERVAL)

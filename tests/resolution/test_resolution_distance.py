@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_devices import CARRIAGE, INTERVAL, LIMITS
+from made_devices import INTERVAL, LIMITS
 from scipy.optimize import minimize
 
+from dea.discrepancy import Samples
 from dea.excitation import KINDS
 from dea.resolution.design import Forms, Question, designed, fixed_forms
 from dea.resolution.distance import expected, nested, squared_distance
@@ -14,6 +15,7 @@ from dea.resolution.error import Error
 from dea.resolution.explanation import Explanation
 from dea.resolution.law_error import LawError, Motion
 from dea.simulation import catalogue, measured_scales, prepared
+from made_carriage import CARRIAGE
 
 pytestmark = pytest.mark.slow
 
@@ -29,7 +31,7 @@ def explanation(effect, law, spread=0.02):
     if effect is None:
         whole = extended
     else:
-        record = type("Record", (), {"u": u, "y": u, "interval": INTERVAL})()
+        record = Samples(u, u, INTERVAL)
         whole = extended.attach(catalogue()[effect], measured_scales(extended, values, record))
         rest = whole.values(np.zeros(whole.free.size))[values.size + len(law) :]
         values = np.concatenate([values, law, rest])

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from made_devices import CARRIAGE, INTERVAL, NOISE, hidden
+from made_devices import INTERVAL, NOISE, hidden
 from scipy.optimize import minimize
 
 from dea.discrepancy import Problem, Samples
@@ -11,6 +11,7 @@ from dea.resolution.error import Error
 from dea.resolution.explanation import Explanation
 from dea.resolution.prediction import predicted
 from dea.simulation import prepared
+from made_carriage import CARRIAGE
 
 ERROR = Error(NOISE, 6e-3, 25.0)
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_devices import CARRIAGE, INTERVAL, LIMITS, NOISE, InMemory, as_record, hidden
+from made_devices import INTERVAL, LIMITS, NOISE, InMemory, as_record, hidden
 
 from dea.discrepancy import Budget, Fit, Rules, Settings
 from dea.errors import InputError
@@ -25,6 +25,7 @@ from dea.resolution.law_error import LawError, Motion
 from dea.resolution.posterior import Posterior
 from dea.resolution.rounds import fresh_design, next_design
 from dea.stages.resolve import said
+from made_carriage import CARRIAGE
 
 pytestmark = pytest.mark.slow
 

@@ -10,6 +10,7 @@ import pytest
 import yaml
 from made_devices import INTERVAL, LIMITS, hidden
 
+import made_carriage
 from dea import archive, modbus, store
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
@@ -21,23 +22,6 @@ from dea.stages.resolve import Driven, _of_device, _plays, main, resolve
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
-CARRIAGE = """
-from dataclasses import replace
-
-from dea.simulation import Parameter, State, load_simulation
-
-simulation = replace(
-    load_simulation("mass_spring_damper"),
-    states=(State("position", "V", 0.0, 0.2), State("velocity", "V/s", 0.0, 2.0)),
-    parameters=(
-        Parameter("natural_frequency", "Hz", 1.5, 0.3, 1e-2, 1e2, log=True),
-        Parameter("damping_ratio", "1", 0.5, 0.5, 1e-3, 10.0, log=True),
-        Parameter("static_gain", "V/V", 1.0, 0.3, 1e-2, 1e2, log=True),
-    ),
-    accuracy=0.0,
-    input_interpolation="zero",
-)
-"""
 COLUMNS = {
     "sampling_interval": INTERVAL,
     "input": {"column": "u", "units": "V"},
@@ -60,7 +44,7 @@ def kept(folder, name, u, seed):
 def case(tmp_path, monkeypatch):
     """A study whose case is a carriage that no program drives; returns the file of the case."""
     shutil.copytree(ROOT / "config", tmp_path / "config")
-    (tmp_path / "carriage.py").write_text(CARRIAGE)
+    shutil.copy(made_carriage.__file__, tmp_path / "carriage.py")
     monkeypatch.chdir(tmp_path)
     study = yaml.safe_load(Path("config/config.yaml").read_text())
     study["discrepancy"] |= {

@@ -5,26 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dea.simulation import (
-    Parameter,
-    State,
-    catalogue,
-    law_courses,
-    load_simulation,
-    measured_scales,
-    prepared,
-)
+from dea.simulation import catalogue, law_courses, measured_scales, prepared
+from made_carriage import CARRIAGE
 
 INTERVAL, SAMPLES = 0.02, 1000
-SPRING = replace(
-    load_simulation("mass_spring_damper"),
-    states=(State("position", "V", 0.0, 0.2), State("velocity", "V/s", 0.0, 2.0)),
-    parameters=(
-        Parameter("natural_frequency", "Hz", 1.5, 0.3, 1e-2, 1e2, log=True),
-        Parameter("damping_ratio", "1", 0.5, 0.5, 1e-3, 10.0, log=True),
-        Parameter("static_gain", "V/V", 1.0, 0.3, 1e-2, 1e2, log=True),
-    ),
-)
+SPRING = replace(CARRIAGE, accuracy=1e-3, input_interpolation="smooth")
 TIME = np.arange(SAMPLES) * INTERVAL
 U = np.sin(2 * np.pi * 0.2 * TIME) + 0.4 * np.sin(2 * np.pi * 0.47 * TIME)
 
