@@ -12,6 +12,7 @@ each as probable as it is: the closest probable pair dominates the sum.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -98,7 +99,7 @@ class Question:
     limits: Limits
     middle: float
 
-    @property
+    @cached_property
     def pairs(self) -> list[tuple[int, int]]:
         """Pairs that an excitation can tell apart, the larger explanation first.
 

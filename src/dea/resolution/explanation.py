@@ -55,12 +55,10 @@ class Explanation:
         return self.extended.simulate(self.extended.values(self.mean), u, interval)
 
     def linearised(self, u: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return that output and its derivative (n, k) by the coordinates."""
+        """Return that output, which must not diverge, and its derivative (n, k) by coordinates."""
         problem = as_problem(Samples(u, np.zeros(u.size), interval))
         residual = problem.residual(self.extended, self.extended.values(self.mean))
         every = np.arange(self.mean.size)
-        if not np.isfinite(residual).all():
-            return np.full(u.size, np.nan), np.zeros((u.size, every.size))
         J = sensitivities(problem, self.extended, self.mean, residual, every)
         return -residual, -J
 
