@@ -3,9 +3,10 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
+from typing import NamedTuple
 
 from dea.number_format import number
-from dea.terms import Term
+from dea.terms import Term, input_symbol
 
 DIGITS = 4
 
@@ -44,29 +45,41 @@ def equation_html(
     monomials = [term.html() if term.degree else "" for term in terms]
     equation = "<i>y</i>(<i>t</i>) = " + _sum(parameters, monomials, digits)
     scales = []
-    for symbol, name, unit, offset, scale in _signals(scaling, inputs, output_units):
-        if (offset, scale) != (0.0, 1.0) or (len(inputs) > 1 and symbol != "<i>y</i>"):
+    for symbol, name, unit, offset, scale in scaled_signals(scaling, inputs, output_units):
+        letter, column = symbol[0], symbol[1:]
+        if (offset, scale) != (0.0, 1.0) or column:
             there = f" {escape(unit)}" if unit != "1" else ""
             scales.append(
-                f"{symbol} = ({escape(name)} {_signed(-offset, digits)}{there})"
+                f"<i>{letter}</i>{f'<sub>{column}</sub>' if column else ''}"
+                f" = ({escape(name)} {_signed(-offset, digits)}{there})"
                 f" / {number(scale, digits)}{there}"
             )
     return f"<p>{equation}</p>" + (f"<p>{', '.join(scales)}</p>" if scales else "")
 
 
-def _signals(
+class ScaledSignal(NamedTuple):
+    """A signal of an equation: ``symbol`` is ``name`` less ``offset``, over ``scale``."""
+
+    symbol: str
+    name: str
+    units: str
+    offset: float
+    scale: float
+
+
+def scaled_signals(
     scaling: Mapping[str, float | Sequence[float]],
     inputs: Sequence[tuple[str, str]],
     output_units: str,
-) -> Iterator[tuple[str, str, str, float, float]]:
-    """Symbol, name, units, offset and scale of every input and of the output."""
-    offsets, scales = (_each(scaling[f"u_{what}"], len(inputs)) for what in ("offset", "scale"))
+) -> Iterator[ScaledSignal]:
+    """Return every input and the output; the parameters are those of :func:`equation_html`."""
+    count = len(inputs)
+    offsets, scales = (_each(scaling[f"u_{what}"], count) for what in ("offset", "scale"))
     for k, ((name, unit), offset, scale) in enumerate(zip(inputs, offsets, scales, strict=True)):
-        several = len(inputs) > 1
-        symbol = f"<i>u</i><sub>{k + 1}</sub>" if several else "<i>u</i>"
-        yield symbol, name if several else "input", unit, offset, scale
+        called = name if count > 1 else "input"
+        yield ScaledSignal(input_symbol(k, count), called, unit, offset, scale)
     (offset,), (scale,) = (_each(scaling[f"y_{what}"], 1) for what in ("offset", "scale"))
-    yield "<i>y</i>", "output", output_units, offset, scale
+    yield ScaledSignal("y", "output", output_units, offset, scale)
 
 
 def _each(values: float | Sequence[float], count: int) -> Sequence[float]:

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from dea import store
-from dea.equation import equation_html, equation_latex
+from dea.equation import equation_html, equation_latex, scaled_signals
 from dea.errors import InputError
 from dea.missing import filled
 from dea.narx.checks import Array, as_input, as_record, as_signal
@@ -21,7 +21,7 @@ from dea.narx.scaling import OneInput, Scaling
 from dea.narx.simulation import simulate
 from dea.narx.stability import Stability, Trials, assess
 from dea.store import Record, Text, each_text, input_names
-from dea.terms import Term, input_symbol, max_lag, numbered_inputs
+from dea.terms import Term, max_lag, numbered_inputs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -112,6 +112,14 @@ class NarxModel:
         """The number of inputs: 1, or as many as scaling, labels and terms tell."""
         named = numbered_inputs(self.terms)
         return self.scaling.inputs or max(len(self.labels.inputs), named or 1)
+
+    @property
+    def named_inputs(self) -> list[tuple[str, str]]:
+        """Name and units of each input, whether or not the labels have them."""
+        known = self.labels.inputs
+        if len(known) == self.inputs:
+            return known
+        return [(name, known[0][1]) for name in input_names(self.inputs)]
 
     def of_one_input(self, purpose: str) -> OneInput:
         """Return the scaling of a model with a single input, all that ``purpose`` knows.
@@ -342,39 +350,24 @@ class NarxModel:
         """Return the equation with four digits and the scaling of its signals, for a notebook."""
         units = self.labels.y_units
         return equation_html(
-            self.terms, self.parameters, asdict(self.scaling), self._named_inputs(), units
+            self.terms, self.parameters, asdict(self.scaling), self.named_inputs, units
         )
 
     def __str__(self) -> str:
         """Return the equation that is simulated, every digit of its parameters included."""
         lines = [f"y(t) = {_sum(self.terms, self.parameters)}"]
-        several = self.inputs > 1
-        if several or astuple(self.scaling) != astuple(Scaling()):
-            inputs = self._named_inputs()
-            offsets, scales = (
-                np.broadcast_to(values, len(inputs)).tolist()
-                for values in (self.scaling.u_offset, self.scaling.u_scale)
-            )
-            names = [name for name, _ in inputs] if several else ["input"]
-            signals = [
-                (input_symbol(k, len(inputs)), name, offset, scale)
-                for k, (name, offset, scale) in enumerate(zip(names, offsets, scales, strict=True))
-            ]
-            signals.append(("y", "output", self.scaling.y_offset, self.scaling.y_scale))
+        if self.inputs > 1 or self.scaling != Scaling():
+            scaling = {
+                name: np.asarray(value).tolist() for name, value in vars(self.scaling).items()
+            }
+            signals = scaled_signals(scaling, self.named_inputs, self.labels.y_units)
             lines.append(
                 ", ".join(
                     f"{symbol} = ({name} {_signed(-offset)})/{scale!r}"
-                    for symbol, name, offset, scale in signals
+                    for symbol, name, _, offset, scale in signals
                 )
             )
         return "\n".join(lines)
-
-    def _named_inputs(self) -> list[tuple[str, str]]:
-        """Name and units of each input, whether or not the labels have them."""
-        known = self.labels.inputs
-        if len(known) == self.inputs:
-            return known
-        return [(name, known[0][1]) for name in input_names(self.inputs)]
 
 
 def _lists(values: Mapping[str, Any]) -> dict[str, Any]:
