@@ -41,8 +41,7 @@ def rest(terms: Sequence[Term], theta: Array, u0: Array, start: float = 0.0) -> 
         for root in roots:
             if np.all(np.abs(outputs - root) <= _NEAR * (1.0 + abs(root))):
                 return root
-        length = lag + _FIRST_RUN * 2**run
-        inputs = np.full(length, u0[0]) if u0.size == 1 else np.tile(u0, (length, 1))
+        inputs = np.tile(u0, (lag + _FIRST_RUN * 2**run, 1))
         outputs = simulate(terms, theta, inputs, outputs)[-lag:]
         if not roots or not np.all(np.isfinite(outputs)):
             return None

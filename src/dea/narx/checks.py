@@ -77,16 +77,16 @@ def check_inputs(numbered: int | None, u: Array) -> None:
         If there are several inputs and the terms do not number theirs, or if there are fewer than
         the terms name.
     """
-    if numbered is None or (numbered <= 1 and u.ndim == 1):
+    count = input_count(u)
+    if numbered is None or (numbered <= count if numbered else count == 1):
         return
-    if u.ndim == 1 or not 0 < numbered <= u.shape[1]:
-        given = "one input" if u.ndim == 1 else f"{u.shape[1]} inputs"
-        wanted = f"inputs up to u{numbered}" if numbered else "a single input, u"
-        raise InputError(
-            f"{given} for a model whose terms name {wanted}",
-            field="u",
-            remedy="Give the inputs of the model in its order, as the columns of u.",
-        )
+    given = "one input" if count == 1 else f"{count} inputs"
+    wanted = f"inputs up to u{numbered}" if numbered else "a single input, u"
+    raise InputError(
+        f"{given} for a model whose terms name {wanted}",
+        field="u",
+        remedy="Give the inputs of the model in its order, as the columns of u.",
+    )
 
 
 def _numbers(values: ArrayLike, name: str) -> Array:

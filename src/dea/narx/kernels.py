@@ -43,15 +43,6 @@ def output_of(coefficients: Array, i: int, y_lags: Indices, y: Array, t: int) ->
 
 
 @njit(cache=True)
-def _row(u: Array, row: int) -> Array:
-    """The input of a row, of one input all there is; numba compiles only the case at hand."""
-    if u.ndim == 1:
-        return u
-    found: Array = u[row]
-    return found
-
-
-@njit(cache=True)
 def _coefficients(
     structure: Structure, parameters: Array, u: Array, first: int, last: int, work: Array
 ) -> None:
@@ -69,7 +60,7 @@ def _coefficients(
             lag = u_lags[j, factor]
             if lag == NONE:
                 break
-            shifted = _row(u, u_rows[j, factor])[first - lag : last - lag]
+            shifted = u[u_rows[j, factor], first - lag : last - lag]
             for i in range(count):
                 product[i] *= shifted[i]
         row = work[group[j]]
@@ -81,7 +72,7 @@ def _coefficients(
 def run(structure: Structure, parameters: Array, u: Array, y: Array, bound: float) -> None:
     """Continue ``y`` from the structure's start, infinite from the sample on where it diverges.
 
-    ``u`` is one input, shape (samples,), or each of its rows is one.
+    Each row of ``u`` is one input, shape (inputs, samples).
     """
     y_lags = structure.y_lags
     work = np.empty((y_lags.shape[0] + 1, BLOCK))
@@ -99,8 +90,9 @@ def run(structure: Structure, parameters: Array, u: Array, y: Array, bound: floa
 @njit(cache=True)
 def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: float) -> None:
     """As :func:`run` with ``theta[t]`` at sample t."""
-    y_lags, u_lags = structure.y_lags[structure.group], structure.u_lags
-    u_rows = structure.u_rows
+    y_lags, u_lags, u_rows = structure.y_lags[structure.group], structure.u_lags, structure.u_rows
+    flat, places = u.ravel(), u_rows * u.shape[1] - u_lags  # of each factor at sample 0
+    powers = np.sum(u_lags != NONE, axis=1)
     for t in range(structure.start, y.size):
         total = 0.0
         for j in range(y_lags.shape[0]):
@@ -109,10 +101,8 @@ def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: f
                 if y_lags[j, factor] == NONE:
                     break
                 monomial *= y[t - y_lags[j, factor]]
-            for factor in range(u_lags.shape[1]):
-                if u_lags[j, factor] == NONE:
-                    break
-                monomial *= _row(u, u_rows[j, factor])[t - u_lags[j, factor]]
+            for factor in range(powers[j]):
+                monomial *= flat[places[j, factor] + t]
             total += monomial
         if not abs(total) <= bound:
             y[t:] = np.inf
@@ -144,7 +134,7 @@ def run_with_slope(
                 lag = u_lags[j, factor]
                 if lag == NONE:
                     break
-                source = _row(u, u_rows[j, factor])
+                source = u[u_rows[j, factor]]
                 for i in range(last - first):
                     inputs[i, j] *= source[first + i - lag]
         for t in range(first, last):

@@ -11,7 +11,7 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.narx import kernels
-from dea.narx.checks import Array, check_inputs
+from dea.narx.checks import Array, by_input, check_inputs
 from dea.narx.kernels import NONE, Indices, Structure
 from dea.terms import Term, max_lag, numbered_inputs
 
@@ -65,7 +65,7 @@ def simulate(
     y = np.empty(u.shape[0])
     initial = initial_outputs(y_initial, shape.start, y.size)
     y[: initial.size] = initial
-    kernels.run(shape, parameters, _rows(u), y, bound)
+    kernels.run(shape, parameters, by_input(u), y, bound)
     return y
 
 
@@ -93,16 +93,9 @@ def simulate_varying(
 
 
 def input_rows(terms: tuple[Term, ...], u: Array) -> Array:
-    """Return the inputs of ``terms`` as the kernels take them, checked to be all that they name.
-
-    One stays as it is; several are contiguous rows.
-    """
+    """Return the inputs of ``terms`` as the kernels take them, checked to be all that they name."""
     check_inputs(_described(terms)[1], u)
-    return _rows(u)
-
-
-def _rows(u: Array) -> Array:
-    return np.ascontiguousarray(u.T)
+    return by_input(u)
 
 
 def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
