@@ -190,3 +190,17 @@ def test_responses_over_time_are_those_of_every_input_and_pair():
     )
     np.testing.assert_array_equal(found["H2"].isel(pair=1, part=1), crossed.imag)
     assert found["H3"].dims[0] == found["excited"].dims[0] == "input"
+
+
+def test_responses_over_time_take_one_column_as_one_input_and_no_other_number():
+    rng = np.random.default_rng(1)
+    u, y = rng.uniform(-1, 1, (400, 1)), rng.uniform(-1, 1, 400)
+    model = NarxModel.from_terms({"1": 0.1, "y(t-1)": 0.5, "u(t-1)": 0.4})
+    track = dea.track_parameters(model, u, y, instants=20, sampling_rate=RATE)
+    grid = Grid(instants=10, count=4, plane_count=3)
+    column, signal = (
+        response_over_time(model, track, each, RATE, grid=grid) for each in (u, u[:, 0])
+    )
+    np.testing.assert_array_equal(column["input_spectrum"], signal["input_spectrum"])
+    with pytest.raises(InputError, match="it holds 2 of 1 inputs"):
+        response_over_time(model, track, np.hstack([u, u]), RATE, grid=grid)

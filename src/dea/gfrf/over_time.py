@@ -13,8 +13,7 @@ from dea.errors import InputError
 from dea.gfrf.bands import frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
 from dea.gfrf.response import frequency_response
-from dea.narx import NarxModel
-from dea.store import input_names
+from dea.narx import NarxModel, as_input, by_input
 
 Array = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]
@@ -107,8 +106,7 @@ def response_over_time(
     f3 = sampling_rate * grid.third_frequency
     over, planes = ("time", "frequency"), ("time_h2", "frequency_1", "frequency_2")
     spectra = [
-        _Spectrum(each, sampling_rate, f, plane, excited_above)
-        for each in _columns(u, model.inputs)
+        _Spectrum(each, sampling_rate, f, plane, excited_above) for each in _each_input(model, u)
     ]
     numbers = range(1, model.inputs + 1)
     pairs = list(combinations_with_replacement(numbers, 2))
@@ -251,18 +249,23 @@ class _Rows:
         }  # fmt: skip
 
 
-def _columns(u: ArrayLike, inputs: int) -> list[Array]:
-    """Return the excitation of each input."""
-    given = np.asarray(u, dtype=float)
-    return [given] if inputs == 1 else list(given.T)
+def _each_input(model: NarxModel, u: ArrayLike) -> Array:
+    """Return the excitation of each input of the model, shape (inputs, samples)."""
+    inputs = by_input(as_input(u))
+    if len(inputs) != model.inputs:
+        raise InputError(
+            f"it holds {len(inputs)} of {model.inputs} inputs",
+            field="u",
+            remedy="Give the inputs of the model in its order, as the columns of u.",
+        )
+    return inputs
 
 
 def _of_inputs(model: NarxModel, pairs: Sequence[tuple[int, int]]) -> dict[str, Any]:
     """Return the coordinates that tell several inputs and their pairs apart; none for one."""
     if model.inputs == 1:
         return {}
-    known = [name for name, _ in model.labels.inputs]
-    names = known if len(known) == model.inputs else input_names(model.inputs)
+    names = [name for name, _ in model.named_inputs]
     words = {"input": names, "pair": [f"{names[i - 1]} × {names[j - 1]}" for i, j in pairs]}
     labels = {"input": "input", "pair": "inputs of the first and the second frequency"}
     return {
