@@ -12,6 +12,7 @@ from dea.errors import InputError
 from dea.intake.bandwidth import band
 from dea.intake.dynamics import Dynamics, linear_dynamics, samples_needed, written
 from dea.missing import filled
+from dea.narx import by_input
 from dea.store import Record
 
 Array = NDArray[np.float64]
@@ -49,7 +50,7 @@ def make_plan(signals: Record) -> Plan:
         If it is too short to identify from one part and test on another.
     """
     u, y, rate = signals.u, signals.y, signals.sampling_rate
-    columns = np.atleast_2d(u.T)
+    columns = by_input(u)
     in_a_row = samples_needed(len(columns))
     shortest = max(_SHORTEST, ceil(in_a_row / (1 - _HELD_OUT)))
     if y.size < shortest:

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from dea.errors import InputError
 from dea.narx.autoregression import fit_autoregression
-from dea.narx.checks import Array, as_record, input_count
+from dea.narx.checks import Array, as_record, by_input, input_count
 from dea.narx.model import NarxModel
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
@@ -104,7 +104,7 @@ def scaling_of(records: Sequence[Segment], centre_input: bool = True) -> Scaling
     """
     u = np.concatenate([u for u, _ in records])
     y = np.concatenate([y for _, y in records])
-    columns = [np.ascontiguousarray(column) for column in np.atleast_2d(u.T)]
+    columns = by_input(u)
     offsets = [float(column.mean()) if centre_input else 0.0 for column in columns]
     scales = [float(0.5 * np.ptp(column)) for column in columns]
     if u.ndim == 2 and 0.0 in scales:
@@ -114,10 +114,7 @@ def scaling_of(records: Sequence[Segment], centre_input: bool = True) -> Scaling
             field="u",
             remedy="Leave it out: its effect cannot be identified from a record where it rests.",
         )
-    of_output = float(y.mean()), float(0.5 * np.ptp(y))
-    if u.ndim == 1:
-        return Scaling(offsets[0], scales[0], *of_output)
-    return Scaling(tuple(offsets), tuple(scales), *of_output)
+    return Scaling(tuple(offsets), tuple(scales), float(y.mean()), float(0.5 * np.ptp(y)))
 
 
 def normalised(records: Sequence[Segment], scaling: Scaling) -> list[Segment]:

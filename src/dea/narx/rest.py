@@ -37,7 +37,7 @@ def rests_over(
     """
     roots = _real_roots(terms, parameters, inputs, limit)
     levels = len(inputs)
-    middle = int(np.argmin(np.abs(np.atleast_2d(inputs.T)).max(axis=0)))
+    middle = int(np.argmin(np.abs(by_input(inputs)).max(axis=0)))
     outputs = np.full(levels, np.nan)
     outputs[middle] = _nearest(roots[middle], 0.0)
     for order in (range(middle + 1, levels), range(middle - 1, -1, -1)):
