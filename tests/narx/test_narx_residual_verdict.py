@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dea.narx.residual_verdict import INPUT_TESTS, joint_tests, verdict
+from dea.narx.residual_verdict import joint_tests, verdict
 from dea.narx.residuals import TESTS, each_test
 
 
@@ -66,7 +66,7 @@ def test_the_verdict_says_what_is_left():
     )
     p[:, 0] = 0.0
     assert "it is coloured, and past inputs explain nothing" in verdict(p, explained, 1, 2, "mm")
-    p[1, 1 + INPUT_TESTS.index("phi_u2e")], explained[1, 3] = 1e-6, 0.2
+    p[1, list(TESTS).index("phi_u2e")], explained[1, 3] = 1e-6, 0.2
     said = verdict(p, explained, 1.0, 2.0, "mm")
     assert "past values of the square of the input (20 %) still explain" in said
     assert "(p < 0.001)" in said

@@ -7,23 +7,22 @@ not pass for an effect of the input (Box and Jenkins 1970, chapter 11, on prewhi
 """
 
 from collections.abc import Sequence
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from dea.narx.checks import Array, by_input, input_count
-from dea.narx.residuals import TESTS, each_test, product
+from dea.narx.residuals import PAIR_TEST, each_test, product
 
-WHITENESS, *INPUT_TESTS = TESTS
 LEVEL = 0.05  # of all tests of a system together
 _ORDERS = 20  # of the autoregression, at most
 _PRINCIPAL = 1e-3  # of the largest singular value; what is below is the collinearity of lags
-_MEANING = {
-    "phi_eu": "{name}",
-    "phi_e(eu)": "the product of residual and {short}",
-    "phi_u2e": "the square of {name}",
-    "phi_u2e2": "the square of {name}, in the residual's power",
+_MEANING = {  # of the names of the inputs, and of the same without an article
+    "phi_eu": "{0}",
+    "phi_e(eu)": "the product of residual and {short[0]}",
+    "phi_u2e": "the square of {0}",
+    "phi_u2e2": "the square of {0}, in the residual's power",
+    PAIR_TEST: "the product of {short[0]} and {short[1]}",
 }
 
 
@@ -55,7 +54,8 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
         Of a residual that is not finite, p-values of 0 and everything explained; of a constant
         one, p-values of 1 and nothing explained.
     """
-    count = len(each_test(input_count(u)))
+    _, *tests = each_test(input_count(u)).values()
+    count = 1 + len(tests)
     if not np.isfinite(e).all():
         return JointTests(np.zeros(count), np.ones(count))
     residual, inputs = e - e.mean(), by_input(u - u.mean(axis=0))
@@ -64,18 +64,20 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
     coefficients = _autoregression(residual)
     white = _filtered(residual, coefficients)
     found = [_portmanteau(residual, max_lag, 1.0 - float(white.var() / residual.var()))]
-    for centred in inputs:
-        square = centred**2 - np.mean(centred**2)
-        for name in INPUT_TESTS:
-            target = white**2 if name == "phi_u2e2" else white
-            instrument = {"phi_eu": centred, "phi_e(eu)": residual * centred}.get(name, square)
-            if name != "phi_u2e2":  # squares of a white residual are not coloured by its filter
-                instrument = _filtered(instrument, coefficients)
-            found.append(_regression(target, instrument[-target.size :], max_lag))
-    for one, other in combinations(inputs, 2):
-        instrument = _filtered(product(one, other), coefficients)
-        found.append(_regression(white, instrument, max_lag))
+    for name, columns in tests:
+        instrument = _instrument(name, residual, inputs[columns[0]], inputs[columns[-1]])
+        target = white**2 if name == "phi_u2e2" else white
+        if name != "phi_u2e2":  # squares of a white residual are not coloured by its filter
+            instrument = _filtered(instrument, coefficients)
+        found.append(_regression(target, instrument[-target.size :], max_lag))
     return JointTests(*np.array(found).T)
+
+
+def _instrument(test: str, residual: Array, u: Array, v: Array) -> Array:
+    """Return the signal whose past a test is of; ``v`` is ``u`` except in that of a pair."""
+    if test == "phi_eu":
+        return u
+    return residual * u if test == "phi_e(eu)" else product(u, v)
 
 
 def verdict(
@@ -104,13 +106,11 @@ def verdict(
     white = count * p_value[:, 0].min() > LEVEL
     colour = "white" if white else "coloured"
     joint = np.minimum(count * p_value.min(axis=0), 1.0)[1:]
+    short = [name.removeprefix("the ") for name in inputs]
+    _, *tests = each_test(len(inputs)).values()
     meanings = [
-        _MEANING[test].format(name=name, short=name.removeprefix("the "))
-        for name in inputs
-        for test in INPUT_TESTS
-    ] + [
-        f"the product of {one} and {other}"
-        for one, other in combinations([name.removeprefix("the ") for name in inputs], 2)
+        _MEANING[test].format(*(inputs[k] for k in columns), short=[short[k] for k in columns])
+        for test, columns in tests
     ]
     shown = [
         f"{meaning} ({100 * share:.2g} %)"

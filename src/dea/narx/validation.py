@@ -112,14 +112,15 @@ def validate(
     driving, recorded = as_record(u, y, missing=True)
     outputs, seen = filled(recorded)
     count = input_count(driving)
+    listed = list(each_test(count))
     names = list(inputs) or [input_symbol(k, count) for k in range(count)]
     spans = _spans(windows, sampling_rate, outputs.size)
     samples = spans[0][1].stop - spans[0][1].start
     shape = (len(models), len(APPROACHES), len(spans))
     simulated = np.empty((*shape, samples))
     scores = {name: np.empty(shape) for name in ("nmse", "fit", "fpe", "rmse")}
-    tests = {name: np.empty((*shape, len(each_test(count)))) for name in ("p_value", "explained")}
-    correlation = np.empty((*shape, len(each_test(count)), windows.max_lag))
+    tests = {name: np.empty((*shape, len(listed))) for name in ("p_value", "explained")}
+    correlation = np.empty((*shape, len(listed), windows.max_lag))
     for at in np.ndindex(shape):
         model = list(models.values())[at[0]]
         earlier, window = spans[at[2]]
@@ -191,7 +192,7 @@ def validate(
         ),
         "band": (
             ("test",),
-            np.full(len(each_test(count)), band(size)),
+            np.full(len(listed), band(size)),
             "1",
             "half-width of the 95 % band",
         ),
@@ -214,7 +215,7 @@ def validate(
         "model": np.array(list(models)),
         "approach": np.array(list(APPROACHES)),
         "window": np.arange(len(spans)),
-        "test": np.array(list(each_test(count))),
+        "test": np.array(listed),
         "lag": np.arange(1, windows.max_lag + 1),
     }
     return xr.Dataset(
