@@ -18,8 +18,8 @@ def baselines(model: NarxModel) -> Mapping[str, NarxModel]:
     products.
     """
     lag, inputs = max(model.max_lag, 1), model.inputs
-    numbers = [(k,) for k in range(1, inputs + 1)] if inputs > 1 else [()]
-    powers = [Term.of((), (1,) * p, number * p) for number in numbers for p in (1, 2, 3)]
+    _, *driving = linear_terms(0, 1, inputs)
+    powers = [Term((), u.u_lags * p, u.inputs * p) for u in driving for p in (1, 2, 3)]
     structures = {
         "linear": linear_terms(lag, lag, inputs),
         "hammerstein": (Term(), Term.of((1,), ()), *powers),
