@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from dea.missing import filled
 from dea.narx.candidate_terms import linear_terms
 from dea.narx.checks import as_record, input_count
-from dea.narx.estimation import Signals, as_segments, estimate
+from dea.narx.estimation import Signals, estimate, listed
 from dea.narx.metrics import fpe, nmse, squared
 from dea.narx.model import NarxModel
 from dea.narx.selection import select_terms
@@ -21,9 +21,7 @@ def linear_model(u: Signals, y: Signals, order: int) -> NarxModel:
 
     Its parameters are the least-squares estimate (4), as published.
     """
-    records = as_segments(u, y)
-    inputs = input_count(records[0][0])
-    return estimate(linear_terms(order, order, inputs), u, y)
+    return estimate(linear_terms(order, order, input_count(listed(u)[0])), u, y)
 
 
 def compare_orders(
