@@ -129,14 +129,13 @@ class NarxModel:
         InputError
             If the model has several inputs.
         """
-        u_offset, u_scale, *of_output = astuple(self.scaling)
-        if self.inputs > 1 or isinstance(u_offset, tuple):
+        if self.inputs > 1:
             raise InputError(
                 f"{purpose} is of models with one input, and this one has {self.inputs}",
                 field="model",
                 remedy="Select a model of one input, the others held constant.",
             )
-        return OneInput(u_offset, u_scale, *of_output)
+        return OneInput(*astuple(self.scaling))
 
     @property
     def standard_errors(self) -> Array | None:
