@@ -13,7 +13,7 @@ from dea.gfrf.expansion import expand
 from dea.gfrf.operating_point import rest_along, rest_slope
 from dea.gfrf.probing import probe
 from dea.narx import NarxModel, rate_of
-from dea.terms import input_symbol
+from dea.terms import input_symbol, static_value
 
 Array = NDArray[np.float64]
 Number = int | np.integer[Any]
@@ -146,9 +146,8 @@ def _probed(
     across = (slice(None), *[None] * len(shape))  # parameter sets lead, frequencies follow
     expanded = expand(model.terms, theta, y0, u0)
     per_set = {term: coefficient[across] for term, coefficient in expanded.items()}
-    scales, scale = np.broadcast_to(model.scaling.u_scale, model.inputs), 1.0
-    for column, power in Counter(columns).items():
-        scale *= float(scales[column] ** power)
+    scales = np.broadcast_to(model.scaling.u_scale, model.inputs).tolist()
+    scale = static_value(Counter(columns), scales)
     return probe(per_set, omega, columns) * (model.scaling.y_scale / scale)
 
 
