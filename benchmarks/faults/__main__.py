@@ -1,19 +1,23 @@
 """Random faults between the acquisition's command and two devices; the devices judge.
 
 Prints each schedule that broke a law, reduced to the faults that it takes, as a line of JSON that
-``--schedule`` runs again.
+``--schedule`` runs again. ``--store`` keeps the counts in ``docs/measured/faults.json``, which the
+documents quote.
 """
 
 import argparse
 import collections
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from benchmarks.bars import progress_bars
 from benchmarks.faults.campaign import AT_A_TIME, Campaign, Verdict
 from benchmarks.faults.examples import examples
 from benchmarks.faults.schedule import loads
 from benchmarks.faults.strategies import draw
+from benchmarks.stored import store
 
 VICTIMS = ("plain", "bench")
 
@@ -31,7 +35,10 @@ def main() -> None:
     parser.add_argument("--schedule", action="append", help="run this schedule alone (JSON)")
     parser.add_argument("--examples", action="store_true", help="run the known faults, one each")
     parser.add_argument("--only", default="", help="examples whose names hold this")
+    parser.add_argument("--store", action="store_true", help="keep the counts for the documents")
     given = parser.parse_args()
+    if given.store and (given.examples or given.schedule or given.victim):
+        parser.error("--store keeps what random schedules of all victims did: name none")
     names: list[str] = []
     if given.examples:
         runs = {name: run for name, run in examples().items() if given.only in name}
@@ -59,12 +66,26 @@ def main() -> None:
     laws = collections.Counter(
         sentence.split(":")[0] for verdict in verdicts for sentence in verdict.broken
     )
-    bad = sum(bool(verdict.broken) for verdict in verdicts)
-    print(f"{bad} of {len(verdicts)} runs broke a law", dict(laws) or "")
-    print(f"the output was driven in {sum(verdict.driven for verdict in verdicts)} runs")
-    statuses = collections.Counter(verdict.status for verdict in verdicts)
-    print("exit status of the command:", dict(statuses))
-    sys.exit(bad > 0)
+    counts = _counts(verdicts)
+    print(f"{counts['broken']} of {counts['runs']} runs broke a law", dict(laws) or "")
+    print(f"the output was driven in {counts['driven']} runs")
+    print("exit status of the command:", counts["status"])
+    if given.store:
+        values = {victim: _counts([v for v in verdicts if v.schedule.victim == victim])
+                  for victim in VICTIMS}  # fmt: skip
+        store("faults", "make faults", {"seed": given.seed, "all": counts, **values})
+    sys.exit(counts["broken"] > 0)
+
+
+def _counts(verdicts: Sequence[Verdict]) -> dict[str, Any]:
+    """Return how many runs there were, how many broke a law, drove the output, ended how."""
+    statuses = collections.Counter(str(verdict.status) for verdict in verdicts)
+    return {
+        "runs": len(verdicts),
+        "broken": sum(bool(verdict.broken) for verdict in verdicts),
+        "driven": sum(verdict.driven for verdict in verdicts),
+        "status": dict(sorted(statuses.items())),
+    }
 
 
 if __name__ == "__main__":
