@@ -275,7 +275,6 @@ def of_several(record):
     [
         ({"test_records": {"later": MINE["record"]}}, "test_records.later", "inputs, 1, is not"),
         ({"identification": {"u_lags": [[1], [1], [2]]}}, "identification.u_lags", "lags of 3"),
-        ({"simulation": "cascaded_tanks"}, "simulation", "records with one input, and this one"),
     ],
 )
 def test_a_case_with_several_inputs_must_agree_with_itself(changes, field, words):

@@ -19,8 +19,10 @@ from dea.discrepancy.evidence.split import runs, split
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
 from dea.errors import InputError
+from dea.simulation.inputs import Input
 
 INTERVAL = 0.02
+INPUT = (Input("input", "V"),)
 
 
 def problem_of(u, y, noise=1.0, fit=None, select=None):
@@ -300,7 +302,7 @@ def test_a_residual_is_found_along_what_it_depends_on(along, large, number, low,
     residual = 0.01 * rng.standard_normal(3000) * np.where(large, 5.0, 1.0)
     output = TRAPEZOID if along == "direction" else TRIANGLE
     problem = problem_of(u, output + residual)
-    localised = localise(problem, residual, ("V", "mm"), np.ones(3000, bool), rng)
+    localised = localise(problem, residual, INPUT, "mm", np.ones(3000, bool), rng)
     found = localised.dataset
     edges = float(found[f"{along}_low"][number]), float(found[f"{along}_high"][number])
     assert edges == pytest.approx((low, high), abs=0.05)
@@ -320,7 +322,7 @@ def test_a_concentration_compares_a_bin_with_the_others():
     large = (T >= 25.0) & (T < 27.5)
     residual = 0.01 * rng.standard_normal(3000) * np.where(large, 5.0, 1.0)
     problem = problem_of(rng.standard_normal(3000), TRIANGLE + residual)
-    found = localise(problem, residual, ("V", "mm"), np.ones(3000, bool), rng).concentration
+    found = localise(problem, residual, INPUT, "mm", np.ones(3000, bool), rng).concentration
     assert (found.along, found.number, found.unit) == ("time", 10, "s")
     assert (found.low, found.high) == pytest.approx((25.0, 27.5), abs=0.05)
     assert found.inside == pytest.approx(0.05, rel=0.1)
@@ -332,7 +334,7 @@ def test_the_band_is_the_octave_of_a_line(frequency):
     rng = np.random.default_rng(11)
     residual = 3.0 + np.sin(2 * np.pi * frequency * T) + 0.1 * rng.standard_normal(3000)
     problem = problem_of(rng.standard_normal(3000), residual)
-    band = localise(problem, residual, ("V", "mm"), np.ones(3000, bool), rng).band
+    band = localise(problem, residual, INPUT, "mm", np.ones(3000, bool), rng).band
     assert band.low <= frequency < band.high
     assert band.high == pytest.approx(2.0 * band.low)
     # A sine of amplitude 1 beside noise of which an octave holds at most half.

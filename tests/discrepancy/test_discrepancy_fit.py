@@ -24,8 +24,10 @@ from dea.discrepancy.search import starts
 from dea.discrepancy.search.candidates import Candidate
 from dea.errors import InputError
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
+from dea.simulation.inputs import Input
 
 INTERVAL = 0.02
+INPUT = (Input("input", "V"),)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 8))
@@ -141,7 +143,7 @@ def test_chance_is_rarely_called_a_place():
         u = np.convolve(rng.standard_normal(3100), np.ones(101) / 10, "valid")
         gap = rng.standard_normal(3000)
         problem = Problem(u, u + gap, INTERVAL, *(np.ones(3000, bool),) * 3)
-        found = localise(problem, gap, ("V", "mm"), problem.fit, rng)
+        found = localise(problem, gap, INPUT, "mm", problem.fit, rng)
         called += found.strongest is not None
     # 5 % of 40 are two; six come up in 1.4 % of such series.
     assert called <= 6
@@ -154,7 +156,7 @@ def test_a_gap_is_found_where_it_is():
     # What the simulation gives out is another signal, so that only the input tells.
     y = np.convolve(rng.standard_normal(3100), np.ones(101) / 10, "valid") + gap
     problem = Problem(u, y, INTERVAL, *(np.ones(3000, bool),) * 3)
-    found = localise(problem, gap, ("V", "mm"), problem.fit, rng)
+    found = localise(problem, gap, INPUT, "mm", problem.fit, rng)
     assert found.strongest == "input"
     assert "where the input is between" in where_sentence(found)
 

@@ -61,12 +61,6 @@ class Case(Section):
                 f"lags of {len(lags)} inputs for a record with {count}",
                 "Give one list for every input, or one for all.",
             )
-        if self.simulation is not None and count > 1:
-            raise refuse(
-                "simulation",
-                f"a diagnosis is of records with one input, and this one has {count}",
-                "Leave the simulation out, or name one input of a record whose others rest.",
-            )
         return self
 
     @model_validator(mode="after")

@@ -37,6 +37,7 @@ from dea.progress import tell
 from dea.seeds import generator
 from dea.simulation import (
     Effect,
+    ExtendedSimulation,
     Simulation,
     catalogue,
     load_simulation,
@@ -82,12 +83,11 @@ def diagnose(
     settings = settings or Settings()
     rules = settings.rules
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
-    units = own.input_unit, own.output_unit
     rng = generator(settings.seed, settings.name, "diagnose")
     records = [signals_of(each, own) for each in _listed(record)]
     others = {name: signals_of(other, own) for name, other in (test_records or {}).items()}
     offered = _offered(settings.effects)
-    budget = settings.budget.of(sum(each.u.size for each in records))
+    budget = settings.budget.of(sum(each.size for each in records))
 
     # Split the record, and fit the simulation alone.
     tell("the simulation alone")
@@ -107,15 +107,15 @@ def diagnose(
             remedy="Declare its force ports, or offer effects of other ports",
         )
     pool = pool_of(rounds)
-    floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.u.size / 8, 64)))
+    floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.size / 8, 64)))
     floor = max(floor, quantisation(problem.y))
 
     # Collect evidence.
-    length = max(problem.u.size / settings.blocks, parts.gap)
+    length = max(problem.size / settings.blocks, parts.gap)
     blocks = parts.blocks(problem.seen, length)
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, floor, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)
-    weighed, error = _weighed(evidence, pool, len(offered), workers)
+    weighed, error = _weighed(evidence, pool, _count(bare, offered), workers)
     proven = proven_alone(rounds, gained, rules)
     chosen = best_extension(evidence, rounds, proven)
     unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
@@ -133,8 +133,8 @@ def diagnose(
     # Describe, and certify.
     tell("the answer on samples not used so far")
     where = Where(
-        localise(problem, near.residual, units, problem.seen, rng),
-        localise(problem, final.residual, units, problem.seen, rng),
+        localise(problem, near.residual, own.inputs, own.output_unit, problem.seen, rng),
+        localise(problem, final.residual, own.inputs, own.output_unit, problem.seen, rng),
     )
     noisy = problem.with_noise(evidence.floor)
     rungs = ladder(evidence, nominal, final, singles)
@@ -180,6 +180,11 @@ def _offered(names: Sequence[str]) -> list[Effect]:
             remedy=f"Known are {', '.join(catalogue())}",
         )
     return [effect for name, effect in catalogue().items() if not names or name in names]
+
+
+def _count(extended: ExtendedSimulation, offered: Sequence[Effect]) -> int:
+    """Return how many effects are offered, where one is another at another input."""
+    return sum(extended.places(each) if each.on_input else 1 for each in offered)
 
 
 def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], workers: int) -> Gains:

@@ -22,6 +22,7 @@ from dea.discrepancy.report.summary import verdict_of
 from dea.discrepancy.report.verdict import Verdict
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.candidates import Candidate
+from dea.simulation.inputs import Input
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,12 @@ class Diagnosis:
         return verdict_of(self)
 
     @property
+    def inputs(self) -> tuple[Input, ...]:
+        """The inputs of the record, as the simulation calls them."""
+        return self.nominal.extended.simulation.inputs
+
+    @property
     def units(self) -> tuple[str, str]:
-        """Units of input and output."""
-        own = self.nominal.extended.simulation
-        return own.input_unit, own.output_unit
+        """Units of input and output; different ones of several inputs are listed."""
+        of_inputs = dict.fromkeys(each.unit for each in self.inputs)
+        return ", ".join(of_inputs), self.nominal.extended.simulation.output_unit

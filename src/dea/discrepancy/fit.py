@@ -108,7 +108,7 @@ def cost_of(residual: np.ndarray, coordinates: np.ndarray, problem: Problem) -> 
 def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) -> Fit:
     """Return the simulation at ``coordinates``, with its Jacobian, without fitting it."""
     residual = problem.residual(extended, extended.values(coordinates))
-    J = np.zeros((problem.u.size, coordinates.size))
+    J = np.zeros((problem.size, coordinates.size))
     if np.isfinite(residual).all():
         J = sensitivities(problem, extended, coordinates, residual, np.arange(coordinates.size))
     return Fit(extended, coordinates, residual, J, cost_of(residual, coordinates, problem))
@@ -165,7 +165,7 @@ class _FreeRun:
         self._low, self._high = extended.bounds
         size = self._low.size
         self._free = np.ones(size, bool) if columns.held is None else ~columns.held
-        self.jacobian = np.zeros((problem.u.size, size))
+        self.jacobian = np.zeros((problem.size, size))
 
     def evaluate(self, x: np.ndarray) -> Point[np.ndarray]:
         coordinates = np.clip(x, self._low, self._high)

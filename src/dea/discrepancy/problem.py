@@ -14,12 +14,17 @@ from dea.simulation import ExtendedSimulation
 class Samples:
     """Input and output of a record, each (n,), at a uniform interval (s).
 
-    An output that is missing is NaN.
+    Several inputs are the columns of ``u``. An output that is missing is NaN.
     """
 
     u: np.ndarray
     y: np.ndarray
     interval: float
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.y.size
 
 
 @dataclass(frozen=True)
@@ -29,7 +34,7 @@ class Problem(Samples):
     Parameters
     ----------
     u, y : (n,)
-        Input and output in the simulation's units.
+        Input and output in the simulation's units; several inputs are columns (n, inputs).
     fit, select, certify : (n,) bool
         Samples that a fit sees, in two halves of alternating blocks, and those to certify on.
     noise : float
@@ -53,7 +58,7 @@ class Problem(Samples):
     @property
     def time(self) -> np.ndarray:
         """Time since the start in s."""
-        return np.arange(self.u.size) * self.interval
+        return np.arange(self.size) * self.interval
 
     @cached_property
     def period(self) -> int:
@@ -102,7 +107,7 @@ class Problem(Samples):
     def whole(self) -> "Problem":
         """Return the same record with all samples for fits to see, but those before the first."""
         used = self.seen | self.certify
-        everything = np.arange(self.u.size) >= int(np.argmax(used))
+        everything = np.arange(self.size) >= int(np.argmax(used))
         if self.measured is not None:
             everything &= self.measured
         return replace(self, fit=everything, select=everything & False)

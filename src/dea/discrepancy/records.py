@@ -28,18 +28,39 @@ _SAME = 1e-6
 
 
 def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples:
-    """Return the signals of a record, whose units must be the simulation's.
+    """Return the signals of a record, whose inputs and units must be the simulation's.
 
     Raises
     ------
     InputError
-        If they are not.
+        If they are not, or if several inputs are those of the simulation in another order.
     """
     from dea.store import Record, signals
 
     found = record if isinstance(record, Record) else signals(record)
+    inputs, given = simulation.inputs, found.inputs
+    if len(given) != len(inputs):
+        raise InputError(
+            f"the record has {_counted(given)}, the simulation {simulation.name} "
+            f"has {_counted(inputs)}",
+            field="input",
+            remedy="Name the inputs of the simulation, in its order",
+        )
+    known = [each.name for each in inputs]
+    called = [name for name, _ in given]
+    if called != known and sorted(called) == sorted(known):
+        raise InputError(
+            f"the record's inputs are {', '.join(called)}, those of the simulation "
+            f"{simulation.name} {', '.join(known)}",
+            field="input",
+            remedy="List them in the order of the simulation",
+        )
+    several = len(inputs) > 1
     for role, unit, expected in (
-        ("input", found.unit_of_one_input("A diagnosis"), simulation.input_unit),
+        *(
+            (f"input {name}" if several else "input", unit, each.unit)
+            for (name, unit), each in zip(given, inputs, strict=True)
+        ),
         ("output", found.y_units, simulation.output_unit),
     ):
         if unit != expected:
@@ -50,6 +71,10 @@ def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples
                 remedy="Convert the record, or use a simulation in its units",
             )
     return Samples(found.u, found.y, 1.0 / found.sampling_rate)
+
+
+def _counted(inputs: Sequence[object]) -> str:
+    return f"{len(inputs)} input{'s' * (len(inputs) > 1)}"
 
 
 def prepare(
@@ -69,7 +94,7 @@ def prepare(
     joined = _joined(records)
     u, interval = joined.u, joined.interval
     y, seen = filled(joined.y)
-    lengths = tuple(each.u.size for each in records)
+    lengths = tuple(each.size for each in records)
     white = white_level(y, samples_of_each(lengths))
     noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
     tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
@@ -78,7 +103,7 @@ def prepare(
     if slowest is None:
         slowest = slowest_time(extended, u)
     splits = [
-        split(each.u, interval, slowest, min(settings.warm_up, 0.02 * each.u.size * interval))
+        split(each.u, interval, slowest, min(settings.warm_up, 0.02 * each.size * interval))
         for each in records
     ]
     parts = Split(

@@ -28,7 +28,7 @@ def sensitivities(
     output = None
     if reading[which].any():
         output = problem.moved(extended, extended.values(coordinates))
-    result = np.zeros((problem.u.size, which.size))
+    result = np.zeros((problem.size, which.size))
     for column, i in enumerate(which):
         moved = coordinates.copy()
         step = _STEP if moved[i] + _STEP <= high[i] else -_STEP

@@ -92,13 +92,20 @@ def discrepancy(
 
 
 def _title(verdict: Mapping[str, Any]) -> str:
-    names = " + ".join(effect["name"].replace("_", " ") for effect in verdict["effects"])
+    names = " + ".join(map(_named, verdict["effects"]))
     if not names:
         return str(verdict["status"])
     removed = ""
     if verdict.get("share"):
         removed = f", which removes {share(**verdict['share'])} of the gap"
     return f"{verdict['status']}: {names}{removed}"
+
+
+def _named(effect: Mapping[str, Any]) -> str:
+    """Return an effect's name in words, with the input it acts at where there are several."""
+    name = str(effect["name"]).replace("_", " ")
+    pushes = effect["port"] == "force balance"
+    return name if pushes or not effect["balance"] else f"{name} at {effect['balance']}"
 
 
 def _simulations(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -152,9 +159,10 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
         ax.stairs(null, edges, color=colour, ls=":", lw=0.7)
         highest = max(highest, float(gap.max()), float(null.max()))
     ax.plot([], [], color=style.GREY, ls=":", lw=0.7, label="chance 95 %")
-    unit = localisation[f"{along}_low_before"].attrs["units"]
+    ends = localisation[f"{along}_low_before"].attrs
+    called = str(ends["long_name"]).removesuffix(": lower end").replace("_", " ")
     ax.set(
-        xlabel=style.quantity(along.replace("_", " "), unit),
+        xlabel=style.quantity(called, ends["units"]),
         ylabel=style.quantity("RMS gap", gap.attrs["units"]),
         ylim=(0, _HEADROOM * highest),
     )
@@ -258,13 +266,14 @@ def _gains(ax: Axes, candidates: xr.Dataset) -> None:
 def _presence(ax: Axes, verdict: Mapping[str, Any]) -> None:
     """Draw the probability of each effect to be part of the answer; named ones stand out."""
     named = {effect["name"] for effect in verdict["effects"]}
+    named |= {f"{effect['name']}@{effect['balance']}" for effect in verdict["effects"]}
     found = sorted(verdict["presence"]["effects"].items(), key=lambda pair: -pair[1])[:_MOST_BARS]
     colours = [style.VERMILION if name in named else style.GREY for name, _ in found]
     values = [value for _, value in found]
     ax.barh(range(len(found)), values, color=colours, height=0.55)
     for y, value in enumerate(values):
         ax.text(value + 0.02, y, f"{value:.2f}", va="center", fontsize=5.5)
-    ax.set_yticks(range(len(found)), [name.replace("_", " ") for name, _ in found])
+    ax.set_yticks(range(len(found)), [_in_words(name) for name, _ in found])
     ax.set_ylim(max(len(found), _FEW) - 0.5, -0.5)
     ax.set(xlabel="probability that it is part of the answer", xlim=(0, 1.15))
     ax.set_xticks([0.0, 0.5, 1.0])

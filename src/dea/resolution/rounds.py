@@ -238,7 +238,20 @@ def begun(
     options: Options,
     workers: int,
 ) -> State:
-    """Return the state before any designed record: the diagnosis gives hypotheses and prior."""
+    """Return the state before any designed record: the diagnosis gives hypotheses and prior.
+
+    Raises
+    ------
+    InputError
+        If the simulation has several inputs, as well as for what the diagnosis refuses.
+    """
+    if len(simulation.inputs) > 1:
+        raise InputError(
+            f"the design of a further record is of one input, and it has {len(simulation.inputs)}",
+            file=simulation.source or f"simulation {simulation.name}",
+            field="input_name",
+            remedy="Diagnose its records together, under `records:` of the case",
+        )
     found = diagnose(records, simulation, settings=settings, workers=workers)
     error = _law_error(found)
     explanations = _explanations(found, error.seen)

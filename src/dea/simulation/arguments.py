@@ -1,6 +1,7 @@
 """What the integrator takes: equations and their values, the input over time, and the forces.
 
-The types are those under which numba compiles the integrator ahead of its first call.
+The types are those under which numba compiles the integrator: of one input ahead of its first call,
+of several when they are first met.
 """
 
 from typing import Any, NamedTuple, TypeAlias
@@ -11,10 +12,13 @@ from numba.extending import typeof_impl
 
 from dea.simulation.signatures import (
     DERIVATIVE,
+    DERIVATIVE_OF_SEVERAL,
     FORCE,
     INDEX,
+    INDICES,
     MATRIX,
     OUTPUT,
+    OUTPUT_OF_SEVERAL,
     SLOTS,
     UPDATE,
     VECTOR,
@@ -45,11 +49,16 @@ class Values(NamedTuple):
 
     parameters: np.ndarray  # (parameters,)
     initial: np.ndarray  # (states,) at the first sample
-    drive: int  # index of the parameter that is multiplied by ``Course.drive_scale``
+    drive: int | np.ndarray
+    """Index of the parameter that is multiplied by ``Course.drive_scale``; of several inputs those
+    of the parameters (drives,)."""
 
 
 class Course(NamedTuple):
-    """The input, and the factor on the drive, over a run of n samples."""
+    """The input, and the factor on the drive, over a run of n samples.
+
+    Several inputs, and several drives, are columns.
+    """
 
     u: np.ndarray  # (n,) input at each sample, which the output may depend on
     steps: np.ndarray
@@ -75,21 +84,40 @@ class Forces(NamedTuple):
 
 
 _FORCE_LAW = types.NamedTuple([types.FunctionType(FORCE), types.FunctionType(UPDATE)], ForceLaw)
-EQUATIONS = types.NamedTuple(
-    [types.FunctionType(DERIVATIVE), types.FunctionType(OUTPUT), *[_FORCE_LAW] * SLOTS], Equations
-)
-VALUES = types.NamedTuple([VECTOR, VECTOR, int64], Values)
-COURSE = types.NamedTuple([VECTOR, VECTOR, int64, VECTOR, float64, int64], Course)
 FORCES = types.NamedTuple([int64, INDEX, MATRIX, MATRIX, MATRIX], Forces)
+EQUATIONS, EQUATIONS_OF_SEVERAL = (
+    types.NamedTuple(
+        [types.FunctionType(derivative), types.FunctionType(output), *[_FORCE_LAW] * SLOTS],
+        Equations,
+    )
+    for derivative, output in (
+        (DERIVATIVE, OUTPUT),
+        (DERIVATIVE_OF_SEVERAL, OUTPUT_OF_SEVERAL),
+    )
+)
+ARGUMENTS = (
+    EQUATIONS,
+    types.NamedTuple([VECTOR, VECTOR, int64], Values),
+    types.NamedTuple([VECTOR, VECTOR, int64, VECTOR, float64, int64], Course),
+    FORCES,
+)
+ARGUMENTS_OF_SEVERAL = (
+    EQUATIONS_OF_SEVERAL,
+    types.NamedTuple([VECTOR, VECTOR, INDICES], Values),
+    types.NamedTuple([MATRIX, MATRIX, int64, MATRIX, float64, int64], Course),
+    FORCES,
+)
 
 
 @typeof_impl.register(Equations)
 def _type_of(equations: Equations, context: Any) -> types.NamedTuple | None:
-    """Return EQUATIONS, or None, which numba refuses, for a function of another signature.
+    """Return the type of equations, or None, which numba refuses, for another signature.
 
     Numba would put the type together anew at every call, which takes longer than a short record.
     """
     derivative, output, *laws = equations
     own = (derivative.numba_type, output.numba_type)
     pushing = all((law.force.numba_type, law.update.numba_type) == _FORCE_LAW.types for law in laws)
-    return EQUATIONS if pushing and own == EQUATIONS.types[:2] else None
+    if pushing and own == EQUATIONS.types[:2]:
+        return EQUATIONS
+    return EQUATIONS_OF_SEVERAL if pushing and own == EQUATIONS_OF_SEVERAL.types[:2] else None

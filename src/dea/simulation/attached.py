@@ -15,7 +15,8 @@ from dea.simulation.scales import Scales
 class Attached:
     """An effect with the scales its parameters refer to.
 
-    A force law acts at the simulation's force port number ``force_port``. A law on the input path
+    A force law acts at the simulation's force port number ``place``, a law on the input path or
+    one that scales the drive at the input of that number. A law on the input path
     or the output path is applied after those attached earlier, or before them if ``upstream``.
     Of several ``records`` each has its own state at the start, and its own course of what happens
     in one record alone.
@@ -23,7 +24,7 @@ class Attached:
 
     effect: Effect
     scales: Scales
-    force_port: int = 0
+    place: int = 0
     upstream: bool = False
     records: int = 1
 

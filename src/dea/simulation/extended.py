@@ -12,7 +12,8 @@ from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
 from dea.simulation.force_port import ForcePort
 from dea.simulation.force_slots import ForceSlots
-from dea.simulation.integrate import integrate
+from dea.simulation.inputs import Input, columns, joined
+from dea.simulation.integrate import integrate, integrate_several
 from dea.simulation.interpolation import at_steps
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.parameter import Parameter
@@ -59,7 +60,10 @@ class ExtendedSimulation:
             for s in own.states
         )
         ends = (
-            Parameter(INPUT_OFFSET, own.input_unit, 0.0, own.input_offset_spread),
+            *(
+                Parameter(name, each.unit, 0.0, each.offset_spread)
+                for name, each in zip(self.input_offsets, own.inputs, strict=True)
+            ),
             Parameter(OUTPUT_GAIN, "1", 1.0, own.output_gain_spread),
             Parameter(OUTPUT_OFFSET, own.output_unit, 0.0, own.output_offset_spread),
             Parameter(TIMING_OFFSET, "s", 0.0, self.timing_spread),
@@ -70,6 +74,14 @@ class ExtendedSimulation:
             for p in a.parameters
         )
         return (*own.parameters, *starts, *ends, *laws)
+
+    @property
+    def input_offsets(self) -> tuple[str, ...]:
+        """The names of the constants that are added to the inputs."""
+        inputs = self.simulation.inputs
+        if len(inputs) == 1:
+            return (INPUT_OFFSET,)
+        return tuple(f"{INPUT_OFFSET}.{each.name}" for each in inputs)
 
     @property
     def records(self) -> int:
@@ -168,19 +180,40 @@ class ExtendedSimulation:
         return np.array([self.parameters[i].coordinate(values[i]) for i in self.free])
 
     def label(self, attached: Attached) -> str:
-        """Return an effect's name, with its force port where the simulation has several."""
+        """Return an effect's name, with its force port or input where there are several."""
         port = self.force_port_of(attached)
-        return f"{attached.effect.name}@{port.name}" if port else attached.effect.name
+        return f"{attached.effect.name}@{port.name}" if port else self.name_of(attached)
+
+    def name_of(self, attached: Attached) -> str:
+        """Return an effect's name, with the input it acts on where the simulation has several."""
+        at = self.input_of(attached)
+        return f"{attached.effect.name}@{at.name}" if at else attached.effect.name
+
+    def input_of(self, attached: Attached) -> Input | None:
+        """Return the input that an effect acts on, if the simulation has several."""
+        effect = attached.effect
+        if not effect.on_input or self.places(effect) < 2:
+            return None
+        return self.simulation.inputs[attached.place]
+
+    def places(self, effect: Effect) -> int:
+        """Return at how many force ports, or inputs, an effect can act."""
+        own = self.simulation
+        if effect.force is not None:
+            return len(own.force_ports)
+        if effect.shape_input is not None:
+            return len(own.inputs)
+        return len(own.drives) if effect.scale_drive is not None else 1
 
     def force_port_of(self, attached: Attached) -> ForcePort | None:
         """Return the force port of a force law, if the simulation has several."""
         ports = self.simulation.force_ports
         if attached.effect.force is None or len(ports) < 2:
             return None
-        return ports[attached.force_port]
+        return ports[attached.place]
 
     def attach(
-        self, effect: Effect, scales: Scales, force_port: int = 0, upstream: bool = False
+        self, effect: Effect, scales: Scales, place: int = 0, upstream: bool = False
     ) -> "ExtendedSimulation":
         """Return this simulation with one effect more, of which at most three may be forces."""
         forces = sum(a.effect.force is not None for a in self.attached)
@@ -190,7 +223,7 @@ class ExtendedSimulation:
                 field="effects",
                 remedy="Leave one of them out",
             )
-        attached = Attached(effect, scales, force_port, upstream, self.records)
+        attached = Attached(effect, scales, place, upstream, self.records)
         return replace(self, attached=(*self.attached, attached))
 
     def without(self, index: int) -> "ExtendedSimulation":
@@ -208,28 +241,33 @@ class ExtendedSimulation:
             return np.concatenate(parts, axis=1)
         own = self.simulation
         lead = round(own.lead_in / interval)
-        t = np.arange(u.size) * interval
+        t = np.arange(len(u)) * interval
         p_count, x_count = len(own.parameters), len(own.states)
-        input_offset = values[p_count + x_count]
-        v = np.ascontiguousarray(u, dtype=float) + input_offset
-        drive_scale = np.ones(u.size)
-        for effect, q in self._laws(values):
-            if effect.shape_input is not None:
-                v = effect.shape_input(v, q, interval)
-            if effect.scale_drive is not None:
-                drive_scale = drive_scale * effect.scale_drive(t, q)
-        v, drive_scale = (np.concatenate([np.full(lead, x[0]), x]) for x in (v, drive_scale))
+        acting = self.offset(values, u)
+        scales = [np.ones(t.size) for _ in own.drives]
+        for a, q in self._laws(values):
+            if a.effect.shape_input is not None:
+                acting[a.place] = a.effect.shape_input(acting[a.place], q, interval)
+            if a.effect.scale_drive is not None:
+                scales[a.place] = scales[a.place] * a.effect.scale_drive(t, q)
+        if lead:
+            acting = [np.concatenate([np.full(lead, x[0]), x]) for x in acting]
+            scales = [np.concatenate([np.full(lead, x[0]), x]) for x in scales]
+        several = len(acting) > 1
+        v = joined(acting)
+        drive_scale = np.column_stack(scales) if several else scales[0]
         substeps = self.substeps * max([1, *(a.effect.refine for a, _ in self._pushing)])
         steps = at_steps(v, substeps, own.input_interpolation)
         if own.action:
             scale = at_steps(drive_scale, substeps, "zero")
             steps = own.action.law(steps, scale, values[:p_count])
-        result: np.ndarray = integrate(
+        run = integrate_several() if several else integrate
+        result: np.ndarray = run(
             self._slots.equations([a for a, _ in self._pushing]),
             Values(
                 parameters=values[:p_count].copy(),
                 initial=values[p_count : p_count + x_count].copy(),
-                drive=own.parameter_names.index(own.drive),
+                drive=self._drive,
             ),
             Course(
                 u=v,
@@ -243,6 +281,25 @@ class ExtendedSimulation:
         )[:, lead:]
         return result
 
+    def offset(self, values: np.ndarray, u: np.ndarray) -> list[np.ndarray]:
+        """Return each input, shape (n,), with the constant that is added to it.
+
+        Raises
+        ------
+        InputError
+            If ``u`` has not the simulation's inputs.
+        """
+        inputs = columns(np.ascontiguousarray(u, dtype=float))
+        own = self.simulation
+        if len(inputs) != len(own.inputs):
+            raise InputError(
+                f"it holds {len(inputs)} for {len(own.inputs)} inputs",
+                field="u",
+                remedy="Give the inputs of the simulation, in its order, as the columns of u",
+            )
+        first = self._laws_from - 3 - len(inputs)
+        return [each + values[first + k] for k, each in enumerate(inputs)]
+
     def read(self, output: np.ndarray, values: np.ndarray, interval: float) -> np.ndarray:
         """Return the sensor's reading of an output, shape (n,)."""
         if self.records > 1:
@@ -251,9 +308,9 @@ class ExtendedSimulation:
         gain, offset, late = values[self._laws_from - 3 : self._laws_from]
         y: np.ndarray = gain * shifted(output, late / interval) + offset
         t = np.arange(y.size) * interval
-        for effect, q in self._laws(values):
-            if effect.shape_output is not None:
-                y = effect.shape_output(y, t, q, interval)
+        for a, q in self._laws(values):
+            if a.effect.shape_output is not None:
+                y = a.effect.shape_output(y, t, q, interval)
         return y
 
     @cached_property
@@ -265,12 +322,19 @@ class ExtendedSimulation:
                 sensing.update(range(own.start, own.stop))
         return np.isin(self.free, list(sensing))
 
-    def _laws(self, values: np.ndarray) -> list[tuple[Effect, np.ndarray]]:
+    def _laws(self, values: np.ndarray) -> list[tuple[Attached, np.ndarray]]:
         """Return each effect with its parameters, in the order in which they are applied."""
-        laws: list[tuple[Effect, np.ndarray]] = []
+        laws: list[tuple[Attached, np.ndarray]] = []
         for a, own in zip(self.attached, self.effect_slices, strict=True):
-            laws.insert(0 if a.upstream else len(laws), (a.effect, values[own]))
+            laws.insert(0 if a.upstream else len(laws), (a, values[own]))
         return laws
+
+    @cached_property
+    def _drive(self) -> int | np.ndarray:
+        """Return where the drive is among the parameters; of several inputs, where each is."""
+        own = self.simulation
+        found = [own.parameter_names.index(drive) for drive in own.drives]
+        return np.array(found) if len(own.inputs) > 1 else found[0]
 
     @cached_property
     def _pushing(self) -> tuple[tuple[Attached, slice], ...]:

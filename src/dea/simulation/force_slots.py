@@ -41,7 +41,7 @@ class ForceSlots:
         if self.simulation.force_ports:
             ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
         for slot, (a, q) in enumerate(pushing):
-            ports[slot], frames[slot] = self._ports[a.force_port], self._frames[a.force_port]
+            ports[slot], frames[slot] = self._ports[a.place], self._frames[a.place]
             parameters[slot, : q.size] = q
             if a.effect.memory is not None:
                 memory[slot] = a.effect.memory(q)

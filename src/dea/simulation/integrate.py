@@ -1,13 +1,14 @@
 """The integrator of every simulation with every force law."""
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 from numba import njit
 
 from dea.simulation.arguments import (
-    COURSE,
-    EQUATIONS,
-    FORCES,
-    VALUES,
+    ARGUMENTS,
+    ARGUMENTS_OF_SEVERAL,
     Course,
     Equations,
     Forces,
@@ -25,7 +26,7 @@ def _positions(x: np.ndarray, ports: np.ndarray, frames: np.ndarray, z: np.ndarr
             z[e] = (x[ports[e, 1]] - frames[e, 0]) / frames[e, 1]
 
 
-@njit(MATRIX(EQUATIONS, VALUES, COURSE, FORCES), cache=True, nogil=True)
+@njit(MATRIX(*ARGUMENTS), cache=True, nogil=True)
 def integrate(
     equations: Equations,
     values: Values,
@@ -49,7 +50,7 @@ def integrate(
     u, steps, straight, drive_scale, interval, substeps = course
     attached, ports, frames, memory, q = forces
     x0, drive = values.initial, values.drive
-    n, states = u.size, x0.size
+    n, states = len(u), x0.size
     result = np.full((2, n), np.nan)
     x, moved, step = x0.copy(), np.empty(states), np.empty(states)
     slope, beside, ramp = np.empty(states), np.empty(states), np.zeros(states)
@@ -140,3 +141,12 @@ def integrate(
             if not abs(x[j]) < 1e12:
                 return result
     return result
+
+
+@cache
+def integrate_several() -> Any:
+    """Return ``integrate`` for several inputs, which is compiled when it is first asked for.
+
+    A value of the input is then a row, and so is that of the factor on the drives.
+    """
+    return njit(MATRIX(*ARGUMENTS_OF_SEVERAL), cache=True, nogil=True)(integrate.py_func)

@@ -4,6 +4,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from dea.simulation.inputs import columns, joined
+
 InputInterpolation = Literal["zero", "linear", "smooth"]
 INTERPOLATIONS: tuple[str, ...] = get_args(InputInterpolation)
 
@@ -15,11 +17,17 @@ _STRAIGHT_LINES = (1.0, -1 / 12, 1 / 90, -1 / 560, 1 / 3150)
 def at_steps(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarray:
     """Return the input (n,) at the start of each step and at the end, (n substeps + 1,).
 
+    Several inputs are columns, here and there.
+
     ``zero`` holds a sample and ``linear`` joins samples by straight lines. ``smooth`` is for a
     band-limited input: it joins points by straight lines, too, but shifts the points such that
     the lines have the spectrum of the input up to a quarter of the sampling rate. This needs no
     shorter steps. After the last sample the input is constant.
     """
+    return joined([_of_one(each, substeps, how) for each in columns(u)])
+
+
+def _of_one(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarray:
     if how == "zero":
         return np.append(np.repeat(u, substeps), u[-1])
     points = _with_the_spectrum_of(u) if how == "smooth" else u

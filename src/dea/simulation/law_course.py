@@ -7,7 +7,7 @@ import numpy as np
 
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Family, Port
-from dea.simulation.extended import INPUT_OFFSET, OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
+from dea.simulation.extended import OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
 from dea.simulation.extended import ExtendedSimulation as Extended
 from dea.simulation.signatures import MEMORY
 from dea.simulation.timing import shifted
@@ -42,7 +42,7 @@ def law_courses(
     values
         All parameters of ``extended``.
     u
-        Input, shape (samples,), of all records one after the other.
+        Input, shape (samples,), of all records one after the other; several are columns.
     """
     if extended.records > 1:
         parts = [
@@ -53,19 +53,20 @@ def law_courses(
     own = extended.simulation
     known = dict(zip(extended.names, values.tolist(), strict=True))
     output, position = extended.run(values, u, interval)
-    time = np.arange(u.size) * interval
-    v = np.ascontiguousarray(u, dtype=float) + known[INPUT_OFFSET]
+    time = np.arange(output.size) * interval
+    acting = extended.offset(values, u)
     y = known[OUTPUT_GAIN] * shifted(output, known[TIMING_OFFSET] / interval)
     y = y + known[OUTPUT_OFFSET]
     courses: list[LawCourse | None] = [None] * len(extended.attached)
     for index in _order(extended.attached):
+        place = extended.attached[index].place
         effect, q = extended.attached[index].effect, values[extended.effect_slices[index]]
         if effect.shape_input is not None:
-            before, v = v, effect.shape_input(v, q, interval)
+            before = acting[place]
+            acting[place] = v = effect.shape_input(before, q, interval)
+            name, unit = own.inputs[place].name, own.inputs[place].unit
             courses[index] = LawCourse(
-                Axis(before, "input", own.input_unit),
-                Axis(v, "input that acts", own.input_unit),
-                before,
+                Axis(before, name, unit), Axis(v, f"{name} that acts", unit), before
             )
         elif effect.shape_output is not None:
             before, y = y, effect.shape_output(y, time, q, interval)
@@ -73,7 +74,7 @@ def law_courses(
                 LawCourse(
                     Axis(time, "time", "s"),
                     Axis(y - before, "change of the reading", own.output_unit),
-                    np.zeros(u.size),
+                    np.zeros(time.size),
                 )
                 if effect.port is Port.TIME or effect.family is Family.OSCILLATION
                 else LawCourse(
@@ -86,8 +87,8 @@ def law_courses(
             factor = effect.scale_drive(time, q)
             courses[index] = LawCourse(
                 Axis(time, "time", "s"),
-                Axis(factor, f"factor on {own.drive.replace('_', ' ')}", "1"),
-                np.ones(u.size),
+                Axis(factor, f"factor on {own.drives[place].replace('_', ' ')}", "1"),
+                np.ones(time.size),
             )
         else:
             courses[index] = _pushed(extended, extended.attached[index], q, position, interval)
@@ -106,9 +107,9 @@ def _pushed(
     extended: Extended, attached: Attached, q: np.ndarray, z: np.ndarray, interval: float
 ) -> LawCourse | None:
     """Return a force along the motion at the first port."""
-    port = extended.simulation.force_ports[attached.force_port]
+    port = extended.simulation.force_ports[attached.place]
     effect = attached.effect
-    if attached.force_port or port.position is None or effect.force is None:
+    if attached.place or port.position is None or effect.force is None:
         return None
     w = np.gradient(z) / interval
     law = np.zeros(MEMORY)

@@ -8,6 +8,7 @@ import numpy as np
 from dea.errors import InputError
 from dea.simulation.extended import ExtendedSimulation
 from dea.simulation.force_port import ForcePort
+from dea.simulation.inputs import columns
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.scales import Scales
 from dea.simulation.simulation import Simulation
@@ -24,7 +25,10 @@ _SUBSTEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 64, 128, 256)
 
 
 class Sampled(Protocol):
-    """A record: input and output, each (n,), at a uniform interval (s)."""
+    """A record: input and output, each (n,), at a uniform interval (s).
+
+    Several inputs are columns.
+    """
 
     @property
     def u(self) -> np.ndarray:
@@ -102,9 +106,16 @@ def with_fine_steps(
 
 
 def measured_scales(
-    extended: ExtendedSimulation, values: np.ndarray, record: Sampled, force_port: int = 0
+    extended: ExtendedSimulation,
+    values: np.ndarray,
+    record: Sampled,
+    force_port: int = 0,
+    at_input: int = 0,
 ) -> Scales:
-    """Return the scales of a record and of the motion of its simulation at ``values``."""
+    """Return the scales of a record and of the motion of its simulation at ``values``.
+
+    Those of the input are of number ``at_input``, those of the motion at one ``force_port``.
+    """
     own = extended.simulation
     z = np.zeros(2)
     if own.force_ports:
@@ -119,19 +130,20 @@ def measured_scales(
         # effect that holds the device it may diverge.
         if not np.ptp(z) >= _STILL * np.ptp(z_prior):
             z = z_prior
-    rate = np.abs(np.diff(record.u)) / record.interval
+    u = columns(record.u)[at_input]
+    rate = np.abs(np.diff(u)) / record.interval
     return Scales(
-        u_unit=own.input_unit,
+        u_unit=own.inputs[at_input].unit,
         y_unit=own.output_unit,
-        u_low=float(record.u.min()),
-        u_high=float(record.u.max()),
-        u_rate=float(np.quantile(rate[rate > 0], 0.98)),
+        u_low=float(u.min()),
+        u_high=float(u.max()),
+        u_rate=float(np.quantile(rate[rate > 0], 0.98)) if rate.any() else 0.0,
         y_low=float(record.y.min()),
         y_high=float(record.y.max()),
         z_low=float(z.min()),
         z_high=float(z.max()) if np.ptp(z) > 0 else float(z.min()) + 1.0,
         interval=record.interval,
-        duration=float(max(extended.lengths or (record.u.size,)) * record.interval),
+        duration=float(max(extended.lengths or (u.size,)) * record.interval),
     )
 
 
@@ -141,7 +153,7 @@ def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:
     x = np.array([state.initial for state in own.states])
     f0, f1 = np.empty(x.size), np.empty(x.size)
     A = np.empty((x.size, x.size))
-    level = float(np.mean(u))
+    level = np.mean(u, axis=0)
     own.compiled_derivative(x, level, own.nominal, f0)
     for j in range(x.size):
         step = 1e-4 * max(abs(x[j]), 1e-3)
@@ -191,11 +203,11 @@ def _normalisation(
     low, high = np.empty(x.size), np.empty(x.size)
     for sign, slope in ((0.6, low), (0.8, high)):
         x[moving] = port.rest + sign * excursion
-        own.compiled_derivative(x, float(np.mean(u)), p, slope)
+        own.compiled_derivative(x, np.mean(u, axis=0), p, slope)
     elastic = abs(high[equation] - low[equation]) / 0.2
     # Where no elastic force acts, the range of the input gives the unit of force.
     x[moving] = port.rest
-    for level, slope in ((float(u.min()), low), (float(u.max()), high)):
+    for level, slope in ((u.min(axis=0), low), (u.max(axis=0), high)):
         own.compiled_derivative(x, level, p, slope)
     driven = abs(high[equation] - low[equation])
     return Normalisation(port.rest, excursion, elastic if elastic > _SLACK * driven else driven)

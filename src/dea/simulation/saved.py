@@ -37,7 +37,7 @@ def save_extended(
             {
                 "name": a.effect.name,
                 "port": str(a.effect.port),
-                "balance": a.force_port,
+                "balance": a.place,
                 "upstream": a.upstream,
                 "scales": _plain(asdict(a.scales)),
             }

@@ -21,8 +21,12 @@ warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 VECTOR = types.Array(float64, 1, "C")
 MATRIX = types.Array(float64, 2, "C")
 INDEX = types.Array(int64, 2, "C")
+INDICES = types.Array(int64, 1, "C")
 DERIVATIVE = types.void(VECTOR, float64, VECTOR, VECTOR)
 OUTPUT = float64(VECTOR, float64, VECTOR)
+# The same of several inputs, whose values at one instant are a row.
+DERIVATIVE_OF_SEVERAL = types.void(VECTOR, VECTOR, VECTOR, VECTOR)
+OUTPUT_OF_SEVERAL = float64(VECTOR, VECTOR, VECTOR)
 FORCE = float64(float64, float64, VECTOR, VECTOR)
 UPDATE = types.void(float64, float64, float64, VECTOR, VECTOR)
 

@@ -10,9 +10,16 @@ import numpy as np
 from dea.errors import InputError
 from dea.simulation.force_port import ForcePort
 from dea.simulation.input_action import InputAction
+from dea.simulation.inputs import RESERVED, Input
 from dea.simulation.interpolation import INTERPOLATIONS, InputInterpolation
 from dea.simulation.parameter import Parameter
-from dea.simulation.signatures import DERIVATIVE, OUTPUT, compiled
+from dea.simulation.signatures import (
+    DERIVATIVE,
+    DERIVATIVE_OF_SEVERAL,
+    OUTPUT,
+    OUTPUT_OF_SEVERAL,
+    compiled,
+)
 from dea.simulation.state import State
 
 
@@ -20,15 +27,20 @@ from dea.simulation.state import State
 class Simulation:
     """What is known about a device, and where something could be missing.
 
+    What belongs to an input (its name, unit, offset) is a text or number of one and a tuple of
+    several.
+
     Parameters
     ----------
     derivative
         ``derivative(x, u, p, dx)`` writes dx/dt for the states ``x``, the input ``u`` and the
-        parameters ``p``, in the order of ``states`` and ``parameters``. Numba compiles it.
+        parameters ``p``, in the order of ``states`` and ``parameters``. Numba compiles it. Of
+        several inputs ``u`` holds one value each, in the order of ``input_name``.
     output
         ``output(x, u, p)`` returns the simulated output.
     drive
-        Name of the parameter that scales the action of the input; effects in time scale it.
+        Name of the parameter that scales the action of the input; effects in time scale it. Of
+        several inputs one for each, or one that scales them all.
     force_ports
         The state equations that force laws can add to; empty if there are none.
     input_offset_spread
@@ -49,19 +61,22 @@ class Simulation:
         joins samples by straight lines, ``smooth`` suits a band-limited input that is measured.
     action
         The same equations with what the input does computed beforehand, once for each input and
-        not in every evaluation of the derivative; none where that would save nothing.
+        not in every evaluation of the derivative; none where that would save nothing. With one
+        input only.
+    input_name
+        What the input is called; of several inputs a name for each.
     """
 
     name: str
-    input_unit: str
+    input_unit: str | tuple[str, ...]
     output_unit: str
     states: tuple[State, ...]
     parameters: tuple[Parameter, ...]
     derivative: Callable[..., Any]
     output: Callable[..., float]
-    drive: str
+    drive: str | tuple[str, ...]
     force_ports: tuple[ForcePort, ...]
-    input_offset_spread: float = 0.0
+    input_offset_spread: float | tuple[float, ...] = 0.0
     output_gain_spread: float = 0.0
     output_offset_spread: float = 0.0
     accuracy: float = 0.0
@@ -69,6 +84,7 @@ class Simulation:
     input_interpolation: InputInterpolation = "zero"
     action: InputAction | None = None
     source: str = field(default="", compare=False)
+    input_name: str | tuple[str, ...] = "input"
 
     def __post_init__(self) -> None:
         names = [state.name for state in self.states] + [p.name for p in self.parameters]
@@ -77,12 +93,14 @@ class Simulation:
             raise self._error(
                 f"two states or parameters are called {doubled[0]!r}", "parameters", "Rename one"
             )
-        if self.drive not in self.parameter_names:
-            raise self._error(
-                f"the drive names {self.drive!r}, which is no parameter",
-                "drive",
-                f"Name the parameter that scales the input: {', '.join(self.parameter_names)}",
-            )
+        self._check_inputs()
+        for drive in self.drives:
+            if drive not in self.parameter_names:
+                raise self._error(
+                    f"the drive names {drive!r}, which is no parameter",
+                    "drive",
+                    f"Name the parameter that scales the input: {', '.join(self.parameter_names)}",
+                )
         if self.input_interpolation not in INTERPOLATIONS:
             raise self._error(
                 f"there is no input interpolation {self.input_interpolation!r}",
@@ -95,8 +113,8 @@ class Simulation:
         x = np.array([state.initial for state in self.states])
         p = self.nominal
         self._check_indices(x, p)
-        self.compiled_derivative(x, 0.0, p, dx)
-        y = self.compiled_output(x, 0.0, p)
+        self.compiled_derivative(x, self.no_input, p, dx)
+        y = self.compiled_output(x, self.no_input, p)
         if not (np.isfinite(dx).all() and np.isfinite(y)):
             bad = [
                 s.name for s, value in zip(self.states, dx, strict=True) if not np.isfinite(value)
@@ -106,6 +124,45 @@ class Simulation:
                 f"{'of ' + ', '.join(bad) + ' ' if bad else ''}is not a number",
                 "derivative" if bad else "output",
                 "Check its equations and the nominal values",
+            )
+
+    def _check_inputs(self) -> None:
+        """Check that every input has what belongs to it."""
+        several = isinstance(self.input_unit, tuple)
+        count = len(_each(self.input_unit))
+        for role, shared in (
+            ("input_unit", False),
+            ("input_name", False),
+            ("drive", True),
+            ("input_offset_spread", True),
+        ):
+            given = getattr(self, role)
+            fits = isinstance(given, tuple) is several or (several and shared)
+            if not fits or (isinstance(given, tuple) and len(given) != max(count, 2)):
+                raise self._error(
+                    f"it holds {len(_each(given))} for {count} input{'s' * (count > 1)}",
+                    role,
+                    "Give a tuple with one for each of several inputs; of one input no tuple",
+                )
+        for role, names in (("input_name", _each(self.input_name)), ("drive", self.drives)):
+            if len(set(names)) < len(names):
+                raise self._error(
+                    f"two inputs have {max(names, key=names.count)!r}",
+                    role,
+                    "Give each its own" + ", or name one drive for all" * (role == "drive"),
+                )
+        for name in _each(self.input_name):
+            if any(character in name for character in RESERVED):
+                raise self._error(
+                    f"the name {name!r} holds one of {' '.join(RESERVED)}",
+                    "input_name",
+                    "Leave these out: they separate effects and their places",
+                )
+        if several and self.action is not None:
+            raise self._error(
+                "an action is of one input, and there are several",
+                "action",
+                "Leave it out",
             )
 
     def _check_force_port(self, port: ForcePort) -> None:
@@ -133,16 +190,42 @@ class Simulation:
             try:
                 with np.errstate(all="ignore"):
                     plain = getattr(function, "py_func", function)
-                    plain(x.copy(), np.float64(0.0), p.copy(), *own)
+                    plain(x.copy(), self.no_input, p.copy(), *own)
             except IndexError as error:
+                several = f" of {len(self.inputs)} inputs" * (len(self.inputs) > 1)
                 raise self._error(
                     f"it uses a state or parameter that is not declared ({error})",
                     role,
-                    f"There are {x.size} states and {p.size} parameters, counted from 0",
+                    f"There are {x.size} states and {p.size} parameters{several}, counted from 0",
                 ) from error
             except (ArithmeticError, ValueError, NameError, TypeError):
                 # Compiled, these give infinities or NaN, or the compiler refuses them.
                 continue
+
+    @cached_property
+    def inputs(self) -> tuple[Input, ...]:
+        """Every input, in order."""
+        units = _each(self.input_unit)
+        spreads = _each(self.input_offset_spread)
+        return tuple(
+            Input(name, unit, spread)
+            for name, unit, spread in zip(
+                _each(self.input_name),
+                units,
+                spreads if len(spreads) == len(units) else spreads * len(units),
+                strict=True,
+            )
+        )
+
+    @property
+    def drives(self) -> tuple[str, ...]:
+        """The parameters that scale the action of the inputs: one for each, or one for all."""
+        return _each(self.drive)
+
+    @property
+    def no_input(self) -> Any:
+        """The input where there is none, as the equations take it."""
+        return np.zeros(len(self.inputs)) if len(self.inputs) > 1 else np.float64(0.0)
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -162,12 +245,14 @@ class Simulation:
     @cached_property
     def compiled_derivative(self) -> Any:
         """The derivative as a compiled function of the integrator's signature."""
-        return self._compile(self.derivative, DERIVATIVE, "derivative")
+        signature = DERIVATIVE_OF_SEVERAL if len(self.inputs) > 1 else DERIVATIVE
+        return self._compile(self.derivative, signature, "derivative")
 
     @cached_property
     def compiled_output(self) -> Any:
         """The output as a compiled function of the integrator's signature."""
-        return self._compile(self.output, OUTPUT, "output")
+        signature = OUTPUT_OF_SEVERAL if len(self.inputs) > 1 else OUTPUT
+        return self._compile(self.output, signature, "output")
 
     def _compile(self, function: Callable[..., Any], signature: Any, role: str) -> Any:
         from numba.core.errors import NumbaError
@@ -185,3 +270,8 @@ class Simulation:
         return InputError(
             problem, file=self.source or f"simulation {self.name}", field=part, remedy=remedy
         )
+
+
+def _each(given: Any) -> tuple[Any, ...]:
+    """Return what belongs to every input, whether to one or to several."""
+    return given if isinstance(given, tuple) else (given,)

@@ -342,11 +342,17 @@ CONTRACTS: Mapping[str, Contract] = {
             "gap_rms_after": _plain(),
             **{
                 f"{along}_{part}_{when}": _plain(f"{along}_{when}")
-                for along in ("time", "input", "output", "direction", "reversal")
+                for along in ("time", "output", "direction", "reversal")
                 for part in ("low", "high", "gap", "null")
                 for when in ("before", "after")
             },
-        }
+        },
+        # Of several inputs each has its own: input_1 and so on.
+        optional={
+            f"input_{part}_{when}": _plain(f"input_{when}")
+            for part in ("low", "high", "gap", "null")
+            for when in ("before", "after")
+        },
     ),
     "candidates": Contract(
         required={
@@ -363,7 +369,7 @@ CONTRACTS: Mapping[str, Contract] = {
     "certificate": Contract(
         required={
             "time": _plain("time", units="s"),
-            "input": _plain("time"),
+            "input": Variable(("time",), of_inputs=("time", "signal")),
             "measured": _plain("time"),
             "nominal": _plain("time"),
             "extended": _plain("time"),

@@ -87,7 +87,7 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
     if not extended.at_start.any():
         return extended.simulate(values, other.u, other.interval)
     outputs, seen = filled(other.y)
-    head = seen & (np.arange(other.u.size) < max(10, round(_HEAD * other.u.size)))
+    head = seen & (np.arange(other.size) < max(10, round(_HEAD * other.size)))
     nothing = np.zeros_like(head)
     problem = Problem(
         other.u,

@@ -7,6 +7,7 @@ import numpy as np
 from dea.discrepancy.evidence.null import coloured
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.problem import Problem
+from dea.simulation.inputs import columns
 
 # A flexible model of the residual that predicts more than this part of it has found a cause.
 _PREDICTED = 0.2
@@ -52,16 +53,11 @@ def predictable(problem: Problem, residual: np.ndarray) -> float:
 
 
 def _follows_input(problem: Problem, residual: np.ndarray) -> float:
-    """Return the part of a residual that a long moving average of the input predicts.
+    """Return the part of a residual that a long moving average of every input predicts.
 
     A dynamic error of the simulation shows there, whatever its time constants.
     """
-    u = problem.u - problem.u.mean()
-    lags = np.unique(np.round(np.geomspace(1, max(2, u.size // _LONGEST), _LAGS)).astype(int)) - 1
-    X = np.column_stack([np.concatenate([np.zeros(k), u[: u.size - k]]) for k in lags])
-    # Differences of running sums join the lags without leaving samples out between them.
-    sums = np.cumsum(X, axis=0)
-    X = np.column_stack([X, np.diff(sums, axis=1)])
+    X = np.column_stack([_past(u) for u in columns(problem.u)])
     train, test = problem.fit, problem.select
     X = (X - X[train].mean(0)) / (X[train].std(0) + 1e-12)
     weights = np.linalg.solve(
@@ -71,3 +67,13 @@ def _follows_input(problem: Problem, residual: np.ndarray) -> float:
     before = residual[test] - residual[train].mean()
     after = before - X[test] @ weights
     return 1.0 - float(np.sqrt(np.mean(after**2) / np.mean(before**2)))
+
+
+def _past(u: np.ndarray) -> np.ndarray:
+    """Return the lags of an input (n,), and what lies between them, as columns."""
+    u = u - u.mean()
+    lags = np.unique(np.round(np.geomspace(1, max(2, u.size // _LONGEST), _LAGS)).astype(int)) - 1
+    X = np.column_stack([np.concatenate([np.zeros(k), u[: u.size - k]]) for k in lags])
+    # Differences of running sums join the lags without leaving samples out between them.
+    sums = np.cumsum(X, axis=0)
+    return np.column_stack([X, np.diff(sums, axis=1)])

@@ -71,7 +71,7 @@ def folds(problem: Problem) -> list[np.ndarray]:
     count = min(_FOLDS, len(groups))
     result = []
     for first in range(count):
-        mask = np.zeros(problem.u.size, bool)
+        mask = np.zeros(problem.size, bool)
         for block in (block for group in groups[first::count] for block in group):
             mask[block] = True
         result.append(mask)

@@ -1,12 +1,14 @@
 """Where the residual is concentrated, compared with what chance would make of it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from dea.discrepancy.problem import Problem
+from dea.simulation.inputs import Input, columns
 
 BINS = 12
 _DRAWS = 200
@@ -19,6 +21,7 @@ class Concentration:
 
     ``inside`` and ``elsewhere`` are the RMS residuals in the bin and in the other bins of the
     quantity ``along``; ``low`` and ``high`` are the bin's ends in ``unit``, ``number`` its index.
+    The ``kind`` of the quantity is the same of each of several inputs; ``of`` says whose it is.
     """
 
     along: str
@@ -28,6 +31,8 @@ class Concentration:
     unit: str
     inside: float
     elsewhere: float
+    kind: str
+    of: str
 
 
 @dataclass(frozen=True)
@@ -67,12 +72,30 @@ class Localisation:
         return self.concentration.along if self.concentration else None
 
 
+class _Signal(NamedTuple):
+    """An input: what datasets and people call it, its values (n,) and its unit."""
+
+    name: str
+    called: str
+    u: np.ndarray
+    unit: str
+
+
 @dataclass(frozen=True)
 class _Quantity:
-    """A quantity along which the residual is binned."""
+    """A quantity of the record, as datasets call it; ``of`` is the input it belongs to, if any."""
 
     values: np.ndarray
     unit: str
+    kind: str
+    called: str
+    of: str
+
+
+@dataclass(frozen=True)
+class _Binned(_Quantity):
+    """A quantity along which the residual is binned."""
+
     edges: np.ndarray
     label: np.ndarray
 
@@ -84,22 +107,26 @@ class _Quantity:
 def localise(
     problem: Problem,
     residual: np.ndarray,
-    units: tuple[str, str],
+    inputs: Sequence[Input],
+    unit: str,
     samples: np.ndarray,
     rng: np.random.Generator,
 ) -> Localisation:
     """Find where a ``residual`` (n,) is concentrated among ``samples`` (n, bool).
+
+    ``unit`` is that of the output. Of several ``inputs`` each is a quantity of its own.
 
     The null distribution comes from its energy, shuffled in blocks that keep its own correlation:
     the largest standardised bin over all quantities (max statistic).
     """
     where = np.flatnonzero(samples & np.isfinite(residual))
     energy = residual[where] ** 2
+    signals = _inputs(problem, inputs)
     quantities = {}
-    for name, (values, unit) in _quantities(problem, residual, units).items():
-        edges = _edges(values[where], name)
-        label = np.searchsorted(edges, values[where], "right") - 1
-        quantities[name] = _Quantity(values, unit, edges, np.clip(label, 0, edges.size - 2))
+    for name, q in _quantities(problem, residual, signals, unit).items():
+        edges = _edges(q.values[where], name)
+        label = np.clip(np.searchsorted(edges, q.values[where], "right") - 1, 0, edges.size - 2)
+        quantities[name] = _Binned(q.values, q.unit, q.kind, q.called, q.of, edges, label)
     measured = {name: _mean(energy, q.label, q.bins) for name, q in quantities.items()}
     null = {name: np.empty((_DRAWS, q.bins)) for name, q in quantities.items()}
     length = max(8, where.size // 150)
@@ -113,16 +140,16 @@ def localise(
     strongest = max(found, key=lambda name: float(measured[name].max())) if found else None
     variables: dict[str, Any] = {}
     for name, q in quantities.items():
-        variables |= _along(name, q, rms[name], null[name], units[1])
+        variables |= _along(name, q, rms[name], null[name], unit)
         variables[f"{name}_probability"] = ((), probability[name], _label("1", f"chance, {name}"))
     overall = float(np.sqrt(energy.mean()))
-    variables |= _spectrum(problem, residual, where)
-    variables["gap_rms"] = ((), overall, _label(units[1], "RMS gap"))
+    variables |= _coherence(problem, residual, where, signals)
+    variables["gap_rms"] = ((), overall, _label(unit, "RMS gap"))
     concentration = (
         _concentration(strongest, quantities[strongest], rms[strongest]) if strongest else None
     )
     band = _band(residual[where], problem.interval)
-    return Localisation(xr.Dataset(variables), concentration, band, overall, units[1])
+    return Localisation(xr.Dataset(variables), concentration, band, overall, unit)
 
 
 def _probability(measured: dict[str, np.ndarray], null: dict[str, np.ndarray]) -> dict[str, float]:
@@ -139,41 +166,67 @@ def _probability(measured: dict[str, np.ndarray], null: dict[str, np.ndarray]) -
     }
 
 
-def _concentration(name: str, quantity: _Quantity, rms: np.ndarray) -> Concentration:
+def _concentration(name: str, quantity: _Binned, rms: np.ndarray) -> Concentration:
     number = int(np.argmax(rms))
     low, high = quantity.edges[number : number + 2]
     others = np.delete(rms, number)
     elsewhere = float(np.sqrt(np.mean(np.square(others))))
     inside = float(rms[number])
-    return Concentration(name, number, float(low), float(high), quantity.unit, inside, elsewhere)
+    return Concentration(
+        name,
+        number,
+        float(low),
+        float(high),
+        quantity.unit,
+        inside,
+        elsewhere,
+        quantity.kind,
+        quantity.of,
+    )
 
 
 def _along(
-    name: str, quantity: _Quantity, rms: np.ndarray, null: np.ndarray, unit: str
+    name: str, quantity: _Binned, rms: np.ndarray, null: np.ndarray, unit: str
 ) -> dict[str, Any]:
-    edges = quantity.edges
+    edges, called = quantity.edges, quantity.called
     return {
-        f"{name}_low": (name, edges[:-1], _label(quantity.unit, f"{name}: lower end")),
-        f"{name}_high": (name, edges[1:], _label(quantity.unit, f"{name}: upper end")),
-        f"{name}_gap": (name, rms, _label(unit, f"RMS gap along {name}")),
+        f"{name}_low": (name, edges[:-1], _label(quantity.unit, f"{called}: lower end")),
+        f"{name}_high": (name, edges[1:], _label(quantity.unit, f"{called}: upper end")),
+        f"{name}_gap": (name, rms, _label(unit, f"RMS gap along {called}")),
         f"{name}_null": (
             name,
             np.sqrt(np.quantile(null, 0.95, axis=0)),
-            _label(unit, f"RMS gap along {name} that chance exceeds in 5 %"),
+            _label(unit, f"RMS gap along {called} that chance exceeds in 5 %"),
         ),
     }
 
 
-def _spectrum(problem: Problem, residual: np.ndarray, where: np.ndarray) -> dict[str, Any]:
+def _coherence(
+    problem: Problem, residual: np.ndarray, where: np.ndarray, inputs: Sequence[_Signal]
+) -> dict[str, Any]:
     from scipy.signal import coherence
 
-    segment = min(where.size, max(64, problem.u.size // 16))
-    u, e = problem.u[where], residual[where]
-    frequency, coherent = coherence(u, e, 1.0 / problem.interval, nperseg=segment)
-    return {
-        "frequency": ("frequency", frequency, _label("Hz", "frequency")),
-        "coherence": ("frequency", coherent, _label("1", "coherence of input and gap")),
-    }
+    segment = min(where.size, max(64, problem.size // 16))
+    variables: dict[str, Any] = {}
+    for name, called, u, _ in inputs:
+        frequency, coherent = coherence(
+            u[where], residual[where], 1.0 / problem.interval, nperseg=segment
+        )
+        variables["frequency"] = ("frequency", frequency, _label("Hz", "frequency"))
+        meaning = _label("1", f"coherence of {called} and gap")
+        variables[name.replace("input", "coherence")] = ("frequency", coherent, meaning)
+    return variables
+
+
+def _inputs(problem: Problem, inputs: Sequence[Input]) -> list[_Signal]:
+    """Return every input with its values. A single one is called so, whatever its name."""
+    signals = columns(problem.u)
+    if len(signals) == 1:
+        return [_Signal("input", "input", signals[0], inputs[0].unit)]
+    return [
+        _Signal(f"input_{k}", each.name, u, each.unit)
+        for k, (each, u) in enumerate(zip(inputs, signals, strict=True), 1)
+    ]
 
 
 def _label(units: str, long_name: str) -> dict[str, str]:
@@ -181,8 +234,8 @@ def _label(units: str, long_name: str) -> dict[str, str]:
 
 
 def _quantities(
-    problem: Problem, residual: np.ndarray, units: tuple[str, str]
-) -> dict[str, tuple[np.ndarray, str]]:
+    problem: Problem, residual: np.ndarray, inputs: Sequence[_Signal], unit: str
+) -> dict[str, _Quantity]:
     simulated = problem.y - np.where(np.isfinite(residual), residual, 0.0)
     rate = np.gradient(simulated, problem.interval)
     still = 0.05 * np.std(rate)
@@ -190,15 +243,22 @@ def _quantities(
     turned = np.flatnonzero(np.diff(np.sign(rate)) != 0)
     last = np.concatenate([[0], turned + 1])
     since = np.arange(rate.size) - last[np.searchsorted(last, np.arange(rate.size), "right") - 1]
-    return {
-        "time": (problem.time, "s"),
-        "input": (problem.u, units[0]),
-        "input_rate": (np.gradient(problem.u, problem.interval), f"{units[0]}/s"),
-        "output": (simulated, units[1]),
-        "output_rate": (rate, f"{units[1]}/s"),
-        "direction": (direction, "1"),
-        "reversal": (since * problem.interval, "s"),
-    }
+    found = {"time": _Quantity(problem.time, "s", "time", "time", "")}
+    several = len(inputs) > 1
+    for name, called, u, own in inputs:
+        found[name] = _Quantity(u, own, "input", called, called if several else "the input")
+    for name, called, u, own in inputs:
+        rates = np.gradient(u, problem.interval)
+        said, of = (f"rate of {called}", called) if several else ("input_rate", "the input")
+        found[f"{name}_rate"] = _Quantity(rates, f"{own}/s", "input_rate", said, of)
+    for name, values, own in (
+        ("output", simulated, unit),
+        ("output_rate", rate, f"{unit}/s"),
+        ("direction", direction, "1"),
+        ("reversal", since * problem.interval, "s"),
+    ):
+        found[name] = _Quantity(values, own, name, name, "")
+    return found
 
 
 def _edges(values: np.ndarray, name: str) -> np.ndarray:

@@ -47,7 +47,7 @@ def null_gain(
     weights, deviation = coloured(noise, blocks)
     draws = lfilter(
         [1.0], np.concatenate([[1.0], -weights]),
-        deviation * rng.standard_normal((_DRAWS, problem.u.size)), axis=1,
+        deviation * rng.standard_normal((_DRAWS, problem.size)), axis=1,
     )  # fmt: skip
 
     def left_over(J: np.ndarray) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from dea.simulation.inputs import columns
+
 # Correlation of the input with itself a period later, from which it repeats; and the part of the
 # record that a period may take.
 _REPEATS, _LONGEST = 0.98, 0.5
@@ -11,19 +13,14 @@ def period_of(u: np.ndarray) -> int:
     """Return the period of ``u`` (n,) in samples; zero where it does not repeat.
 
     The correlation is that of the overlapping parts. The first maximum after it has once fallen
-    below half counts, so that neighbouring samples are no period.
+    below half counts, so that neighbouring samples are no period. Several inputs (n, inputs) repeat
+    where each of them does that moves.
     """
-    centred = u - u.mean()
-    size = u.size
-    longest = int(_LONGEST * size)
-    if longest < 2 or not centred.any():
+    moving = [each for each in columns(u) if (each - each.mean()).any()]
+    longest = int(_LONGEST * len(u))
+    if longest < 2 or not moving:
         return 0
-    spectrum = np.abs(np.fft.rfft(centred, 2 * size)) ** 2
-    products = np.fft.irfft(spectrum)[:longest]
-    energy = np.concatenate([[0.0], np.cumsum(centred**2)])
-    lag = np.arange(longest)
-    both = np.sqrt(energy[size - lag] * (energy[size] - energy[lag]))
-    correlation = products / np.maximum(both, 1e-300)
+    correlation = np.min([_correlation(each, longest) for each in moving], axis=0)
     fallen = np.flatnonzero(correlation < 0.5)
     if not fallen.size:
         return 0
@@ -33,3 +30,16 @@ def period_of(u: np.ndarray) -> int:
     first = fallen[0] + later[0]
     around = correlation[first : first + max(2, first // 20)]
     return int(first + np.argmax(around))
+
+
+def _correlation(u: np.ndarray, longest: int) -> np.ndarray:
+    """Return the correlation of an input with itself at lags below ``longest``."""
+    centred = u - u.mean()
+    size = u.size
+    spectrum = np.abs(np.fft.rfft(centred, 2 * size)) ** 2
+    products = np.fft.irfft(spectrum)[:longest]
+    energy = np.concatenate([[0.0], np.cumsum(centred**2)])
+    lag = np.arange(longest)
+    both = np.sqrt(energy[size - lag] * (energy[size] - energy[lag]))
+    result: np.ndarray = products / np.maximum(both, 1e-300)
+    return result

@@ -1,5 +1,7 @@
 """A flexible model of the residual, and a sparse equation of it.
 
+Several inputs are called u1, u2 and so on, in the order of the simulation.
+
 The residual is regressed on a dictionary of input, output, their memory and time (ridge regression,
 Hoerl and Kennedy 1970). The dictionary contains no physics: a missing effect could explain what it
 predicts on blocks that it was not fitted to. Forward selection of its terms gives an equation, as
@@ -7,11 +9,13 @@ in Brunton, Proctor and Kutz (2016), PNAS 113:3932.
 """
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
 from dea.discrepancy.problem import Problem, rmse
 from dea.simulation import low_pass
+from dea.simulation.inputs import columns
 
 _RIDGES = np.logspace(-4, 2, 7)
 _MAX_TERMS = 5
@@ -39,23 +43,37 @@ class ResidualModel:
 
 def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Return names and columns (n, m) of what a residual could depend on."""
-    t, u, y = problem.time, standard(problem.u), standard(simulated)
+    t, y = problem.time, standard(simulated)
+    inputs = columns(problem.u)
+    symbols = ["u"] if len(inputs) == 1 else [f"u{k}" for k in range(1, len(inputs) + 1)]
+    driving = dict(zip(symbols, map(standard, inputs), strict=True))
     rate = standard(np.gradient(simulated, problem.interval))
-    input_rate = standard(np.gradient(problem.u, problem.interval))
-    terms: dict[str, np.ndarray] = {
-        "u": u, "u^2": u**2, "u^3": u**3, "y": y, "y^2": y**2, "y^3": y**3, "u y": u * y,
+    terms: dict[str, np.ndarray] = {}
+    for name, u in driving.items():
+        terms |= {name: u, f"{name}^2": u**2, f"{name}^3": u**3}
+    terms |= {"y": y, "y^2": y**2, "y^3": y**3}
+    terms |= {f"{name} y": u * y for name, u in driving.items()}
+    terms |= {
         "y'": rate, "|y'|": np.abs(rate), "sign(y')": np.tanh(rate / 0.05), "y y'": y * rate,
         "y'^2": rate**2, "y'|y'|": rate * np.abs(rate), "y'^3": rate**3, "y^2 y'": y**2 * rate,
-        "u'": input_rate, "u u'": u * input_rate, "|u'|": np.abs(input_rate),
-        "y''": standard(np.gradient(np.gradient(simulated))),
     }  # fmt: skip
-    for level in np.quantile(u, [0.1, 0.25, 0.75, 0.9]):
-        terms[f"max(u - {level:.2g}, 0)"] = np.maximum(u - level, 0)
+    for own, (name, u) in zip(inputs, driving.items(), strict=True):
+        input_rate = standard(np.gradient(own, problem.interval))
+        terms |= {f"{name}'": input_rate, f"{name} {name}'": u * input_rate}
+        terms[f"|{name}'|"] = np.abs(input_rate)
+    terms["y''"] = standard(np.gradient(np.gradient(simulated)))
+    for first, second in combinations(driving, 2):
+        terms[f"{first} {second}"] = driving[first] * driving[second]
+    for name, u in driving.items():
+        for level in np.quantile(u, [0.1, 0.25, 0.75, 0.9]):
+            terms[f"max({name} - {level:.2g}, 0)"] = np.maximum(u - level, 0)
     for level in np.quantile(y, [0.1, 0.25, 0.75, 0.9]):
         terms[f"max(y - {level:.2g}, 0)"] = np.maximum(y - level, 0)
     tau = 3.0 * problem.interval
     while tau < 0.3 * t[-1]:
-        for name, signal in (("u", u), ("u^2", u**2), ("y^2", y**2)):
+        powers = [(f"{name}{power}", u**degree) for name, u in driving.items()
+                  for power, degree in (("", 1), ("^2", 2))]  # fmt: skip
+        for name, signal in (*powers, ("y^2", y**2)):
             terms[f"lag({name}, {tau:.2g} s)"] = low_pass(signal, [tau / problem.interval, 1.0])
         tau *= 3.0
     for radius in (0.2, 0.6, 1.2):
@@ -64,7 +82,7 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
     for degree in range(1, 7):
         slow = np.polynomial.legendre.Legendre.basis(degree)(x)
         terms[f"time^{degree}"] = slow
-        terms[f"time^{degree} u"] = slow * u
+        terms |= {f"time^{degree} {name}": slow * u for name, u in driving.items()}
         terms[f"time^{degree} y"] = slow * y
     return list(terms), np.column_stack([np.clip(c, -30, 30) for c in terms.values()])
 

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from dea.errors import InputError
+from dea.simulation.inputs import columns
 
 # Blocks to fit on and to choose by alternate, so that both see changes with time and rare events.
 # Each pattern is the number of such blocks, the length of the certified block in theirs, and the
@@ -45,6 +46,8 @@ def runs(mask: np.ndarray) -> list[slice]:
 def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) -> Split:
     """Split a record of input ``u`` (n,) with gaps of three of the ``slowest`` times (s).
 
+    Several inputs are columns.
+
     The certified block lies inside the record, so that a drift is interpolated in it, and as near
     the middle as possible without its input leaving the range of the other blocks: there, no
     candidate could have been fitted.
@@ -55,16 +58,20 @@ def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) 
         If the record is too short for three blocks with such gaps.
     """
     gap = max(1, int(np.ceil(_GAP_IN_TIME_CONSTANTS * slowest / interval)))
-    skipped = int(np.ceil(warm_up / interval))
+    skipped, size = int(np.ceil(warm_up / interval)), len(u)
     for count, certified, in_gaps in _PATTERNS:
-        usable = u.size - skipped - gap * count
+        usable = size - skipped - gap * count
         if usable / (count + certified) * min(1.0, certified) < max(in_gaps * gap, 10):
             continue
-        candidates = _placed(u.size, skipped, gap, usable, count, certified)
-        return min(candidates, key=lambda found: max(_beyond(u, found) - _BEYOND, 0.0))
+        candidates = _placed(size, skipped, gap, usable, count, certified)
+        inputs = columns(u)
+        return min(
+            candidates,
+            key=lambda found: max(max(_beyond(each, found) for each in inputs) - _BEYOND, 0.0),
+        )
     needed = shortest_record(gap, skipped) * interval
     raise InputError(
-        f"the record holds {u.size * interval:g} s; with a slowest time constant of "
+        f"the record holds {size * interval:g} s; with a slowest time constant of "
         f"{slowest:g} s the split needs {needed:g} s",
         field="record",
         remedy="Record longer, or give the case a shorter `split.slowest_time`",

@@ -20,7 +20,7 @@ def leave_one_out(problem: Problem, nominal: Fit, extended: Fit) -> dict[str, Ce
     """
     found = {}
     for number, samples in enumerate(samples_of_each(nominal.extended.lengths), 1):
-        record = np.zeros(problem.u.size, bool)
+        record = np.zeros(problem.size, bool)
         record[samples] = True
         before, after = (_on(problem, record, each) for each in (nominal, extended))
         found[f"record_{number}"] = Certified(before, after, int((record & problem.seen).sum()))

@@ -80,7 +80,11 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     problem, unit = diagnosis.problem, diagnosis.units[1]
     role = np.select([problem.fit, problem.select, problem.certify], [1, 2, 3], 0)
     data = {
-        "input": ("time", problem.u, _attributes(diagnosis.units[0], "input")),
+        "input": (
+            "time" if len(diagnosis.inputs) == 1 else ("time", "signal"),
+            problem.u,
+            _attributes(diagnosis.units[0], "input"),
+        ),
         "measured": ("time", problem.y, _attributes(unit, "measured output")),
         "nominal": (
             "time",
@@ -112,6 +116,9 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
         "time": ("time", problem.time, _attributes("s", "time since the start")),
         "record": ("record", np.array(names, object), _attributes("1", "other record")),
     }
+    if len(diagnosis.inputs) > 1:
+        called = np.array([each.name for each in diagnosis.inputs], object)
+        coords["signal"] = ("signal", called, _attributes("1", "name of the input"))
     return xr.Dataset(data, coords=coords)
 
 

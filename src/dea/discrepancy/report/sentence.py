@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
 from dea.number_format import share, written_out
-from dea.simulation import ForcePort
+from dea.simulation import Attached, ExtendedSimulation
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 # The bin of each quantity that the residual is concentrated in.
 _PHRASES: Mapping[str, str] = {
     "time": "between {low:.3g} and {high:.3g} s",
-    "input": "where the input is between {low:.3g} and {high:.3g} {unit}",
-    "input_rate": "where the input changes by {low:.3g} to {high:.3g} {unit}",
+    "input": "where {input} is between {low:.3g} and {high:.3g} {unit}",
+    "input_rate": "where {input} changes by {low:.3g} to {high:.3g} {unit}",
     "output": "where the simulated output is between {low:.3g} and {high:.3g} {unit}",
     "output_rate": "where the output moves at {low:.3g} to {high:.3g} {unit}",
     "direction": "while the output is {direction}",
@@ -41,7 +41,8 @@ def where_sentence(found: Localisation) -> str:
     if bin_ is None:
         size = f"{found.rms:.3g} {found.unit}"
         return f"the residual of {size} (RMS) is concentrated nowhere; {spectrum}"
-    place = _PHRASES[bin_.along].format(
+    place = _PHRASES[bin_.kind].format(
+        input=bin_.of,
         low=bin_.low,
         high=bin_.high,
         unit=bin_.unit,
@@ -82,12 +83,16 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
         )
     extended = found.extended.extended
     laws = " and ".join(
-        f"`{effect.name}`{_at(extended.force_port_of(attached))} ({_main(effect)})"
+        f"`{effect.name}`{_at(extended, attached)} ({_main(effect)})"
         for effect, attached in zip(effects, extended.attached, strict=True)
     )
     rivals = " or ".join(rivals_in_words(found))
     if decision.status is Status.AMBIGUOUS:
-        advice = "`make resolve` designs the record that decides"
+        advice = (
+            "`make resolve` designs the record that decides"
+            if len(found.inputs) == 1
+            else "A further record that moves each input by itself may decide"
+        )
         return f"It is {laws}, or {rivals}: {proof}. {place}. {advice}."
     removed = f"{laws} {'removes' if len(effects) == 1 else 'remove'} {_share(found)} of the gap"
     if not decision.whole:
@@ -144,7 +149,12 @@ def rivals_in_words(found: "Diagnosis") -> list[str]:
     return ["+".join(rival.names) for rival in found.decision.rivals]
 
 
-def _at(port: ForcePort | None) -> str:
+def _at(extended: ExtendedSimulation, attached: Attached) -> str:
+    """Say at which of several inputs or force ports an effect acts."""
+    at = extended.input_of(attached)
+    if at is not None:
+        return f" at {at.name}"
+    port = extended.force_port_of(attached)
     if port is None:
         return ""
     equation = port.equation.replace("_", " ")

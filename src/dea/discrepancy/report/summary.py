@@ -68,7 +68,7 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
     for index, (attached, part) in enumerate(
         zip(extended.attached, found.ladder.contributions, strict=True)
     ):
-        port = extended.force_port_of(attached)
+        place = extended.force_port_of(attached) or extended.input_of(attached)
         result.append(
             NamedEffect(
                 name=attached.effect.name,
@@ -78,9 +78,9 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
                 gap_before=part.before,
                 gap_after=part.after,
                 gain=(part.gain, part.low, part.high),
-                presence=found.presence.effects.get(attached.effect.name, 0.0),
+                presence=found.presence.effects.get(extended.name_of(attached), 0.0),
                 rivals=rivals,
-                balance=port.name if port else None,
+                balance=place.name if place else None,
             )
         )
     return tuple(result)

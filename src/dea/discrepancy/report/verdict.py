@@ -36,7 +36,7 @@ class NamedEffect:
     rivals
         The effects of each extension that this record cannot tell from it.
     balance
-        Name of the force port it acts at, if the simulation has several.
+        Name of the force port, or of the input, it acts at, if the simulation has several.
     presence
         Probability that it is part of the answer, whatever else is.
     """

@@ -38,8 +38,11 @@ class Candidate:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of the effects, in the order in which they were attached."""
-        return tuple(a.effect.name for a in self.fit.extended.attached)
+        """Names of the effects, in the order in which they were attached.
+
+        Of several inputs with the one that each acts on: elsewhere it is another effect.
+        """
+        return tuple(self.fit.extended.name_of(a) for a in self.fit.extended.attached)
 
     @cached_property
     def labels(self) -> tuple[str, ...]:

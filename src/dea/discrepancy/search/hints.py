@@ -3,6 +3,7 @@
 import numpy as np
 
 from dea.discrepancy.problem import Problem
+from dea.simulation.inputs import columns
 
 _LINES = 2
 _JUMPS = 3
@@ -12,11 +13,17 @@ _BESIDE = 2.0
 
 
 def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
-    """Return frequencies (Hz) at which the residual, or its ratio to the input, has a line."""
+    """Return frequencies (Hz) at which the residual, or its ratio to the input, has a line.
+
+    Of several inputs the one with most power at a frequency counts there.
+    """
     frequency, power = _spectrum(residual, problem.interval)
-    drive = _spectrum(problem.u, problem.interval)[1]
-    surroundings = np.convolve(drive, np.ones(9) / 9, "same")
-    ratio = power / (surroundings / surroundings.max() + 1e-3)
+    driving = []
+    for each in columns(problem.u):
+        drive = _spectrum(each, problem.interval)[1]
+        surroundings = np.convolve(drive, np.ones(9) / 9, "same")
+        driving.append(surroundings / (surroundings.max() or 1.0))
+    ratio = power / (np.max(driving, axis=0) + 1e-3)
     nothing = np.zeros(power.size, bool)
     return (
         *_peaks(frequency, power, power, nothing),

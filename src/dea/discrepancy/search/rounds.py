@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
@@ -13,7 +14,8 @@ from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.hints import foreign_lines, jumps, lines
 from dea.discrepancy.search.screening import Base, Offer, promising, refine, screen
-from dea.simulation import Effect, measured_scales, with_fine_steps
+from dea.simulation import Effect, ExtendedSimulation, Scales, measured_scales, with_fine_steps
+from dea.simulation.inputs import columns
 
 # Fits of one effect, from different bases, that go beyond the screening.
 _RUNNERS_UP = 2
@@ -50,7 +52,7 @@ def extend_by_each(
     first = not before.extended.attached
     beside = " and ".join(map(before.extended.label, before.extended.attached)) or "the simulation"
     if first:
-        kept = int(np.clip(_SHORT // problem.u.size, kept, _MOST_KEPT))
+        kept = int(np.clip(_SHORT // problem.size, kept, _MOST_KEPT))
         count, polished = budget.finished, _POLISHED
     offers = _offers(problem, before, effects)
     prepared = [Base.of(problem, each) for each in bases]
@@ -115,7 +117,7 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     Laws with corners give the cost kinks at which a fit can stop early. A second or third effect
     has been fitted from enough starts already.
     """
-    whole = [slice(0, problem.u.size)]
+    whole = [slice(0, problem.size)]
     best = fit(problem, fitted.extended, fitted.coordinates, iterations=budget.last_steps)
     own = fitted.extended.free >= fitted.extended.effect_slices[-1].start
     count = budget.shakes if len(fitted.extended.attached) == 1 else 0
@@ -147,37 +149,45 @@ def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:
 def _offers(problem: Problem, before: Fit, effects: Sequence[Effect]) -> list[Offer]:
     """Return every effect at every port it can attach to and is not attached to yet."""
     extended = before.extended
-    ports = extended.simulation.force_ports
     residual = before.residual
     frequencies, foreign = lines(problem, residual), foreign_lines(problem, residual)
     instants = jumps(problem, residual)
-    scales = [
-        replace(
-            measured_scales(extended, before.values, problem, i),
+
+    @cache
+    def scales(force_port: int, at_input: int) -> Scales:
+        return replace(
+            measured_scales(extended, before.values, problem, force_port, at_input),
             frequencies=frequencies,
             foreign_frequencies=foreign,
             jumps=instants,
         )
-        for i in range(max(1, len(ports)))
-    ]
-    there = {(a.effect.name, a.force_port) for a in extended.attached}
-    on_input = any(a.effect.shape_input for a in extended.attached)
+
+    there = {(a.effect.name, a.place) for a in extended.attached}
+    on_input = {a.place for a in extended.attached if a.effect.shape_input}
     on_output = any(a.effect.shape_output for a in extended.attached)
     offers = []
     for effect in effects:
-        places = [0]
-        if effect.force is not None:
-            places = [
-                i
-                for i, port in enumerate(ports)
-                if port.position is not None or not effect.uses_position
-            ]
-        meets = (effect.shape_input and on_input) or (effect.shape_output and on_output)
-        sides = (False, True) if meets else (False,)
-        offers += [
-            Offer(effect, scales[place], place, upstream)
-            for place in places
-            if (effect.name, place) not in there
-            for upstream in sides
-        ]
+        for place in _places(problem, extended, effect):
+            if (effect.name, place) in there:
+                continue
+            meets = (effect.shape_input and place in on_input) or (
+                effect.shape_output and on_output
+            )
+            own = scales(0, place) if effect.on_input else scales(place, 0)
+            sides = (False, True) if meets else (False,)
+            offers += [Offer(effect, own, place, upstream) for upstream in sides]
     return offers
+
+
+def _places(problem: Problem, extended: ExtendedSimulation, effect: Effect) -> list[int]:
+    """Return the force ports that an effect can attach to, or the inputs that move."""
+    if effect.force is not None:
+        return [
+            i
+            for i, port in enumerate(extended.simulation.force_ports)
+            if port.position is not None or not effect.uses_position
+        ]
+    count = extended.places(effect)
+    if count == 1:
+        return [0]
+    return [k for k, u in enumerate(columns(problem.u)) if np.ptp(u) > 0.0]

@@ -37,11 +37,11 @@ class Base:
 
 @dataclass(frozen=True)
 class Offer:
-    """An effect, the port and place at which it would be attached, and its scales."""
+    """An effect, the force port or input at which it would be attached, and its scales."""
 
     effect: Effect
     scales: Scales
-    force_port: int = 0
+    place: int = 0
     upstream: bool = False
 
 
@@ -67,9 +67,7 @@ def promising(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) 
     The bases are fits of one simulation. There is one start more than are ``kept``, from one base
     half as many at most; none where this record gives the effect no start.
     """
-    extended = bases[0].fit.extended.attach(
-        offer.effect, offer.scales, offer.force_port, offer.upstream
-    )
+    extended = bases[0].fit.extended.attach(offer.effect, offer.scales, offer.place, offer.upstream)
     law = extended.attached[-1]
     found: list[Start] = []
     for base in bases:

@@ -79,7 +79,8 @@ class Search:
 
     def _exchanged(self, pair: Candidate) -> list[Round]:
         """Offer the leading effects beside each effect of a pair, as the pair has fitted it."""
-        leading = {c.names[-1] for c in self.singles.candidates if c.finished} | pair.effects
+        finished = [c.fit for c in self.singles.candidates if c.finished]
+        leading = {a.effect.name for each in (pair.fit, *finished) for a in each.extended.attached}
         effects = [effect for effect in self.offered if effect.name in leading]
         kept = [without(self.problem, pair.fit, i) for i in range(len(pair.names))]
         return [self._round([fitted], effects) for fitted in kept if fitted.stable]

@@ -78,7 +78,7 @@ def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -
     others, and a short record affords draws of the prior as well.
     """
     size = nominal.coordinates.size
-    draws = int(min(_DRAWS, _SHORT // problem.u.size))
+    draws = int(min(_DRAWS, _SHORT // problem.size))
     drawn = [at(problem, nominal.extended, x) for x in 0.7 * rng.standard_normal((draws, size))]
     others = [near, *fit_parts(problem, near)] if near.stable else []
     others.append(at(problem, nominal.extended, np.zeros(size)))

@@ -90,6 +90,11 @@ class Effect:
     refine: int = 1
 
     @property
+    def on_input(self) -> bool:
+        """Whether the law acts on one of the inputs, or on what it does."""
+        return self.shape_input is not None or self.scale_drive is not None
+
+    @property
     def only_reads(self) -> bool:
         """Whether the law changes the reading alone, and not the motion."""
         return self.shape_input is None and self.force is None and self.scale_drive is None
