@@ -179,3 +179,28 @@ def test_a_record_of_other_inputs_is_refused():
     extended = ExtendedSimulation(simulation)
     with pytest.raises(InputError, match="it holds 1 for 2 inputs"):
         extended.simulate(values_of(extended), excitation(SAMPLES)[:, 0], INTERVAL)
+
+
+@pytest.mark.parametrize(("name", "own"), [("two_heaters", 0), ("two_heaters_second", 1)])
+def test_the_two_heaters_follow_their_published_heat_balance(name, own):
+    """In kelvin, with the sizes that are published: 4 g, 500 J/(kg K), 10 and 2 cm^2, 0.9."""
+    u = 30.0 * excitation(60)
+    extended = ExtendedSimulation(load_simulation(name), substeps=8)
+    found = extended.simulate(values_of(extended), u, 3.0)
+    room, capacity, shine = 296.15, 0.004 * 500.0, 0.9 * 5.67e-8
+
+    def balance(t, T, powers):
+        passed = 20.0 * 2e-4 * (T[1] - T[0]) + shine * 2e-4 * (T[1] ** 4 - T[0] ** 4)
+        lost = [10.0 * 1e-3 * (room - each) + shine * 1e-3 * (room**4 - each**4) for each in T[:2]]
+        heated = [0.01 * powers[0], 0.0075 * powers[1]]
+        return [
+            (lost[0] + passed + heated[0]) / capacity,
+            (lost[1] - passed + heated[1]) / capacity,
+            (T[own] - T[2]) / 10.0,
+        ]
+
+    T, expected = np.full(3, room), []
+    for powers in u:
+        expected.append(T[2] - 273.15)
+        T = solve_ivp(balance, (0.0, 3.0), T, args=(powers,), rtol=1e-9, atol=1e-9).y[:, -1]
+    assert np.abs(found - expected).max() < 1e-3

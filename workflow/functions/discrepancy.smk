@@ -1,9 +1,23 @@
+def is_part_of(test, record):
+    """Whether a test record holds samples of the record, all of which a diagnosis sees."""
+    if {**test, "rows": None} != {**record, "rows": None}:
+        return False
+    rows, of_record = test.get("rows"), record.get("rows")
+    return of_record is None or (
+        rows is not None and of_record[0] <= rows[0] and rows[1] <= of_record[1]
+    )
+
+
 def test_records(wildcards):
     """Records of the same system under another excitation."""
     if wildcards.system in ACTUATORS:
         return [f"results/{wildcards.system}/second_record.nc"]
-    parts = CASE[wildcards.system].get("test_records", {})
-    return [f"results/{wildcards.system}/test/{part}.nc" for part in parts]
+    case = CASE[wildcards.system]
+    return [
+        f"results/{wildcards.system}/test/{name}.nc"
+        for name, test in case.get("test_records", {}).items()
+        if not is_part_of(test, case["record"])
+    ]
 
 
 def further_records(wildcards):
