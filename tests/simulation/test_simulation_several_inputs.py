@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from two_inputs import INTERVAL, excitation, linear_simulation, simulation
 
 from dea.errors import InputError
 from dea.simulation import (
@@ -22,6 +21,7 @@ from dea.simulation import (
     save_extended,
 )
 from dea.simulation.integrate import integrate
+from two_inputs import INTERVAL, excitation, linear_simulation, simulation
 
 SAMPLES = 120
 P = {p.name: p.nominal for p in simulation.parameters}
@@ -136,7 +136,7 @@ def test_scales_are_those_of_one_input():
 
 def test_a_saved_extension_simulates_the_same(tmp_path):
     file = tmp_path / "two.py"
-    file.write_text(Path(__file__).with_name("two_inputs.py").read_text())
+    file.write_text((Path(__file__).parents[1] / "two_inputs.py").read_text())
     extended, u = attached("electrode_lag", 1)
     extended = replace(extended, simulation=load_simulation(file))
     values = values_of(extended)

@@ -1,0 +1,179 @@
+"""Diagnoses of a made device with two inputs, which is integrated by Euler's method."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import two_inputs
+from dea import Record
+from dea.discrepancy import (
+    Settings,
+    candidates_dataset,
+    certificate_dataset,
+    diagnose,
+    localisation_dataset,
+)
+from dea.discrepancy.evidence.period import period_of
+from dea.discrepancy.evidence.residual_model import dictionary
+from dea.discrepancy.evidence.split import split
+from dea.discrepancy.problem import Problem
+from dea.discrepancy.records import signals_of
+from dea.errors import InputError
+from dea.simulation import load_extended, save_extended
+from dea.store import CONTRACTS
+from two_inputs import INTERVAL, NAMES, excitation, simulation
+
+NOISE, PARTS = 4e-3, 40
+OFFERED = (
+    "transport_delay", "electrode_lag", "slew_limit", "sensor_lag", "dead_zone", "gain_drift",
+)  # fmt: skip
+UNITS = (("V", "A"), "K")
+
+
+def recorded(delay=0.0, lag=0.0, samples=900, seed=1, start=0.2):
+    """A record in which the right input comes late (s), or the left one through a lag (s).
+
+    The delay is one of whole samples: between them the law joins the samples of the input, and this
+    device takes the square of it.
+    """
+    rng = np.random.default_rng(seed)
+    u = excitation(samples, seed)
+    h, late = INTERVAL / PARTS, round(delay / INTERVAL * PARTS)
+    fine = np.repeat(u, PARTS, axis=0)
+    right = np.concatenate([np.full(late, u[0, 1]), fine[: len(fine) - late, 1]])
+    wall, body, left = start, 0.1, u[0, 0]
+    y = np.empty(samples)
+    for k, (command, now) in enumerate(zip(fine[:, 0].tolist(), right.tolist(), strict=True)):
+        left = left + h * (command - left) / lag if lag else command
+        if k % PARTS == 0:
+            y[k // PARTS] = body + 0.05 * now
+        heated = 0.55 * left + 0.37 * now**2
+        body += h * (0.7 * (wall - body) + 0.055 * left)
+        wall += h * (heated - 0.28 * wall - 0.045 * wall * abs(wall))
+    y += NOISE * rng.standard_normal(samples)
+    return Record.of(u, y, 1.0 / INTERVAL, units=UNITS, names=(NAMES, "warmth"))
+
+
+def found(*records, **options):
+    settings = Settings(effects=OFFERED, warm_up=0.0, **options)
+    return diagnose(list(records), simulation, settings=settings)
+
+
+@pytest.fixture(scope="module")
+def late():
+    return found(recorded(delay=2.0))
+
+
+@pytest.mark.slow
+def test_nothing_is_named_where_nothing_is_missing():
+    verdict = found(recorded()).verdict
+    assert verdict.status == "none", verdict.sentence
+
+
+@pytest.mark.slow
+def test_a_delay_is_named_at_its_input(late):
+    verdict = late.verdict
+    assert (verdict.status, verdict.names) == ("named", ("transport_delay",)), verdict.sentence
+    (effect,) = verdict.effects
+    assert (effect.balance, effect.port) == ("right", "input path")
+    assert effect.parameters["delay"].low <= 2.0 <= effect.parameters["delay"].high
+    assert "`transport_delay` at right (delay 2 ±" in verdict.sentence
+    assert verdict.presence["effects"]["transport_delay@right"] > 0.9
+    assert verdict.certified["rmse_after"] < 1.3 * NOISE < verdict.certified["rmse_before"]
+    labels = {label for c in late.singles.candidates for label in c.labels}
+    assert {"transport_delay@left", "gain_drift@right", "sensor_lag"} <= labels
+
+
+@pytest.mark.slow
+def test_a_lag_is_named_at_its_input():
+    verdict = found(recorded(lag=1.5)).verdict
+    (effect,) = verdict.effects
+    assert verdict.status == "named", verdict.sentence
+    assert (effect.family, effect.balance) == ("lag", "left"), verdict.sentence
+
+
+@pytest.mark.slow
+def test_the_datasets_hold_every_input(late, tmp_path):
+    certificate, localisation = certificate_dataset(late), localisation_dataset(late)
+    for dataset, name in (
+        (certificate, "certificate"),
+        (localisation, "localisation"),
+        (candidates_dataset(late), "candidates"),
+    ):
+        CONTRACTS[name].check(dataset, tmp_path)
+    assert certificate["input"].dims == ("time", "signal")
+    assert tuple(certificate["signal"].values) == NAMES
+    assert certificate["law_1_along"].attrs["long_name"] == "right"
+    assert np.array_equal(certificate["law_1_along"], certificate["input"].sel(signal="right"))
+    assert localisation["input_2_low_before"].attrs["units"] == "A"
+    assert localisation["coherence_1_after"].attrs["long_name"] == "coherence of left and gap"
+
+
+@pytest.mark.slow
+def test_a_saved_extension_simulates_the_same(late, tmp_path):
+    final = late.final
+    own = replace(final.extended, simulation=replace(simulation, source=two_inputs.__file__))
+    save_extended(own, final.values, INTERVAL, tmp_path / "extended.yaml")
+    again, values, interval = load_extended(tmp_path / "extended.yaml")
+    u = late.problem.u
+    assert np.array_equal(
+        again.simulate(values, u, interval), final.extended.simulate(final.values, u, INTERVAL)
+    )
+
+
+@pytest.mark.slow
+def test_several_records_are_diagnosed_together():
+    verdict = found(recorded(delay=2.0, samples=500), recorded(2.0, 0.0, 500, 2, 0.5)).verdict
+    assert (verdict.status, verdict.names) == ("named", ("transport_delay",)), verdict.sentence
+    assert verdict.effects[0].balance == "right"
+
+
+def problem_of(u):
+    every = np.ones(len(u), bool)
+    return Problem(u, np.sin(np.arange(len(u))), INTERVAL, every, every, ~every)
+
+
+def test_every_input_has_its_terms():
+    names, X = dictionary(problem_of(excitation(200)), np.cos(np.arange(200)))
+    assert {"u1", "u2^2", "u1 y", "u1 u2", "u2'", "time^1 u2", "max(u2 - 1.2, 0)"} & set(names) >= {
+        "u1", "u2^2", "u1 y", "u1 u2", "u2'", "time^1 u2"
+    }  # fmt: skip
+    assert not any(re.search(r"\bu\b", name) for name in names)
+    assert X.shape == (200, len(names))
+
+
+def test_inputs_repeat_where_all_that_move_do():
+    k = np.arange(400)
+    fast, slow = np.sin(2 * np.pi * k / 20), np.sin(2 * np.pi * k / 50)
+    assert period_of(np.column_stack([fast, slow])) == 100
+    assert period_of(np.column_stack([fast, np.ones(400)])) == period_of(fast) == 20
+    noise = np.random.default_rng(0).standard_normal(400)
+    assert period_of(np.column_stack([fast, noise])) == 0
+
+
+def test_the_certified_block_stays_in_the_range_of_every_input():
+    k = np.arange(900)
+    high = abs(k - 450) < 30
+    wide = np.column_stack([np.sin(k / 5.0), np.where(high, 3.0, np.sin(k / 7.0))])
+    found = split(wide, 1.0, 2.0)
+    assert wide[found.certify, 1].max() < 3.0
+    assert split(wide[:, 0], 1.0, 2.0).certify[450]
+
+
+@pytest.mark.parametrize(
+    ("record", "said"),
+    [
+        (Record.of(excitation(99)[:, 0], np.ones(99), 2.0, units=("V", "K")), "has 1 input, the"),
+        (
+            Record.of(excitation(99), np.ones(99), 2.0, units=UNITS, names=(NAMES[::-1], "y")),
+            "inputs are right, left",
+        ),
+        (Record.of(excitation(99), np.ones(99), 2.0, units=(("V", "V"), "K")), "in 'V', the"),
+    ],
+)
+def test_a_record_of_other_inputs_is_refused(record, said):
+    with pytest.raises(InputError, match=said) as refused:
+        signals_of(record, simulation)
+    assert "\n" not in str(refused.value)
