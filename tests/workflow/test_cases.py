@@ -95,6 +95,18 @@ def test_a_misspelt_key_of_a_case_stops_before_the_dag(mine):
     assert "Building DAG" not in said
 
 
+def test_a_part_of_the_record_certifies_no_diagnosis(mine):
+    within, later = (mine.record | {"rows": rows} for rows in ([100, 200], [400, 600]))
+    mine(test_records={"within": within, "later": later}, simulation="mass_spring_damper")
+    run = mine.project.snakemake(
+        "results/discrepancy/mine/verdict.json", "--dry-run", "--quiet", "host", small=False
+    )
+    said = run.stdout + run.stderr
+    assert run.returncode == 0, said
+    assert "results/mine/test/later.nc" in said
+    assert "within" not in said
+
+
 def test_a_case_may_be_edited_after_its_record_was_imported(mine):
     record = mine.project.folder / "results" / "mine" / "record.nc"
     run = mine.project.snakemake("results/mine/record.nc", small=False)
