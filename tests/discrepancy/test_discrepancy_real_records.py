@@ -72,3 +72,10 @@ def test_the_cubic_spring_of_the_silverbox_is_named_and_serves_beyond_what_was_s
     odd = [force(z, 0.0, np.zeros(1), q) - force(-z, 0.0, np.zeros(1), q) for z in (0.5, 1.0)]
     assert abs(np.log2(odd[1] / odd[0]) - 3.0) < 0.2
     assert verdict.certified["records"]["arrow"]["after"] <= 1.12e-3
+
+
+@pytest.mark.parametrize("name", ["two_heaters_1", "two_heaters_2"])
+def test_ten_minutes_of_two_heaters_are_too_short_for_a_name(name):
+    """It is five of the slowest time constants: drift, fault and lag look alike."""
+    verdict = diagnosed(name)
+    assert verdict.status in ("ambiguous", "unknown"), verdict.sentence

@@ -21,6 +21,7 @@ from dea.discrepancy.evidence.split import split
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.records import signals_of
 from dea.errors import InputError
+from dea.resolution.rounds import Options, begun
 from dea.simulation import load_extended, save_extended
 from dea.store import CONTRACTS
 from two_inputs import INTERVAL, NAMES, excitation, simulation
@@ -177,3 +178,8 @@ def test_a_record_of_other_inputs_is_refused(record, said):
     with pytest.raises(InputError, match=said) as refused:
         signals_of(record, simulation)
     assert "\n" not in str(refused.value)
+
+
+def test_the_design_of_further_records_is_of_one_input():
+    with pytest.raises(InputError, match="design of a further record is of one input"):
+        begun([recorded(samples=40)], simulation, Settings(), Options(), 1)
