@@ -131,7 +131,10 @@ def equation_sentence(unexplained: "ResidualModel") -> str:
 def _nearest(found: "Diagnosis") -> str:
     """Name the effect that most of the explanations hold, where one is likely."""
     likely = [name for name, value in found.presence.effects.items() if value >= _LIKELY]
-    return f" Most explanations hold `{likely[0]}`." if likely else ""
+    if not likely:
+        return ""
+    name, _, at_input = likely[0].partition("@")
+    return f" Most explanations hold `{name}`{at_input and f' at {at_input}'}."
 
 
 def _form(found: "Diagnosis") -> str:
@@ -146,7 +149,7 @@ def _form(found: "Diagnosis") -> str:
 
 def rivals_in_words(found: "Diagnosis") -> list[str]:
     """Return each rival's effects, joined."""
-    return ["+".join(rival.names) for rival in found.decision.rivals]
+    return ["+".join(rival.names).replace("@", " at ") for rival in found.decision.rivals]
 
 
 def _at(extended: ExtendedSimulation, attached: Attached) -> str:
