@@ -39,30 +39,34 @@ def main() -> None:
     given = parser.parse_args()
     if given.store and (given.examples or given.schedule or given.victim):
         parser.error("--store keeps what random schedules of all victims did: name none")
-    names: list[str] = []
     if given.examples:
-        runs = {name: run for name, run in examples().items() if given.only in name}
-        names, schedules = list(runs), list(runs.values())
+        runs = [(name, run) for name, run in examples().items() if given.only in name]
     elif given.schedule:
-        schedules = [loads(text) for text in given.schedule]
+        runs = [("", loads(text)) for text in given.schedule]
     else:
-        schedules = [
-            schedule
+        runs = [
+            ("", schedule)
             for victim in given.victim or VICTIMS
             for schedule in draw(victim, given.count, given.seed, given.longest)
         ]
-    campaign = Campaign(given.at_a_time, given.keep)
-
+    verdicts: list[Verdict] = []
     with progress_bars() as progress:
-        bar = progress.add_task("schedules", total=len(schedules))
+        bar = progress.add_task("schedules", total=len(runs))
+        # One after the other, since served benches keep a core busy.
+        for victim in VICTIMS:
+            own = [(name, schedule) for name, schedule in runs if schedule.victim == victim]
+            names = [name for name, _ in own]
 
-        def tell(number: int, verdict: Verdict) -> None:
-            progress.advance(bar)
-            if verdict.broken:
-                name = names[number] if names else ""
-                print(name, verdict.schedule.dumps(), *verdict.broken, sep="\n    ", flush=True)
+            def tell(number: int, verdict: Verdict, names: Sequence[str] = names) -> None:
+                progress.advance(bar)
+                if verdict.broken:
+                    said = names[number], verdict.schedule.dumps(), *verdict.broken
+                    print(*said, sep="\n    ", flush=True)
 
-        verdicts = campaign.judge(schedules, not given.no_reduction, tell)
+            campaign = Campaign(given.at_a_time, given.keep and given.keep / victim)
+            verdicts += campaign.judge(
+                [schedule for _, schedule in own], not given.no_reduction, tell
+            )
     laws = collections.Counter(
         sentence.split(":")[0] for verdict in verdicts for sentence in verdict.broken
     )

@@ -57,7 +57,10 @@ class BenchVictim:
             await self._process.wait()
 
     def forget(self) -> None:
-        """Begin a new trace."""
+        """Begin a new trace; raises what has ended the watch, if anything has."""
+        assert self._watch is not None
+        if self._watch.done():
+            self._watch.result()
         self.trace = Trace()
 
     async def _look(self) -> None:
