@@ -151,7 +151,7 @@ def _no_wrong_sample(outcome: Outcome) -> Iterator[str]:
 
 
 def _no_record_lost(outcome: Outcome) -> Iterator[str]:
-    """All samples are in the record, or what was played until a second before is recovered."""
+    """All samples are in the record, or what was played half a second before the failure."""
     schedule = outcome.schedule
     wanted = round(schedule.duration * RATE)
     record = _record(outcome)
@@ -173,8 +173,20 @@ def _no_record_lost(outcome: Outcome) -> Iterator[str]:
 
 
 def _played(outcome: Outcome) -> float:
-    """Return the least number of samples that were played, by the changes of the output."""
-    volts = [entry.volts for entry in outcome.trace.applied]
+    """Return the least number of samples that were played, by the changes of the output.
+
+    What a device with a buffer plays on while its link is down to the end reaches nobody.
+    """
+    applied = outcome.trace.applied
+    last = max((entry.time for entry in applied if entry.volts), default=0.0)
+    down = [
+        outcome.origin + fault.start
+        for fault in outcome.schedule.link
+        if outcome.origin is not None
+        and fault.kind in LINKS_DOWN
+        and outcome.origin + fault.end >= last
+    ]
+    volts = [entry.volts for entry in applied if entry.time <= min(down, default=last)]
     low = outcome.schedule.low - 2 * RESOLUTION
     changes = sum(new != old and new > low for old, new in itertools.pairwise(volts))
     return changes - 2 * outcome.schedule.ramp * RATE
