@@ -111,7 +111,7 @@ container: ## an Apptainer image of the pinned environment, for clusters (needs 
 
 faults: $(VENV)/installed ## a thousand schedules of faults, twice, and 100,000 malformed frames
 	pytest tests/acquisition tests/bench -m faults --fault-schedules 1000 --fuzz-frames 100000
-	python -m benchmarks.faults --count $(or $(COUNT),1000) $(SEED:%=--seed %) --at-a-time 20 \
+	python -m benchmarks.faults --count $(or $(COUNT),1000) $(SEED:%=--seed %) \
 		--keep build/faults --store
 
 coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known plants (COUNT=100 SEED=1)
