@@ -19,7 +19,7 @@ from dea.discrepancy.evidence.split import runs, split
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
 from dea.errors import InputError
-from dea.simulation.inputs import Input
+from dea.simulation import Input
 
 INTERVAL = 0.02
 INPUT = (Input("input", "V"),)

@@ -23,8 +23,7 @@ from dea.discrepancy.rules import Rules
 from dea.discrepancy.search import starts
 from dea.discrepancy.search.candidates import Candidate
 from dea.errors import InputError
-from dea.simulation import catalogue, load_simulation, measured_scales, prepared
-from dea.simulation.inputs import Input
+from dea.simulation import Input, catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL = 0.02
 INPUT = (Input("input", "V"),)

@@ -22,7 +22,7 @@ from dea.discrepancy.report.summary import verdict_of
 from dea.discrepancy.report.verdict import Verdict
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.candidates import Candidate
-from dea.simulation.inputs import Input
+from dea.simulation import Input
 
 
 @dataclass(frozen=True)

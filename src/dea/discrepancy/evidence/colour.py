@@ -7,7 +7,7 @@ import numpy as np
 from dea.discrepancy.evidence.null import coloured
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.problem import Problem
-from dea.simulation.inputs import columns
+from dea.simulation import columns
 
 # A flexible model of the residual that predicts more than this part of it has found a cause.
 _PREDICTED = 0.2

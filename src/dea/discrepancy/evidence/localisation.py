@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from dea.discrepancy.problem import Problem
-from dea.simulation.inputs import Input, columns
+from dea.simulation import Input, columns
 
 BINS = 12
 _DRAWS = 200

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dea.simulation.inputs import columns
+from dea.simulation import columns
 
 # Correlation of the input with itself a period later, from which it repeats; and the part of the
 # record that a period may take.

@@ -14,8 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from dea.discrepancy.problem import Problem, rmse
-from dea.simulation import low_pass
-from dea.simulation.inputs import columns
+from dea.simulation import columns, low_pass
 
 _RIDGES = np.logspace(-4, 2, 7)
 _MAX_TERMS = 5

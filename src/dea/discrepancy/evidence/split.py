@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from dea.errors import InputError
-from dea.simulation.inputs import columns
+from dea.simulation import columns
 
 # Blocks to fit on and to choose by alternate, so that both see changes with time and rare events.
 # Each pattern is the number of such blocks, the length of the certified block in theirs, and the

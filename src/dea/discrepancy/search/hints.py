@@ -3,7 +3,7 @@
 import numpy as np
 
 from dea.discrepancy.problem import Problem
-from dea.simulation.inputs import columns
+from dea.simulation import columns
 
 _LINES = 2
 _JUMPS = 3

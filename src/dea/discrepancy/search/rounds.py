@@ -14,8 +14,14 @@ from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.hints import foreign_lines, jumps, lines
 from dea.discrepancy.search.screening import Base, Offer, promising, refine, screen
-from dea.simulation import Effect, ExtendedSimulation, Scales, measured_scales, with_fine_steps
-from dea.simulation.inputs import columns
+from dea.simulation import (
+    Effect,
+    ExtendedSimulation,
+    Scales,
+    columns,
+    measured_scales,
+    with_fine_steps,
+)
 
 # Fits of one effect, from different bases, that go beyond the screening.
 _RUNNERS_UP = 2
