@@ -130,4 +130,5 @@ def test_a_long_record_gets_half_of_the_fits():
     halved = (long.starts, long.finished, long.beam, long.kept, long.screening)
     assert halved == (2, 3, 1, 1, 2)
     assert (long.shakes, long.exchanges, long.effects, long.last_steps) == (1, 0, 3, 21)
+    assert long.tolerance == pytest.approx(10 * budget.tolerance)
     assert Budget(shakes=0, long_record=10).of(11).shakes == 0

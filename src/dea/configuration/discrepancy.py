@@ -31,6 +31,9 @@ class Budget(Section):
     screening: Count = key("steps of each fit of the screening", default=4)
     first_steps: Count = key("steps of every finished candidate", default=6)
     last_steps: Count = key("further steps of candidates near the leader", default=20)
+    tolerance: Positive = key(
+        "part of the cost by which a step of such a fit must lower it for another one", default=1e-4
+    )
     near: Number = key("errors of the leader up to which a candidate is near it", default=2.5, ge=1)
     shakes: WholeNotNegative = key(
         "perturbed starts from which the best single effects are fitted again", default=4

@@ -166,6 +166,7 @@ class _FreeRun:
         size = self._low.size
         self._free = np.ones(size, bool) if columns.held is None else ~columns.held
         self.jacobian = np.zeros((problem.size, size))
+        self._weighed: tuple[np.ndarray, np.ndarray] | None = None
 
     def evaluate(self, x: np.ndarray) -> Point[np.ndarray]:
         coordinates = np.clip(x, self._low, self._high)
@@ -181,12 +182,17 @@ class _FreeRun:
         first = 0 if whole else slow
         if kept is not None:
             first = kept.shape[1]
-            self.jacobian[:, :first] = kept
+            if self._weighed is None:
+                self.jacobian[:, :first] = kept
         fresh = np.flatnonzero(self._free & (np.arange(x.size) >= first))
-        self.jacobian[:, fresh] = sensitivities(self._problem, self._extended, x, residual, fresh)
         noise, seen = self._problem.noise, self._problem.seen
-        J = self.jacobian[seen] / noise
-        A = J.T @ J + np.eye(x.size)
+        if fresh.size or self._weighed is None:
+            self.jacobian[:, fresh] = sensitivities(
+                self._problem, self._extended, x, residual, fresh
+            )
+            J = self.jacobian[seen] / noise
+            self._weighed = J, J.T @ J + np.eye(x.size)
+        J, A = self._weighed
         g = J.T @ (residual[seen] / noise) + x
         reach = np.where(self._free, _LONGEST_STEP, 0.0)
         low, high = np.maximum(self._low - x, -reach), np.minimum(self._high - x, reach)

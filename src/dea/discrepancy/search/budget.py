@@ -25,6 +25,8 @@ class Budget:
         Steps of each fit of the screening.
     first_steps, last_steps
         Steps that every finished candidate gets, and that those near the leader get in addition.
+    tolerance
+        Part of the cost by which a step of a finished candidate must lower it for another one.
     near
         A candidate is near the leader if its error is within this factor of the leader's.
     shakes
@@ -42,7 +44,7 @@ class Budget:
         Factor by which an exchange must lower the error of the best pair for another one.
     long_record
         A record of more samples gets half of the counts above but as many effects, one shake, and
-        no exchange.
+        no exchange, and ten times the tolerance.
     """
 
     starts: int = 4
@@ -54,6 +56,7 @@ class Budget:
     screening: int = 4
     first_steps: int = 6
     last_steps: int = 20
+    tolerance: float = 1e-4
     near: float = 2.5
     shakes: int = 4
     shake_above: float = 1.15
@@ -81,4 +84,5 @@ class Budget:
             screening=half(self.screening),
             shakes=min(1, self.shakes),
             exchanges=0,
+            tolerance=10.0 * self.tolerance,
         )

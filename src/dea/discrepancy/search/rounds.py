@@ -89,7 +89,10 @@ def extend_by_each(
     leaders = list(stable.values())
     ahead = in_parallel(
         lambda fits: min(
-            (refine(problem, each, budget.first_steps) for each in fits[:_RUNNERS_UP]),
+            (
+                refine(problem, each, budget.first_steps, tolerance=budget.tolerance)
+                for each in fits[:_RUNNERS_UP]
+            ),
             key=error,
         ),
         leaders[:count],
@@ -99,7 +102,9 @@ def extend_by_each(
     limit = budget.near * min(map(error, ahead), default=0.0)
     near = [each for each in ahead if error(each) <= limit]
     finished = in_parallel(
-        lambda each: refine(problem, _with_fine_steps(problem, each), budget.last_steps),
+        lambda each: refine(
+            problem, _with_fine_steps(problem, each), budget.last_steps, tolerance=budget.tolerance
+        ),
         near,
         workers,
         f"final fits of the leading effects beside {beside}",
@@ -124,7 +129,8 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     has been fitted from enough starts already.
     """
     whole = [slice(0, problem.size)]
-    best = fit(problem, fitted.extended, fitted.coordinates, iterations=budget.last_steps)
+    steps, tolerance = budget.last_steps, budget.tolerance
+    best = fit(problem, fitted.extended, fitted.coordinates, iterations=steps, tolerance=tolerance)
     own = fitted.extended.free >= fitted.extended.effect_slices[-1].start
     count = budget.shakes if len(fitted.extended.attached) == 1 else 0
     for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
@@ -133,7 +139,10 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
             break
         shaken = best.coordinates + np.where(own, push, 0.0)
         best = min(
-            (best, fit(problem, fitted.extended, shaken, iterations=budget.last_steps)),
+            (
+                best,
+                fit(problem, fitted.extended, shaken, iterations=steps, tolerance=tolerance),
+            ),
             key=lambda each: each.cost,
         )
     return best

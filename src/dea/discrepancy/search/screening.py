@@ -148,7 +148,13 @@ def where_it_does_nothing(
     return found
 
 
-def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | None = None) -> Fit:
+def refine(
+    problem: Problem,
+    screened: Fit,
+    iterations: int,
+    held: np.ndarray | None = None,
+    tolerance: float = 1e-4,
+) -> Fit:
     """Continue a screened fit with a Jacobian of all parameters, or of all that are not held."""
     own = screened.extended.effect_slices[-1]
     known = int(np.sum(screened.extended.free < own.start))
@@ -157,5 +163,6 @@ def refine(problem: Problem, screened: Fit, iterations: int, held: np.ndarray | 
         screened.extended,
         screened.coordinates,
         iterations=iterations,
+        tolerance=tolerance,
         columns=Columns(held=held, slow=known),
     )

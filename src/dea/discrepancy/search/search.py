@@ -97,7 +97,13 @@ class Search:
             if len(pair.names) == 2
         ]
         again = [
-            fit(self.problem, start.extended, start.coordinates, iterations=self.budget.last_steps)
+            fit(
+                self.problem,
+                start.extended,
+                start.coordinates,
+                iterations=self.budget.last_steps,
+                tolerance=self.budget.tolerance,
+            )
             for start in starts
             if start.stable
         ]
