@@ -6,7 +6,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
-from scipy.signal import lfilter
 
 from dea.simulation import Port, Scales, catalogue
 from dea.simulation.effects._laws import DRIFT_MODES, drift_modes
@@ -178,19 +177,60 @@ def test_charge_leakage_solves_its_differential_equation(growth):
     assert np.allclose(catalogue()["charge_leakage"].shape_input(U, q, DT), expected, atol=5e-3)
 
 
-def test_creep_is_a_sum_of_maxwell_branches():
-    q = values(
-        "viscoelastic_creep", stiffness=0.3, fastest_time=0.5, branch_ratio=0.6,
-        start_position=0.7, **{"slow.start_position": 0.5},
+# Moduli of a creep's branches over the first one's 0.05, and what the film has gone through.
+BRANCHES = (1.0, 0.4, 3.0, 0.1, 0.7, 2.0, 0.05, 1.5)
+HISTORY = {"start_position": 0.3, "stretch": 2.0, "age": 9.0}
+
+
+def creep(**changed):
+    """The parameters of a creep, and the moduli and times of its branches."""
+    own = {f"branch_{i}": np.log(k) for i, k in enumerate(BRANCHES, 1)}
+    q = values("viscoelastic_creep", stiffness=0.05, branch_ratio=0.8, **own, **changed)
+    return q, 0.05 * np.array(BRANCHES) * 0.8 ** np.arange(8), np.geomspace(2 * DT, 80.0, 8)
+
+
+def test_creep_follows_the_equations_of_a_generalised_maxwell_body():
+    q, stiffness, tau = creep(tilt=0.6, curve=-0.4, **HISTORY)
+
+    def place(t):
+        return 0.9 * np.sin(1.3 * t) * np.cos(0.4 * t)
+
+    def strain(x):
+        return x - 0.4 * x**2 / (1 + abs(x))
+
+    def flow(strained):
+        return lambda t, dashpots: (strained(t) - dashpots) / tau
+
+    # Stretched by 2 and then held for 9 s, before it moves.
+    before = solve_ivp(
+        flow(lambda t: 0.3), (-9, 0), np.full(8, 0.3 - 2.0), method="LSODA", rtol=1e-9
+    )
+    h = 1e-3
+    t = np.arange(8000) * h
+    solved = solve_ivp(
+        flow(lambda t: strain(place(t))), (0, t[-1]), before.y[:, -1],
+        t_eval=t, method="LSODA", rtol=1e-9, atol=1e-11,
     )  # fmt: skip
-    expected = np.zeros(Z.size - 1)
-    for i in range(5):
-        tau, k, start = 0.5 * 5.0**i, 0.3 * 0.6**i, 0.7 - 0.05 * i
-        # ξ' = (z - ξ)/τ for a held position, as a digital filter.
-        a = np.exp(-DT / tau)
-        xi, _ = lfilter([1 - a], [1, -a], Z[1:], zi=[a * start])
-        expected -= k * (Z[:-1] - np.concatenate([[start], xi[:-1]]))
-    assert np.allclose(forces("viscoelastic_creep", q), expected, atol=1e-12)
+    stress = stiffness @ (strain(place(t)) - solved.y)
+    grown = 0.6 * place(t) + np.sqrt(1 + (0.6 * place(t)) ** 2)
+    found = forces("viscoelastic_creep", q, 0.7 + 0.3 * place(t), h)
+    error = found + 0.3 * (grown * stress)[:-1]
+    assert np.abs(error).max() < 0.01 * np.abs(found).max()
+
+
+def test_creep_relaxes_as_a_prony_series():
+    q, stiffness, tau = creep()
+    # At rest in the middle, then held at the end of the range.
+    found = forces("viscoelastic_creep", q, np.r_[0.7, np.full(1999, 1.0)])[1:]
+    after = np.arange(1998) * DT
+    expected = -0.3 * np.exp(-after[:, None] / tau) @ (stiffness * np.exp(-DT / tau))
+    assert np.allclose(found, expected, rtol=1e-9)
+
+
+def test_a_stretched_film_relaxes_while_it_does_not_move():
+    q, stiffness, tau = creep(stretch=2.0, age=9.0)
+    expected = -0.3 * np.exp(-(9.0 + T[:-1, None]) / tau) @ (2.0 * stiffness)
+    assert np.allclose(forces("viscoelastic_creep", q, np.full(T.size, 0.7)), expected, rtol=1e-9)
 
 
 def test_hysteresis_is_rate_independent_and_keeps_return_point_memory():

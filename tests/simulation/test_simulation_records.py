@@ -38,7 +38,7 @@ def test_each_record_is_simulated_from_its_own_start():
 
 @pytest.mark.parametrize(
     ("name", "own"),
-    [("sensor_lag", set()), ("viscoelastic_creep", {"start_position", "slow.start_position"}),
+    [("sensor_lag", set()), ("viscoelastic_creep", {"start_position", "stretch", "age"}),
      ("step_fault", None)],
 )  # fmt: skip
 def test_a_law_is_shared_but_for_its_start_and_what_happens_once(name, own):

@@ -31,7 +31,7 @@ FORCE = float64(float64, float64, VECTOR, VECTOR)
 UPDATE = types.void(float64, float64, float64, VECTOR, VECTOR)
 
 SLOTS = 3
-MEMORY = 12
+MEMORY = 32
 
 
 def compiled(function: Callable[..., Any], signature: Any) -> Any:

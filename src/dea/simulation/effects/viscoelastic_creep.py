@@ -1,64 +1,122 @@
-"""The material creeps under a constant load."""
+"""The material creeps under a constant load.
+
+Maxwell branches in parallel, at times in equal ratios over all that the record can tell, each with
+a stiffness of its own (a Prony series). A function of the position stretches them, as in
+quasi-linear viscoelasticity (Fung 1981, Biomechanics, section 7.6), another one multiplies their
+force.
+"""
 
 import numpy as np
-from numba import njit
+from numba import float64, njit, types
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 
-BRANCHES = 5
-SPACING = 5.0
+BRANCHES = 8
+# The fastest branch relaxes in so many samples, the slowest in so many records.
+_FASTEST, _SLOWEST = 2.0, 2.0
+# Where a position counts as this many half ranges from the middle, the law goes on as there.
+_FARTHEST = 5.0
+# Places in the parameters: of the deviation of the first branch's stiffness, and of what follows.
+_OWN = 2
+_START, _STRETCH, _AGE, _TILT, _CURVE, _FIRST, _RATIO, _MIDDLE, _HALF = range(
+    _OWN + BRANCHES, _OWN + BRANCHES + 9
+)
+# Places in the memory behind the dashpots: the stiffnesses of the branches, the parts by which they
+# relax in a step, the sum of the stiffnesses and that of the dashpots times them, the step.
+_STIFFNESS, _PART = BRANCHES, 2 * BRANCHES
+_SUM, _PULL, _STEP = range(3 * BRANCHES, 3 * BRANCHES + 3)
+_VECTOR = types.Array(float64, 1, "C")
+
+
+@njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
+def _place(z: float, q: np.ndarray) -> float:
+    return float(min(max((z - q[_MIDDLE]) / q[_HALF], -_FARTHEST), _FARTHEST))
+
+
+@njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
+def _strain(place: float, q: np.ndarray) -> float:
+    """Return what the branches are stretched by at a place: its slope changes along the range."""
+    return float(place + q[_CURVE] * place * place / (1.0 + abs(place)))
 
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
-    """Elastic force of the Maxwell branches, whose dashpots stand at ``memory``."""
-    total, stiffness = 0.0, q[0]
-    for i in range(BRANCHES):
-        total -= stiffness * (z - memory[i])
-        stiffness *= q[2]
-    return total
+    """Force of the Maxwell branches, whose dashpots stand at the first of ``memory``."""
+    place = _place(z, q)
+    stress = memory[_SUM] * _strain(place, q) - memory[_PULL]
+    tilted = q[_TILT] * place
+    return float(-q[_HALF] * (tilted + np.sqrt(1.0 + tilted * tilted)) * stress)
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
     """Relax each dashpot towards the position in the middle of its own step, exactly."""
-    tau = q[1]
+    if h != memory[_STEP]:
+        memory[_STEP], tau = h, q[_FIRST]
+        for i in range(BRANCHES):
+            memory[_PART + i] = -np.expm1(-h / tau)
+            tau *= q[_RATIO]
+    strain, pull = _strain(_place(z_next, q), q), 0.0
     for i in range(BRANCHES):
-        memory[i] += (z_next - memory[i]) * (1.0 - np.exp(-h / tau))
-        tau *= SPACING
+        memory[i] += (strain - memory[i]) * memory[_PART + i]
+        pull += memory[_STIFFNESS + i] * memory[i]
+    memory[_PULL] = pull
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return the dashpots at the start; slow ones may be further from equilibrium."""
+    """Return the dashpots at the start: how far each has followed a stretch of a certain age."""
+    branch = np.arange(BRANCHES)
+    tau = q[_FIRST] * q[_RATIO] ** branch
+    stiffness = q[0] * q[1] ** branch * np.exp(q[_OWN : _OWN + BRANCHES])
+    dashpots = q[_START] - q[_STRETCH] * np.exp(-q[_AGE] / tau)
     state = np.zeros(MEMORY)
-    state[:BRANCHES] = np.linspace(q[3], q[4], BRANCHES)
+    state[:BRANCHES], state[_STIFFNESS:_PART] = dashpots, stiffness
+    state[_SUM], state[_PULL] = stiffness.sum(), stiffness @ dashpots
     return state
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return stiffness and time of the fastest branch, ratio of the next ones, and both starts."""
-    dt, middle = scales.interval, 0.5 * (scales.z_low + scales.z_high)
+    """Return stiffnesses of the branches, the film's history, the law's shape, and the times."""
+    first, ratio = _times(scales)
+    duration = scales.duration
     return (
-        Parameter("stiffness", "1", 0.1, 1.5, 1e-4, 10.0, log=True),
-        Parameter("fastest_time", "s", 20 * dt, 2.0, 2 * dt, scales.duration, log=True),
-        Parameter("branch_ratio", "1", 0.7, 0.5, 0.01, 3.0, log=True, shape=True),
-        Parameter("start_position", "1", middle, max(scales.z_span, 0.5), at_start=True),
-        Parameter("slow.start_position", "1", middle, max(scales.z_span, 0.5), at_start=True),
+        Parameter("stiffness", "1", 0.05, 1.5, 1e-5, 10.0, log=True),
+        Parameter("branch_ratio", "1", 0.9, 0.3, 0.1, 3.0, log=True),
+        *(
+            Parameter(f"branch_{n}", "1", 0.0, 1.0, -6.0, 6.0, shape=True)
+            for n in range(1, BRANCHES + 1)
+        ),
+        Parameter("start_position", "1", 0.0, 1.0, at_start=True),
+        Parameter("stretch", "1", 0.0, 4.0, at_start=True),
+        Parameter("age", "s", 0.1 * duration, 2.0, first, 1e3 * duration, log=True, at_start=True),
+        Parameter("tilt", "1", 0.0, 0.5, -3.0, 3.0, shape=True),
+        Parameter("curve", "1", 0.0, 0.4, -0.95, 0.95, shape=True),
+        Parameter("fastest_time", "s", first, 0.0),
+        Parameter("time_ratio", "1", ratio, 0.0),
+        Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+        Parameter("half_range", "1", 0.5 * scales.z_span, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return creep of different speeds, from rest and from the middle of the motion."""
-    low, middle = scales.z_low, 0.5 * (scales.z_low + scales.z_high)
-    return (
-        (0.1, 10 * scales.interval, 0.7, low, low),
-        (0.1, 50 * scales.interval, 0.5, middle, middle),
-        (0.1, 0.03 * scales.duration, 0.3, low, low),
-        (0.1, 5 * scales.interval, 0.1, middle, middle),
+    """Return creep over all times, mostly slow and mostly fast, from the middle and from rest."""
+    first, ratio = _times(scales)
+    branch = np.arange(BRANCHES)
+    middle, half = 0.5 * (scales.z_low + scales.z_high), 0.5 * scales.z_span
+    end = (0.1 * scales.duration, 0.0, 0.0, first, ratio, middle, half)
+    return tuple(
+        (0.05, 0.9, *(1.0 - ((branch - strongest) / 4.0) ** 2), position, 0.0, *end)
+        for strongest, position in ((3.5, 0.0), (3.5, -1.0), (6.5, 0.0), (0.5, 0.0))
     )
+
+
+def _times(scales: Scales) -> tuple[float, float]:
+    """Return the time of the fastest branch, and the ratio of each next one's to it."""
+    first = _FASTEST * scales.interval
+    return first, float((_SLOWEST * scales.duration / first) ** (1.0 / (BRANCHES - 1)))
 
 
 EFFECT = Effect(
@@ -66,8 +124,8 @@ EFFECT = Effect(
     port=Port.FORCE,
     family=Family.RELAXATION,
     symptom="under a held load the device goes on moving the same way, and remembers it",
-    citation="Hong (2011), Journal of the Mechanics and Physics of Solids 59:637, on "
-    "viscoelastic dielectric elastomers",
+    citation="Guo, Xiao, Park and Nguyen (2015), Journal of Applied Mechanics 82:091009, on the "
+    "relaxation spectrum of VHB 4905",
     parameters=parameters,
     starts=starts,
     force=force,
