@@ -37,7 +37,7 @@ def job(tmp_path):
         (tmp_path / "src/dea/stages/probe.py").write_text(STAGE.format(load=load))
         stage = [
             f"src/dea/{name}.py"
-            for name in ("stages/probe", "stages/command", "progress", "provenance")
+            for name in ("stages/probe", "stages/command", "atomic_file", "progress", "provenance")
         ]
         declared = {} if code is None else {"DEA_CODE": " ".join([*ALWAYS, *stage, *code])}
         return subprocess.run(

@@ -19,6 +19,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from dea.atomic_file import atomic
 from dea.errors import InputError
 
 RESULTS = Path("results")
@@ -130,11 +131,8 @@ def _forget_partial(file: Path) -> None:
 def _describe(product: Path, described: Job, run: Mapping[str, Any]) -> None:
     content = {"job": asdict(described), "identity": described.identity, "run": run}
     text = json.dumps({**content, "sha256": digest(product)}, indent=1, sort_keys=True)
-    kept = description_of(product)
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    partial = kept.with_name(f".{kept.name}.{os.getpid()}.partial")
-    partial.write_text(f"{text}\n", encoding="utf-8")
-    partial.replace(kept)
+    with atomic(description_of(product)) as partial:
+        partial.write_text(f"{text}\n", encoding="utf-8")
 
 
 def current_job() -> str:

@@ -1,5 +1,6 @@
 """A small project of made-up jobs, tampered with in every way that an audit must notice."""
 
+import errno
 import json
 import os
 import shutil
@@ -154,6 +155,24 @@ def test_a_changed_setting_in_a_description_is_named(study):
     file = provenance.description_of(Path("results/a/model.nc"))
     overwrite(file, file.read_bytes().replace(b'"settings": {}', b'"settings": {"a": 1}'))
     assert first().path == str(file)
+
+
+def test_a_manifest_that_a_full_disk_refuses_leaves_the_last_one_alone(study, monkeypatch):
+    before = provenance.digest(Path("results/MANIFEST.json"))
+
+    def full(self, text, encoding):
+        with self.open("w") as file:
+            file.write(text[:10])
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    manifest = collect()
+    with monkeypatch.context() as disk:
+        disk.setattr(Path, "write_text", full)
+        with pytest.raises(OSError, match="No space left"):
+            manifest.write()
+    assert provenance.digest(Path("results/MANIFEST.json")) == before
+    assert verify(Manifest.read()) == []
+    assert not list(Path("results").rglob("*partial"))
 
 
 def test_an_edited_manifest_is_refused(study, capsys):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from dea import provenance
+from dea.atomic_file import atomic
 from dea.errors import InputError
 
 FILE = provenance.RESULTS / "MANIFEST.json"
@@ -52,10 +53,8 @@ class Manifest:
 
     def write(self, file: Path = FILE) -> None:
         """Write it, whole or not at all."""
-        file.parent.mkdir(exist_ok=True)
-        partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-        partial.write_text(f"{self.text()}\n", encoding="utf-8")
-        partial.replace(file)
+        with atomic(file) as partial:
+            partial.write_text(f"{self.text()}\n", encoding="utf-8")
 
     @classmethod
     def read(cls, file: Path = FILE) -> Self:

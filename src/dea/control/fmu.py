@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 from xml.sax.saxutils import quoteattr
 
+from dea.atomic_file import atomic
 from dea.control.c_code import CCode, has_feedthrough, number, to_c
 from dea.control.fmu_templates import BUILD_3, DESCRIPTION_2, DESCRIPTION_3, IDENTITY
 from dea.errors import InputError
@@ -161,13 +162,8 @@ def _compiled(folder: Path, compiler: str, wrapper: str, name: str) -> Path:
 
 def _pack(path: Path, members: dict[str, bytes]) -> None:
     """Write a zip archive whose bytes depend on its members alone, whole or not at all."""
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        with zipfile.ZipFile(partial, "w") as archive:
-            for name, content in members.items():
-                entry = zipfile.ZipInfo(name, _DATE)
-                entry.compress_type = zipfile.ZIP_DEFLATED
-                archive.writestr(entry, content)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with atomic(path) as partial, zipfile.ZipFile(partial, "w") as archive:
+        for name, content in members.items():
+            entry = zipfile.ZipInfo(name, _DATE)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, content)

@@ -2,7 +2,6 @@
 
 import base64
 import io
-import os
 from html import escape
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,6 +12,7 @@ from markdown_it import MarkdownIt
 from PIL import Image
 
 from dea import provenance
+from dea.atomic_file import atomic
 from dea.errors import InputError
 from dea.report.origin import origin, verdict
 
@@ -42,14 +42,13 @@ def write(file: Path) -> None:
     )
     body = MarkdownIt("commonmark", {"html": True}).enable("table").render(text)
     style = (TEXTS / "report.css").read_text(encoding="utf-8")
-    partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-    partial.write_text(
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>dea-study</title><style>{style}</style></head><body>{body}</body></html>\n",
-        encoding="utf-8",
-    )
-    partial.replace(file)
+    with atomic(file) as partial:
+        partial.write_text(
+            '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+            '<meta name="viewport" content="width=device-width, initial-scale=1">'
+            f"<title>dea-study</title><style>{style}</style></head><body>{body}</body></html>\n",
+            encoding="utf-8",
+        )
 
 
 def figure(name: str, system: str = "") -> str:

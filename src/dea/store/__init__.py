@@ -1,7 +1,8 @@
 """The study's datasets: written atomically with provenance, read with their contract checked."""
 
+from dea.atomic_file import atomic
 from dea.store.contracts import CONTRACTS, Contract, Variable
-from dea.store.files import atomic, read, sha256, write
+from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
 from dea.store.record_file import read_record

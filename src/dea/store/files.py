@@ -2,10 +2,9 @@
 
 import hashlib
 import json
-import os
 import platform
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -13,24 +12,12 @@ from typing import Any
 
 import xarray as xr
 
+from dea.atomic_file import atomic
 from dea.errors import InputError
 from dea.provenance import current_job
 from dea.store.contracts import CONTRACTS
 
 _PACKAGES = ("dea-study", "numpy", "scipy", "numba", "xarray", "netCDF4", "pymodbus", "snakemake")
-
-
-@contextmanager
-def atomic(path: str | Path) -> Iterator[Path]:
-    """Yield a temporary path beside ``path`` that takes its name only if the block succeeds."""
-    final = Path(path)
-    final.parent.mkdir(parents=True, exist_ok=True)
-    partial = final.with_name(f".{final.name}.{os.getpid()}.partial")
-    try:
-        yield partial
-        os.replace(partial, final)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def write(
