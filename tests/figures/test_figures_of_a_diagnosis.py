@@ -32,7 +32,11 @@ BINS = {
     for what, unit in (("gap", "mm"), ("null", "mm"))
 }
 EDGES = {
-    f"{along}_{end}_{when}": ("bin", np.array([0.0, 1.0, 2.0]) + (end == "high"), {"units": unit})
+    f"{along}_{end}_{when}": (
+        "bin",
+        np.array([0.0, 1.0, 2.0]) + (end == "high"),
+        {"units": unit, "long_name": f"{along}: {end}er end"},
+    )
     for along, unit in (("input", "V"), ("output", "mm"))
     for when in ("before", "after")
     for end in ("low", "high")
@@ -55,7 +59,7 @@ def verdict(status="named"):
         "width": {"value": 0.4, "low": 0.3, "high": 0.6, "unit": "V"},
         "slope": {"value": 0.1, "low": -0.05, "high": 0.25, "unit": "1"},
     }
-    effects = [{"name": "dead_zone", "balance": None, "parameters": law}]
+    effects = [{"name": "dead_zone", "port": "input path", "balance": None, "parameters": law}]
     return {
         "status": status,
         "effects": effects if status == "named" else [],

@@ -104,7 +104,7 @@ def test_a_file_with_two_inputs_becomes_a_case(tmp_path, monkeypatch, capsys):
     np.testing.assert_allclose(record.u, u, atol=0.05)
 
 
-def test_a_simulation_to_diagnose_is_refused_before_anything_runs(tmp_path, monkeypatch, capsys):
+def test_a_simulation_to_diagnose_goes_into_the_case(tmp_path, monkeypatch):
     (tmp_path / "config" / "cases").mkdir(parents=True)
     for part in ("devices", "config.yaml", "bench.yaml"):
         os.symlink(ROOT / "config" / part, tmp_path / "config" / part)
@@ -112,6 +112,8 @@ def test_a_simulation_to_diagnose_is_refused_before_anything_runs(tmp_path, monk
     u, y = made()
     columns = {"t (s)": np.arange(N) / RATE, "a": u[:, 0], "b": u[:, 1], "y (K)": y}
     pd.DataFrame(columns).to_csv("mine.csv", index=False)
-    answers = ["--input", "a:V,b:V", "--output", "y", "--simulation", "cascaded_tanks"]
-    assert main(["mine.csv", *answers]) == 2
-    assert "simulation: a diagnosis is of records with one input" in capsys.readouterr().err
+    answers = ["--input", "a:V,b:V", "--output", "y", "--simulation", "two_heaters"]
+    assert main(["mine.csv", *answers]) == 0
+    case = yaml.safe_load(Path("config/cases/mine.yaml").read_text())
+    assert case["simulation"] == "two_heaters"
+    assert [column["column"] for column in case["record"]["inputs"]] == ["a", "b"]
