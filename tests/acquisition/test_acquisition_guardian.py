@@ -227,7 +227,15 @@ def command(module, folder, *arguments):
                       "displacement": {"address": 0, "table": "input", **scale}},
     }))  # fmt: skip
     words = [sys.executable, "-m", "dea.acquisition", *arguments, "--device", str(device)]
-    return subprocess.Popen(words, cwd=ROOT, stderr=subprocess.DEVNULL, start_new_session=True)
+    return subprocess.Popen(
+        words, cwd=ROOT, stderr=subprocess.DEVNULL, start_new_session=True,
+        preexec_fn=_as_from_a_terminal,
+    )  # fmt: skip
+
+
+def _as_from_a_terminal():
+    """Hear SIGQUIT, which a shell lets the programs ignore that it runs in the background."""
+    signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 
 
 @pytest.fixture
