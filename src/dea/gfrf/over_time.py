@@ -13,7 +13,8 @@ from dea.errors import InputError
 from dea.gfrf.bands import frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
 from dea.gfrf.response import frequency_response
-from dea.narx import NarxModel, as_input, by_input
+from dea.inputs import by_input
+from dea.narx import NarxModel, as_input
 
 Array = NDArray[np.float64]
 Rows: TypeAlias = NDArray[np.int64]

@@ -12,7 +12,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.narx import NarxModel, Scaling, candidate_terms, estimate, input_count, rmse, scaling_of
+from dea.inputs import input_count
+from dea.narx import NarxModel, Scaling, candidate_terms, estimate, rmse, scaling_of
 
 Array = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.errors import InputError
+from dea.inputs import by_input
 from dea.intake.bandwidth import band
 from dea.intake.dynamics import Dynamics, linear_dynamics, samples_needed, written
 from dea.missing import filled
-from dea.narx import by_input
 from dea.store import Record
 
 Array = NDArray[np.float64]

@@ -3,7 +3,7 @@
 from dea.narx.autoregression import fit_autoregression, whiten
 from dea.narx.baselines import baselines, constant
 from dea.narx.candidate_terms import candidate_terms, linear_terms
-from dea.narx.checks import as_input, as_signal, by_input, input_count
+from dea.narx.checks import as_input, as_signal
 from dea.narx.common import compare_structures
 from dea.narx.estimation import NOT_WHITE, estimate, scaling_of
 from dea.narx.forecast import ForecastPlan, forecast_errors
@@ -53,7 +53,6 @@ __all__ = [
     "as_input",
     "as_signal",
     "baselines",
-    "by_input",
     "candidate_terms",
     "compare_orders",
     "compare_structures",
@@ -70,7 +69,6 @@ __all__ = [
     "fpe",
     "held_out_error",
     "inclusion_frequency",
-    "input_count",
     "linear_model",
     "linear_terms",
     "load_published",

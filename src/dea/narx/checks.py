@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
+from dea.inputs import input_count
 
 Array = NDArray[np.float64]
 
@@ -55,17 +56,6 @@ def as_input(values: ArrayLike, name: str = "u") -> Array:
             remedy="Cut the signals before that sample.",
         )
     return np.asfortranarray(numbers)
-
-
-def input_count(u: ArrayLike) -> int:
-    """Return how many inputs ``u`` holds: its columns, or one."""
-    shape = np.shape(u)
-    return int(shape[1]) if len(shape) == 2 else 1
-
-
-def by_input(u: Array) -> Array:
-    """Return one input or several as contiguous rows, shape (inputs, samples)."""
-    return np.ascontiguousarray(u.reshape(1, -1) if u.ndim == 1 else u.T)
 
 
 def check_inputs(numbered: int | None, u: Array) -> None:

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dea.errors import InputError
+from dea.inputs import by_input, input_count
 from dea.narx.autoregression import fit_autoregression
-from dea.narx.checks import Array, as_record, by_input, input_count
+from dea.narx.checks import Array, as_record
 from dea.narx.model import NarxModel
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling

@@ -7,9 +7,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from dea.inputs import input_count
 from dea.missing import filled
 from dea.narx.candidate_terms import linear_terms
-from dea.narx.checks import as_record, input_count
+from dea.narx.checks import as_record
 from dea.narx.estimation import Signals, estimate, listed
 from dea.narx.metrics import fpe, nmse, squared
 from dea.narx.model import NarxModel

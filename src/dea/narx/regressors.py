@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.narx.checks import Array, by_input, check_inputs
+from dea.inputs import by_input
+from dea.narx.checks import Array, check_inputs
 from dea.terms import Term, max_lag, numbered_inputs
 
 

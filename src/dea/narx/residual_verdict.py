@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.narx.checks import Array, by_input, input_count
+from dea.inputs import by_input, input_count
+from dea.narx.checks import Array
 from dea.narx.residuals import PAIR_TEST, each_test, product
 
 LEVEL = 0.05  # of all tests of a system together

@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.narx.checks import Array, by_input
+from dea.inputs import by_input
+from dea.narx.checks import Array
 from dea.terms import Term, static_value
 
 _REAL = 1e-6  # imaginary part, relative to 1 + |root|, up to which a root counts as real

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from dea.errors import InputError
-from dea.narx.checks import Array, input_count
+from dea.inputs import input_count
+from dea.narx.checks import Array
 
 PerInput = float | tuple[float, ...]
 

@@ -8,9 +8,9 @@ from typing import cast
 import numpy as np
 
 from dea.errors import InputError
+from dea.inputs import input_count
 from dea.narx.candidate_models import CandidateModels, Segment
 from dea.narx.candidate_terms import InputLags, Lags, candidate_terms
-from dea.narx.checks import input_count
 from dea.narx.descent import Descent
 from dea.narx.estimation import (
     Signals,

@@ -10,8 +10,9 @@ from functools import lru_cache
 import numpy as np
 
 from dea.errors import InputError
+from dea.inputs import by_input
 from dea.narx import kernels
-from dea.narx.checks import Array, by_input, check_inputs
+from dea.narx.checks import Array, check_inputs
 from dea.narx.kernels import NONE, Indices, Structure
 from dea.terms import Term, max_lag, numbered_inputs
 

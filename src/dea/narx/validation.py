@@ -9,8 +9,9 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
+from dea.inputs import input_count
 from dea.missing import filled, stretches
-from dea.narx.checks import Array, as_record, input_count
+from dea.narx.checks import Array, as_record
 from dea.narx.estimation import estimate, normalised
 from dea.narx.metrics import fit, fpe, nmse, rmse, squared
 from dea.narx.model import NarxModel

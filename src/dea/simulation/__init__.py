@@ -4,7 +4,7 @@ from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect, Family, Port, catalogue, low_pass
 from dea.simulation.extended import TIMING_OFFSET, ExtendedSimulation, samples_of_each
 from dea.simulation.force_port import ForcePort
-from dea.simulation.inputs import Input, columns
+from dea.simulation.inputs import Input
 from dea.simulation.law_course import LawCourse, law_courses
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
@@ -31,7 +31,6 @@ __all__ = [
     "Simulation",
     "State",
     "catalogue",
-    "columns",
     "law_courses",
     "load_extended",
     "load_simulation",

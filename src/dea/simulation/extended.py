@@ -7,12 +7,13 @@ from functools import cached_property
 import numpy as np
 
 from dea.errors import InputError
+from dea.inputs import by_input
 from dea.simulation.arguments import Course, Values
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
 from dea.simulation.force_port import ForcePort
 from dea.simulation.force_slots import ForceSlots
-from dea.simulation.inputs import Input, columns, joined
+from dea.simulation.inputs import Input, joined
 from dea.simulation.integrate import integrate, integrate_several
 from dea.simulation.interpolation import at_steps
 from dea.simulation.normalisation import Normalisation
@@ -289,7 +290,7 @@ class ExtendedSimulation:
         InputError
             If ``u`` has not the simulation's inputs.
         """
-        inputs = columns(np.ascontiguousarray(u, dtype=float))
+        inputs = by_input(np.ascontiguousarray(u, dtype=float))
         own = self.simulation
         if len(inputs) != len(own.inputs):
             raise InputError(

@@ -17,11 +17,6 @@ class Input:
     offset_spread: float = 0.0
 
 
-def columns(u: np.ndarray) -> list[np.ndarray]:
-    """Return each input of ``u``, shape (n,) or (n, inputs), as a contiguous array (n,)."""
-    return [u] if u.ndim == 1 else [np.ascontiguousarray(column) for column in u.T]
-
-
 def joined(inputs: list[np.ndarray]) -> np.ndarray:
-    """Return inputs, each (n,), as they were before ``columns``."""
+    """Return inputs, each (n,), as they were before :func:`dea.inputs.by_input`."""
     return inputs[0] if len(inputs) == 1 else np.column_stack(inputs)

@@ -4,7 +4,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from dea.simulation.inputs import columns, joined
+from dea.inputs import by_input
+from dea.simulation.inputs import joined
 
 InputInterpolation = Literal["zero", "linear", "smooth"]
 INTERPOLATIONS: tuple[str, ...] = get_args(InputInterpolation)
@@ -24,7 +25,7 @@ def at_steps(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarra
     the lines have the spectrum of the input up to a quarter of the sampling rate. This needs no
     shorter steps. After the last sample the input is constant.
     """
-    return joined([_of_one(each, substeps, how) for each in columns(u)])
+    return joined([_of_one(each, substeps, how) for each in by_input(u)])
 
 
 def _of_one(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarray:

@@ -6,9 +6,9 @@ from typing import Protocol
 import numpy as np
 
 from dea.errors import InputError
+from dea.inputs import by_input
 from dea.simulation.extended import ExtendedSimulation
 from dea.simulation.force_port import ForcePort
-from dea.simulation.inputs import columns
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.scales import Scales
 from dea.simulation.simulation import Simulation
@@ -130,7 +130,7 @@ def measured_scales(
         # effect that holds the device it may diverge.
         if not np.ptp(z) >= _STILL * np.ptp(z_prior):
             z = z_prior
-    u = columns(record.u)[at_input]
+    u = by_input(record.u)[at_input]
     rate = np.abs(np.diff(u)) / record.interval
     return Scales(
         u_unit=own.inputs[at_input].unit,

@@ -7,7 +7,7 @@ import numpy as np
 from dea.discrepancy.evidence.null import coloured
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.problem import Problem
-from dea.simulation import columns
+from dea.inputs import by_input
 
 # A flexible model of the residual that predicts more than this part of it has found a cause.
 _PREDICTED = 0.2
@@ -57,7 +57,7 @@ def _follows_input(problem: Problem, residual: np.ndarray) -> float:
 
     A dynamic error of the simulation shows there, whatever its time constants.
     """
-    X = np.column_stack([_past(u) for u in columns(problem.u)])
+    X = np.column_stack([_past(u) for u in by_input(problem.u)])
     train, test = problem.fit, problem.select
     X = (X - X[train].mean(0)) / (X[train].std(0) + 1e-12)
     weights = np.linalg.solve(

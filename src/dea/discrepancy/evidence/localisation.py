@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 
 from dea.discrepancy.problem import Problem
-from dea.simulation import Input, columns
+from dea.inputs import by_input
+from dea.simulation import Input
 
 BINS = 12
 _DRAWS = 200
@@ -220,7 +221,7 @@ def _coherence(
 
 def _inputs(problem: Problem, inputs: Sequence[Input]) -> list[_Signal]:
     """Return every input with its values. A single one is called so, whatever its name."""
-    signals = columns(problem.u)
+    signals = by_input(problem.u)
     if len(signals) == 1:
         return [_Signal("input", "input", signals[0], inputs[0].unit)]
     return [

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dea.simulation import columns
+from dea.inputs import by_input
 
 # Correlation of the input with itself a period later, from which it repeats; and the part of the
 # record that a period may take.
@@ -16,7 +16,7 @@ def period_of(u: np.ndarray) -> int:
     below half counts, so that neighbouring samples are no period. Several inputs (n, inputs) repeat
     where each of them does that moves.
     """
-    moving = [each for each in columns(u) if (each - each.mean()).any()]
+    moving = [each for each in by_input(u) if (each - each.mean()).any()]
     longest = int(_LONGEST * len(u))
     if longest < 2 or not moving:
         return 0

@@ -14,7 +14,8 @@ from itertools import combinations
 import numpy as np
 
 from dea.discrepancy.problem import Problem, rmse
-from dea.simulation import columns, low_pass
+from dea.inputs import by_input
+from dea.simulation import low_pass
 
 _RIDGES = np.logspace(-4, 2, 7)
 _MAX_TERMS = 5
@@ -43,7 +44,7 @@ class ResidualModel:
 def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Return names and columns (n, m) of what a residual could depend on."""
     t, y = problem.time, standard(simulated)
-    inputs = columns(problem.u)
+    inputs = by_input(problem.u)
     symbols = ["u"] if len(inputs) == 1 else [f"u{k}" for k in range(1, len(inputs) + 1)]
     driving = dict(zip(symbols, map(standard, inputs), strict=True))
     rate = standard(np.gradient(simulated, problem.interval))

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from dea.errors import InputError
-from dea.simulation import columns
+from dea.inputs import by_input
 
 # Blocks to fit on and to choose by alternate, so that both see changes with time and rare events.
 # Each pattern is the number of such blocks, the length of the certified block in theirs, and the
@@ -64,7 +64,7 @@ def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) 
         if usable / (count + certified) * min(1.0, certified) < max(in_gaps * gap, 10):
             continue
         candidates = _placed(size, skipped, gap, usable, count, certified)
-        inputs = columns(u)
+        inputs = by_input(u)
         return min(
             candidates,
             key=lambda found: max(max(_beyond(each, found) for each in inputs) - _BEYOND, 0.0),

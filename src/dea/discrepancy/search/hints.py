@@ -3,7 +3,7 @@
 import numpy as np
 
 from dea.discrepancy.problem import Problem
-from dea.simulation import columns
+from dea.inputs import by_input
 
 _LINES = 2
 _JUMPS = 3
@@ -19,7 +19,7 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """
     frequency, power = _spectrum(residual, problem.interval)
     driving = []
-    for each in columns(problem.u):
+    for each in by_input(problem.u):
         drive = _spectrum(each, problem.interval)[1]
         surroundings = np.convolve(drive, np.ones(9) / 9, "same")
         driving.append(surroundings / (surroundings.max() or 1.0))

@@ -14,11 +14,11 @@ from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.hints import foreign_lines, jumps, lines
 from dea.discrepancy.search.screening import Base, Offer, promising, refine, screen
+from dea.inputs import by_input
 from dea.simulation import (
     Effect,
     ExtendedSimulation,
     Scales,
-    columns,
     measured_scales,
     with_fine_steps,
 )
@@ -205,4 +205,4 @@ def _places(problem: Problem, extended: ExtendedSimulation, effect: Effect) -> l
     count = extended.places(effect)
     if count == 1:
         return [0]
-    return [k for k, u in enumerate(columns(problem.u)) if np.ptp(u) > 0.0]
+    return [k for k, u in enumerate(by_input(problem.u)) if np.ptp(u) > 0.0]
