@@ -94,9 +94,10 @@ class _Quantity:
 
 
 @dataclass(frozen=True)
-class _Binned(_Quantity):
+class _Binned:
     """A quantity along which the residual is binned."""
 
+    quantity: _Quantity
     edges: np.ndarray
     label: np.ndarray
 
@@ -124,10 +125,11 @@ def localise(
     energy = residual[where] ** 2
     signals = _inputs(problem, inputs)
     quantities = {}
-    for name, q in _quantities(problem, residual, signals, unit).items():
-        edges = _edges(q.values[where], name)
-        label = np.clip(np.searchsorted(edges, q.values[where], "right") - 1, 0, edges.size - 2)
-        quantities[name] = _Binned(q.values, q.unit, q.kind, q.called, q.of, edges, label)
+    for name, quantity in _quantities(problem, residual, signals, unit).items():
+        values = quantity.values[where]
+        edges = _edges(values, name)
+        label = np.clip(np.searchsorted(edges, values, "right") - 1, 0, edges.size - 2)
+        quantities[name] = _Binned(quantity, edges, label)
     measured = {name: _mean(energy, q.label, q.bins) for name, q in quantities.items()}
     null = {name: np.empty((_DRAWS, q.bins)) for name, q in quantities.items()}
     length = max(8, where.size // 150)
@@ -167,32 +169,30 @@ def _probability(measured: dict[str, np.ndarray], null: dict[str, np.ndarray]) -
     }
 
 
-def _concentration(name: str, quantity: _Binned, rms: np.ndarray) -> Concentration:
+def _concentration(name: str, binned: _Binned, rms: np.ndarray) -> Concentration:
     number = int(np.argmax(rms))
-    low, high = quantity.edges[number : number + 2]
+    low, high = binned.edges[number : number + 2]
     others = np.delete(rms, number)
-    elsewhere = float(np.sqrt(np.mean(np.square(others))))
-    inside = float(rms[number])
     return Concentration(
-        name,
-        number,
-        float(low),
-        float(high),
-        quantity.unit,
-        inside,
-        elsewhere,
-        quantity.kind,
-        quantity.of,
+        along=name,
+        number=number,
+        low=float(low),
+        high=float(high),
+        unit=binned.quantity.unit,
+        inside=float(rms[number]),
+        elsewhere=float(np.sqrt(np.mean(np.square(others)))),
+        kind=binned.quantity.kind,
+        of=binned.quantity.of,
     )
 
 
 def _along(
-    name: str, quantity: _Binned, rms: np.ndarray, null: np.ndarray, unit: str
+    name: str, binned: _Binned, rms: np.ndarray, null: np.ndarray, unit: str
 ) -> dict[str, Any]:
-    edges, called = quantity.edges, quantity.called
+    edges, called, own = binned.edges, binned.quantity.called, binned.quantity.unit
     return {
-        f"{name}_low": (name, edges[:-1], _label(quantity.unit, f"{called}: lower end")),
-        f"{name}_high": (name, edges[1:], _label(quantity.unit, f"{called}: upper end")),
+        f"{name}_low": (name, edges[:-1], _label(own, f"{called}: lower end")),
+        f"{name}_high": (name, edges[1:], _label(own, f"{called}: upper end")),
         f"{name}_gap": (name, rms, _label(unit, f"RMS gap along {called}")),
         f"{name}_null": (
             name,
