@@ -18,6 +18,7 @@ from benchmarks.faults.run import Outcome, _tripping
 from benchmarks.faults.schedule import DeviceFault, HostFault, LinkFault, Schedule, loads
 from benchmarks.faults.strategies import draw
 from benchmarks.faults.trace import Applied, Trace
+from benchmarks.faults.verdicts import Verdict, Verdicts
 
 RATE = 50
 PLAN = Schedule("plain", low=1.0, high=3.0, duration=1.0)
@@ -312,3 +313,20 @@ def test_the_command_keeps_the_laws_whatever_fails(victim, request):
     broken = [(v.schedule.dumps(), *v.broken) for v in verdicts if v.broken]
     assert not broken, "\n".join(map(str, broken))
     assert sum(v.driven for v in verdicts) > 0.7 * count
+
+
+def test_a_campaign_goes_on_from_the_verdicts_on_its_own_commit(tmp_path, monkeypatch):
+    first, second = draw("plain", 2, 5, 2.0)
+    verdict = Verdict(PLAN, ("zero within T: 1 V",), 1, driven=True, seconds=2.5)
+    file = tmp_path / "plain" / "verdicts.jsonl"
+
+    def kept(commit):
+        monkeypatch.setattr("benchmarks.faults.verdicts.commit", lambda: commit)
+        return Verdicts(file)
+
+    kept("a").add(first, verdict)
+    assert kept("a").on(first) == verdict
+    assert kept("a").on(second) is None
+    assert kept("b").on(first) is None
+    kept("c-dirty").add(second, verdict)
+    assert kept("c-dirty").on(second) is None

@@ -1,7 +1,8 @@
 """Random faults between the acquisition's command and two devices; the devices judge.
 
 Prints each schedule that broke a law, reduced to the faults that it takes, as a line of JSON that
-``--schedule`` runs again. ``--store`` keeps the counts in ``docs/measured/faults.json``, which the
+``--schedule`` runs again. ``--keep`` keeps the verdicts as well, from which a campaign that was
+interrupted goes on. ``--store`` keeps the counts in ``docs/measured/faults.json``, which the
 documents quote.
 """
 
@@ -13,10 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.bars import progress_bars
-from benchmarks.faults.campaign import AT_A_TIME, Campaign, Verdict
+from benchmarks.faults.campaign import AT_A_TIME, Campaign
 from benchmarks.faults.examples import examples
 from benchmarks.faults.schedule import loads
 from benchmarks.faults.strategies import draw
+from benchmarks.faults.verdicts import Verdict, Verdicts
 from benchmarks.stored import store
 
 VICTIMS = ("plain", "bench")
@@ -30,7 +32,7 @@ def main() -> None:
     parser.add_argument("--victim", choices=VICTIMS, action="append", help="only this victim")
     parser.add_argument("--longest", type=float, default=6.0, help="s, of a fault")
     parser.add_argument("--at-a-time", type=int, default=AT_A_TIME, help="runs at a time")
-    parser.add_argument("--keep", type=Path, help="folder for what runs that break a law left")
+    parser.add_argument("--keep", type=Path, help="folder for verdicts and what broken laws left")
     parser.add_argument("--no-reduction", action="store_true", help="print schedules as drawn")
     parser.add_argument("--schedule", action="append", help="run this schedule alone (JSON)")
     parser.add_argument("--examples", action="store_true", help="run the known faults, one each")
@@ -49,6 +51,7 @@ def main() -> None:
             for victim in given.victim or VICTIMS
             for schedule in draw(victim, given.count, given.seed, given.longest)
         ]
+    random = not (given.examples or given.schedule)  # what is asked for by name runs again
     verdicts: list[Verdict] = []
     with progress_bars() as progress:
         bar = progress.add_task("schedules", total=len(runs))
@@ -63,7 +66,9 @@ def main() -> None:
                     said = names[number], verdict.schedule.dumps(), *verdict.broken
                     print(*said, sep="\n    ", flush=True)
 
-            campaign = Campaign(given.at_a_time, given.keep and given.keep / victim)
+            keep = given.keep and given.keep / victim
+            known = Verdicts(keep / "verdicts.jsonl" if keep and random else None)
+            campaign = Campaign(given.at_a_time, keep, known)
             verdicts += campaign.judge(
                 [schedule for _, schedule in own], not given.no_reduction, tell
             )

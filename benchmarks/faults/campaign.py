@@ -5,7 +5,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.faults.bench_victim import BenchVictim
@@ -15,27 +15,26 @@ from benchmarks.faults.laws import broken
 from benchmarks.faults.plain_module import ReadBack
 from benchmarks.faults.run import run
 from benchmarks.faults.schedule import Schedule
+from benchmarks.faults.verdicts import Verdict, Verdicts
 
 AT_A_TIME = 8
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """A schedule and the laws that its run has broken."""
-
-    schedule: Schedule
-    broken: tuple[str, ...]
-    status: int | None  # of the command
-    driven: bool  # whether the output has left zero
-    seconds: float
-
-
 class Campaign:
-    """Runs schedules, ``at_a_time`` together; benches are served once and used in turn."""
+    """Runs schedules, ``at_a_time`` together; benches are served once and used in turn.
 
-    def __init__(self, at_a_time: int = AT_A_TIME, keep: Path | None = None) -> None:
+    ``keep`` is a folder for what runs that break a law leave, ``verdicts`` those of earlier runs.
+    """
+
+    def __init__(
+        self,
+        at_a_time: int = AT_A_TIME,
+        keep: Path | None = None,
+        verdicts: Verdicts | None = None,
+    ) -> None:
         self._at_a_time = at_a_time
         self._keep = keep
+        self._verdicts = verdicts or Verdicts()
         self._number = 0
         self._launcher = Launcher()
         self._lag = Lag()
@@ -72,9 +71,12 @@ class Campaign:
 
                 async def one(number: int, schedule: Schedule) -> Verdict:
                     async with gate:
-                        verdict = await self._once(schedule, Path(scratch))
-                        if reduce:
-                            verdict = await self._reduced(verdict, Path(scratch))
+                        verdict = self._verdicts.on(schedule)
+                        if verdict is None:
+                            verdict = await self._once(schedule, Path(scratch))
+                            if reduce:
+                                verdict = await self._reduced(verdict, Path(scratch))
+                            self._verdicts.add(schedule, verdict)
                     tell(number, verdict)
                     return verdict
 

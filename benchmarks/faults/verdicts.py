@@ -1,0 +1,65 @@
+"""The verdicts of a campaign, kept as lines of JSON, from which an interrupted one goes on."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benchmarks.faults.schedule import Schedule, loads
+from benchmarks.stored import commit
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A schedule and the laws that its run has broken."""
+
+    schedule: Schedule
+    broken: tuple[str, ...]
+    status: int | None  # of the command
+    driven: bool  # whether the output has left zero
+    seconds: float
+
+
+class Verdicts:
+    """The verdicts on the commit checked out; those on changed code are not read again."""
+
+    def __init__(self, file: Path | None = None) -> None:
+        self._file = file
+        self._commit = commit()
+        self._verdicts: dict[str, Verdict] = {}
+        if file is not None and file.exists() and not self._commit.endswith("-dirty"):
+            for line in file.read_text().splitlines():
+                row = json.loads(line)
+                if row["commit"] == self._commit:
+                    self._verdicts[row["drawn"]] = _verdict(row)
+
+    def on(self, drawn: Schedule) -> Verdict | None:
+        """Return the verdict on a schedule, None where there is none yet."""
+        return self._verdicts.get(drawn.dumps())
+
+    def add(self, drawn: Schedule, verdict: Verdict) -> None:
+        """Keep the verdict on the schedule that was drawn; its own may be a reduced one."""
+        self._verdicts[drawn.dumps()] = verdict
+        if self._file is not None:
+            self._file.parent.mkdir(parents=True, exist_ok=True)
+            row = {
+                "commit": self._commit,
+                "drawn": drawn.dumps(),
+                "judged": verdict.schedule.dumps(),
+                "broken": verdict.broken,
+                "status": verdict.status,
+                "driven": verdict.driven,
+                "seconds": verdict.seconds,
+            }
+            with self._file.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+
+
+def _verdict(row: dict[str, Any]) -> Verdict:
+    return Verdict(
+        schedule=loads(row["judged"]),
+        broken=tuple(row["broken"]),
+        status=row["status"],
+        driven=row["driven"],
+        seconds=row["seconds"],
+    )
