@@ -1,11 +1,14 @@
 """How often a request is sent when its reply does not come."""
 
+import time
 from dataclasses import replace
 
 import pytest
 from pymodbus.exceptions import ModbusIOException
+from pymodbus.pdu import ExceptionResponse
+from pymodbus.pdu.register_message import ReadHoldingRegistersResponse
 
-from dea.acquisition import Link, LinkError, LinkSettings
+from dea.acquisition import DeviceRefusedError, Link, LinkError, LinkSettings
 from dea.acquisition.panel import Panel
 from dea.modbus import read_device
 from served_bench import DESCRIPTION
@@ -54,3 +57,45 @@ def test_a_request_is_repeated_as_often_as_the_caller_allows(
     with pytest.raises(LinkError, match=f"no valid reply after {sent} attempts"):
         ask(Link(device, SETTINGS), retry)
     assert len(silent.requests) == sent
+
+
+class BusyClient:
+    """Refuses with an exception code for a while, then answers."""
+
+    def __init__(self, code, length):
+        self.code, self.until, self.requests = code, time.monotonic() + length, 0
+
+    def execute(self, no_response_expected, request):
+        self.requests += 1
+        if time.monotonic() < self.until:
+            return ExceptionResponse(request.function_code, self.code)
+        return ReadHoldingRegistersResponse(registers=[7] * request.count)
+
+    def close(self):
+        pass
+
+
+def read_from(monkeypatch, client, reconnect_time):
+    monkeypatch.setattr("dea.acquisition.retrying_link.connect", lambda device, timeout: client)
+    link = Link(read_device(DESCRIPTION), replace(SETTINGS, reconnect_time=reconnect_time))
+    return link.read(0, 2)
+
+
+@pytest.mark.parametrize("code", [5, 6, 10, 11])
+def test_a_busy_device_is_asked_again_for_as_long_as_a_lost_one(monkeypatch, code):
+    client = BusyClient(code, length=0.3)
+    assert read_from(monkeypatch, client, reconnect_time=30.0) == [7, 7]
+    assert client.requests > RETRIES + 1
+
+
+@pytest.mark.parametrize(("code", "asked"), [(4, RETRIES + 1), (2, RETRIES + 1)])
+def test_any_other_refusal_ends_the_request_after_its_retries(monkeypatch, code, asked):
+    client = BusyClient(code, length=30.0)
+    with pytest.raises(DeviceRefusedError, match=f"exception {code}"):
+        read_from(monkeypatch, client, reconnect_time=30.0)
+    assert client.requests == asked
+
+
+def test_a_device_that_stays_busy_is_given_up(monkeypatch):
+    with pytest.raises(DeviceRefusedError, match="exception 6"):
+        read_from(monkeypatch, BusyClient(6, length=30.0), reconnect_time=0.3)

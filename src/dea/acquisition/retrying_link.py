@@ -34,7 +34,9 @@ from dea.modbus import Device, ReadWriteRequest
 # Failures are counted and reported here; pymodbus would print each one to the terminal.
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
 
-ACKNOWLEDGE, BUSY = 5, 6
+# Exceptions that say "not now": acknowledge, server busy, gateway path unavailable, gateway target
+# failed to respond.
+BUSY = (5, 6, 10, 11)
 BUSY_PAUSE = 0.02  # s
 FIRST_PAUSE, LONGEST_PAUSE = 0.01, 0.5  # s, before reconnecting
 LONGEST_SLEEP = 0.1  # s
@@ -141,8 +143,9 @@ class Link:
         """Return the registers of the reply to a request, repeated as the settings allow.
 
         A request without a valid reply is repeated ``retries`` times. One whose connection was
-        lost is repeated for ``reconnect_time`` at least, since a gateway accepts connections and
-        closes them again while its device starts. Without ``retry``, it is sent once.
+        lost, or that a busy device refused, is repeated for ``reconnect_time`` at least: a gateway
+        accepts connections, and closes them again or refuses, while its device starts. Without
+        ``retry``, it is sent once.
         """
         request.dev_id = self.device.unit_id
         sent = time.monotonic()
@@ -157,6 +160,7 @@ class Link:
                 registers = self._attempt(request)
             except (DeviceRefusedError, *_TRANSIENT) as error:
                 last, lost = error, isinstance(error, _LOST)
+                passing = lost or _busy(error)
                 self._failed(error)
             else:
                 self.log.send_time.append(sent - self.log.started)
@@ -165,7 +169,7 @@ class Link:
                 self.log.samples.append(0)
                 return registers
             spent = attempt >= self.settings.retries
-            if not retry or (spent and not (lost and time.monotonic() < deadline)):
+            if not retry or (spent and not (passing and time.monotonic() < deadline)):
                 break
             if lost:
                 time.sleep(pause)
@@ -216,11 +220,15 @@ class Link:
         """Count a failure and close the connection: a late reply on it belongs to no request."""
         if isinstance(error, DeviceRefusedError):
             self.log.errors[f"exception {error.code}"] += 1
-            if error.code in (ACKNOWLEDGE, BUSY):
+            if _busy(error):
                 time.sleep(BUSY_PAUSE)
         else:
             self.log.errors[_kind(error)] += 1
             self.close()
+
+
+def _busy(error: Exception) -> bool:
+    return isinstance(error, DeviceRefusedError) and error.code in BUSY
 
 
 def _kind(error: Exception) -> str:

@@ -38,7 +38,9 @@ class Acquisition(Section):
     restarts: Whole = key("how often to start again, where on_break is restart", ge=0)
     timeout: Number = key("longest wait for a reply", unit="s", ge=1e-3)
     retries: Whole = key("repetitions of a request, each over a fresh connection", ge=0)
-    reconnect_time: NotNegative = key("how long to try to reach a device that has gone", unit="s")
+    reconnect_time: NotNegative = key(
+        "how long to try to reach a device that has gone, or that says it is busy", unit="s"
+    )
     late_after: Positive = key(
         "delay behind its deadline from which a polled sample is flagged late", unit="s"
     )
