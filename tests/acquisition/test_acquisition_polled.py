@@ -46,7 +46,7 @@ def test_every_sample_is_in_its_place(serve_bench, tmp_path, read_write_multiple
 class Module:
     """A link to a plain module: its displacement counts the writes; ``holds`` holds one up."""
 
-    def __init__(self, clock, *, holds=None, loses=None, reads=1.0, index=False):
+    def __init__(self, clock, *, holds=None, loses=None, reads=1.0, index=False, jumps=None):
         registers = {
             "output": {"address": 0, "range": [0, 10], "limits": [0, 4], "unit": "V",
                        "access": "read_write"},
@@ -59,6 +59,7 @@ class Module:
         )  # fmt: skip
         self.clock, self.holds, self.loses, self.reads = clock, holds or {}, loses, reads
         self.log, self.check, self.written, self.settings = LinkLog(), None, [], POLLED
+        self.jumps = jumps or {}  # samples that the device has measured by itself before a write
 
     def write(self, address, words, table="holding", *, retry=True):
         assert not retry, "a polled write must not be repeated"
@@ -71,7 +72,8 @@ class Module:
         number = len(self.written)
         self.log.samples.append(0)
         written = self.written[-1][1] if self.written else 0
-        values = {0: round(self.reads * written), 5: number, 6: number + 70}
+        more = sum(count for before, count in self.jumps.items() if before < number)
+        values = {0: round(self.reads * written), 5: number, 6: number + 70 + more}
         return [values.get(place, 0) for place in range(address, address + count)]
 
     def rest(self, seconds):
@@ -135,6 +137,29 @@ def test_a_device_that_counts_its_samples_gets_them_all_and_later(clock):
     assert np.array_equal(np.diff(index), np.ones(COUNTS.size - 1))
     assert np.flatnonzero(quality).tolist() == [10]
     assert np.diff([now for now, _ in module.written]).min() > 0.24 * PERIOD
+
+
+def test_what_a_device_measured_by_itself_meanwhile_is_flagged_and_the_record_goes_on(clock):
+    module = Module(clock, holds={9: 0.15}, index=True, jumps={10: 3})
+    (position, index, requested, _, _, quality, *_), failure = driven(module, COUNTS)
+    assert failure is None
+    assert np.array_equal(np.diff(index), np.ones(COUNTS.size + 2))
+    held = np.flatnonzero(quality == Quality.HELD | Quality.LOST)
+    assert held.tolist() == [10, 11, 12]
+    assert position[held].tolist() == [9, 9, 9]
+    assert requested[held].tolist() == [COUNTS[9]] * 3
+    assert np.array_equal(np.delete(requested, held), COUNTS)
+    assert np.diff([volts for _, volts in module.written]).max() <= LARGEST_STEP
+
+
+@pytest.mark.parametrize("jump", [51, -1])
+def test_a_device_that_went_on_for_long_or_measured_nothing_ends_the_record(clock, jump):
+    module = Module(clock, index=True, jumps={10: jump})
+    _, failure = driven(module, COUNTS)
+    assert isinstance(failure, BrokenRecordError)
+    assert failure.first == 10
+    said = "the device measured 51 more" if jump > 0 else "nothing new"
+    assert said in str(failure)
 
 
 def test_a_long_hold_up_ends_the_record(clock):

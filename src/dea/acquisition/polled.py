@@ -48,17 +48,17 @@ def drive(
 
     Sample k is written at its deadline k/sampling_rate after the first; one written more than
     ``late_after`` s behind it is flagged. Nothing is ever made up for in a burst: a sample whose
-    whole period has passed is left out and flagged, or, on a device that counts its samples and
-    has not counted this one, comes later with all that follow. Without ``paced``, for a device
-    whose clock waits for the host, each sample follows the last at once. Jitter is kept in the
-    link's log. ``tolerance`` is that of :class:`~dea.acquisition.read_back.Echo`; ``laws`` are
-    checked with every sample.
+    whole period has passed is left out and flagged, or, on a device that counts its samples, comes
+    later with all that follow; what such a device measured meanwhile, its output held, is flagged
+    as held and lost. Without ``paced``, for a device whose clock waits for the host, each sample
+    follows the last at once. Jitter is kept in the link's log. ``tolerance`` is that of
+    :class:`~dea.acquisition.read_back.Echo`; ``laws`` are checked with every sample.
 
     Raises
     ------
     BrokenRecordError
-        Where an exchange failed, the device's index says that samples were missed, or this process
-        was held up for long.
+        Where an exchange failed, or this process was held up for long, as the device's index or the
+        clock says.
     ReadBackError
         Where the read-back of the output is not what was asked for.
     TripError
@@ -70,7 +70,7 @@ def drive(
     poll.learn()
     echo = Echo(panel, poll.echo, tolerance) if poll.echo else None
     schedule = Schedule(panel, sequence.size, sequence.longest_step) if paced else None
-    number, expected = 0, None
+    number, expected, last = 0, None, 0
     try:
         while number < sequence.size:
             count = sequence.count(number)
@@ -92,9 +92,11 @@ def drive(
                 reason = f"never driven or read ({error})"
                 raise _broken(reason, number, place, count, 1) from error
             if expected is not None and index != expected:
-                missing = index - expected
-                what = f"the device measured {missing} more" if missing > 0 else "nothing new"
-                raise _broken(what, number, expected, count, max(missing, 1))
+                more = index - expected
+                if schedule is None or not 0 < more * schedule.period <= schedule.longest_pause:
+                    what = f"the device measured {more} more" if more > 0 else "nothing new"
+                    raise _broken(what, number, expected, count, max(more, 1))
+                rows.hold(number - 1, range(expected, index), last)
             if schedule:
                 schedule.written(sent)
             if panel.device.safety is not None:
@@ -105,7 +107,7 @@ def drive(
             ended = time.monotonic() - panel.link.log.started
             rows.add(number, index, count, applied, displacement, flag, begun, ended)
             sequence.measured(number, displacement)
-            number, expected = number + 1, index + 1
+            number, expected, last = number + 1, index + 1, count
             yield from rows.due()
     except DeviceError:
         yield from rows.all()

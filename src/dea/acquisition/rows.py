@@ -27,6 +27,12 @@ class Rows:
             flag = Quality.LATE | Quality.LOST
             self.add(place, place, count, 0, 0, flag, np.nan, np.nan)
 
+    def hold(self, number: int, indices: range, count: int) -> None:
+        """Add what the device measured, and nobody read, while it held the output of a sample."""
+        for index in indices:
+            flag = Quality.HELD | Quality.LOST
+            self.add(number, index, count, 0, 0, flag, np.nan, np.nan)
+
     def due(self) -> Iterator[Samples]:
         """Yield the samples if the last ones were yielded long enough ago."""
         if time.monotonic() - self._handed_on > BLOCK_TIME:

@@ -12,7 +12,7 @@ class Quality(IntFlag):
     """Flags of a sample; 0 is good."""
 
     GOOD = 0
-    HELD = 1  # the FIFO was empty and the device held its last output
+    HELD = 1  # nothing was there to play and the device held its last output
     LOST = 2  # measured but overwritten before it was read, or never read
     LATE = 4  # driven later than its deadline allows
     UNDRIVEN = 8  # the device had taken its output to zero

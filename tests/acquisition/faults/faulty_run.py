@@ -124,14 +124,17 @@ def _record_is_complete(run: FaultyRun) -> None:
     played = (s.quality & ~Quality.LATE) == Quality.GOOD
     assert np.array_equal(s.requested[played], run.sequence)
     held = ~played
-    assert np.all(s.quality[held] == Quality.HELD)
-    assert np.array_equal(s.applied[1:][held[1:]], s.applied[:-1][held[1:]])
+    assert np.all((s.quality[held] & ~Quality.LOST) == Quality.HELD)
+    read = held[1:] & (s.quality[1:] == Quality.HELD)
+    assert np.array_equal(s.applied[1:][read], s.applied[:-1][read])
     record = run.record
     assert record is not None
     kept = (record.quality.values & Quality.HELD) == 0
     counts = to_counts(run.bench.description["output"], VOLTS)
     assert np.array_equal(record.voltage_counts.values[kept], counts)
-    assert np.isfinite(record.displacement).all()
+    lost = (record.quality.values & Quality.LOST) != 0
+    assert not np.any(lost & kept)
+    assert np.array_equal(np.isfinite(record.displacement.values), ~lost)
 
 
 def _says_what_is_missing(run: FaultyRun) -> None:
