@@ -129,7 +129,7 @@ def test_a_wrong_sample_is_noticed_unless_it_is_flagged(tmp_path, flagged):
     volts, tags = 1 + np.arange(RATE) / RATE, [tag(5 + k) for k in range(RATE)]
     volts[7] += 0.01
     quality = np.zeros(RATE, np.uint8)
-    quality[7] = flagged
+    quality[7] = 4 * flagged
     write(tmp_path, volts, tags, quality)
     found = laws.broken(outcome)
     assert found == [] if flagged else "wrong samples of quality 0: 1 of 50" in found[0]
@@ -138,6 +138,27 @@ def test_a_wrong_sample_is_noticed_unless_it_is_flagged(tmp_path, flagged):
 def test_a_record_that_is_gone_is_noticed(tmp_path):
     (sentence,) = laws.broken(ran(tmp_path, plan(), recorded=False))
     assert sentence.startswith("record lost: 0 of 50")
+
+
+def test_samples_held_beside_those_of_the_plan_stand_for_none_of_them(tmp_path):
+    volts, tags = 1 + np.arange(RATE) / RATE, [tag(5 + k) for k in range(RATE)]
+    outcome = ran(tmp_path, plan(), recorded=False)
+    quality = np.zeros(RATE, np.uint8)
+    quality[7] = laws.HELD
+    write(tmp_path, volts, tags, quality)
+    (sentence,) = laws.broken(outcome)
+    assert sentence.startswith("record lost: 49 of 50")
+
+
+@pytest.mark.parametrize(("mode", "lost"), [("buffered", False), ("polled", True)])
+def test_what_a_buffer_plays_until_the_link_is_back_is_not_missed(tmp_path, mode, lost):
+    down = LinkFault("exception", 0.6, 2.1, code=4)
+    schedule = replace(PLAN, duration=3.0, mode=mode, link=(down,))
+    volts = np.concatenate([np.linspace(0, 1, 6)[:-1], 1 + np.arange(150) / 100, np.zeros(1)])
+    outcome = ran(tmp_path, volts, schedule, status=1, recorded=False)
+    write(tmp_path, 1 + np.arange(20) / RATE, [tag(5 + k) for k in range(20)])
+    found = [sentence for sentence in laws.broken(outcome) if sentence.startswith("record lost")]
+    assert bool(found) == lost
 
 
 def test_samples_that_a_killed_recorder_leaves_out_are_noticed(tmp_path):

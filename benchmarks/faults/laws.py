@@ -19,6 +19,7 @@ RATE = 50  # Hz
 SYNCED = 25  # samples that a killed recorder may not have written yet
 RESOLUTION = 2e-4  # V, one count
 TOLERANCE = 0.05 * LIMIT  # V, what a read-back may be off: the default of read_back_tolerance
+HELD = 1  # the flag of samples beside those of the plan
 LINKS_DOWN = ("hold", "exception", "refuse", "cut", "delay", "half_open")
 
 
@@ -156,7 +157,7 @@ def _no_record_lost(outcome: Outcome) -> Iterator[str]:
     wanted = round(schedule.duration * RATE)
     record = _record(outcome)
     if outcome.status == 0:
-        found = 0 if record is None else record.sizes["time"]
+        found = 0 if record is None else int(np.sum((record["quality"].values & HELD) == 0))
         if found != wanted:
             yield f"record lost: {found} of {wanted} samples though the status is 0"
         return
@@ -175,16 +176,18 @@ def _no_record_lost(outcome: Outcome) -> Iterator[str]:
 def _played(outcome: Outcome) -> float:
     """Return the least number of samples that were played, by the changes of the output.
 
-    What a device with a buffer plays on while its link is down to the end reaches nobody.
+    What a device with a buffer plays on while its link is down to the end, or to the ramp that ends
+    it as soon as the link is back, reaches nobody.
     """
     applied = outcome.trace.applied
     last = max((entry.time for entry in applied if entry.volts), default=0.0)
     down = [
         outcome.origin + fault.start
         for fault in outcome.schedule.link
-        if outcome.origin is not None
+        if outcome.schedule.mode == "buffered"
+        and outcome.origin is not None
         and fault.kind in LINKS_DOWN
-        and outcome.origin + fault.end >= last
+        and outcome.origin + fault.end >= last - outcome.schedule.ramp - SYNCED / RATE
     ]
     volts = [entry.volts for entry in applied if entry.time <= min(down, default=last)]
     low = outcome.schedule.low - 2 * RESOLUTION
