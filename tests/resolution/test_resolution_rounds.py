@@ -20,6 +20,7 @@ from dea.resolution import (
     resolution_dataset,
     resolve,
 )
+from dea.resolution.design import Question
 from dea.resolution.error import Error
 from dea.resolution.law_error import LawError, Motion
 from dea.resolution.posterior import Posterior
@@ -154,6 +155,15 @@ def test_explanations_that_a_certificate_asks_are_equally_probable():
     design = fresh_design(known(left=("none", "a")), LIMITS, SETTINGS, OPTIONS)
     assert design.closest == ("a", "none")
     assert design.log_bound == pytest.approx(np.log(0.5) - design.distance**2 / 8.0)
+
+
+def test_a_judged_excitation_keeps_its_range_to_the_last_digit():
+    """It is drawn to the middle, and 0.3 + (0.9 - 0.3) is above 0.9."""
+    state, limits = known(), replace(LIMITS, low=0.0, high=0.9)
+    question = Question(
+        [state.explanations["a"]], [1.0], state.explanations["none"], state.error, limits, 0.3
+    )
+    assert limits.allows(question.judged(np.linspace(0.3, 0.9, 5), "free").u)
 
 
 def test_why_no_record_was_designed_is_said(monkeypatch):

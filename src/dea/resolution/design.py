@@ -164,6 +164,8 @@ class Question:
         interval = 1.0 / self.limits.sampling_rate
         for shrink in _SHRINKS:
             tried = self.middle + shrink * (u - self.middle)
+            # Rounding may have left the range.
+            tried = np.clip(tried, self.limits.low, self.limits.high)
             if all(self.limits.holds(e.simulated(tried, interval)) for e in self.explanations):
                 return tried
         return None
