@@ -177,7 +177,7 @@ class Kept:
         One that has not been driven yet is made anew where today's limits forbid it.
         """
         file = self.place(number) / "design.json"
-        kept = self._kept(file) if file.exists() else None
+        kept = self._kept(number) if file.exists() else None
         if kept is not None and (self.recorded(number) or self.limits.allows(kept.u)):
             return kept
         made = make()
@@ -191,10 +191,11 @@ class Kept:
         }
         del said["u"]
         _write_json(file, said)
-        return self._kept(file)
+        return self._kept(number)
 
-    def _kept(self, file: Path) -> Design:
-        """Return the design of a file, if it rests on the same record."""
+    def _kept(self, number: int) -> Design:
+        """Return the design that is kept, if it rests on the same record."""
+        file = self.place(number) / "design.json"
         table = file.with_name("excitation.csv")
         said = json.loads(file.read_text())
         begun = store.sha256(self.first)
@@ -361,8 +362,7 @@ class ByHand(Kept):
             for path in pages:
                 path.unlink(missing_ok=True)
             return
-        design = self.design(found.pending, lambda: None)
-        assert design is not None
+        design = self._kept(found.pending)
         self._write_table(pages[0], design.u)
         with store.atomic(pages[1]) as partial:
             partial.write_text(
