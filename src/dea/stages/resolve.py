@@ -51,7 +51,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
     cases = {file.stem: case for file, case in read_cases(CASES, study).items()}
     actuators = {actuator.name: actuator for actuator in study.actuators}
-    folder = results / "resolve" / name
+    folder, further = results / "resolve" / name, results / name / "further"
     first = results / name / "record.nc"
     if name not in actuators and name not in cases:
         raise _no_such(name, [*actuators, *cases])
@@ -85,9 +85,9 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         simulation = case.simulation
         leaves["split"] = written(case.split) if case.split else {}
         given = [key for key in case.records if not key.startswith(_PREFIX)]
-        records += [store.read_record(results / name / "further" / f"{k}.nc") for k in given]
+        records += [store.read_record(further / f"{key}.nc") for key in given]
         limits = _of_records(study, records)
-        desk = ByHand(folder, first, limits, results / name / "further", case)
+        desk = ByHand(folder, first, limits, further, case)
     found = resolution.resolve(
         records, simulation, desk, limits,
         settings=Settings.of(leaves), options=options, workers=threads,
@@ -101,7 +101,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         title=f"Explanations of {name}, round by round",
         inputs={
             "record": first,
-            **{key: results / name / "further" / f"{key}.nc" for key in given},
+            **{key: further / f"{key}.nc" for key in given},
             **{_key(number): desk.file(number) for number in driven},
         },
         settings=leaves,
@@ -342,15 +342,14 @@ class ByHand(Kept):
 
     def record(self, number: int, u: np.ndarray) -> "xr.Dataset | None":
         """Return the record of an excitation that was handed in."""
-        key = _key(number)
-        if key not in self.case.records:
+        if not self.recorded(number):
             return None
         found = store.read_record(self.file(number))
         if not _plays(store.signals(found).u, u):
             raise InputError(
                 f"its input is not the excitation of {self.place(number) / 'excitation.csv'}",
                 file=CASES / f"{self.folder.name}.yaml",
-                field=f"records.{key}",
+                field=f"records.{_key(number)}",
                 remedy="Play that excitation, or name the record otherwise to begin with it",
             )
         return found
