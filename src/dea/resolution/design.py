@@ -128,6 +128,8 @@ class Question:
         return None if drawn is None else self._of(drawn, form)
 
     def _of(self, u: np.ndarray, form: str) -> Design:
+        if not self.pairs:
+            return Design(u, -np.inf, (), np.inf, form)
         interval = 1.0 / self.limits.sampling_rate
         found = [each.linearised(u, interval) for each in self.explanations]
         without = self.alone.simulated(u, interval)
@@ -136,8 +138,6 @@ class Question:
             expected(y, J, each.root, error)
             for (y, J), each in zip(found, self.explanations, strict=True)
         ]
-        if not self.pairs:
-            return Design(u, -np.inf, (), np.inf, form)
         squares = [self._square(views, i, j) for i, j in self.pairs]
         with np.errstate(divide="ignore"):  # an explanation without probability counts nothing
             logs = np.log(self.probabilities)
