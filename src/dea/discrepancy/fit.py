@@ -166,6 +166,8 @@ class _FreeRun:
         size = self._low.size
         self._free = np.ones(size, bool) if columns.held is None else ~columns.held
         self.jacobian = np.zeros((problem.size, size))
+        if columns.kept is not None:
+            self.jacobian[:, : columns.kept.shape[1]] = columns.kept
         self._weighed: tuple[np.ndarray, np.ndarray] | None = None
 
     def evaluate(self, x: np.ndarray) -> Point[np.ndarray]:
@@ -182,8 +184,6 @@ class _FreeRun:
         first = 0 if whole else slow
         if kept is not None:
             first = kept.shape[1]
-            if self._weighed is None:
-                self.jacobian[:, :first] = kept
         fresh = np.flatnonzero(self._free & (np.arange(x.size) >= first))
         noise, seen = self._problem.noise, self._problem.seen
         if fresh.size or self._weighed is None:
