@@ -16,6 +16,7 @@ import numpy as np
 from dea.discrepancy.problem import Problem, rmse
 from dea.inputs import by_input
 from dea.simulation import low_pass
+from dea.terms import input_symbol
 
 _RIDGES = np.logspace(-4, 2, 7)
 _MAX_TERMS = 5
@@ -45,7 +46,7 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
     """Return names and columns (n, m) of what a residual could depend on."""
     t, y = problem.time, standard(simulated)
     inputs = by_input(problem.u)
-    symbols = ["u"] if len(inputs) == 1 else [f"u{k}" for k in range(1, len(inputs) + 1)]
+    symbols = [input_symbol(k, len(inputs)) for k in range(len(inputs))]
     driving = dict(zip(symbols, map(standard, inputs), strict=True))
     rate = standard(np.gradient(simulated, problem.interval))
     terms: dict[str, np.ndarray] = {}
