@@ -67,7 +67,7 @@ class Scaling:
         InputError
             If it is of another number of inputs.
         """
-        if self.inputs and (u.ndim == 1 or u.shape[1] != self.inputs):
+        if self.inputs and input_count(u) != self.inputs:
             raise InputError(
                 f"{input_count(u)} of {self.inputs} inputs",
                 field="u",

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
+from dea.inputs import input_count
 
 _INPUTS = ("voltage", "input")
 _OUTPUTS = ("displacement", "output")
@@ -120,7 +121,7 @@ class Record(NamedTuple):
             str(attributes.get("long_name", name or role))
             for attributes, name, role in zip(carried, own, ("input", "output"), strict=True)
         ]
-        number = inputs.shape[1] if inputs.ndim == 2 else 1
+        number = input_count(inputs)
         if names is None and (number > 1 or hasattr(u, "columns")):
             called = list(map(str, getattr(u, "columns", input_names(number))))
         u_units, u_name = _for_each(of_inputs, number, "units"), _called(called, number)
