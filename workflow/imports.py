@@ -5,13 +5,13 @@ on it and nothing else.
 """
 
 import hashlib
-import os
 from functools import cache
 from pathlib import Path
 
 import grimp
 
 from dea import provenance
+from dea.atomic_file import atomic
 
 SOURCE = Path("src")
 PACKAGE = "dea"
@@ -70,10 +70,8 @@ def _sha(name: str) -> str:
 def _kept(file: Path, text: str) -> str:
     """Write a file where it says something else, whole or not at all; return its name."""
     if not file.exists() or file.read_text() != text:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        partial = file.with_name(f".{file.name}.{os.getpid()}.partial")
-        partial.write_text(text)
-        partial.replace(file)
+        with atomic(file) as partial:
+            partial.write_text(text)
     return str(file)
 
 
