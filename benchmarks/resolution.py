@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchmarks.stored import commit
+from benchmarks import stored
 from dea import resolution
 from dea.configuration.bench import BENCH
 from dea.configuration.files import read_yaml
@@ -117,15 +117,9 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def kept(file: Path, code: str, settings: str) -> dict[tuple[str, str], dict[str, Any]]:
-    """Return the outcomes that are there, by trial and forms, of this code and these settings.
-
-    Code that was changed since its commit may be any.
-    """
-    if code.endswith("-dirty") or not file.exists():
-        return {}
-    rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
-    asked = {"commit": code, "settings": settings}
-    return {(row["trial"], row["forms"]): row for row in rows if asked.items() <= row.items()}
+    """Return the outcomes that are there, by trial and forms, of this code and these settings."""
+    rows = stored.known(file, code)
+    return {(row["trial"], row["forms"]): row for row in rows if row["settings"] == settings}
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -139,12 +133,11 @@ def main(arguments: list[str] | None = None) -> None:
     study = written(check_study(read_yaml(FILE, what="the configuration", example=FILE)))
     use = Use.TUNING if options.set.endswith("tuning") else Use.REPORTING
     seed = study["trials"]["seeds"][options.set]
-    code = commit()
+    code = stored.commit()
     leaves = json.dumps([options.set, study], sort_keys=True)
     settings = hashlib.sha256(leaves.encode()).hexdigest()
     known = kept(OUTCOMES, code, settings)
     rows = []
-    OUTCOMES.parent.mkdir(exist_ok=True)
     for index in range(options.count):
         trial = draw_trial(Path(BENCH), seed, index, use, ambiguous=True)
         for forms in options.forms:
@@ -152,8 +145,7 @@ def main(arguments: list[str] | None = None) -> None:
             if row is None:
                 row = resolved(trial, Forms(forms), study, options.cores)
                 row |= {"commit": code, "settings": settings}
-                with OUTCOMES.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(row) + "\n")
+                stored.add(OUTCOMES, row)
             rows.append(row)
     print(table(pd.DataFrame(rows)).to_markdown(index=False))
 

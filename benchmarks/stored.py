@@ -1,6 +1,7 @@
 """Results of campaigns that the documents quote: ``docs/measured/NAME.json``.
 
-Each says what was run, from which commit, when and where.
+Each says what was run, from which commit, when and where. What a campaign has found so far, from
+which it goes on where it was interrupted, are lines of JSON, each with the commit that found it.
 """
 
 import datetime
@@ -39,6 +40,24 @@ def store(name: str, command: str, values: Mapping[str, Any], made_at: str = "")
     FOLDER.mkdir(exist_ok=True)
     file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     return file
+
+
+def known(file: Path, code: str) -> list[dict[str, Any]]:
+    """Return the rows of a file that the commit ``code`` has found.
+
+    Nothing where the program has been changed since: what it was when it found them is unknown.
+    """
+    if code.endswith("-dirty") or not file.exists():
+        return []
+    rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    return [row for row in rows if row.get("commit") == code]
+
+
+def add(file: Path, row: Mapping[str, Any]) -> None:
+    """Add a row, which names its commit, to a file."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("a", encoding="utf-8") as lines:
+        lines.write(json.dumps(row) + "\n")
 
 
 def commit() -> str:

@@ -1,12 +1,11 @@
 """The verdicts of a campaign, kept as lines of JSON, from which an interrupted one goes on."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from benchmarks.faults.schedule import Schedule, loads
-from benchmarks.stored import commit
+from benchmarks.stored import add, commit, known
 
 
 @dataclass(frozen=True)
@@ -27,11 +26,8 @@ class Verdicts:
         self._file = file
         self._commit = commit()
         self._verdicts: dict[str, Verdict] = {}
-        if file is not None and file.exists() and not self._commit.endswith("-dirty"):
-            for line in file.read_text().splitlines():
-                row = json.loads(line)
-                if row["commit"] == self._commit:
-                    self._verdicts[row["drawn"]] = _verdict(row)
+        if file is not None:
+            self._verdicts = {row["drawn"]: _verdict(row) for row in known(file, self._commit)}
 
     def on(self, drawn: Schedule) -> Verdict | None:
         """Return the verdict on a schedule, None where there is none yet."""
@@ -41,7 +37,6 @@ class Verdicts:
         """Keep the verdict on the schedule that was drawn; its own may be a reduced one."""
         self._verdicts[drawn.dumps()] = verdict
         if self._file is not None:
-            self._file.parent.mkdir(parents=True, exist_ok=True)
             row = {
                 "commit": self._commit,
                 "drawn": drawn.dumps(),
@@ -51,8 +46,7 @@ class Verdicts:
                 "driven": verdict.driven,
                 "seconds": verdict.seconds,
             }
-            with self._file.open("a") as file:
-                file.write(json.dumps(row) + "\n")
+            add(self._file, row)
 
 
 def _verdict(row: dict[str, Any]) -> Verdict:
