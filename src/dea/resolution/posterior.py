@@ -69,10 +69,9 @@ class Posterior:
 
     def with_new(self, shares: Mapping[str, float], source: str) -> "Posterior":
         """Return it with new hypotheses, which get these shares of what ``source`` has."""
-        left = _logarithms({**shares, source: 1.0 - sum(shares.values())})
-        prior = {name: value * self.prior[source] for name, value in shares.items()}
-        prior[source] = self.prior[source] * (1.0 - sum(shares.values()))
-        logs = {name: value + self.log_now[source] for name, value in left.items()}
+        parts = {**shares, source: 1.0 - sum(shares.values())}
+        prior = {name: part * self.prior[source] for name, part in parts.items()}
+        logs = {name: part + self.log_now[source] for name, part in _logarithms(parts).items()}
         return Posterior({**self.prior, **prior}, {**self.log_now, **logs})
 
 
