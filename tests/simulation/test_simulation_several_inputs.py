@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+from dea.discrepancy import Samples
 from dea.errors import InputError
 from dea.simulation import (
     ExtendedSimulation,
@@ -78,7 +79,7 @@ def test_a_nonlinear_simulation_agrees_with_an_adaptive_method(how):
 def attached(name, place):
     u = excitation(SAMPLES)
     extended = replace(prepared(simulation, u, INTERVAL, 1e-6), timing_spread=0.0)
-    record = type("Sampled", (), {"u": u, "y": reference(u), "interval": INTERVAL})
+    record = Samples(u, reference(u), INTERVAL)
     scales = measured_scales(extended, values_of(extended), record, at_input=place)
     return extended.attach(catalogue()[name], scales, place), u
 
