@@ -6,6 +6,7 @@ smallest that comes near the best is taken: L. Ljung, System Identification, 2nd
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from math import ceil
 
@@ -74,10 +75,7 @@ def linear_dynamics(u: Array, y: Array) -> Dynamics:
     delays = [1, 0, *range(2, longest + 1)]
     # One of several inputs may rest in the part that parameters come from.
     scaling = scaling_of([(u, y)]) if inputs > 1 else None
-
-    def unseen(order: int, delays: tuple[int, ...]) -> tuple[float, NarxModel]:
-        return _unseen(u, y, split, order, delays, scaling)
-
+    unseen = partial(_unseen, u, y, split, scaling)
     # A delay other than one sample is taken where it simulates clearly better; that of each input
     # is sought with those of the inputs before it.
     found = (1,) * inputs
@@ -113,9 +111,9 @@ def _unseen(
     u: Array,
     y: Array,
     split: int,
+    scaling: Scaling | None,
     order: int,
     delays: tuple[int, ...],
-    scaling: Scaling | None,
 ) -> tuple[float, NarxModel]:
     lags = [list(range(delay, delay + order)) for delay in delays]
     terms = candidate_terms(order, lags, 1, len(delays))
