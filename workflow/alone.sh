@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Run a command that makes results as the only run of this project: alone.sh COMMAND ARGUMENT...
-# A run that is killed frees this lock, and would leave Snakemake's own (--nolock). Where the run before was
-# killed at its very end, nothing is left to do but the manifest.
+# The kernel frees this lock when a run is killed. Snakemake's own would stay: it runs with --nolock.
+# Where the run before was killed at its very end, nothing is left to do but the manifest.
 set -euo pipefail
 mkdir -p build
 # The lock's file holds the process that has it.
