@@ -37,7 +37,7 @@ def experiment_page(
     lines = [
         f"# Next experiment: {name}, `{key}`",
         "",
-        "The records so far leave several explanations of the device:",
+        "How probable each explanation of the device is by the records so far:",
         "",
         "| explanation | probability |",
         "|---|---|",
