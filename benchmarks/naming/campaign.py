@@ -162,9 +162,8 @@ def _answers(folder: Path, pose: Callable[[], Posed], sources: frozenset[Path]) 
 
 
 def _answer(name: str, posed: Posed) -> dict[str, Any]:
-    """Let a method answer; compiling the simulation is not its time."""
+    """Let a method answer."""
     task = posed.task
-    task.simulation.compiled_derivative, task.simulation.compiled_output  # noqa: B018
     try:
         answer, seconds = task.shared.timed(lambda: methods()[name].answer(task))
     except InputError as error:
