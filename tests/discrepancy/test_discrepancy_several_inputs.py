@@ -15,6 +15,7 @@ from dea.discrepancy import (
     diagnose,
     localisation_dataset,
 )
+from dea.discrepancy.diagnose import _count
 from dea.discrepancy.evidence.period import period_of
 from dea.discrepancy.evidence.residual_model import dictionary
 from dea.discrepancy.evidence.split import split
@@ -22,7 +23,7 @@ from dea.discrepancy.problem import Problem
 from dea.discrepancy.records import signals_of
 from dea.errors import InputError
 from dea.resolution.rounds import Options, begun
-from dea.simulation import load_extended, save_extended
+from dea.simulation import ExtendedSimulation, catalogue, load_extended, save_extended
 from dea.store import CONTRACTS
 from two_inputs import INTERVAL, NAMES, excitation, simulation
 
@@ -143,6 +144,14 @@ def test_every_input_has_its_terms():
     }  # fmt: skip
     assert not any(re.search(r"\bu\b", name) for name in names)
     assert X.shape == (200, len(names))
+
+
+def test_an_effect_is_offered_once_at_each_input_that_moves():
+    offered = [catalogue()[name] for name in ("transport_delay", "gain_drift", "sensor_lag")]
+    extended, u = ExtendedSimulation(simulation), excitation(200)
+    assert _count(problem_of(u), extended, offered) == 5
+    u[:, 1] = 1.0
+    assert _count(problem_of(u), extended, offered) == 3
 
 
 def test_inputs_repeat_where_all_that_move_do():

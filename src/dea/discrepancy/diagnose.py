@@ -27,8 +27,10 @@ from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out, transfers
 from dea.discrepancy.fit import Fit, on_whole_record
 from dea.discrepancy.parallel import in_parallel
+from dea.discrepancy.problem import Problem
 from dea.discrepancy.records import prepare, signals_of
 from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.rounds import places
 from dea.discrepancy.search.search import Search, noise_floor, pool_of
 from dea.discrepancy.search.starts import bases, fit_near_prior, fit_nominal
 from dea.discrepancy.settings import Settings
@@ -115,7 +117,7 @@ def diagnose(
     blocks = parts.blocks(problem.seen, length)
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, floor, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)
-    weighed, error = _weighed(evidence, pool, _count(bare, offered), workers)
+    weighed, error = _weighed(evidence, pool, _count(problem, bare, offered), workers)
     proven = proven_alone(rounds, gained, rules)
     chosen = best_extension(evidence, rounds, proven)
     unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
@@ -182,9 +184,9 @@ def _offered(names: Sequence[str]) -> list[Effect]:
     return [effect for name, effect in catalogue().items() if not names or name in names]
 
 
-def _count(extended: ExtendedSimulation, offered: Sequence[Effect]) -> int:
+def _count(problem: Problem, extended: ExtendedSimulation, offered: Sequence[Effect]) -> int:
     """Return how many effects are offered, where one is another at another input."""
-    return sum(extended.places(each) if each.on_input else 1 for each in offered)
+    return sum(len(places(problem, extended, each)) if each.on_input else 1 for each in offered)
 
 
 def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], workers: int) -> Gains:

@@ -182,7 +182,7 @@ def _offers(problem: Problem, before: Fit, effects: Sequence[Effect]) -> list[Of
     on_output = any(a.effect.shape_output for a in extended.attached)
     offers = []
     for effect in effects:
-        for place in _places(problem, extended, effect):
+        for place in places(problem, extended, effect):
             if (effect.name, place) in there:
                 continue
             meets = (effect.shape_input and place in on_input) or (
@@ -194,7 +194,7 @@ def _offers(problem: Problem, before: Fit, effects: Sequence[Effect]) -> list[Of
     return offers
 
 
-def _places(problem: Problem, extended: ExtendedSimulation, effect: Effect) -> list[int]:
+def places(problem: Problem, extended: ExtendedSimulation, effect: Effect) -> list[int]:
     """Return the force ports that an effect can attach to, or the inputs that move."""
     if effect.force is not None:
         return [
