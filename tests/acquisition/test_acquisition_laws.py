@@ -163,6 +163,18 @@ def test_zero_is_not_believed_while_the_monitor_shows_voltage(clock):
     assert output.driven() == pytest.approx(0.5)
 
 
+def test_zero_is_not_believed_of_a_monitor_that_reads_no_number(clock):
+    voltage = REGISTERS["voltage"] | {"address": 10, "type": "float32"}
+    target = device(registers=REGISTERS | {"voltage": voltage})
+    link = MemoryLink(target, voltage=4.0, current=0, door=1, enable=0)
+    output = Output(link)
+    output.take()
+    assert not output.driven()
+    link.values["voltage"] = np.nan
+    with pytest.raises(ZeroNotVerifiedError):
+        WayToZero(output, ramp_rate=1.0, requested=0.0)()
+
+
 @pytest.mark.parametrize(
     ("changes", "place"),
     [

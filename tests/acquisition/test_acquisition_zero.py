@@ -65,6 +65,19 @@ def test_more_than_one_count_is_driven(clock, counts):
         way(link)()
 
 
+def test_a_read_back_of_floats_shows_zero_and_no_number_does_not(clock):
+    echo = {"address": 10, "type": "float32", "unit": "V", "tolerance": 0.01}
+    link = MemoryLink(module(applied_output=echo), applied_output=0.005)
+    output = Output(link)
+    output.take()
+    assert output.driven() == 0.0
+    link.values["applied_output"] = 0.5
+    assert output.driven() == pytest.approx(0.5)
+    link.values["applied_output"] = np.nan
+    with pytest.raises(LinkError, match="reads differently"):
+        WayToZero(output, ramp_rate=1.0, requested=0.0)()
+
+
 def test_the_way_to_zero_takes_its_time(clock):
     link = MemoryLink(module(), output=0)
     assert way(link, 2.0, requested=4.0)() == Evidence.ANSWERED

@@ -83,11 +83,14 @@ class Laws:
                 raise TripError(f"the current is {current:g} {unit}, at most {bound.limit:g}")
 
     def monitored(self) -> float | None:
-        """Return the output, V, that the monitor shows beyond its tolerance; None without one."""
+        """Return the output, V, that the monitor shows beyond its tolerance; None without one.
+
+        NaN where the monitor reads no number: that is no evidence of zero.
+        """
         if (monitor := self.safety.monitor) is None:
             return None
         off = self.panel.number(monitor.name) - monitor.offset
-        return off / monitor.gain if abs(off) > monitor.tolerance else 0.0
+        return 0.0 if abs(off) <= monitor.tolerance else off / monitor.gain
 
     def _check_monitor(self, monitor: Monitor, low: float, high: float) -> None:
         now = time.monotonic()

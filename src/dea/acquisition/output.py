@@ -105,7 +105,8 @@ class Output:
     def driven(self) -> float:
         """What is left of the output, V, behind the amplifier and before it.
 
-        0 if the monitor and the read-back are no further from it than they may be.
+        0 if the monitor and the read-back are no further from it than they may be, NaN where the
+        monitor reads no number.
         """
         if monitored := self.laws.monitored():
             return monitored

@@ -37,8 +37,8 @@ class Panel:
             )
         return value
 
-    def confirmed(self, name: str) -> int:
-        """Raw value of an integer register, the same in two successive readings.
+    def confirmed(self, name: str) -> int | float:
+        """Raw value of a numeric register, the same in two successive readings.
 
         Modbus TCP has no checksum of its own. Readings of a register with a tolerance are the same
         where both can stand for one value.
@@ -46,24 +46,28 @@ class Panel:
         Raises
         ------
         LinkError
-            Where no two successive readings are equal.
+            Where no two successive readings are equal, or are no numbers.
         """
         register = self.device[name]
         apart = 2 * register.tolerance / abs(register.scale)
-        last = self.whole(name)
+        last = self._raw(name)
         for _ in range(CONFIRMATIONS):
-            last, before = self.whole(name), last
+            last, before = self._raw(name), last
             if abs(last - before) <= apart:
                 return last
         raise LinkError(f"{name} reads differently each time")
 
     def number(self, name: str) -> float:
         """Physical value of a numeric register."""
-        register, value = self.device[name], self.get(name)
-        assert isinstance(value, int | float)
-        return register.offset + register.scale * value
+        register = self.device[name]
+        return register.offset + register.scale * self._raw(name)
 
     def set(self, name: str, value: Value, *, retry: bool = True) -> None:
         """Write a raw value."""
         register = self.device[name]
         self.link.write(register.address, encode(register, value), register.table, retry=retry)
+
+    def _raw(self, name: str) -> int | float:
+        value = self.get(name)
+        assert isinstance(value, int | float)
+        return value
