@@ -60,6 +60,16 @@ def test_a_reading_at_an_end_of_the_range_is_saturated(end):
     assert flagged(device(range=[0, 10]), samples(reading), Quality.SATURATED) == [7, 9]
 
 
+@pytest.mark.parametrize(
+    ("kind", "end", "found"),
+    [("uint16", 65535, [7]), ("uint16", 0, []), ("int16", -32768, [7]), ("int16", 32767, [7])],
+)
+def test_a_scaled_count_is_saturated_where_it_can_go_no_further(kind, end, found):
+    reading = MOVING.copy()
+    reading[7] = end
+    assert flagged(device(type=kind, scale=0.01), samples(reading), Quality.SATURATED) == found
+
+
 def test_a_sample_that_was_never_read_says_nothing_of_the_sensor():
     lost = samples(np.zeros(STEPS.size, int), quality=int(Quality.LOST))
     assert (flag_sensor(device(range=[0, 10]), lost).quality == Quality.LOST).all()

@@ -13,7 +13,7 @@ _READ = ~(Quality.LATE | Quality.CLAMPED)  # the flags of samples that were read
 def flag_sensor(device: Device, samples: Samples) -> Samples:
     """Return ``samples`` with :attr:`Quality.SATURATED` and :attr:`Quality.STUCK` where they hold.
 
-    A reading is saturated at an end of the range of an integer register. It is stuck where it
+    A reading is saturated at an end of what an integer register can hold. It is stuck where it
     has been the same for many samples while the output moved.
     """
     read = (samples.quality & int(_READ)) == 0
@@ -25,13 +25,13 @@ def flag_sensor(device: Device, samples: Samples) -> Samples:
 
 
 def saturated(register: Register, raw: np.ndarray) -> np.ndarray:
-    """Whether raw readings are an end of the register's range."""
+    """Whether raw readings are an end of what the register can hold."""
     if "float" in register.type:
         return np.asarray(~np.isfinite(raw))
-    if register.range is None:
-        return np.zeros(raw.size, bool)
     ends = np.iinfo(register.type)
-    return np.asarray((raw == ends.min) | (raw == ends.max))
+    # An unsigned count with a scale alone is 0 where nothing is displaced.
+    bottom = register.range is not None or ends.min < 0
+    return np.asarray((raw == ends.max) | ((raw == ends.min) & bottom))
 
 
 def _stuck(device: Device, samples: Samples) -> np.ndarray:
