@@ -17,6 +17,7 @@ from dea.acquisition.__main__ import main
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.monitor import Monitor, health
 from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.watched import acquire_watched
 from dea.bench.__main__ import main as serve
 from dea.configuration.bench import read_bench
 from dea.errors import InputError
@@ -97,6 +98,50 @@ def test_a_broken_acquisition_is_rescued_with_its_flags(serve_bench, tmp_path, c
     assert np.isnan(rescued.displacement.values[lost]).all()
     index = rescued.device_index.values[~lost]
     assert np.array_equal(rescued.displacement_counts.values[~lost], bench.displacement[index])
+
+
+def test_recover_overwrites_nothing(serve_bench, tmp_path, capsys):
+    partial, kept = tmp_path / "record.partial", tmp_path / "rescued.nc"
+    partial.write_bytes(b"")
+    kept.write_text("a record")
+    with pytest.raises(SystemExit) as caught:
+        main(["recover", str(partial), "--output", str(kept), "--device", str(DEVICE)])
+    assert caught.value.code == 2
+    assert "rescued.nc: exists" in capsys.readouterr().err
+    assert kept.read_text() == "a record"
+
+
+def test_a_file_that_was_made_meanwhile_is_not_overwritten(
+    serve_bench, tmp_path, capsys, monkeypatch
+):
+    bench, output = serve_bench(), tmp_path / "record.nc"
+    link = tmp_path / "record_link.nc"
+
+    def meanwhile(*given, **named):
+        acquired = acquire_watched(*given, **named)
+        link.write_text("of another run")
+        return acquired
+
+    monkeypatch.setattr("dea.acquisition.__main__.acquire_watched", meanwhile)
+    with pytest.raises(SystemExit):
+        drive(bench, output)
+    said = capsys.readouterr().err
+    assert "record_link.nc: exists" in said
+    assert "record.partial" in said
+    assert link.read_text() == "of another run"
+    assert not output.exists()
+    main(["recover", str(tmp_path / "record.partial"), "--output", str(output),
+          "--device", str(DEVICE)])  # fmt: skip
+    assert not store.read(output, "record").quality.any()
+
+
+def test_another_runs_link_file_is_refused_before_any_voltage(serve_bench, tmp_path, capsys):
+    bench = serve_bench()
+    (tmp_path / "record_link.nc").write_text("of another run")
+    with pytest.raises(SystemExit):
+        drive(bench, tmp_path / "record.nc")
+    assert "record_link.nc: exists" in capsys.readouterr().err
+    assert not bench.applied.any()
 
 
 def samples(size):

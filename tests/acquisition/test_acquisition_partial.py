@@ -118,6 +118,17 @@ def test_an_earlier_partial_file_is_set_aside_not_overwritten(tmp_path):
     set_aside(path)
 
 
+def test_the_partial_file_of_a_run_that_goes_on_is_refused(tmp_path):
+    path = tmp_path / "record.partial"
+    with PartialFile(path, {}) as file:
+        with pytest.raises(InputError, match="another run is writing it"):
+            set_aside(path)
+        file.samples(block(0, 5))
+    assert recover(path).samples.position.size == 5
+    set_aside(path)
+    assert not path.exists()
+
+
 def test_a_full_disk_is_reported(tmp_path, monkeypatch):
     file = PartialFile(tmp_path / "a.partial", {})
 

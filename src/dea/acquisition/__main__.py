@@ -48,14 +48,15 @@ def drive(options: argparse.Namespace) -> None:
     if options.dry_run:
         print(preview(device, plan_sequence(device, volts, settings.ramp_rate)))
         return
-    if options.output.exists():
-        raise InputError("exists", file=options.output, remedy="Give another --output.")
+    link = options.output.with_name(f"{options.output.stem}_link.nc")
     partial = options.output.with_suffix(".partial")
+    _refuse_existing(options.output, link)
     acquired = acquire_watched(
         device, volts, partial, settings,
         description=options.device, live=options.live, reset=options.reset,
     )  # fmt: skip
-    link = options.output.with_name(f"{options.output.stem}_link.nc")
+    # Another program may have made them meanwhile.
+    _refuse_existing(options.output, link, remedy=f"Every sample is in {partial}: recover it.")
     title = f"Record of {device.name}"
     store.write(acquired.link.assign_attrs(contract="link"), link, title=title)
     _write_record(acquired.record, options, title)
@@ -127,6 +128,7 @@ def dismiss(options: argparse.Namespace) -> None:
 
 def rescue(options: argparse.Namespace) -> None:
     """Write what a crashed or broken acquisition had already recorded."""
+    _refuse_existing(options.output)
     device, found = read_device(options.device), recover(options.partial)
     if not found.notes or not found.samples.position.size:
         raise InputError("holds no samples", file=options.partial)
@@ -148,6 +150,12 @@ def rescue(options: argparse.Namespace) -> None:
     )
     record.attrs["notes"] = json.dumps(found.notes, sort_keys=True)
     _write_record(record, options, f"Rescued record of {device.name}")
+
+
+def _refuse_existing(*files: Path, remedy: str = "Give another --output.") -> None:
+    for file in files:
+        if file.exists():
+            raise InputError("exists", file=file, remedy=remedy)
 
 
 def _write_record(record: xr.Dataset, options: argparse.Namespace, title: str) -> None:

@@ -18,7 +18,7 @@ from dea.acquisition.guardian import Job
 from dea.acquisition.interrupts import Interruption
 from dea.acquisition.latch import latch_file, refuse_latched
 from dea.acquisition.link_log import LinkLog
-from dea.acquisition.partial import PartialFile, set_aside
+from dea.acquisition.partial import PartialFile, refuse_in_use, set_aside
 from dea.acquisition.record import link_dataset, record_dataset
 from dea.acquisition.recorder import Recorder
 from dea.acquisition.samples import BrokenRecordError, Samples
@@ -59,7 +59,8 @@ def acquire(
         V before the amplifier, one per sample period, shape (samples,); or a controller that gives
         them one by one.
     partial
-        File for the samples while it runs; one left by an earlier run is renamed.
+        File for the samples while it runs; one left by an earlier run is renamed, and one to which
+        another run still writes is refused.
     watch
         Called with every block of samples and the link's log.
     reset
@@ -93,6 +94,7 @@ def acquire(
     _refuse_unbuffered(device, settings)
     _refuse_unarmed(device, settings)
     refuse_latched(device)
+    refuse_in_use(partial)
     refuse_without_room(partial, max(plan.counts.size, plan.lead + plan.length))
     log, broken = LinkLog(), None
     for attempt in range(settings.restarts + 1 if settings.on_break == "restart" else 1):

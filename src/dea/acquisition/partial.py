@@ -4,6 +4,7 @@ Entries follow a fixed heading, each as mark, length, CRC-32 and payload. Where 
 the mark shows where the next one begins, so that every intact entry is recovered.
 """
 
+import fcntl
 import itertools
 import json
 import os
@@ -40,6 +41,7 @@ class PartialFile:
         path.parent.mkdir(parents=True, exist_ok=True)
         self.path = path
         self._file = path.open("xb", buffering=0)
+        fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # until it is closed
         self._waiting = bytearray(HEADING)
         self._changed = threading.Condition()
         self._closing = False
@@ -111,8 +113,36 @@ class PartialFile:
                 return
 
 
+def refuse_in_use(path: Path) -> None:
+    """Refuse a partial file to which another run still writes.
+
+    Raises
+    ------
+    InputError
+        Where it is so.
+    """
+    if not path.exists():
+        return
+    with path.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError(
+                "another run is writing it",
+                file=path,
+                remedy="Give this run another --output, or wait until that one has ended.",
+            ) from None
+
+
 def set_aside(path: Path) -> None:
-    """Rename the partial file of an earlier run, if there is one, to a numbered name."""
+    """Rename the partial file of an earlier run, if there is one, to a numbered name.
+
+    Raises
+    ------
+    InputError
+        As :func:`refuse_in_use`.
+    """
+    refuse_in_use(path)
     if path.exists():
         numbers = itertools.count(1)
         free = (path.with_name(f"{path.stem}.{n}{path.suffix}") for n in numbers)
