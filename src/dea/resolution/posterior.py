@@ -11,6 +11,7 @@ is designed from those before it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -34,7 +35,7 @@ class Posterior:
         shares = {name: value / total for name, value in prior.items()}
         return cls(shares, _logarithms(shares))
 
-    @property
+    @cached_property
     def now(self) -> dict[str, float]:
         """The probabilities now, which sum to one."""
         return {name: float(np.exp(value)) for name, value in self.log_now.items()}
