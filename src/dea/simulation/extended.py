@@ -7,13 +7,13 @@ from functools import cached_property
 import numpy as np
 
 from dea.errors import InputError
-from dea.inputs import by_input
+from dea.inputs import by_input, joined
 from dea.simulation.arguments import Course, Values
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
 from dea.simulation.force_port import ForcePort
 from dea.simulation.force_slots import ForceSlots
-from dea.simulation.inputs import Input, joined
+from dea.simulation.inputs import Input
 from dea.simulation.integrate import integrate, integrate_several
 from dea.simulation.interpolation import at_steps
 from dea.simulation.normalisation import Normalisation

@@ -1,8 +1,6 @@
-"""The inputs of a simulation and of a record: one, or several side by side."""
+"""What is known of an input of a simulation."""
 
 from dataclasses import dataclass
-
-import numpy as np
 
 # What separates the name of an effect from its place, and effects from each other.
 RESERVED = "@+>"
@@ -15,8 +13,3 @@ class Input:
     name: str
     unit: str
     offset_spread: float = 0.0
-
-
-def joined(inputs: list[np.ndarray]) -> np.ndarray:
-    """Return inputs, each (n,), as they were before :func:`dea.inputs.by_input`."""
-    return inputs[0] if len(inputs) == 1 else np.column_stack(inputs)

@@ -4,8 +4,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from dea.inputs import by_input
-from dea.simulation.inputs import joined
+from dea.inputs import by_input, joined
 
 InputInterpolation = Literal["zero", "linear", "smooth"]
 INTERPOLATIONS: tuple[str, ...] = get_args(InputInterpolation)
