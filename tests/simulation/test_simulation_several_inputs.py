@@ -1,13 +1,13 @@
 """Simulations with two inputs against solutions that share nothing with the integrator."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+import two_inputs
 from dea.discrepancy import Samples
 from dea.errors import InputError
 from dea.simulation import (
@@ -136,10 +136,8 @@ def test_scales_are_those_of_one_input():
 
 
 def test_a_saved_extension_simulates_the_same(tmp_path):
-    file = tmp_path / "two.py"
-    file.write_text((Path(__file__).parents[1] / "two_inputs.py").read_text())
     extended, u = attached("electrode_lag", 1)
-    extended = replace(extended, simulation=load_simulation(file))
+    extended = replace(extended, simulation=load_simulation(two_inputs.__file__))
     values = values_of(extended)
     save_extended(extended, values, INTERVAL, tmp_path / "extended.yaml")
     again, read, interval = load_extended(tmp_path / "extended.yaml")
