@@ -16,6 +16,7 @@ from dea.discrepancy import (
     localisation_dataset,
 )
 from dea.discrepancy.diagnose import _count
+from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.period import period_of
 from dea.discrepancy.evidence.residual_model import dictionary
 from dea.discrepancy.evidence.split import split
@@ -152,6 +153,16 @@ def test_an_effect_is_offered_once_at_each_input_that_moves():
     assert _count(problem_of(u), extended, offered) == 5
     u[:, 1] = 1.0
     assert _count(problem_of(u), extended, offered) == 3
+
+
+@pytest.mark.parametrize("level", [0.1, 1.0])
+def test_an_input_that_rests_has_no_coherence_with_the_residual(level):
+    u, rng = excitation(600), np.random.default_rng(0)
+    u[:, 1] = level
+    problem, gap = problem_of(u), rng.standard_normal(600)
+    found = localise(problem, gap, simulation.inputs, "K", problem.fit, rng).dataset
+    assert np.isfinite(found["coherence_1"]).all()
+    assert np.isnan(found["coherence_2"]).all()
 
 
 def test_inputs_repeat_where_all_that_move_do():

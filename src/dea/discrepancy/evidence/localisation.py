@@ -210,8 +210,10 @@ def _coherence(
     segment = min(where.size, max(64, problem.size // 16))
     variables: dict[str, Any] = {}
     for name, called, u, _ in inputs:
+        # Of an input that rests it is missing.
+        driving = u[where] if np.ptp(u[where]) > 0.0 else np.full(where.size, np.nan)
         frequency, coherent = coherence(
-            u[where], residual[where], 1.0 / problem.interval, nperseg=segment
+            driving, residual[where], 1.0 / problem.interval, nperseg=segment
         )
         variables["frequency"] = ("frequency", frequency, _label("Hz", "frequency"))
         meaning = _label("1", f"coherence of {called} and gap")
