@@ -42,7 +42,6 @@ def duty_folder(tmp_path_factory):
     """
     folder = tmp_path_factory.mktemp("duty")
     os.environ["DEA_DUTY"] = str(folder)
-    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
     return folder
 
 

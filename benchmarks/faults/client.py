@@ -91,7 +91,7 @@ class Client:
             MARK: self.mark,
             # Locks and latches belong to an address; ports are used again by other runs.
             OWN_FOLDER: str(self.folder),
-            "XDG_STATE_HOME": str(self.folder / "state"), "PYTHONPATH": path, "COLUMNS": "200",
+            "PYTHONPATH": path, "COLUMNS": "200",
             SLOW_SYNC: str(self.folder / "slow_sync"),
             CLOCK_STEP: str(self.folder / "clock_step"),
         }  # fmt: skip

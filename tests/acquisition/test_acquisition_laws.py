@@ -209,10 +209,7 @@ def described(module, **safety):
     return module.description(safety={"monitor": monitor} | safety)
 
 
-def test_a_trip_takes_the_output_to_zero_and_latches_until_acknowledged(
-    module, tmp_path, monkeypatch
-):
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+def test_a_trip_takes_the_output_to_zero_and_latches_until_acknowledged(module, tmp_path):
     target = described(module)
     begun = time.monotonic()
     # From a quarter of a second on, the reading is 0.15 V off: within the read-back's tolerance.
@@ -232,10 +229,7 @@ def test_a_trip_takes_the_output_to_zero_and_latches_until_acknowledged(
     assert acquire(target, volts, tmp_path / "c.partial", SETTINGS).record.sizes["time"] == 100
 
 
-def test_an_interlock_of_one_bit_is_read_and_a_coil_switched_on_the_wire(
-    module, tmp_path, monkeypatch
-):
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+def test_an_interlock_of_one_bit_is_read_and_a_coil_switched_on_the_wire(module, tmp_path):
     safety = {"interlocks": {"door": {"name": "door"}}, "enable": {"name": "enable"}}
     plain = module.description()
     target = replace(

@@ -7,7 +7,7 @@ import numpy as np
 
 from dea.acquisition.duty import Notice, Order, Phase, duty_file, look, order
 from dea.acquisition.guardian import Job
-from dea.acquisition.latch import latch_file
+from dea.acquisition.latch import latch_file, trip
 from dea.acquisition.link_log import LinkLog, LinkSettings
 from dea.acquisition.output import Output
 from dea.acquisition.recorder import Recorder
@@ -27,9 +27,11 @@ _DOING = {
 
 
 def status(device: Device) -> str:
-    """Return lines on the guardian of an output and, where none is on duty, on the output."""
+    """Return lines on an output's guardian, its trip and, without a guardian, its reading."""
     notice = look(duty_file(device))
     lines = [_guardian(notice)]
+    if (tripped := trip(device)) is not None:
+        lines.append(f"tripped at {tripped['time']}: {tripped['reason']}")
     if not notice.alive:
         link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
         try:

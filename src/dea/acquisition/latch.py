@@ -1,58 +1,102 @@
-"""Trips of the safety model, kept on disk until somebody acknowledges them."""
+"""Trips of the safety model, kept on disk until somebody acknowledges them.
+
+Every account of this computer finds the trip of a device, whatever its description calls the host.
+"""
 
 import json
 import os
-import re
+import stat
 import time
 from pathlib import Path
 
+from dea.acquisition.shared_file import open_shared, shared_file
+from dea.atomic_file import atomic
 from dea.errors import InputError
 from dea.modbus import Device
+
+# On a disk, unlike the files of locks: a trip outlives a restart of the computer. A folder of its
+# own, since in one with the sticky bit only the account that tripped could acknowledge.
+FOLDER = Path("/var/tmp/dea")
 
 
 def latch(path: Path, device: str, reason: str) -> None:
     """Note a trip at :func:`latch_file`; its output is not driven until it is acknowledged."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps({"device": device, "reason": reason, "time": _now()}))
+    with atomic(path) as partial:
+        partial.write_text(json.dumps({"device": device, "reason": reason, "time": _now()}))
+        # Readable whatever the umask; the sticky bit keeps it from what tidies temporary files up.
+        partial.chmod(0o666 | stat.S_ISVTX)
 
 
 def refuse_latched(device: Device) -> None:
-    """Refuse to drive an output whose trip nobody has acknowledged.
+    """Refuse to drive an output whose trip nobody has acknowledged, or could not be kept.
 
     Raises
     ------
     InputError
-        Naming the trip.
+        Naming the trip, or the folder that cannot be written.
     """
-    path = latch_file(device)
-    if path.exists():
-        trip = json.loads(path.read_text())
+    tripped = trip(device)
+    if tripped is not None:
         raise InputError(
-            f"tripped at {trip['time']}: {trip['reason']}",
+            f"tripped at {tripped['time']}: {tripped['reason']}",
             file=device.source,
             field="safety",
             remedy="Find out why, then: python -m dea.acquisition acknowledge --by NAME.",
         )
+    if device.safety is not None:
+        _refuse_without_folder(latch_file(device).parent)
+
+
+def trip(device: Device) -> dict[str, str] | None:
+    """Return the trip that keeps an output from being driven: its ``time`` and ``reason``."""
+    path = latch_file(device)
+    try:
+        content = json.loads(path.read_bytes())
+        return {key: str(content[key]) for key in ("time", "reason")}
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        why = f"{path} is damaged and does not say why ({type(error).__name__}: {error})"
+        return {"time": "an unknown time", "reason": why}
 
 
 def acknowledge(device: Device, person: str) -> str | None:
     """Clear a trip; return its reason, or None where there is none. What was is kept beside it."""
-    path = latch_file(device)
-    if not path.exists():
+    found = trip(device)
+    if found is None:
         return None
-    trip = json.loads(path.read_text()) | {"acknowledged_by": person, "acknowledged": _now()}
-    with path.with_suffix(".log").open("a") as log:
-        log.write(json.dumps(trip) + "\n")
+    path = latch_file(device)
+    line = json.dumps(found | {"acknowledged_by": person, "acknowledged": _now()}) + "\n"
+    handle = open_shared(path.with_name(f"{path.name}.log"))
+    try:
+        os.lseek(handle, 0, os.SEEK_END)
+        os.write(handle, line.encode())
+    finally:
+        os.close(handle)
     path.unlink()
-    return str(trip["reason"])
+    return found["reason"]
 
 
 def latch_file(device: Device) -> Path:
-    """Return where a trip of an output is kept."""
-    root = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local/state"
-    where = device.serial.port if device.serial else f"{device.host}_{device.port}"
-    name = f"{where}_{device.unit_id}_{device['output'].address}"
-    return Path(root, "dea", f"{re.sub('[^A-Za-z0-9.-]+', '_', name)}.trip")
+    """Return where a trip of a device is kept."""
+    return shared_file(device, "trip", folder=FOLDER)
+
+
+def _refuse_without_folder(folder: Path) -> None:
+    """Make the folder of trips for every account, or refuse."""
+    try:
+        folder.mkdir(parents=True)
+        folder.chmod(0o777)
+    except FileExistsError:
+        pass
+    except OSError as error:
+        raise InputError(f"a trip could not be kept there ({error})", file=folder) from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(
+            "a trip could not be kept there: this account may not write to it",
+            file=folder,
+            remedy="Let every account that drives write to it: chmod a+rwx",
+        )
 
 
 def _now() -> str:

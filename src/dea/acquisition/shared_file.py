@@ -13,11 +13,13 @@ FOLDERS = Path("/dev/shm"), Path("/tmp")
 OWN_FOLDER = "DEA_DUTY"  # instead of these
 
 
-def shared_file(device: Device, kind: str, detail: str = "") -> Path:
+def shared_file(device: Device, kind: str, detail: str = "", folder: Path | None = None) -> Path:
     """Return the file of a ``kind`` that belongs to a device, or to a ``detail`` of it."""
-    folder = os.environ.get(OWN_FOLDER) or next(each for each in FOLDERS if each.is_dir())
+    shared = folder or next(each for each in FOLDERS if each.is_dir())
     name = "_".join([endpoint(device), detail]) if detail else endpoint(device)
-    return Path(folder, f"dea_{kind}_{re.sub('[^A-Za-z0-9.-]+', '_', name)}")
+    return Path(
+        os.environ.get(OWN_FOLDER) or shared, f"dea_{kind}_{re.sub('[^A-Za-z0-9.-]+', '_', name)}"
+    )
 
 
 def endpoint(device: Device) -> str:
