@@ -41,7 +41,7 @@ study: $(VENV)/installed ## regenerate every figure and table
 results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
 	$(SNAKEMAKE) $@
 
-record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 EXCITATION=second
+record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 OPERATOR=A.Volta
 	$(if $(NAME),,$(error Name an actuator of config/config.yaml without bench: make record NAME=film1))
 	python -m dea.stages.record $(NAME) $(EXCITATION:%=--excitation %) \
 		$(if $(OPERATOR),--operator "$(OPERATOR)")
@@ -84,7 +84,7 @@ diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=
 		$(if $(FILE),cat results/$$name/summary.txt,python -c "import json; \
 		print(json.load(open('results/discrepancy/$(NAME)/verdict.json'))['sentence'])")
 
-resolve: $(VENV)/installed ## designed records until one explanation is left: make resolve NAME=dea1
+resolve: $(VENV)/installed ## designed records until one explanation is left: make resolve NAME=dea1 OPERATOR=A.Volta
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make resolve NAME=dea1))
 	$(SNAKEMAKE) $(NAME:%=resolvable_%)
 	workflow/alone.sh python -m dea.stages.resolve $(NAME) --threads $(CORES) \

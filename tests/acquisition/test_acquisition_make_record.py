@@ -10,6 +10,7 @@ import yaml
 
 from dea import archive, store
 from dea.acquisition import ZeroNotVerifiedError
+from dea.acquisition.commissioning import write_report
 from dea.stages.record import main
 from dea.stages.take_record import take_record
 
@@ -55,6 +56,42 @@ def test_a_record_is_kept_with_what_made_it(study, capsys, tmp_path):
     assert np.array_equal(record.displacement_counts, study.displacement[index])
     take_record({}, folder / archive.MANIFEST, tmp_path / "r.nc", tmp_path / "l.nc")
     assert (tmp_path / "r.nc").read_bytes() == (folder / "record.nc").read_bytes()
+
+
+def guard(tmp_path):
+    """Give the device a safety section, and a report that it was commissioned as it is."""
+    device = tmp_path / "config/devices/mine.yaml"
+    description = yaml.safe_load(device.read_text())
+    device.write_text(yaml.safe_dump(description | {"safety": {"max_rate": 100.0}}))
+    write_report(device, {"device": "virtual bench"})
+
+
+def test_high_voltage_is_armed_in_so_many_words(study, capsys, tmp_path):
+    guard(tmp_path)
+    for words in (["film1"], ["film1", "--operator", " "]):
+        with pytest.raises(SystemExit) as exit_:
+            main(words)
+        assert exit_.value.code == 2
+        message = capsys.readouterr().err
+        assert "nobody has armed the high voltage" in message
+        assert "OPERATOR=NAME" in message
+        assert message.count("\n") == 1
+    assert not Path("records").exists()
+    assert not study.displacement.size
+
+
+@pytest.mark.parametrize("words", [["--operator", "A. Volta"], []])
+def test_who_armed_stands_in_record_and_manifest(study, capsys, tmp_path, words):
+    guard(tmp_path)
+    file = tmp_path / "config/config.yaml"
+    config = yaml.safe_load(file.read_text())
+    config["acquisition"]["armed_by"] = "L. Galvani"
+    file.write_text(yaml.safe_dump(config))
+    main(["film1", *words])
+    folder = Path(capsys.readouterr().out.strip())
+    name = words[-1] if words else "L. Galvani"
+    assert archive.manifest(folder)["operator"] == name
+    assert store.read(folder / "record.nc").attrs["armed_by"] == name
 
 
 def test_a_failed_record_keeps_its_samples_and_gets_no_name(study, capsys, monkeypatch):

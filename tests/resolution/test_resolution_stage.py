@@ -235,6 +235,18 @@ def test_a_record_of_hardware_is_archived_and_not_driven_again(desk):
     np.testing.assert_array_equal(again["displacement"], record["displacement"])
 
 
+def test_hardware_with_high_voltage_is_armed_before_any_design(desk, capsys):
+    device = Path("config/devices/mine.yaml")
+    device.write_text(device.read_text() + "safety: {max_rate: 100.0}\n")
+    with pytest.raises(SystemExit) as exit_:
+        main(["film1"])
+    assert exit_.value.code == 2
+    message = capsys.readouterr().err
+    assert "nobody has armed the high voltage" in message
+    assert "OPERATOR=NAME" in message
+    assert not Path("records").exists()
+
+
 def test_a_record_that_another_first_record_led_to_is_not_taken(desk):
     own = desk("film1")
     put(own, CERTIFICATE, np.full(50, 1.5))

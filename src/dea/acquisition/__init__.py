@@ -1,6 +1,6 @@
 """The Modbus client that drives an actuator and records it."""
 
-from dea.acquisition.acquire import Acquisition, acquire
+from dea.acquisition.acquire import Acquisition, acquire, refuse_unarmed
 from dea.acquisition.closed_loop import ClosedLoop, ControllerError
 from dea.acquisition.commissioning import report_file
 from dea.acquisition.interrupts import Interrupted
@@ -40,6 +40,7 @@ __all__ = [
     "acquire_watched",
     "check_excitation",
     "recover",
+    "refuse_unarmed",
     "report_file",
     "reported",
 ]

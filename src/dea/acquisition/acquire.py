@@ -92,7 +92,7 @@ def acquire(
         plan = loop.plan(device, settings.ramp_rate)
         asked = {"asked": plan.length, "longest_step": loop.step(device)}
     _refuse_unbuffered(device, settings)
-    _refuse_unarmed(device, settings)
+    refuse_unarmed(device, settings.armed_by)
     refuse_latched(device)
     refuse_in_use(partial)
     refuse_without_room(partial, max(plan.counts.size, plan.lead + plan.length))
@@ -160,13 +160,21 @@ def _attempt(
     return Samples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
 
 
-def _refuse_unarmed(device: Device, settings: AcquisitionSettings) -> None:
-    if device.safety is not None and not settings.armed_by:
+def refuse_unarmed(device: Device, armed_by: str) -> None:
+    """Refuse a device with a safety model that nobody has armed by name.
+
+    Raises
+    ------
+    InputError
+        Naming the ways to arm it.
+    """
+    if device.safety is not None and not armed_by.strip():
         raise InputError(
             "nobody has armed the high voltage",
             file=device.source,
             field="safety",
-            remedy="Check the setup, then arm it: drive --arm NAME, or acquisition.armed_by.",
+            remedy="Check the setup, then arm it in your name: OPERATOR=NAME with make, --arm NAME"
+            " with drive and commission, or acquisition.armed_by in the configuration",
         )
 
 

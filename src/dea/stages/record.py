@@ -25,6 +25,8 @@ from dea.stages.driving import Excitation, excitation, write
 def record(name: str, excitation_name: str, operator: str) -> Path:
     """Drive the actuator ``name`` of the study with one of its excitations and keep its record.
 
+    ``operator`` arms the device; where it is empty, ``acquisition.armed_by`` of the study does.
+
     Returns
     -------
     Path
@@ -40,6 +42,7 @@ def record(name: str, excitation_name: str, operator: str) -> Path:
     check_actuators(study, list(read_bench(BENCH).actuators), BENCH)
     actuator = _actuator(study.actuators, name)
     device = modbus.read_device(Path(actuator.device))
+    acquisition.refuse_unarmed(device, operator or study.acquisition.armed_by)
     settings: dict[str, Any] = {
         "seed": study.seed,
         "system": name,
@@ -59,7 +62,7 @@ def keep(
     device_file = Path(str(device.source))
     name, excitation_name = settings["system"], settings["excitation_name"]
     options = acquisition.AcquisitionSettings.from_mapping(
-        {"armed_by": operator, **settings["acquisition"]}
+        settings["acquisition"] | ({"armed_by": operator} if operator else {})
     )
     begun = datetime.now(UTC)
     with archive.unfinished(name, now=begun) as folder:
@@ -81,7 +84,7 @@ def keep(
                 "excitation": excitation_name,
                 "begun": begun.isoformat(timespec="seconds"),
                 "ended": datetime.now(UTC).isoformat(timespec="seconds"),
-                "operator": operator,
+                "operator": options.armed_by or getpass.getuser(),
                 "computer": platform.node(),
                 "software": _software(),
                 "settings": settings,
@@ -127,7 +130,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("name", help="an actuator of config/config.yaml without `bench`")
     parser.add_argument("--excitation", choices=("record", "second", "probed"), default="record")
     parser.add_argument(
-        "--operator", default=getpass.getuser(), help="who arms the device and is in charge of it"
+        "--operator", default="", help="your name: you have checked the setup and arm the device"
     )
     options = parser.parse_args(arguments)
     with acquisition.reported():

@@ -1,7 +1,6 @@
 """Leave one explanation, by designed records: ``python -m dea.stages.resolve --help``."""
 
 import argparse
-import getpass
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -57,6 +56,9 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         raise _no_such(name, [*actuators, *cases])
     if not first.exists():
         raise InputError("there is no record", file=first, remedy=f"Make it: make {first}")
+    device = modbus.read_device(Path(actuators[name].device)) if name in actuators else None
+    if device is not None and actuators[name].bench is None:
+        acquisition.refuse_unarmed(device, operator or study.acquisition.armed_by)
     withdraw()
     records = [store.read_record(first).isel(time=slice(study.resolution.first))]
     leaves = written(study) | {"system": name, "split": {}}
@@ -69,8 +71,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         study.resolution.level,
         study.resolution.another,
     )
-    if name in actuators:
-        device = modbus.read_device(Path(actuators[name].device))
+    if device is not None:
         limits = _of_device(study, device, records[0])
         desk = Driven(folder, first, limits, study, actuators[name], device, operator)
     else:
@@ -425,7 +426,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m dea.stages.resolve", description=__doc__)
     parser.add_argument("name", nargs="+", help="actuators of config/config.yaml, or cases")
     parser.add_argument(
-        "--operator", default=getpass.getuser(), help="who arms the device and is in charge of it"
+        "--operator", default="", help="your name: you have checked the setup and arm the device"
     )
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args(arguments)
