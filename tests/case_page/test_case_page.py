@@ -1,5 +1,6 @@
 """The page says what the datasets hold, and holds its pictures."""
 
+import json
 import re
 from base64 import b64decode
 from html.parser import HTMLParser
@@ -79,7 +80,13 @@ def findings_of(tmp_path, record, model, gfrf):
     for name, dataset in datasets.items():
         contract = "imported_record" if name == "record" else name
         store.write(dataset.assign_attrs(contract=contract), folder / f"{name}.nc", title=name)
-    (folder / "verdict.json").write_text('{"sentence": "It lacks a `<delay>`."}')
+    skipped = [
+        {"name": "end_stop", "balance": None, "reason": "no force port"},
+        {"name": "dead_zone", "balance": "<left>", "reason": "it does not move"},
+        {"name": "creep", "balance": None, "reason": "no force port"},
+    ]
+    verdict = {"sentence": "It lacks a `<delay>`.", "not_offered": skipped}
+    (folder / "verdict.json").write_text(json.dumps(verdict))
     return Findings("My & mine", store.Sources(sorted(folder.iterdir())))
 
 
@@ -93,6 +100,19 @@ def test_the_page_is_whole_and_holds_its_pictures(findings):
     assert "It lacks a <code>&lt;delay&gt;</code>." in text
     assert "one step is not white" in text
     assert not re.search(r'(src|href)="(?!data:)', text), "it must stand alone"
+
+
+def test_effects_that_were_not_tried_are_told_by_their_reasons(findings):
+    told = "`end_stop`, `creep` (no force port); `dead_zone` at <left> (it does not move)"
+    assert findings.not_offered == f"Not tried: {told}."
+    assert "<code>dead_zone</code> at &lt;left&gt;" in page(findings, {})
+    assert findings.not_offered in " ".join(summary(findings, "page.html").split())
+
+
+def test_where_all_was_tried_nothing_is_told(findings):
+    findings.__dict__["_verdict"] = {"sentence": "It lacks a lag.", "not_offered": []}
+    assert findings.not_offered == ""
+    assert "<p></p>" not in page(findings, {})
 
 
 def test_pictures_are_shown_in_proportion(findings):

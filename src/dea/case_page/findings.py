@@ -145,8 +145,22 @@ class Findings:
     @property
     def missing_effect(self) -> str:
         """What the simulation is missing; empty where none was diagnosed."""
-        verdicts: Mapping[str, Mapping[str, Any]] = self.sources.documents("verdict")
-        return str(next(iter(verdicts.values()))["sentence"]) if verdicts else ""
+        return str(self._verdict["sentence"]) if self._verdict else ""
+
+    @property
+    def not_offered(self) -> str:
+        """Which effects the diagnosis never tried, and why; empty where it tried all."""
+        by_reason: dict[str, list[str]] = {}
+        for each in self._verdict["not_offered"] if self._verdict else []:
+            at = f" at {each['balance']}" if each["balance"] else ""
+            by_reason.setdefault(each["reason"], []).append(f"`{each['name']}`{at}")
+        told = [f"{', '.join(names)} ({reason})" for reason, names in by_reason.items()]
+        return f"Not tried: {'; '.join(told)}." if told else ""
+
+    @cached_property
+    def _verdict(self) -> Mapping[str, Any] | None:
+        """The verdict on the simulation of the case, where one was diagnosed."""
+        return next(iter(self.sources.documents("verdict").values()), None)
 
 
 def percentage(nmse: float) -> str:

@@ -46,6 +46,7 @@ def page(findings: Findings, pictures: Mapping[str, bytes]) -> str:
         f"<p>{escape(findings.record)}</p>",
         f'<div class="equation">{findings.equation_in_html}</div>',
         *_section("What the simulation is missing", missing, pictures, ["discrepancy"]),
+        *_paragraph(findings.not_offered),
         *_scores(findings),
         *_section("Windows", "", pictures, ["fig2"]),
         *_section("Stability", findings.stability, {}, []),
@@ -75,11 +76,16 @@ def _section(
     shown = [name for name in names if name in pictures]
     if not text and not shown:
         return []
-    marked = re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
-    told = [f'<p class="verdict">{marked}</p>'] if text else []
+    told = _paragraph(text, ' class="verdict"')
     widest = max(map(_width, pictures.values()), default=1)
     figures = (_figure(pictures[n], _CAPTIONS[n], _width(pictures[n]) / widest) for n in shown)
     return [f"<h2>{heading}</h2>", *told, *figures]
+
+
+def _paragraph(text: str, attributes: str = "") -> list[str]:
+    """Return a text as a paragraph, what it quotes as code; none where it is empty."""
+    marked = re.sub("`([^`]+)`", r"<code>\1</code>", escape(text))
+    return [f"<p{attributes}>{marked}</p>"] if text else []
 
 
 def _width(png: bytes) -> int:

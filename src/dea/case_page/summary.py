@@ -23,6 +23,6 @@ def summary(findings: Findings, page: str) -> str:
             for score in scores
         ]
     lines += ["", fill(findings.stability, _WIDTH), fill(findings.residuals, _WIDTH)]
-    if findings.missing_effect:
-        lines += ["", fill(findings.missing_effect, _WIDTH)]
+    for text in (findings.missing_effect, findings.not_offered):
+        lines += ["", fill(text, _WIDTH)] if text else []
     return "\n".join([*lines, "", page, ""])

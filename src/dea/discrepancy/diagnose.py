@@ -30,7 +30,8 @@ from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.records import prepare, signals_of
 from dea.discrepancy.search.candidates import Candidate
-from dea.discrepancy.search.rounds import places
+from dea.discrepancy.search.not_offered import NotOffered, never_tried, places
+from dea.discrepancy.search.rounds import Round
 from dea.discrepancy.search.search import Search, noise_floor, pool_of
 from dea.discrepancy.search.starts import bases, fit_near_prior, fit_nominal
 from dea.discrepancy.settings import Settings
@@ -160,6 +161,7 @@ def diagnose(
         error=error,
         share=_share(evidence, final) if decision.answer else None,
         rules=rules,
+        not_offered=not_offered(rounds, offered),
     )
 
 
@@ -184,9 +186,18 @@ def _offered(names: Sequence[str]) -> list[Effect]:
     return [effect for name, effect in catalogue().items() if not names or name in names]
 
 
+def not_offered(rounds: Sequence[Round], offered: Sequence[Effect]) -> tuple[NotOffered, ...]:
+    """Return what was never tried, alone or beside another effect, in the catalogue's order."""
+    left_out = [
+        NotOffered.by_settings(effect) for effect in catalogue().values() if effect not in offered
+    ]
+    candidates = [c for each in rounds for c in each.candidates]
+    return (*never_tried(rounds[0].skipped, candidates), *left_out)
+
+
 def _count(problem: Problem, extended: ExtendedSimulation, offered: Sequence[Effect]) -> int:
     """Return how many effects are offered, where one is another at another input."""
-    return sum(len(places(problem, extended, each)) if each.on_input else 1 for each in offered)
+    return sum(len(places(problem, extended, each)[0]) if each.on_input else 1 for each in offered)
 
 
 def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], workers: int) -> Gains:

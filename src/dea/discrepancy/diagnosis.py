@@ -22,6 +22,7 @@ from dea.discrepancy.report.summary import verdict_of
 from dea.discrepancy.report.verdict import Verdict
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.not_offered import NotOffered
 from dea.simulation import Input
 
 
@@ -74,6 +75,8 @@ class Diagnosis:
         of its coordinates from fits to parts of the record.
     share
         Part of the held-out misfit that the extension removes; none where nothing is attached.
+    not_offered
+        Effects of the catalogue that were never tried, and why.
     """
 
     problem: Problem
@@ -95,6 +98,7 @@ class Diagnosis:
     error: ModelError
     share: Share | None
     rules: Rules
+    not_offered: tuple[NotOffered, ...] = ()
 
     @cached_property
     def verdict(self) -> Verdict:

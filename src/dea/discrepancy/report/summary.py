@@ -58,6 +58,7 @@ def verdict_of(found: "Diagnosis") -> Verdict:
         presence={"effects": found.presence.effects, "families": found.presence.families},
         model_error=asdict(found.error) | {"level": found.error.level},
         remarks=notes,
+        not_offered=found.not_offered,
     )
 
 

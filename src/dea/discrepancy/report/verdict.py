@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from dea.discrepancy.search.not_offered import NotOffered, Obstacle
 from dea.errors import InputError
 
 # Joins the names of an effect set in ``verdict.json``.
@@ -70,6 +71,8 @@ class Verdict:
         both together.
     remarks
         What a reader must know besides, each a sentence.
+    not_offered
+        Effects of the catalogue that were never tried on this record, and why.
     """
 
     status: str
@@ -87,6 +90,7 @@ class Verdict:
     presence: dict[str, dict[str, float]] = field(default_factory=dict)
     model_error: dict[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+    not_offered: tuple[NotOffered, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -139,6 +143,10 @@ def read_verdict(path: str | Path) -> Verdict:
                 "effects": effects,
                 "not_identifiable": tuple(content["not_identifiable"]),
                 "remarks": tuple(content["remarks"]),
+                "not_offered": tuple(
+                    NotOffered(**{**each, "reason": Obstacle(each["reason"])})
+                    for each in content["not_offered"]
+                ),
             }
         )
     except (KeyError, TypeError, ValueError) as error:

@@ -13,11 +13,10 @@ from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.hints import foreign_lines, jumps, lines
+from dea.discrepancy.search.not_offered import NotOffered, Obstacle, never_tried, places
 from dea.discrepancy.search.screening import Base, Offer, promising, refine, screen
-from dea.inputs import by_input
 from dea.simulation import (
     Effect,
-    ExtendedSimulation,
     Scales,
     measured_scales,
     with_fine_steps,
@@ -36,10 +35,14 @@ _SHORT, _MOST_KEPT = 24_000, 6
 
 @dataclass(frozen=True)
 class Round:
-    """All candidates that extend one simulation by one effect, best first."""
+    """All candidates that extend one simulation by one effect, best first.
+
+    ``skipped`` are the effects that never became a candidate.
+    """
 
     before: Fit
     candidates: tuple[Candidate, ...] = field(default_factory=tuple)
+    skipped: tuple[NotOffered, ...] = ()
 
 
 def extend_by_each(
@@ -60,7 +63,7 @@ def extend_by_each(
     if first:
         kept = int(np.clip(_SHORT // problem.size, kept, _MOST_KEPT))
         count, polished = budget.finished, _POLISHED
-    offers = _offers(problem, before, effects)
+    offers, skipped = _offers(problem, before, effects)
     prepared = [Base.of(problem, each) for each in bases]
     starts = in_parallel(
         lambda offer: promising(problem, prepared, offer, kept),
@@ -69,6 +72,8 @@ def extend_by_each(
         f"starting points of each effect beside {beside}",
     )
     offered = [pair for pair in zip(offers, starts, strict=True) if pair[1]]
+    without_start = [offer for offer, own in zip(offers, starts, strict=True) if not own]
+    skipped += _refused(before, without_start, Obstacle.NO_START)
     if not first:
         offered = sorted(offered, key=lambda pair: pair[1][0].left)[: budget.offered]
     spent = (kept, budget.screening)
@@ -78,6 +83,9 @@ def extend_by_each(
         workers,
         f"first steps of each effect beside {beside}",
     )
+
+    unstable = [offer for (offer, _), fits in zip(offered, screened, strict=True) if not fits]
+    skipped += _refused(before, unstable, Obstacle.UNSTABLE)
 
     def error(candidate: Fit) -> float:
         return problem.seen_rmse(candidate.residual)
@@ -119,7 +127,12 @@ def extend_by_each(
     finished += [each for each in ahead if error(each) > limit]
     candidates = [judged(problem, each) for each in finished]
     candidates += [judged(problem, fits[0], finished=False) for fits in leaders[count:]]
-    return Round(before, tuple(sorted(candidates, key=lambda c: c.error)))
+    candidates.sort(key=lambda c: c.error)
+    return Round(before, tuple(candidates), never_tried(dict.fromkeys(skipped), candidates))
+
+
+def _refused(before: Fit, offers: Sequence[Offer], reason: Obstacle) -> list[NotOffered]:
+    return [NotOffered.at(before.extended, each.effect, each.place, reason) for each in offers]
 
 
 def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
@@ -161,8 +174,13 @@ def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:
     return replace(fitted, extended=extended)
 
 
-def _offers(problem: Problem, before: Fit, effects: Sequence[Effect]) -> list[Offer]:
-    """Return every effect at every port it can attach to and is not attached to yet."""
+def _offers(
+    problem: Problem, before: Fit, effects: Sequence[Effect]
+) -> tuple[list[Offer], list[NotOffered]]:
+    """Return every effect at every port it can attach to and is not attached to yet.
+
+    And those that cannot.
+    """
     extended = before.extended
     residual = before.residual
     frequencies, foreign = lines(problem, residual), foreign_lines(problem, residual)
@@ -180,9 +198,12 @@ def _offers(problem: Problem, before: Fit, effects: Sequence[Effect]) -> list[Of
     there = {(a.effect.name, a.place) for a in extended.attached}
     on_input = {a.place for a in extended.attached if a.effect.shape_input}
     on_output = any(a.effect.shape_output for a in extended.attached)
-    offers = []
+    offers: list[Offer] = []
+    skipped: list[NotOffered] = []
     for effect in effects:
-        for place in places(problem, extended, effect):
+        free, closed = places(problem, extended, effect)
+        skipped += closed
+        for place in free:
             if (effect.name, place) in there:
                 continue
             meets = (effect.shape_input and place in on_input) or (
@@ -191,18 +212,4 @@ def _offers(problem: Problem, before: Fit, effects: Sequence[Effect]) -> list[Of
             own = scales(0, place) if effect.on_input else scales(place, 0)
             sides = (False, True) if meets else (False,)
             offers += [Offer(effect, own, place, upstream) for upstream in sides]
-    return offers
-
-
-def places(problem: Problem, extended: ExtendedSimulation, effect: Effect) -> list[int]:
-    """Return the force ports that an effect can attach to, or the inputs that move."""
-    if effect.force is not None:
-        return [
-            i
-            for i, port in enumerate(extended.simulation.force_ports)
-            if port.position is not None or not effect.uses_position
-        ]
-    count = extended.places(effect)
-    if count == 1:
-        return [0]
-    return [k for k, u in enumerate(by_input(problem.u)) if np.ptp(u) > 0.0]
+    return offers, skipped

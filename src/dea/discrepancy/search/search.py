@@ -7,7 +7,7 @@ Regression, ch. 3). In the end each effect of the leading pairs is fitted again 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from dea.discrepancy.evidence.noise import white_level
@@ -110,7 +110,7 @@ class Search:
         candidates = best_of_each_set(
             [*self.singles.candidates, *(judged(self.problem, each) for each in again)]
         )
-        return Round(self.singles.before, tuple(candidates))
+        return replace(self.singles, candidates=tuple(candidates))
 
     def _lacking(self, candidates: Sequence[Candidate]) -> bool:
         nominal_error = self.problem.seen_rmse(self.nominals[0].residual)
