@@ -11,8 +11,13 @@ from plain_module import PlainModule
 
 from dea.acquisition import AcquisitionSettings, acquire
 from dea.acquisition.__main__ import main
-from dea.acquisition.commissioning import commission, refuse_uncommissioned, write_report
-from dea.errors import InputError
+from dea.acquisition.commissioning import (
+    commission,
+    refuse_uncommissioned,
+    report_file,
+    write_report,
+)
+from dea.errors import DeviceError, InputError
 from dea.modbus import read_device
 
 SETTINGS = AcquisitionSettings(ramp_rate=5.0, timeout=0.5, reconnect_time=2.0, armed_by="A. Person")
@@ -106,6 +111,54 @@ def test_a_device_with_a_safety_model_is_commissioned_first(module, tmp_path, ca
     refuse_uncommissioned(read_device(path), path)
     description(module, tmp_path, sampling_rate=40)
     with pytest.raises(InputError, match="changed since it was commissioned"):
+        refuse_uncommissioned(read_device(path), path)
+
+
+@pytest.mark.parametrize(
+    ("found", "field", "why"),
+    [
+        ({"watchdog": "did not trip"}, "watchdog", "did not trip when the guardian was killed"),
+        ({"read_back_delay": np.nan}, "read_back_delay", "could not be measured"),
+        ({"round_trip_longest": np.inf}, "round_trip_longest", "could not be measured"),
+        ({"read_back_gain": 0.0}, "read_back_gain", "reads 0 times what was asked for"),
+        ({"read_back_gain": 1000.0}, "read_back_gain", "reads 1e+03 times"),
+    ],
+)
+def test_a_report_of_a_failed_check_commissions_nothing(
+    module, tmp_path, capsys, found, field, why
+):
+    path = description(module, tmp_path)
+    report = {"watchdog": "tripped", "read_back_gain": 1.0, "read_back_delay": 0.01} | found
+    with pytest.raises(DeviceError, match=rf"{field}: .*commission --arm NAME"):
+        write_report(path, report)
+    with pytest.raises(SystemExit) as exit_:
+        drive(path, tmp_path, "--arm", "A. Person")
+    assert exit_.value.code == 2
+    message = capsys.readouterr().err
+    assert f"device.commissioned.json: {field}: " in message
+    assert why in message
+    assert "commission --arm NAME" in message
+    assert message.count("\n") == 1
+    assert not module.history
+
+
+@pytest.mark.parametrize("left", ["", "{", "[]"])
+def test_a_damaged_report_commissions_nothing(module, tmp_path, left):
+    path = description(module, tmp_path)
+    report_file(path).write_text(left)
+    with pytest.raises(InputError, match=r"device\.commissioned\.json: is "):
+        refuse_uncommissioned(read_device(path), path)
+
+
+def test_a_read_back_that_stands_still_is_not_commissioned(module, tmp_path, capsys):
+    """At a few per cent it is within the tolerance of a drive."""
+    path = description(module, tmp_path, safety={"max_rate": 100})
+    module.read_back = lambda count: 0
+    with pytest.raises(SystemExit) as exit_:
+        main(["commission", "--device", str(path), "--arm", "A. Person", "--ramp-rate", "5"])
+    assert exit_.value.code == 1
+    assert "read_back_gain: the applied output reads" in capsys.readouterr().err
+    with pytest.raises(InputError, match="read_back_gain"):
         refuse_uncommissioned(read_device(path), path)
 
 

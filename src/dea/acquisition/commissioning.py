@@ -1,10 +1,11 @@
 """The first voltage on a device: a staircase to a few per cent, and what is learnt from it."""
 
 import json
+import math
 import os
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
@@ -21,13 +22,19 @@ from dea.acquisition.poll import Poll
 from dea.acquisition.retrying_link import Link
 from dea.acquisition.samples import Samples
 from dea.acquisition.settings import AcquisitionSettings
+from dea.atomic_file import atomic
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device, to_physical
 
 STEPS = 5  # stairs
 HOLD = 1.0  # s on each of them
 SETTLED = 0.3  # share of a stair at its end that is taken as settled
+TRIPPED, DID_NOT_TRIP = "tripped", "did not trip"
 WATCHDOG_MARGIN = 1.5  # s beyond the watchdog's time
+# Gains of a read-back that follows the output; noise makes that of a low staircase uncertain.
+FOLLOWS = 0.5, 2.0
+_AGAIN = "python -m dea.acquisition commission --arm NAME"
+_MEND = f"Mend the device or its description, then: {_AGAIN}"
 
 
 def commission(
@@ -104,11 +111,16 @@ def _delay(record: xr.Dataset, link: xr.Dataset, hold: int) -> float:
     before = np.nanmean(applied[:-1, -round(SETTLED * hold) :], axis=1)
     steps = (applied[1:] - before[:, None]) / np.diff(asked)[:, None]
     there = np.isfinite(steps + since)  # a busy host leaves samples out
-    if not there.any(axis=0).all():
+    counted = np.count_nonzero(there, axis=0)
+    total = np.sum(steps, axis=0, where=there)
+    response = np.where(counted > 0, total / np.maximum(counted, 1), np.nan)
+    settled = response[-round(SETTLED * hold) :]
+    if np.isnan(settled).all():
         return np.nan
-    response = np.mean(steps, axis=0, where=there)
-    shown = np.flatnonzero(response >= 0.5 * response[-round(SETTLED * hold) :].mean())[0]
-    return float(np.median(since[there[:, shown], shown]))
+    shown = np.flatnonzero(response >= 0.5 * np.nanmean(settled))
+    if not shown.size:
+        return np.nan
+    return float(np.median(since[there[:, shown[0]], shown[0]]))
 
 
 def _noise(asked: np.ndarray, values: np.ndarray) -> float:
@@ -148,10 +160,10 @@ def _trip_watchdog(
     except _WatchedError:
         partial.unlink()
     if not found.get("latched"):
-        return "did not trip"
+        return DID_NOT_TRIP
     acquire(device, volts[:1], partial, settings, reset=True)
     partial.unlink()
-    return "tripped"
+    return TRIPPED
 
 
 def report_file(description: Path) -> Path:
@@ -160,10 +172,19 @@ def report_file(description: Path) -> Path:
 
 
 def write_report(description: Path, report: Mapping[str, Any]) -> Path:
-    """Write the report beside the description, with the description's hash."""
+    """Write the report beside the description, with the description's hash.
+
+    Raises
+    ------
+    DeviceError
+        Where a check has failed; the report is written all the same.
+    """
     path = report_file(description)
     content = {**report, "description_sha256": _hash(description)}
-    path.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n")
+    with atomic(path) as partial:
+        partial.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n")
+    for field, why in _failed(report):
+        raise DeviceError(f"{path}: {field}: {why}. {_MEND}")
     return path
 
 
@@ -173,18 +194,43 @@ def refuse_uncommissioned(device: Device, description: Path) -> None:
     Raises
     ------
     InputError
-        Where there is no report, or the description has been changed since.
+        Where there is no report, a check failed, or the description has been changed since.
     """
     if device.safety is None:
         return
     path = report_file(description)
-    known = json.loads(path.read_text())["description_sha256"] if path.exists() else None
+    report = _read_report(path) if path.exists() else {}
+    known = report.get("description_sha256")
     if known != _hash(description):
         raise InputError(
-            "not commissioned" if known is None else "changed since it was commissioned",
+            "changed since it was commissioned" if report else "not commissioned",
             file=description,
-            remedy="python -m dea.acquisition commission --arm NAME",
+            remedy=_AGAIN,
         )
+    for field, why in _failed(report):
+        raise InputError(why, file=path, field=field, remedy=_MEND)
+
+
+def _read_report(path: Path) -> dict[str, Any]:
+    try:
+        report = json.loads(path.read_bytes())
+    except ValueError as error:
+        raise InputError(f"is damaged ({error})", file=path, remedy=_AGAIN) from error
+    if not isinstance(report, dict):
+        raise InputError("is no report of a commissioning", file=path, remedy=_AGAIN)
+    return report
+
+
+def _failed(report: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield each field of a report that shows a device not to be as it must, and why."""
+    if report.get("watchdog", TRIPPED) != TRIPPED:
+        yield "watchdog", f"{report['watchdog']} when the guardian was killed while driving"
+    for field, value in report.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            yield field, f"could not be measured, it is {value}"
+    gain = report.get("read_back_gain", 1.0)
+    if not FOLLOWS[0] <= gain <= FOLLOWS[1]:
+        yield "read_back_gain", f"the applied output reads {gain:.3g} times what was asked for"
 
 
 def _hash(description: Path) -> str:
