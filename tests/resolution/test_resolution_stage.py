@@ -179,8 +179,11 @@ def test_a_diagnosis_that_is_ended_says_so_in_one_line(case, capsys, monkeypatch
 def test_a_case_without_physics_and_a_changed_excitation_are_refused(case, capsys):
     content = yaml.safe_load(case.read_text())
     case.write_text(yaml.safe_dump({k: v for k, v in content.items() if k != "simulation"}))
+    Path("results/MANIFEST.json").touch()
     with pytest.raises(InputError, match="it names no simulation"):
         resolve("carriage", "me", 1)
+    # No result has changed.
+    assert Path("results/MANIFEST.json").exists()
 
 
 @pytest.fixture

@@ -59,7 +59,6 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
     device = modbus.read_device(Path(actuators[name].device)) if name in actuators else None
     if device is not None and actuators[name].bench is None:
         acquisition.refuse_unarmed(device, operator or study.acquisition.armed_by)
-    withdraw()
     records = [store.read_record(first).isel(time=slice(study.resolution.first))]
     leaves = written(study) | {"system": name, "split": {}}
     simulation = study.discrepancy.simulation
@@ -89,6 +88,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         records += [store.read_record(further / f"{key}.nc") for key in given]
         limits = _of_records(study, records)
         desk = ByHand(folder, first, limits, further, case)
+    withdraw()
     found = resolution.resolve(
         records, simulation, desk, limits,
         settings=Settings.of(leaves), options=options, workers=threads,
