@@ -21,6 +21,7 @@ from benchmarks.faults.trace import Trace
 from dea.acquisition.commissioning import write_report
 
 PATIENCE = 90.0  # s beyond the plan and its faults until the command is held to hang
+UNREAD = 20.0  # s, of a command that waits for somebody to read its terminal; its guardian does not
 NOTICED = 0.1  # s, some samples: a fault of the device that lasts less with voltage on may pass
 # What the command says of a trip. With "error:" it refuses to begin, and there is nothing to latch.
 TRIP = re.compile(
@@ -91,7 +92,8 @@ async def run(
         client.process, ended = await launcher.launch(**request)
         longest = schedule.duration + sum(f.length for f in (*schedule.link, *schedule.host))
         try:
-            status = await asyncio.wait_for(asyncio.shield(ended), longest + PATIENCE)
+            patience = UNREAD if schedule.stuck_terminal else PATIENCE
+            status = await asyncio.wait_for(asyncio.shield(ended), longest + patience)
         except TimeoutError:
             status = None
         exit_time = time.monotonic()
