@@ -17,6 +17,7 @@ from dea.errors import InputError
 ROOT = Path("records")
 MANIFEST = "manifest.json"
 UNFINISHED = ".partial"
+FAULT = "fault"  # key of a manifest: why no sample of the record is good
 
 
 def finished(name: str, excitation: str, root: Path = ROOT) -> list[Path]:

@@ -11,6 +11,7 @@ import yaml
 from dea import archive, store
 from dea.acquisition import ZeroNotVerifiedError
 from dea.acquisition.commissioning import write_report
+from dea.errors import InputError
 from dea.stages.record import main
 from dea.stages.take_record import take_record
 
@@ -92,6 +93,49 @@ def test_who_armed_stands_in_record_and_manifest(study, capsys, tmp_path, words)
     name = words[-1] if words else "L. Galvani"
     assert archive.manifest(folder)["operator"] == name
     assert store.read(folder / "record.nc").attrs["armed_by"] == name
+
+
+def test_a_record_whose_clock_is_off_is_kept_and_said_to_be_useless(study, capsys, monkeypatch):
+    # The bench plays as fast as it is fed; the rate is what a device at wall time would show.
+    for room in ("device_clock", "record"):
+        monkeypatch.setattr(f"dea.acquisition.{room}.fitted_rate", lambda _: 51.0)
+    with pytest.raises(SystemExit) as exit_:
+        main(["film1"])
+    assert exit_.value.code == 1
+    (folder,) = Path("records/film1").iterdir()
+    *_, counts, clock, kept = capsys.readouterr().err.strip().splitlines()
+    assert counts == "7500 samples: 0 good, 7500 clock"
+    for words in (
+        "51 Hz",
+        "50 Hz",
+        "2.00%",
+        "1.00%",
+        "config/devices/mine.yaml",
+        "record it again",
+    ):
+        assert words in clock
+    assert str(folder) in kept
+    content = archive.check(folder)
+    assert content["flagged"] == {"clock": 7500}
+    assert content["fault"] == clock
+    with pytest.raises(InputError, match=r"r\.nc: quality: 7500 of 7500 .*\(clock 7500\)"):
+        take(folder)
+
+
+def take(folder):
+    """Return what the study makes of a record."""
+    taken = folder.parents[2] / "r.nc"
+    take_record({}, folder / archive.MANIFEST, taken, taken.with_name("l.nc"))
+    return store.signals(store.read(taken))
+
+
+def test_a_record_says_what_was_flagged(study, capsys):
+    main(["film1"])
+    told = capsys.readouterr()
+    assert "7500 samples: 7500 good" in told.err
+    content = archive.manifest(Path(told.out.strip()))
+    assert (content["samples"], content["flagged"]) == (7500, {})
+    assert "fault" not in content
 
 
 def test_a_failed_record_keeps_its_samples_and_gets_no_name(study, capsys, monkeypatch):

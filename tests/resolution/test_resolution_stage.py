@@ -14,7 +14,7 @@ import made_carriage
 from dea import archive, modbus, store
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 from dea.resolution import CERTIFICATE, Design
 from dea.resolution.excitation import express, genes
 from dea.stages.resolve import Driven, _of_device, _plays, main, resolve
@@ -248,6 +248,17 @@ def test_hardware_with_high_voltage_is_armed_before_any_design(desk, capsys):
     assert "nobody has armed the high voltage" in message
     assert "OPERATOR=NAME" in message
     assert not Path("records").exists()
+
+
+def test_a_record_whose_clock_was_off_is_not_taken_again(desk, monkeypatch):
+    own, u = desk("film1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
+    put(own, 1, u)
+    for room in ("device_clock", "record"):
+        monkeypatch.setattr(f"dea.acquisition.{room}.fitted_rate", lambda _: 51.0)
+    with pytest.raises(DeviceError, match="is kept, and no sample of it is good"):
+        own.record(1, u)
+    assert len(list(Path("records/film1").iterdir())) == 1
+    assert not own.recorded(1)
 
 
 def test_a_record_that_another_first_record_led_to_is_not_taken(desk):

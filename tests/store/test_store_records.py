@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from dea.errors import InputError
-from dea.store import check_record, signals
+from dea.store import check_record, flag_counts, signals
 
 FILE = Path("record.nc")
 N = 20
@@ -44,6 +44,18 @@ def test_flagged_samples_are_left_out_and_counted():
 def test_a_record_without_a_good_sample_is_refused():
     with pytest.raises(InputError, match="20 of 20 samples are flagged"):
         check_record(flagged(*range(N)), FILE)
+    with pytest.raises(InputError, match="20 of 20 samples are flagged"):
+        signals(flagged(*range(N)))
+
+
+def test_the_flags_that_are_set_are_named_and_counted():
+    record = flagged(*range(N), lost=(7, 9))
+    assert flag_counts(record) == {"flagged": N}  # a record made elsewhere says no more
+    record["quality"].attrs["flag_masks"] = np.array([1, 2, 4], np.uint8)
+    assert flag_counts(record) == {"lost": 2, "late": 20}
+    with pytest.raises(InputError, match=r"20 of 20 samples are flagged \(lost 2, late 20\)"):
+        signals(record)
+    assert flag_counts(record.drop_vars("quality")) == {}
 
 
 def test_what_is_no_number_and_not_flagged_is_refused():

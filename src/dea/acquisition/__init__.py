@@ -3,6 +3,7 @@
 from dea.acquisition.acquire import Acquisition, acquire, refuse_unarmed
 from dea.acquisition.closed_loop import ClosedLoop, ControllerError
 from dea.acquisition.commissioning import report_file
+from dea.acquisition.flagged import clock_fault
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.laws import TripError
 from dea.acquisition.link_log import LinkSettings
@@ -39,6 +40,7 @@ __all__ = [
     "acquire",
     "acquire_watched",
     "check_excitation",
+    "clock_fault",
     "recover",
     "refuse_unarmed",
     "report_file",

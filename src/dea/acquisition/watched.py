@@ -1,11 +1,14 @@
 """An acquisition as a person runs it: of a commissioned device, with progress on the terminal."""
 
+import sys
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from dea.acquisition.acquire import Acquisition, acquire
 from dea.acquisition.commissioning import refuse_uncommissioned
+from dea.acquisition.flagged import clock_fault, flags_said
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import plan_sequence
 from dea.modbus import Device
@@ -21,7 +24,7 @@ def acquire_watched(
     live: bool = False,
     reset: bool = False,
 ) -> Acquisition:
-    """Acquire as :func:`dea.acquisition.acquire` and show how far it is.
+    """Acquire as :func:`dea.acquisition.acquire`, show how far it is, and say what was flagged.
 
     Parameters
     ----------
@@ -42,4 +45,8 @@ def acquire_watched(
     from dea.acquisition.monitor import Monitor
 
     with Monitor(device, plan.counts.size, live=live) as monitor:
-        return acquire(device, excitation, partial, settings, watch=monitor, reset=reset)
+        acquired = acquire(device, excitation, partial, settings, watch=monitor, reset=reset)
+    lines = [flags_said(acquired.record), clock_fault(device, acquired, settings)]
+    with suppress(OSError):  # nobody there to read it, and the record is not written yet
+        print(*filter(None, lines), sep="\n", file=sys.stderr)
+    return acquired

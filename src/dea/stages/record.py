@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from dea import acquisition, archive, modbus
+from dea import acquisition, archive, modbus, store
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.excitation import sections
@@ -18,7 +18,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, check_actuators, check_study
 from dea.configuration.study import settings as written
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 from dea.stages.driving import Excitation, excitation, write
 
 
@@ -58,6 +58,12 @@ def keep(
     """Drive a device and keep its record in ``records/``; return the folder of the record.
 
     ``settings`` name the ``system`` and the ``excitation_name``, and hold ``acquisition``.
+
+    Raises
+    ------
+    InputError, DeviceError
+        As :func:`record`; DeviceError also where the record is kept, but the device's clock is
+        beyond the tolerance.
     """
     device_file = Path(str(device.source))
     name, excitation_name = settings["system"], settings["excitation_name"]
@@ -77,7 +83,8 @@ def keep(
             (folder / "commissioned.json").write_text(commissioned.read_text())
         (folder / "config.yaml").write_text(Path(FILE).read_text())
         (folder / "samples.partial").unlink()
-        return archive.seal(
+        fault = acquisition.clock_fault(device, acquired, options)
+        kept = archive.seal(
             folder,
             {
                 "name": name,
@@ -88,8 +95,14 @@ def keep(
                 "computer": platform.node(),
                 "software": _software(),
                 "settings": settings,
-            },
+                "samples": acquired.record.sizes["time"],
+                "flagged": store.flag_counts(acquired.record),
+            }
+            | ({archive.FAULT: fault} if fault else {}),
         )
+    if fault:
+        raise DeviceError(f"{kept} is kept, and no sample of it is good: see the line on its clock")
+    return kept
 
 
 def _actuator(actuators: list[Actuator], name: str) -> Actuator:

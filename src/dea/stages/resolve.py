@@ -318,11 +318,12 @@ class Driven(Kept):
         """Return the folders of the records that this excitation and first record led to."""
         asked = ("excitation_sha256", "first_record")
         folders = archive.finished(self.actuator.name, settings["excitation_name"])
-        kept = [(folder, archive.manifest(folder)["settings"]) for folder in folders]
+        kept = [(folder, archive.manifest(folder)) for folder in folders]
         return [
             folder
-            for folder, played in kept
-            if all(played.get(key) == settings[key] for key in asked)
+            for folder, content in kept
+            if archive.FAULT not in content
+            and all(content["settings"].get(key) == settings[key] for key in asked)
         ]
 
 

@@ -6,7 +6,15 @@ from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
 from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
 from dea.store.record_file import read_record
-from dea.store.records import Record, Text, check_record, each_text, input_names, signals
+from dea.store.records import (
+    Record,
+    Text,
+    check_record,
+    each_text,
+    flag_counts,
+    input_names,
+    signals,
+)
 from dea.store.resampling import check_order, usual_interval
 from dea.store.sources import Sources
 
@@ -22,6 +30,7 @@ __all__ = [
     "check_order",
     "check_record",
     "each_text",
+    "flag_counts",
     "import_record",
     "input_names",
     "read",

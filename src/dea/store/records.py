@@ -181,7 +181,13 @@ def signals(record: xr.Dataset) -> Record:
 
     The output of a flagged sample is NaN, its input what was applied. A lost sample of a record
     that was finished was never written, so that the device held the input before.
+
+    Raises
+    ------
+    InputError
+        Where every sample is flagged; the message names the flags.
     """
+    _require_good(record, record.encoding.get("source"))
     driving, y = _driving(record), _first(record, _OUTPUTS)
     held = [_held(each.values.astype(float)) for each in driving]
     names = tuple(str(each.attrs.get("long_name", each.name)) for each in driving)
@@ -218,8 +224,7 @@ def check_record(record: xr.Dataset, file: Path) -> None:
     if time.size < 2:
         raise InputError(f"it holds {time.size} samples", file=file, remedy="Record at least two")
     flagged = _flagged(record)
-    if flagged.all():
-        raise InputError(_flags(record), file=file, field="quality", remedy="Record it again")
+    _require_good(record, file)
     driving = _driving(record, file)
     for variable in (*driving, _first(record, _OUTPUTS, file)):
         if "units" not in variable.attrs:
@@ -323,13 +328,29 @@ def _flagged(record: xr.Dataset) -> np.ndarray:
     return np.asarray(record["quality"].values != 0)
 
 
-def _flags(record: xr.Dataset) -> str:
+def flag_counts(record: xr.Dataset) -> dict[str, int]:
+    """Return how many samples of a record carry which flag, of those that any does."""
+    if "quality" not in record.variables:
+        return {}
     quality = record["quality"]
-    bad = np.flatnonzero(quality.values)
-    return (
-        f"{bad.size} of {quality.size} samples are flagged, the first at sample {bad[0]} "
-        f"(flag {int(quality.values[bad[0]])}: {quality.attrs.get('flag_meanings', '')})"
-    )
+    masks = np.atleast_1d(quality.attrs.get("flag_masks", []))
+    meanings = str(quality.attrs.get("flag_meanings", "")).split()
+    if len(masks) != len(meanings):  # of a record made elsewhere: missing, and no other flag
+        masks, meanings = np.array([0xFF]), ["flagged"]
+    counts = [int(np.count_nonzero(quality.values & mask)) for mask in masks]
+    return {meaning: count for meaning, count in zip(meanings, counts, strict=True) if count}
+
+
+def _require_good(record: xr.Dataset, file: Path | str | None) -> None:
+    flagged = _flagged(record)
+    if flagged.all():
+        counts = ", ".join(f"{name} {count}" for name, count in flag_counts(record).items())
+        raise InputError(
+            f"{flagged.size} of {flagged.size} samples are flagged ({counts})",
+            file=file,
+            field="quality",
+            remedy="Mend what the flags name (docs/acquisition.md), and record it again",
+        )
 
 
 def _held(u: np.ndarray) -> np.ndarray:
