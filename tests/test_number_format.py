@@ -28,3 +28,10 @@ def test_numbers_of_up_to_six_digits_are_written_out(text, expected):
 )
 def test_a_share_is_written_in_per_cent_and_never_as_all(value, low, high, text):
     assert share(value, low, high) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.6215, "62 %"), (0.994, "99 %"), (0.996, "over 99 %")]
+)
+def test_a_share_may_have_no_interval(value, text):
+    assert share(value) == text

@@ -18,8 +18,9 @@ def written_out(text: str) -> str:
     return re.sub(r"\d(\.\d+)?e\+0[1-5]", lambda found: f"{float(found[0]):.0f}", text)
 
 
-def share(value: float, low: float, high: float) -> str:
+def share(value: float, low: float | None = None, high: float | None = None) -> str:
     """Return a share of one and its interval in per cent, as ``72 % (63 to 79 %)``."""
-    if low >= 0.995:
+    if (value if low is None else low) >= 0.995:
         return "over 99 %"
-    return f"{100 * value:.0f} % ({100 * low:.0f} to {100 * high:.0f} %)"
+    interval = "" if low is None or high is None else f" ({100 * low:.0f} to {100 * high:.0f} %)"
+    return f"{100 * value:.0f} %{interval}"

@@ -18,6 +18,8 @@ CERTIFICATE = xr.Dataset(
         "role": ("time", np.where(TIME < 12, 1, 3)),
         "law_1_along": ("time", np.cos(TIME), {"units": "V", "long_name": "input"}),
         "law_1_value": ("time", np.cos(TIME) ** 3, {"units": "V", "long_name": "input that acts"}),
+        "law_1_low": ("time", np.cos(TIME) ** 3 - 0.1),
+        "law_1_high": ("time", np.cos(TIME) ** 3 + 0.2),
         "law_1_idle": ("time", np.cos(TIME)),
     },
     coords={"time": TIME},
@@ -43,12 +45,14 @@ EDGES = {
 }
 LOCALISATION = xr.Dataset(BINS | EDGES)
 NAMES = ["dead_zone", "sensor_lag"]
+PARTS = "along", "value", "low", "high", "idle"
 CANDIDATES = xr.Dataset(
     {
         "gain": ("candidate", [0.1, 0.9]),
         "gain_low": ("candidate", [0.0, 0.7]),
         "gain_high": ("candidate", [0.3, 1.0]),
         "null_gain": ((), 0.2),
+        "share": ("candidate", [0.8, 0.104]),
     },
     coords={"candidate": NAMES},
 )
@@ -59,7 +63,8 @@ def verdict(status="named"):
         "width": {"value": 0.4, "low": 0.3, "high": 0.6, "unit": "V"},
         "slope": {"value": 0.1, "low": -0.05, "high": 0.25, "unit": "1"},
     }
-    effects = [{"name": "dead_zone", "port": "input path", "balance": None, "parameters": law}]
+    effect = {"name": "dead_zone", "port": "input path", "balance": None, "share": 0.724}
+    effects = [effect | {"parameters": law}]
     return {
         "status": status,
         "effects": effects if status == "named" else [],
@@ -139,20 +144,41 @@ def test_of_a_long_block_the_runs_are_those_where_it_disagrees_most():
 
 def test_the_law_is_drawn_over_the_record_beside_what_would_be_without_it(panels):
     ax = panels["law"]
-    without, law = ax.lines
-    np.testing.assert_array_equal(law.get_xdata(), np.cos(TIME))
-    np.testing.assert_array_equal(law.get_ydata(), np.cos(TIME) ** 3)
-    np.testing.assert_array_equal(without.get_ydata(), np.sort(np.cos(TIME)))
+    law, without = ax.lines
+    along = np.sort(np.cos(TIME))
+    np.testing.assert_array_equal(law.get_xdata(), along)
+    np.testing.assert_array_equal(law.get_ydata(), along**3)
+    np.testing.assert_array_equal(without.get_ydata(), along)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("input (V)", "input that acts (V)")
     assert ax.get_title("right").splitlines() == [
         "dead zone", "width = 0.4 ± 0.15 V", "slope = 0.1 ± 0.15",
     ]  # fmt: skip
 
 
+def test_the_band_of_a_law_is_drawn_at_the_samples_of_the_record_alone(panels):
+    band, rug = panels["law"].collections
+    along = np.sort(np.cos(TIME))
+    ends = np.array([[a, b] for a, b in zip(along**3 - 0.1, along**3 + 0.2, strict=True)])
+    np.testing.assert_allclose([line[:, 1] for line in band.get_segments()], ends)
+    for lines in (band, rug):
+        np.testing.assert_array_equal([line[0, 0] for line in lines.get_segments()], along)
+    legend = [text.get_text() for text in panels["law"].get_legend().get_texts()]
+    assert legend == ["95 % band", "law", "without it"]
+
+
+def test_a_law_over_time_needs_no_marks_of_its_samples():
+    over_time = CERTIFICATE["law_1_along"].assign_attrs(long_name="time", units="s")
+    changed = CERTIFICATE.assign(law_1_along=over_time)
+    figure = discrepancy(LOCALISATION, CANDIDATES, changed, verdict())
+    ax = dict(zip(PANELS, figure.axes, strict=False))["law"]
+    assert ax.get_xlabel() == "time (s)"
+    assert len(ax.collections) == 1
+
+
 def test_each_of_two_laws_has_axes_of_its_own():
     said = verdict()
     said["effects"] *= 2
-    second = {f"law_2_{part}": CERTIFICATE[f"law_1_{part}"] for part in ("along", "value", "idle")}
+    second = {f"law_2_{part}": CERTIFICATE[f"law_1_{part}"] for part in PARTS}
     figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE.assign(second), said)
     assert [ax.get_xlabel() for ax in figure.axes].count(
         "input (V)"
@@ -175,9 +201,29 @@ def test_effects_stand_by_their_probability_and_the_named_one_stands_out(panels)
     ax = panels["presence"]
     assert [text.get_text() for text in ax.get_yticklabels()] == ["dead zone", "sensor lag"]
     assert [bar.get_width() for bar in ax.patches] == [0.97, 0.04]
-    assert [text.get_text() for text in ax.texts if text.get_text() != "F"] == ["0.97", "0.04"]
+    texts = [text.get_text() for text in ax.texts if text.get_text() != "F"]
+    assert texts == ["0.97", "removes 72 %", "0.04", "alone 10 %"]
     first, second = (bar.get_facecolor() for bar in ax.patches)
     assert first == to_rgba(style.VERMILION) != second
+
+
+def test_an_effect_at_a_port_or_input_has_the_share_of_its_best_place():
+    names = ["end_stop@upper", "end_stop@lower", "dead_zone@left", "sensor_lag"]
+    ported = CANDIDATES.isel(candidate=[0, 1, 0, 1]).assign_coords(candidate=names)
+    ported["share"] = "candidate", [np.nan, 0.3, 0.2, np.nan]
+    said = verdict("unknown")
+    said["presence"] = {"effects": {"end_stop": 0.5, "dead_zone@left": 0.4, "sensor_lag": 0.1}}
+    ax = discrepancy(LOCALISATION, ported, CERTIFICATE, said).axes[5]
+    texts = [text.get_text() for text in ax.texts if text.get_text() != "F"]
+    assert texts == ["0.50", "alone 30 %", "0.40", "alone 20 %", "0.10"]
+
+
+def test_effects_that_were_only_fitted_together_have_no_shares_of_their_own():
+    said = verdict()
+    said["effects"][0]["share"] = None
+    ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[5]
+    texts = [text.get_text() for text in ax.texts if text.get_text() != "F"]
+    assert texts == ["0.97", "0.04", "alone 10 %"]
 
 
 @pytest.mark.parametrize(
@@ -198,5 +244,5 @@ def test_without_a_name_the_gains_of_the_candidates_are_shown_best_first():
     np.testing.assert_array_equal(marks.get_xdata(), [0.9, 0.1])
     ends = [segment[:, 0] for segment in interval.get_segments()]
     np.testing.assert_allclose(ends, [[0.7, 1.0], [0.0, 0.3]])
-    assert [text.get_text() for text in ax.get_yticklabels()] == ["sensor_lag", "dead_zone"]
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["sensor lag", "dead zone"]
     assert figure.get_suptitle() == "unknown"

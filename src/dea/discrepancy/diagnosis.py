@@ -18,6 +18,7 @@ from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.report.estimates import Uncertainty, uncertainty
 from dea.discrepancy.report.summary import verdict_of
 from dea.discrepancy.report.verdict import Verdict
 from dea.discrepancy.rules import Rules
@@ -104,6 +105,16 @@ class Diagnosis:
     def verdict(self) -> Verdict:
         """The summary in numbers and words."""
         return verdict_of(self)
+
+    @cached_property
+    def uncertainty(self) -> Uncertainty:
+        """How sure the coordinates of the ``final`` simulation are."""
+        return uncertainty(self.problem, self.final, self.spread, self.error)
+
+    @property
+    def complete(self) -> float:
+        """Residual that remains of a complete simulation: noise and stated accuracy."""
+        return float(np.hypot(self.floor, self.nominal.extended.simulation.accuracy))
 
     @property
     def inputs(self) -> tuple[Input, ...]:

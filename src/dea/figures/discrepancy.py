@@ -16,11 +16,6 @@ from dea.store import Sources
 
 # Upper limit of the axis over the largest value, which leaves room for the legend.
 _HEADROOM = 1.3
-# A legend above the axes that leaves room for the panel's letter.
-_ABOVE: Mapping[str, Any] = {
-    "ncols": 3, "loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0,
-    "columnspacing": 0.8, "handlelength": 0.9,
-}  # fmt: skip
 # Points of a law that are drawn, and parameters that are told above it, at most.
 _MOST_POINTS = 3000
 _TOLD = 3
@@ -32,8 +27,18 @@ _FEW, _MOST_BARS = 3, 8
 _TICKS = 4
 
 # Legends of three above an axis half a page wide, beside its letter.
-_ABOVE = {"ncols": 3, "loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0,
-          "columnspacing": 0.9, "handlelength": 1.1}  # fmt: skip
+_ABOVE: Mapping[str, Any] = {
+    "ncols": 3, "loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0,
+    "columnspacing": 0.9, "handlelength": 1.1,
+}  # fmt: skip
+# Points that the text above a law leaves for such a legend.
+_LEGEND_HEIGHT = 12.0
+# Where, in units of probability, the shares stand beside the presences, and where that axis ends.
+_SHARES_AT, _PRESENCE_END = 1.16, 1.6
+# The band of a law, paler than the law.
+_BAND = "#F3CDB2"
+# Height of the ticks that mark the samples of a law, in parts of its axis.
+_RUG = 0.03
 
 
 def draw(sources: Sources) -> Figure:
@@ -81,9 +86,10 @@ def discrepancy(
     elif shapes:
         for number, (ax, effect) in enumerate(zip(laws, effects, strict=True), 1):
             _shape(ax, certificate, number, effect)
+        laws[-1].legend(**_ABOVE, fontsize=5.5)
     else:
         _parameters(laws[0], effects)
-    _presence(present, verdict)
+    _presence(present, verdict, candidates)
     for ax in (series, runs, where, *laws):
         ax.xaxis.set_major_locator(MaxNLocator(_TICKS))
     style.panel_letters([series, runs, where, ladder, laws[0], present])
@@ -193,29 +199,26 @@ def _in_words(label: str) -> str:
 
 
 def _shape(ax: Axes, certificate: xr.Dataset, number: int, effect: Mapping[str, Any]) -> None:
-    """Draw a named law at the samples of the record, and what would be there without it."""
-    along, value, idle = (
-        certificate[f"law_{number}_{part}"] for part in ("along", "value", "idle")
+    """Draw a named law with its band at the samples of the record, and what would be without it."""
+    parts = [
+        certificate[f"law_{number}_{part}"] for part in ("along", "value", "low", "high", "idle")
+    ]
+    order = np.argsort(parts[0].values[:: -(-parts[0].size // _MOST_POINTS)], kind="stable")
+    along, value, low, high, idle = (
+        part.values[:: -(-part.size // _MOST_POINTS)][order] for part in parts
     )
-    step = -(-along.size // _MOST_POINTS)
-    shown = slice(None, None, step)
-    order = np.argsort(along.values[shown], kind="stable")
-    ax.plot(
-        along.values[shown][order], idle.values[shown][order], color=style.GREY, ls="--", lw=0.8,
-        label="without it",
-    )  # fmt: skip
-    ax.plot(
-        along.values[shown], value.values[shown], ".", ms=1.2, color=style.VERMILION,
-        label="the law over the record",
-    )  # fmt: skip
-    for variable, place in ((along, ax.set_xlabel), (value, ax.set_ylabel)):
+    ax.vlines(along, low, high, color=_BAND, lw=1.2, label="95 % band", zorder=1.5)
+    ax.plot(along, value, ".", ms=1.2, color=style.VERMILION, label="law")
+    ax.plot(along, idle, color=style.GREY, ls="--", lw=0.8, label="without it")
+    if parts[0].attrs["long_name"] != "time":
+        ax.vlines(along, 0.0, _RUG, color=style.BLACK, lw=0.15, transform=ax.get_xaxis_transform())
+    for variable, place in ((parts[0], ax.set_xlabel), (parts[1], ax.set_ylabel)):
         name = str(variable.attrs["long_name"]).replace("_", " ")
         place(style.quantity(name, variable.attrs["units"]))
     ax.locator_params(axis="x", nbins=5)
     told = [effect["name"].replace("_", " ")]
     told += [_estimate(name, each) for name, each in list(effect["parameters"].items())[:_TOLD]]
-    ax.set_title("\n".join(told), fontsize=6, loc="right")
-    ax.legend(markerscale=5, fontsize=5.5, loc="best")
+    ax.set_title("\n".join(told), fontsize=6, loc="right", pad=_LEGEND_HEIGHT)
 
 
 def _estimate(name: str, estimate: Mapping[str, Any]) -> str:
@@ -258,22 +261,52 @@ def _gains(ax: Axes, candidates: xr.Dataset) -> None:
         gain, range(order.size), xerr=[gain - low, high - gain], fmt="o", color=style.BLUE, lw=1.0
     )
     ax.axvline(float(candidates["null_gain"]), color=style.BLACK, ls="--", lw=0.8)
-    ax.set_yticks(range(order.size), [str(n) for n in candidates["candidate"].values[order]])
+    names = [_in_words(str(n)) for n in candidates["candidate"].values[order]]
+    ax.set_yticks(range(order.size), names)
     ax.set(xlabel="gain, log ratio of held-out RMSE (dashed: chance)")
     ax.invert_yaxis()
 
 
-def _presence(ax: Axes, verdict: Mapping[str, Any]) -> None:
-    """Draw the probability of each effect to be part of the answer; named ones stand out."""
-    named = {effect["name"] for effect in verdict["effects"]}
-    named |= {f"{effect['name']}@{effect['balance']}" for effect in verdict["effects"]}
+def _presence(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> None:
+    """Draw the probability of each effect to be part of the answer; named ones stand out.
+
+    Beside it stands the part of the gap that it removes: of those named one after the other, of the
+    rest alone.
+    """
+    named = {
+        name: effect["share"]
+        for effect in verdict["effects"]
+        for name in (effect["name"], f"{effect['name']}@{effect['balance']}")
+    }
     found = sorted(verdict["presence"]["effects"].items(), key=lambda pair: -pair[1])[:_MOST_BARS]
     colours = [style.VERMILION if name in named else style.GREY for name, _ in found]
     values = [value for _, value in found]
     ax.barh(range(len(found)), values, color=colours, height=0.55)
-    for y, value in enumerate(values):
+    for y, (name, value) in enumerate(found):
         ax.text(value + 0.02, y, f"{value:.2f}", va="center", fontsize=5.5)
+        alone = _share_alone(candidates, name)
+        if named.get(name) is not None:
+            ax.text(_SHARES_AT, y, f"removes {_percent(named[name])}", va="center", fontsize=5.5)
+        elif name not in named and np.isfinite(alone):
+            ax.text(
+                _SHARES_AT, y, f"alone {_percent(alone)}", va="center", fontsize=5.5,
+                color=style.GREY,
+            )  # fmt: skip
     ax.set_yticks(range(len(found)), [_in_words(name) for name, _ in found])
     ax.set_ylim(max(len(found), _FEW) - 0.5, -0.5)
-    ax.set(xlabel="probability that it is part of the answer", xlim=(0, 1.15))
+    ax.set(xlim=(0, _PRESENCE_END))
+    ax.set_xlabel("probability that it is part of the answer,\nand share of the gap")
     ax.set_xticks([0.0, 0.5, 1.0])
+    ax.spines["bottom"].set_bounds(0.0, 1.0)
+
+
+def _share_alone(candidates: xr.Dataset, name: str) -> float:
+    """Return the part of the gap that an effect removes alone, at its best force port."""
+    labels = candidates["candidate"].values
+    own = [label == name or str(label).startswith(f"{name}@") for label in labels]
+    shares = candidates["share"].values[own]
+    return float(np.nanmax(shares)) if np.isfinite(shares).any() else np.nan
+
+
+def _percent(part: float) -> str:
+    return share(max(0.0, part))

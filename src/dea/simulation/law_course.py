@@ -1,16 +1,19 @@
 """What each attached law does along a record: its shape where the record reaches."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numba import float64, njit, types
 
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Family, Port
 from dea.simulation.extended import OUTPUT_GAIN, OUTPUT_OFFSET, TIMING_OFFSET
 from dea.simulation.extended import ExtendedSimulation as Extended
-from dea.simulation.signatures import MEMORY
+from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR, first_class
 from dea.simulation.timing import shifted
+
+_ARGUMENTS = VECTOR, VECTOR, float64, VECTOR, VECTOR
 
 
 class Axis(NamedTuple):
@@ -30,7 +33,11 @@ class LawCourse(NamedTuple):
 
 
 def law_courses(
-    extended: Extended, values: np.ndarray, u: np.ndarray, interval: float
+    extended: Extended,
+    values: np.ndarray,
+    u: np.ndarray,
+    interval: float,
+    motion: np.ndarray | None = None,
 ) -> list[LawCourse | None]:
     """Return the course of each effect attached, in their order.
 
@@ -43,16 +50,21 @@ def law_courses(
         All parameters of ``extended``.
     u
         Input, shape (samples,), of all records one after the other; several are columns.
+    motion
+        Output and position (2, samples) that the laws are evaluated on; of a run at ``values`` if
+        ``None``.
     """
+    if motion is None:
+        motion = extended.run(values, u, interval)
     if extended.records > 1:
         parts = [
-            law_courses(extended.alone, own, u[part], interval)
+            law_courses(extended.alone, own, u[part], interval, motion[:, part])
             for part, own in extended.each(values)
         ]
         return [_joined(courses) for courses in zip(*parts, strict=True)]
     own = extended.simulation
     known = dict(zip(extended.names, values.tolist(), strict=True))
-    output, position = extended.run(values, u, interval)
+    output, position = motion
     time = np.arange(output.size) * interval
     acting = extended.offset(values, u)
     y = known[OUTPUT_GAIN] * shifted(output, known[TIMING_OFFSET] / interval)
@@ -115,10 +127,7 @@ def _pushed(
     law = np.zeros(MEMORY)
     law[: q.size] = q
     memory = np.zeros(MEMORY) if effect.memory is None else effect.memory(q)
-    push = np.zeros(z.size)
-    for k in range(z.size):
-        push[k] = effect.force(z[k], w[k], memory, law)
-        effect.update(z[k], z[min(k + 1, z.size - 1)], interval, memory, law)
+    push = _push(first_class(effect.force), first_class(effect.update), z, w, interval, memory, law)
     frame = extended.normalisations[0]
     states = extended.simulation.states
     unit = next(state.unit for state in states if state.name == port.position)
@@ -128,6 +137,28 @@ def _pushed(
         else Axis(z * frame.scale + frame.rest, port.position, unit)
     )
     return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size))
+
+
+@njit(
+    VECTOR(types.FunctionType(FORCE), types.FunctionType(UPDATE), *_ARGUMENTS),
+    cache=True,
+    nogil=True,
+)
+def _push(
+    force: Any,
+    update: Any,
+    z: np.ndarray,
+    w: np.ndarray,
+    interval: float,
+    memory: np.ndarray,
+    q: np.ndarray,
+) -> np.ndarray:
+    """Return a force at each sample of a motion; its memory moves on."""
+    push = np.zeros(z.size)
+    for k in range(z.size):
+        push[k] = force(z[k], w[k], memory, q)
+        update(z[k], z[min(k + 1, z.size - 1)], interval, memory, q)
+    return push
 
 
 def _joined(courses: Sequence[LawCourse | None]) -> LawCourse | None:

@@ -359,6 +359,7 @@ CONTRACTS: Mapping[str, Contract] = {
             "gain": _plain("candidate", units="1"),
             "gain_low": _plain("candidate", units="1"),
             "gain_high": _plain("candidate", units="1"),
+            "share": _plain("candidate", units="1"),
             "error": _plain("candidate"),
             "visible": _plain("candidate", units="1"),
             "null_gain": _plain(units="1"),
@@ -381,7 +382,7 @@ CONTRACTS: Mapping[str, Contract] = {
         optional={
             f"law_{number}_{part}": _plain("time")
             for number in (1, 2, 3)
-            for part in ("along", "value", "idle")
+            for part in ("along", "value", "low", "high", "idle")
         },
     ),
 }

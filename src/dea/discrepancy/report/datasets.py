@@ -7,9 +7,11 @@ import numpy as np
 import xarray as xr
 
 from dea.discrepancy.diagnosis import Diagnosis
+from dea.discrepancy.problem import rmse
+from dea.discrepancy.report.law_bands import banded_laws
 from dea.discrepancy.report.sentence import where_sentence
+from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
-from dea.simulation import law_courses
 
 
 def localisation_dataset(diagnosis: Diagnosis) -> xr.Dataset:
@@ -45,6 +47,9 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             "gain": column(gained.gain, "1", "log ratio of held-out RMSE without and with it"),
             "gain_low": column(gained.low, "1", "lower end of the 95 % interval over all effects"),
             "gain_high": column(gained.high, "1", "upper end of the 95 % interval"),
+            "share": column(
+                _shares_alone(diagnosis), "1", "part of the held-out misfit that it removes alone"
+            ),
             "error": column([c.error for c in singles], unit, "RMSE, charged for parameters"),
             "finished": column([c.finished for c in singles], "1", "whether fitted to the end"),
             "visible": column([v.size for v in visible], "1", "signature left over the noise"),
@@ -75,7 +80,7 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
 def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     """Return the record, both simulations and the use of each sample; other records' errors.
 
-    Of each law that is named, also its course over the record.
+    Of each law that is named, also its course over the record, with a band.
     """
     problem, unit = diagnosis.problem, diagnosis.units[1]
     role = np.select([problem.fit, problem.select, problem.certify], [1, 2, 3], 0)
@@ -123,17 +128,36 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
 
 
 def _laws(diagnosis: Diagnosis) -> dict[str, tuple[str, np.ndarray, dict[str, str]]]:
-    """Return of each named law what it acts on, what it makes of it, and that without the law."""
-    final, problem = diagnosis.final, diagnosis.problem
-    courses = law_courses(final.extended, final.values, problem.u, problem.interval)
+    """Return of each named law what it acts on, what it makes of it with its band, and no law."""
     found = {}
-    for number, course in enumerate(courses, 1):
-        if course is not None:
-            (along, name, unit), (value, made, made_unit), idle = course
-            found[f"law_{number}_along"] = "time", along, _attributes(unit, name)
-            found[f"law_{number}_value"] = "time", value, _attributes(made_unit, made)
-            found[f"law_{number}_idle"] = "time", idle, _attributes(made_unit, "without the law")
+    laws = banded_laws(diagnosis.problem, diagnosis.final, diagnosis.uncertainty.covariance)
+    for number, law in enumerate(laws, 1):
+        if law is not None:
+            (along, name, unit), (value, made, made_unit), idle = law.course
+            columns = (
+                ("along", along, unit, name),
+                ("value", value, made_unit, made),
+                ("low", law.low, made_unit, f"{made}: lower end of its 95 % band"),
+                ("high", law.high, made_unit, f"{made}: upper end of its 95 % band"),
+                ("idle", idle, made_unit, "without the law"),
+            )
+            for part, values, its_unit, meaning in columns:
+                found[f"law_{number}_{part}"] = "time", values, _attributes(its_unit, meaning)
     return found
+
+
+def _shares_alone(diagnosis: Diagnosis) -> np.ndarray:
+    """Return the share of each single effect that was fitted to the end; NaN of others."""
+    whole = rmse(diagnosis.ladder.rungs[0].residual, diagnosis.problem.seen)
+    gap = misfit(whole, diagnosis.complete)
+    left = [
+        misfit(whole * float(np.exp(-gain)), diagnosis.complete)
+        for gain in diagnosis.singles.gains.gain
+    ]
+    finished = [c.finished and gap > 0.0 for c in diagnosis.singles.candidates]
+    return np.array(
+        [1.0 - each / gap if done else np.nan for each, done in zip(left, finished, strict=True)]
+    )
 
 
 def _written(candidates: Iterable[Candidate]) -> np.ndarray:

@@ -1,5 +1,7 @@
 """Estimates of an effect's parameters, with intervals."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from dea.discrepancy.evidence.model_error import ModelError, memory_of
@@ -7,10 +9,35 @@ from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.verdict import Estimate
 
+# Standard deviations of a 95 % interval.
+INTERVAL = 1.96
 
-def estimates(
-    problem: Problem, fit: Fit, index: int, spread: np.ndarray, error: ModelError
-) -> dict[str, Estimate]:
+
+class Uncertainty(NamedTuple):
+    """Standard deviations (k,) and covariance (k, k) of the coordinates of a fit."""
+
+    deviation: np.ndarray
+    covariance: np.ndarray
+
+
+def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelError) -> Uncertainty:
+    """Return how sure the coordinates of a fit are.
+
+    ``spread`` (k,) is their standard deviation from fits to parts of the record. The larger of it
+    and of what the curvature of the cost gives counts, where the ``error`` of the law and the
+    autocorrelation of the residual take part in the variance; correlations are those of the
+    curvature.
+    """
+    residual = fit.residual[problem.seen]
+    variance = max(float(np.mean(residual**2)) * memory_of(residual), error.density)
+    covariance = fit.covariance(problem.seen, variance)
+    curved = np.sqrt(np.diag(covariance))
+    deviation = np.maximum(curved, spread)
+    factor = deviation / curved
+    return Uncertainty(deviation, covariance * np.outer(factor, factor))
+
+
+def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate]:
     """Return the free parameters of the attached effect ``index`` with 95 % intervals.
 
     Those that the record determines best (relative to the prior) come first, those that only
@@ -23,10 +50,6 @@ def estimates(
     extended = fit.extended
     where = extended.effect_slices[index]
     parameters = extended.attached[index].parameters
-    residual = fit.residual[problem.seen]
-    variance = max(float(np.mean(residual**2)) * memory_of(residual), error.density)
-    deviation = np.sqrt(np.diag(fit.covariance(problem.seen, variance)))
-    deviation = np.maximum(deviation, spread)
     values = fit.values
     own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
     result = {}
@@ -34,7 +57,7 @@ def estimates(
         i = extended.free[position]
         parameter = parameters[i - where.start]
         ends = [
-            parameter.value(fit.coordinates[position] + side * 1.96 * deviation[position])
+            parameter.value(fit.coordinates[position] + side * INTERVAL * deviation[position])
             for side in (-1.0, 1.0)
         ]
         value = float(values[i])

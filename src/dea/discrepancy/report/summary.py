@@ -1,6 +1,7 @@
 """Summarise a diagnosis as a verdict."""
 
 from dataclasses import asdict
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from dea.discrepancy.decision import Status
@@ -9,6 +10,7 @@ from dea.discrepancy.report.estimates import estimates
 from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import verdict_sentence, where_sentence
 from dea.discrepancy.report.verdict import NamedEffect, Verdict
+from dea.discrepancy.rules import misfit
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
@@ -66,8 +68,8 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
     extended = found.extended.extended
     rivals = tuple(rival.names for rival in found.decision.rivals)
     result = []
-    for index, (attached, part) in enumerate(
-        zip(extended.attached, found.ladder.contributions, strict=True)
+    for index, (attached, part, part_removed) in enumerate(
+        zip(extended.attached, found.ladder.contributions, _shares(found), strict=True)
     ):
         place = extended.force_port_of(attached) or extended.input_of(attached)
         result.append(
@@ -75,13 +77,27 @@ def _effects(found: "Diagnosis") -> tuple[NamedEffect, ...]:
                 name=attached.effect.name,
                 port=str(attached.effect.port),
                 family=str(attached.effect.family),
-                parameters=estimates(found.problem, found.final, index, found.spread, found.error),
+                parameters=estimates(found.final, index, found.uncertainty.deviation),
                 gap_before=part.before,
                 gap_after=part.after,
                 gain=(part.gain, part.low, part.high),
                 presence=found.presence.effects.get(extended.name_of(attached), 0.0),
                 rivals=rivals,
                 balance=place.name if place else None,
+                share=part_removed,
             )
         )
     return tuple(result)
+
+
+def _shares(found: "Diagnosis") -> list[float | None]:
+    """Return what each effect contributes to the share of all, one after the other."""
+    parts, removed = found.ladder.contributions, found.share
+    if removed is None or len(parts) != len(found.ladder.rungs) - 1:
+        return [None] * len(parts)
+    left = [misfit(error, found.complete) for error in (parts[0].before, *(p.after for p in parts))]
+    if left[0] <= left[-1]:
+        return [None] * len(parts)
+    return [
+        removed.value * (before - after) / (left[0] - left[-1]) for before, after in pairwise(left)
+    ]

@@ -40,6 +40,9 @@ class NamedEffect:
         Name of the force port, or of the input, it acts at, if the simulation has several.
     presence
         Probability that it is part of the answer, whatever else is.
+    share
+        Part of the misfit that it removes beyond those named before it; none where it was not
+        fitted without those named after it.
     """
 
     name: str
@@ -52,6 +55,7 @@ class NamedEffect:
     rivals: tuple[tuple[str, ...], ...] = ()
     balance: str | None = None
     presence: float = 1.0
+    share: float | None = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,61 @@
+"""How sure a named law is, at every sample of the record."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Samples
+from dea.discrepancy.report.estimates import INTERVAL
+from dea.simulation import LawCourse, law_courses
+
+
+class BandedLaw(NamedTuple):
+    """The course of a law over the record, and the ends of its 95 % band, each (n,)."""
+
+    course: LawCourse
+    low: np.ndarray
+    high: np.ndarray
+
+
+def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[BandedLaw | None]:
+    """Return each attached law with its band, ``None`` where it has no course.
+
+    What the law acts on is that of the fit. Its parameters are moved by 1.96 standard deviations
+    along each principal axis of their part of the ``covariance`` (k, k) of the fit's coordinates,
+    both ways and within their bounds; the changes upwards and downwards that the law makes are
+    summed as squares, each on its side. For a law that is linear in its parameters this is exact.
+    """
+    extended = fit.extended
+    motion = extended.run(fit.values, samples.u, samples.interval)
+    low, high = extended.bounds
+
+    def courses(coordinates: np.ndarray) -> list[LawCourse | None]:
+        values = extended.values(np.clip(coordinates, low, high))
+        return law_courses(extended, values, samples.u, samples.interval, motion)
+
+    def made(coordinates: np.ndarray) -> list[np.ndarray]:
+        return [course.value.values for course in courses(coordinates) if course]
+
+    banded: list[BandedLaw | None] = []
+    value = made(fit.coordinates)
+    for index, course in enumerate(courses(fit.coordinates)):
+        if course is None:
+            banded.append(None)
+            continue
+        number = sum(each is not None for each in banded)
+        where = extended.effect_slices[index]
+        own = np.flatnonzero((extended.free >= where.start) & (extended.free < where.stop))
+        variances, axes = np.linalg.eigh(covariance[np.ix_(own, own)])
+        above, below = np.zeros(samples.size), np.zeros(samples.size)
+        for step in (INTERVAL * np.sqrt(np.maximum(variances, 0.0)) * axes).T:
+            moved = np.zeros(fit.coordinates.size)
+            moved[own] = step
+            changes = np.array(
+                [made(fit.coordinates + side * moved)[number] - value[number] for side in (-1, 1)]
+            )
+            above += np.maximum(changes.max(axis=0), 0.0) ** 2
+            below += np.minimum(changes.min(axis=0), 0.0) ** 2
+        ends = value[number] - np.sqrt(below), value[number] + np.sqrt(above)
+        banded.append(BandedLaw(course, *ends))
+    return banded

@@ -1,0 +1,141 @@
+"""Bands of a law over the record, against sums and draws made here."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Samples
+from dea.discrepancy.report.estimates import uncertainty
+from dea.discrepancy.report.law_bands import banded_laws
+from dea.simulation import ForcePort, catalogue, law_courses, measured_scales, prepared
+from made_carriage import CARRIAGE
+
+INTERVAL = 0.02
+TIME = np.arange(600) * INTERVAL
+U = np.sin(2 * np.pi * 0.2 * TIME) + 0.4 * np.sin(2 * np.pi * 0.47 * TIME)
+RECORD = Samples(U, U, INTERVAL)
+RNG = np.random.default_rng(4)
+
+
+def extended_by(*names, simulation=CARRIAGE):
+    extended = prepared(simulation, U, INTERVAL, 1e-4)
+    scales = measured_scales(extended, extended.values(np.zeros(extended.free.size)), RECORD)
+    for name in names:
+        extended = extended.attach(catalogue()[name], scales)
+    coordinates = np.zeros(extended.free.size)
+    return Fit(extended, coordinates, np.zeros(U.size), np.zeros((U.size, coordinates.size)), 0.0)
+
+
+def correlated(size, scale):
+    """A covariance of this many coordinates, none of them independent of the others."""
+    root = RNG.standard_normal((size, size))
+    return scale**2 * (root @ root.T / size + 0.2 * np.eye(size))
+
+
+def own_part(fit, index):
+    where = fit.extended.effect_slices[index]
+    return np.flatnonzero((fit.extended.free >= where.start) & (fit.extended.free < where.stop))
+
+
+def courses_of(fit, coordinates):
+    """The courses of laws elsewhere, on the motion of the fit."""
+    extended = fit.extended
+    motion = extended.run(fit.values, U, INTERVAL)
+    return law_courses(extended, extended.values(coordinates), U, INTERVAL, motion)
+
+
+def test_the_band_of_a_law_that_is_linear_in_its_parameters_is_exact():
+    fit = extended_by("gain_drift")
+    own, C = own_part(fit, 0), correlated(fit.coordinates.size, 0.3)
+    [law] = banded_laws(RECORD, fit, C)
+    columns = []
+    for position in own:
+        moved = fit.coordinates.copy()
+        moved[position] = 1.0
+        columns.append(courses_of(fit, moved)[0].value.values - law.course.value.values)
+    J = np.column_stack(columns)
+    half = 1.96 * np.sqrt(np.einsum("ni,ij,nj->n", J, C[np.ix_(own, own)], J))
+    assert half.max() > 1e-3
+    np.testing.assert_allclose(law.high - law.course.value.values, half, atol=1e-9)
+    np.testing.assert_allclose(law.course.value.values - law.low, half, atol=1e-9)
+
+
+def test_the_band_of_a_bent_law_is_that_of_draws():
+    fit = extended_by("gain_drift", "strain_stiffening")
+    own, C = own_part(fit, 1), correlated(fit.coordinates.size, 0.1)
+    law = banded_laws(RECORD, fit, C)[1]
+    drawn = []
+    for draw in RNG.multivariate_normal(np.zeros(own.size), C[np.ix_(own, own)], 1000):
+        moved = fit.coordinates.copy()
+        moved[own] += draw
+        drawn.append(courses_of(fit, moved)[1].value.values)
+    low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
+    size = np.max(high - low)
+    assert size > 1e-3
+    np.testing.assert_allclose(law.low, low, atol=0.06 * size)
+    np.testing.assert_allclose(law.high, high, atol=0.06 * size)
+
+
+def test_a_parameter_at_its_bound_widens_the_band_to_one_side():
+    fit = extended_by("dead_zone")
+    names = [fit.extended.names[i] for i in fit.extended.free]
+    at = names.index("dead_zone.gate")
+    fit.coordinates[at] = fit.extended.bounds[0][at]
+    C = np.zeros((fit.coordinates.size,) * 2)
+    C[at, at] = 0.1
+    [law] = banded_laws(RECORD, fit, C)
+    value = law.course.value.values
+    above, below = law.high - value, value - law.low
+    assert np.max(np.maximum(above, below)) > 1e-2
+    np.testing.assert_array_equal(np.minimum(above, below), 0.0)
+
+
+def test_a_law_without_a_course_has_no_band_and_the_others_keep_theirs():
+    [port] = CARRIAGE.force_ports
+    blind = ForcePort(equation=port.equation, position=None, velocity=port.velocity)
+    fit = extended_by(
+        "coulomb_friction", "dead_zone", simulation=replace(CARRIAGE, force_ports=(blind,))
+    )
+    friction, zone = banded_laws(RECORD, fit, correlated(fit.coordinates.size, 0.1))
+    assert friction is None
+    np.testing.assert_array_equal(zone.course.along.values, U)
+    assert np.max(zone.high - zone.low) > 0.0
+
+
+def test_coordinates_are_as_sure_as_the_worse_of_curvature_and_folds():
+    J = RNG.standard_normal((400, 3)) @ np.array([[1.0, 0.8, 0.0], [0, 1.0, 0], [0, 0, 1.0]])
+    fit = Fit(SimpleNamespace(), np.zeros(3), RNG.standard_normal(400), J, 0.0)
+    problem = SimpleNamespace(seen=np.ones(400, bool))
+    error = ModelError(1.0, 0.0, 0.0, 1.0)
+    curved = uncertainty(problem, fit, np.zeros(3), error)
+    np.testing.assert_allclose(np.diag(curved.covariance), curved.deviation**2)
+    spread = np.array([10.0, 0.0, 1.0]) * curved.deviation
+    found = uncertainty(problem, fit, spread, error)
+    np.testing.assert_allclose(found.deviation, [10.0, 1.0, 1.0] * curved.deviation)
+
+    def correlation(each):
+        return each.covariance / np.outer(each.deviation, each.deviation)
+
+    np.testing.assert_allclose(correlation(found), correlation(curved))
+    assert abs(correlation(found)[0, 1]) > 0.3
+
+
+@pytest.mark.parametrize("name", ["coulomb_friction", "rate_independent_hysteresis"])
+def test_the_compiled_course_of_a_force_is_that_of_its_functions(name):
+    fit = extended_by(name)
+    [course] = courses_of(fit, fit.coordinates)
+    effect = catalogue()[name]
+    q = fit.values[fit.extended.effect_slices[0]]
+    law, memory = np.zeros(32), np.zeros(32)
+    law[: q.size] = q
+    if effect.memory is not None:
+        memory = effect.memory(q)
+    z = fit.extended.run(fit.values, U, INTERVAL)[1]
+    w = np.gradient(z) / INTERVAL
+    for k in range(z.size):
+        assert course.value.values[k] == effect.force(z[k], w[k], memory, law)
+        effect.update(z[k], z[min(k + 1, z.size - 1)], INTERVAL, memory, law)
