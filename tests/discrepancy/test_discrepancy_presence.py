@@ -81,6 +81,8 @@ def test_an_effect_is_as_sure_as_all_answers_that_hold_it():
     found = Presence(sets, np.array([0.6, 0.3, 0.1])).effects
     assert found == pytest.approx({"a": 0.9, "b": 0.7, "c": 0.3})
     assert list(found) == ["a", "b", "c"]
+    pair = Presence((candidate(*"sqdkmbx"),), np.array([1.0]))
+    assert list(pair.effects) == list("bdkmqsx")
 
 
 def test_the_share_is_that_of_the_misfit():

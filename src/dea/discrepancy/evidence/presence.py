@@ -55,7 +55,8 @@ class Presence:
         for candidate, weight in zip(self.candidates, self.weights, strict=True):
             for part in parts(candidate):
                 found[part] = found.get(part, 0.0) + float(weight)
-        return dict(sorted(found.items(), key=lambda item: -item[1]))
+        # Those that are as sure stand in the order of their names, the same in every process.
+        return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
 
 def families_of(candidate: Candidate) -> set[str]:
