@@ -135,6 +135,21 @@ def test_a_file_that_was_made_meanwhile_is_not_overwritten(
     assert not store.read(output, "record").quality.any()
 
 
+def test_a_record_whose_clock_is_off_is_kept_with_exit_status_1(
+    serve_bench, tmp_path, capsys, monkeypatch
+):
+    # The bench plays as fast as it is fed; the rate is what a device at wall time would show.
+    for room in ("device_clock", "record"):
+        monkeypatch.setattr(f"dea.acquisition.{room}.fitted_rate", lambda _: 51.0)
+    with pytest.raises(SystemExit) as caught:
+        drive(serve_bench(), tmp_path / "record.nc")
+    assert caught.value.code == 1
+    said = capsys.readouterr().err
+    assert "51 Hz" in said
+    assert "record.nc is kept, and no sample of it is good" in said
+    assert (store.read(tmp_path / "record.nc").quality & Quality.CLOCK).all()
+
+
 def test_another_runs_link_file_is_refused_before_any_voltage(serve_bench, tmp_path, capsys):
     bench = serve_bench()
     (tmp_path / "record_link.nc").write_text("of another run")

@@ -11,6 +11,7 @@ import xarray as xr
 
 from dea import store
 from dea.acquisition import by_hand, commissioning, latch
+from dea.acquisition.flagged import clock_fault
 from dea.acquisition.link_log import LinkSettings
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
@@ -23,7 +24,7 @@ from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import plan_sequence
 from dea.acquisition.watched import acquire_watched
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 from dea.excitation import KINDS, design
 from dea.modbus import BLOCK, REPLY, Device, read_device
 
@@ -61,6 +62,8 @@ def drive(options: argparse.Namespace) -> None:
     store.write(acquired.link.assign_attrs(contract="link"), link, title=title)
     _write_record(acquired.record, options, title)
     partial.unlink()
+    if clock_fault(device, acquired, settings):
+        raise DeviceError(f"{options.output} is kept, and no sample of it is good")
 
 
 def commission(options: argparse.Namespace) -> None:
