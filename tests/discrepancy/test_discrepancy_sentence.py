@@ -1,9 +1,105 @@
-"""Clauses of the verdict's sentence."""
+"""Clauses of the verdict's sentence, and that they agree with each other."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
+from dea.discrepancy.decision import Decision, Reason, Status
+from dea.discrepancy.evidence.certificate import Certified
+from dea.discrepancy.evidence.localisation import Band, Concentration, Localisation
+from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.evidence.presence import Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
-from dea.discrepancy.report.sentence import equation_sentence
+from dea.discrepancy.report.remarks import remarks
+from dea.discrepancy.report.sentence import equation_sentence, label_in_words, verdict_sentence
+from dea.discrepancy.report.verdict import Estimate, NamedEffect
+from dea.simulation import Input, Parameter, catalogue
+
+BAND = Band(0.5, 1.0, 0.4)
+BEFORE = (
+    "the residual of 0.3 mm (RMS) is concentrated nowhere; 40 % of its energy lies between 0.5 and "
+    "1 Hz"
+)
+AFTER = BEFORE.replace("0.3", "0.02")
+NOISE = "noise floor 0.01 mm"
+NAMES = "stiffness", "gain", "timing_offset"
+SHARE = Share(0.724, 0.63, 0.79)
+NO_EQUATION = ResidualModel(1.0, "0", 0.0)
+EQUATION = ResidualModel(0.5, "0.3 u(t-1)", 0.4)
+
+
+def concentrated(rms):
+    return Localisation(None, None, BAND, rms, "mm")
+
+
+def candidate(*names, at_bounds=()):
+    return SimpleNamespace(names=names, at_bounds=at_bounds)
+
+
+def extension(*names):
+    """An extended simulation with two parameters of its own, which are fitted, and effects."""
+    return SimpleNamespace(
+        attached=[SimpleNamespace(effect=catalogue()[name]) for name in names],
+        input_of=lambda attached: None,
+        force_port_of=lambda attached: None,
+        simulation=SimpleNamespace(
+            parameters=[Parameter(name, "1", 1.0, 0.1) for name in NAMES[:2]], accuracy=0.0
+        ),
+        names=NAMES,
+        free=np.arange(3),
+        bounds=(np.full(3, -3.0), np.full(3, 3.0)),
+        timing_spread=0.008,
+    )
+
+
+def found(
+    status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
+    white=0.01, left=0.0, accuracy=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
+    effects=None, families=None, equation=NO_EQUATION,
+):  # fmt: skip
+    """A diagnosis as far as its sentence needs one, at 50 Hz."""
+    extended = extension(*names)
+    extended.simulation.accuracy = accuracy
+    fit = SimpleNamespace(
+        extended=extended,
+        coordinates=np.array(coordinates),
+        covariance=lambda seen, variance: np.diag([0.1, 0.1, 0.0025]),
+    )
+    chosen = candidate(*names, at_bounds=at_bounds) if names else None
+    rivals = tuple(candidate(*each) for each in rivals)
+    return SimpleNamespace(
+        decision=Decision(status, chosen, rivals, reason, whole),
+        certificate=SimpleNamespace(block=Certified(*block, 100)),
+        unexplained=equation,
+        where=SimpleNamespace(before=concentrated(0.3), after=concentrated(0.02)),
+        nominal=fit,
+        extended=fit,
+        final=fit,
+        problem=SimpleNamespace(interval=0.02, seen=np.ones(4, bool)),
+        floor=white,
+        complete=float(np.hypot(white, accuracy)),
+        error=ModelError(white, left, left, 1.0),
+        share=share,
+        presence=SimpleNamespace(effects=effects or {}, families=families or {}),
+        inputs=(Input("input", "V"),),
+        units=("V", "mm"),
+    )
+
+
+def named(name="dead_zone", unit="V"):
+    width = Estimate(0.4, unit, 0.3, 0.5)
+    return NamedEffect(name, "", "", {"threshold": width}, 0.2, 0.1, (0.7, 0.6, 0.8))
+
+
+def sentence(diagnosis):
+    effects = [named(each.effect.name) for each in diagnosis.extended.extended.attached]
+    return verdict_sentence(diagnosis, effects, remarks(diagnosis))
+
+
+PROOF = f"the error on the certified samples falls from 0.2 to 0.011 mm, {NOISE}"
+ZONE = "`dead_zone` (threshold 0.4 ± 0.1 V)"
+REMOVES = f"{ZONE} removes 72 % (63 to 79 %) of the gap"
 
 
 @pytest.mark.parametrize(
@@ -19,3 +115,283 @@ from dea.discrepancy.report.sentence import equation_sentence
 )
 def test_an_equation_that_explains_nothing_is_left_out(equation, explained, text):
     assert equation_sentence(ResidualModel(0.5, equation, explained)) == text
+
+
+def test_a_name_leads_with_its_share_and_its_proof():
+    text = sentence(found(Status.NAMED, "dead_zone"))
+    assert text == f"{REMOVES}: {PROOF}. Without it {BEFORE}."
+
+
+def test_two_names_are_spoken_of_as_two():
+    text = sentence(found(Status.NAMED, "dead_zone", "sensor_lag", block=(0.2, 0.02)))
+    assert text == (
+        f"{ZONE} and `sensor_lag` (threshold 0.4 ± 0.1 V) remove 72 % (63 to 79 %) of the gap: "
+        f"the error on the certified samples falls from 0.2 to 0.02 mm, {NOISE}. "
+        f"Their laws are too poor here: 2 noise floors remain. Without them {BEFORE}."
+    )
+
+
+@pytest.mark.parametrize(
+    ("after", "accuracy", "reason", "clause"),
+    [
+        (0.013, 0.0, None, ""),
+        (0.0131, 0.0, None, " Its law is too poor here: 1.3 noise floors remain."),
+        (0.05, 0.0, None, " Its law is too poor here: 5 noise floors remain."),
+        (0.05, 0.04, None, ""),  # which is said to be accurate enough
+        (0.05, 0.0, Reason.COLOURED, " What remains is coloured noise of 5 noise floors."),
+        (0.012, 0.0, Reason.COLOURED, ""),
+    ],
+)
+def test_a_law_is_too_poor_where_more_remains_than_of_a_complete_simulation(
+    after, accuracy, reason, clause
+):
+    text = sentence(
+        found(Status.NAMED, "dead_zone", block=(0.2, after), accuracy=accuracy, reason=reason)
+    )
+    assert text == (
+        f"{REMOVES}: the error on the certified samples falls from 0.2 to {after:.3g} mm, {NOISE}."
+        f"{clause} Without it {BEFORE}."
+    )
+
+
+def test_a_rival_of_the_class_that_would_do_as_well_is_told():
+    rivals = [("input_saturation",), ("sensor_lag", "end_stop@left")]
+    text = sentence(found(Status.NAMED, "dead_zone", rivals=rivals))
+    doubt = (
+        "In this record input_saturation or sensor_lag+end_stop at left of its class would do as "
+        "well."
+    )
+    assert text == f"{REMOVES}: {PROOF}. {doubt} Without it {BEFORE}."
+
+
+@pytest.mark.parametrize(
+    ("families", "hint"),
+    [
+        ({"lag": 0.7, "slow change": 0.6}, " (lag is likely)"),
+        ({"threshold": 0.9, "slow change": 0.6}, " (slow change is likely)"),  # one is named
+        ({"slow change": 0.59}, ""),
+    ],
+)
+def test_a_part_is_certain_and_not_said_to_be_all(families, hint):
+    part = found(Status.NAMED, "dead_zone", reason=Reason.REMAINS, whole=False, families=families)
+    assert sentence(part) == (
+        f"Certain, but not all: {REMOVES}; {PROOF}. What remains is not named{hint}: {AFTER}. "
+        f"Without it {BEFORE}."
+    )
+
+
+@pytest.mark.parametrize(
+    ("block", "change"),
+    [
+        ((0.2, 0.011), "falls from 0.2 to 0.011 mm"),
+        ((0.0100, 0.0103), "is 0.01 mm before and 0.0103 mm after"),
+        ((0.01001, 0.01), "is 0.01 mm before and 0.01 mm after"),
+    ],
+)
+def test_an_error_falls_only_where_the_numbers_shown_do(block, change):
+    text = sentence(found(Status.NAMED, "dead_zone", block=block))
+    assert f"the error on the certified samples {change}, {NOISE}." in text
+
+
+def test_of_rivals_none_leads_alone():
+    text = sentence(
+        found(Status.AMBIGUOUS, "dead_zone", rivals=[("sensor_lag",)], reason=Reason.RIVAL)
+    )
+    assert text == (
+        f"It is {ZONE}, or sensor_lag: {PROOF}. Without it {BEFORE}. "
+        "`make resolve` designs the record that decides."
+    )
+    of_two = found(Status.AMBIGUOUS, "dead_zone", rivals=[("sensor_lag",)], reason=Reason.RIVAL)
+    of_two.inputs *= 2
+    assert sentence(of_two).endswith("A further record that moves each input by itself may decide.")
+
+
+@pytest.mark.parametrize("reason", [Reason.NOISE, Reason.ACCURATE, Reason.IRREDUCIBLE])
+def test_nothing_is_missing_for_a_reason(reason):
+    text = sentence(found(Status.NONE, reason=reason, block=(0.011, 0.011), share=None))
+    assert text == (
+        f"Nothing is missing that this record could show: {reason} (error 0.011 mm, {NOISE})."
+    )
+
+
+@pytest.mark.parametrize(
+    "reason", [Reason.UNEXPLAINED, Reason.NO_EFFECT, Reason.CONTRADICTED, Reason.OF_ONE_RECORD]
+)
+def test_what_is_unknown_is_described(reason):
+    text = sentence(
+        found(
+            Status.UNKNOWN,
+            reason=reason,
+            share=None,
+            effects={"end_stop@left": 0.7, "dead_zone": 0.65},
+            equation=EQUATION,
+        )
+    )
+    assert text == (
+        f"Something is missing, but {reason}: error 0.2 mm, {NOISE}. Most explanations hold "
+        f"`end_stop` at left. T{BEFORE[1:]}. "
+        "The best equation for the residual: 0.3 u(t-1) (explains 40 %)."
+    )
+
+
+def test_what_only_the_certified_samples_show_is_not_described_by_the_others():
+    text = sentence(
+        found(
+            Status.UNKNOWN,
+            reason=Reason.ONLY_CERTIFIED,
+            share=None,
+            effects={"dead_zone": 0.9},
+            equation=EQUATION,
+        )
+    )
+    assert text == (
+        f"Something is missing, but only the certified samples show it: error 0.2 mm, {NOISE}. "
+        f"T{BEFORE[1:]}."
+    )
+
+
+def test_an_effect_is_likely_or_not_spoken_of():
+    unsure = found(
+        Status.UNKNOWN, reason=Reason.UNEXPLAINED, share=None, effects={"dead_zone": 0.59}
+    )
+    assert "Most explanations" not in sentence(unsure)
+
+
+def test_a_place_is_told_with_its_numbers():
+    diagnosis = found(Status.NAMED, "dead_zone")
+    bin_ = Concentration("direction", 2, 0.5, 1.5, "1", 0.4, 0.1, "direction", "the output")
+    diagnosis.where.before = Localisation(None, bin_, BAND, 0.3, "mm")
+    assert sentence(diagnosis).endswith(
+        "Without it the residual is 0.4 mm (RMS) while the output is rising, 0.1 mm elsewhere; "
+        "40 % of its energy lies between 0.5 and 1 Hz."
+    )
+
+
+# Remarks
+
+
+@pytest.mark.parametrize(
+    ("offset", "remark"),
+    [
+        # 8 ms is the prior spread, 0.4 ms the standard deviation.
+        (-1.25, "The output is logged 10 ± 0.8 ms early (0.5 samples)."),
+        (
+            1.25,
+            "The output is logged 10 ± 0.8 ms late (0.5 samples), or the device has a lag this "
+            "short.",
+        ),
+        (0.24, ""),  # within a tenth of a sample
+        (-0.24, ""),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("status", list(Status))
+def test_a_record_is_logged_early_or_late_where_nothing_else_can_pass_for_it(
+    status, offset, remark
+):
+    names = () if status is Status.NONE else ("dead_zone",)
+    diagnosis = found(status, *names, coordinates=(0.0, 0.0, offset))
+    sure = status in (Status.NAMED, Status.NONE)
+    assert remarks(diagnosis) == ((remark,) if remark and sure else ())
+
+
+@pytest.mark.parametrize(
+    ("coordinates", "remark"),
+    [
+        ((3.0, 0.0), "stiffness is at its bound"),
+        ((-2.9995, 3.0), "stiffness and gain are at their bounds"),
+    ],
+)
+def test_priors_that_exclude_the_record_are_told(coordinates, remark):
+    diagnosis = found(Status.UNKNOWN, reason=Reason.NO_EFFECT, coordinates=(*coordinates, 0.0))
+    assert remarks(diagnosis) == (
+        f"Of the simulation's own parameters {remark}: the declared priors exclude what the record "
+        "asks for.",
+    )
+    assert remarks(found(Status.UNKNOWN, coordinates=(2.99, -2.99, 3.0))) == ()
+
+
+@pytest.mark.parametrize(
+    ("at_bounds", "remark"),
+    [
+        (["dead_zone.slope"], "`dead_zone` has its slope at its bound, which counts against it."),
+        (
+            ["end_stop@upper_level>lower_level.upper_stop",
+             "end_stop@upper_level>lower_level.stiffness"],
+            "`end_stop` from upper level to lower level has its upper stop and stiffness at their "
+            "bounds, which counts against it.",
+        ),
+        (
+            ["dead_zone@left.slope", "sensor_lag.time_constant"],
+            "`dead_zone` at left has its slope at its bound and `sensor_lag` has its time constant "
+            "at its bound, which counts against them.",
+        ),
+    ],
+)  # fmt: skip
+def test_parameters_of_laws_at_their_bounds_are_told(at_bounds, remark):
+    assert remarks(found(Status.NAMED, "dead_zone", at_bounds=at_bounds)) == (remark,)
+    assert remarks(found(Status.UNKNOWN, "dead_zone", at_bounds=at_bounds)) == ()
+
+
+@pytest.mark.parametrize(
+    ("left", "accuracy", "reason", "told"),
+    [
+        (0.02, 0.0, None, True),
+        (0.005, 0.0, None, False),  # half of the white noise
+        (0.02, 0.03, None, False),  # more is stated already
+        (0.02, 0.01, None, True),
+        (0.02, 0.0, Reason.NOISE, False),  # the residual is said to be at the noise floor
+        (0.02, 0.0, Reason.ACCURATE, False),
+        (0.02, 0.0, Reason.COLOURED, True),
+    ],
+)
+def test_coloured_error_is_told_where_the_sentence_does_not_deny_it(left, accuracy, reason, told):
+    noise = (
+        "The best explanation leaves 0.02 mm (RMS) of coloured error beyond the white noise of "
+        "0.01 mm; `accuracy: 0.022` states both."
+    )
+    diagnosis = found(Status.NONE, reason=reason, left=left, accuracy=accuracy)
+    assert remarks(diagnosis) == ((noise,) if told else ())
+
+
+def test_remarks_end_the_sentence():
+    diagnosis = found(
+        Status.NAMED, "dead_zone", coordinates=(3.0, 0.0, -1.25), at_bounds=["dead_zone.slope"]
+    )
+    texts = remarks(diagnosis)
+    assert len(texts) == 3
+    assert sentence(diagnosis).endswith(f"{BEFORE}. {' '.join(texts)}")
+
+
+@pytest.mark.parametrize("status", list(Status))
+@pytest.mark.parametrize("reason", [None, *Reason])
+def test_no_sentence_says_that_nothing_and_that_something_is_missing(status, reason):
+    names = () if status is Status.NONE else ("dead_zone",)
+    rivals = [("sensor_lag",)] if status is Status.AMBIGUOUS else []
+    for whole in (True, False):
+        text = sentence(
+            found(status, *names, reason=reason, whole=whole, rivals=rivals, block=(0.2, 0.05),
+                  left=0.03, effects={"dead_zone": 0.95}, families={"lag": 0.7})
+        )  # fmt: skip
+        nothing, something = "Nothing is missing" in text, "Something is missing" in text
+        part, rival = "but not all" in text, ", or sensor_lag" in text
+        full = "removes" in text and not part
+        assert nothing + something + part + rival + full == 1
+        assert ("What remains is not named" in text) == part
+        # What is left is noise, an error of the law, or of another effect; never two of these.
+        left = "too poor" in text, "is coloured noise" in text, "is not named" in text
+        assert sum(left) <= 1
+        assert ".." not in text
+        assert "  " not in text
+
+
+@pytest.mark.parametrize(
+    ("label", "text"),
+    [
+        ("dead_zone", "`dead_zone`"),
+        ("dead_zone@left wall", "`dead_zone` at left wall"),
+        ("end_stop@upper_level", "`end_stop` at upper level"),
+        ("end_stop@upper_level>lower_level", "`end_stop` from upper level to lower level"),
+    ],
+)
+def test_a_label_is_told_with_its_place(label, text):
+    assert label_in_words(label) == text

@@ -37,7 +37,7 @@ class Reason(StrEnum):
     NOISE = "the residual is at the noise floor"
     IRREDUCIBLE = "no effect and no flexible model reduces the residual"
     COLOURED = "the residual is coloured noise, which follows neither the input nor the motion"
-    NO_EFFECT = "no effect of the catalogue reduces the residual"
+    NO_EFFECT = "no effect of the catalogue is sure to reduce the residual"
     UNEXPLAINED = "the best effect leaves too much unexplained"
     REMAINS = "what remains is not named"
     RIVAL = "a rival explains the record as well"

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dea.discrepancy.decision import Status
+from dea.discrepancy.decision import Reason, Status
+from dea.discrepancy.report.sentence import label_in_words
 from dea.simulation import TIMING_OFFSET
 
 if TYPE_CHECKING:
@@ -62,29 +63,34 @@ def _bounds(found: "Diagnosis") -> str:
     if not away:
         return ""
     return (
-        f"Of the simulation's own parameters {_at_bounds(away)}: the declared priors exclude what "
-        "the record asks for."
+        f"Of the simulation's own parameters {' and '.join(away)} "
+        f"{'is at its bound' if len(away) == 1 else 'are at their bounds'}: the declared priors "
+        "exclude what the record asks for."
     )
 
 
 def _laws(found: "Diagnosis") -> str:
     """Name the parameters of the named laws that are at their bounds."""
     answer = found.decision.answer
-    away = (
-        [name.replace("_", " ").replace(".", ": ") for name in answer.at_bounds] if answer else []
-    )
-    return f"Of the named laws {_at_bounds(away)}, which counts against them." if away else ""
-
-
-def _at_bounds(names: list[str]) -> str:
-    end = "is at its bound" if len(names) == 1 else "are at their bounds"
-    return f"{' and '.join(names)} {end}"
+    away: dict[str, list[str]] = {}
+    for name in answer.at_bounds if answer else ():
+        law, _, parameter = name.partition(".")
+        away.setdefault(label_in_words(law), []).append(parameter.replace("_", " "))
+    if not away:
+        return ""
+    ends = {law: "its bound" if len(names) == 1 else "their bounds" for law, names in away.items()}
+    told = [f"{law} has its {' and '.join(names)} at {ends[law]}" for law, names in away.items()]
+    return f"{' and '.join(told)}, which counts against {'it' if len(told) == 1 else 'them'}."
 
 
 def _noise(found: "Diagnosis") -> str:
     """Say what the best explanation leaves beyond white noise."""
     error, unit = found.error, found.units[1]
-    if error.left <= _COLOURED * error.white:
+    if found.decision.reason in (Reason.NOISE, Reason.ACCURATE):
+        # The sentence says already that what is left is small.
+        return ""
+    stated = found.nominal.extended.simulation.accuracy
+    if error.left <= _COLOURED * error.white or error.level <= stated:
         return ""
     return (
         f"The best explanation leaves {error.left:.2g} {unit} (RMS) of coloured error beyond "

@@ -10,6 +10,7 @@ from dea.simulation import Attached, ExtendedSimulation
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
+    from dea.discrepancy.evidence.certificate import Certified
     from dea.discrepancy.evidence.residual_model import ResidualModel
     from dea.discrepancy.report.verdict import NamedEffect
 
@@ -23,8 +24,8 @@ _PHRASES: Mapping[str, str] = {
     "direction": "while the output is {direction}",
     "reversal": "{low:.3g} to {high:.3g} s after a reversal of the motion",
 }
-# Presence from which an effect is said to be likely, and certified error, in noise floors, from
-# which a law is said to be too poor.
+# Presence from which an effect is said to be likely, and certified error, in what remains of a
+# complete simulation, from which a law is said to be too poor.
 _LIKELY, _POOR = 0.6, 1.3
 # Percentage of the residual from which an equation for it is worth a sentence.
 _LEAST_SHARE = 1.0
@@ -65,21 +66,20 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     unit, floor = found.units[1], found.floor
     decision, block, unexplained = found.decision, found.certificate.block, found.unexplained
     place = where_sentence(found.where.before)
-    place = place[0].upper() + place[1:]
     noise = f"noise floor {floor:.3g} {unit}"
-    proof = (
-        f"the error on the certified samples falls from {block.before:.3g} to "
-        f"{block.after:.3g} {unit}, {noise}"
-    )
     if decision.status is Status.NONE:
         return (
             f"Nothing is missing that this record could show: {decision.reason} "
             f"(error {block.before:.3g} {unit}, {noise})."
         )
     if decision.status is Status.UNKNOWN:
+        hints = "", ""
+        if decision.reason is not Reason.ONLY_CERTIFIED:
+            # They are of the samples that do not show it.
+            hints = _nearest(found), equation_sentence(unexplained)
         return (
             f"Something is missing, but {decision.reason}: error {block.before:.3g} {unit}, "
-            f"{noise}.{_nearest(found)} {place}.{equation_sentence(unexplained)}"
+            f"{noise}.{hints[0]} {place[0].upper()}{place[1:]}.{hints[1]}"
         )
     extended = found.extended.extended
     laws = " and ".join(
@@ -87,6 +87,9 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
         for effect, attached in zip(effects, extended.attached, strict=True)
     )
     rivals = " or ".join(rivals_in_words(found))
+    alone = len(effects) == 1
+    place = f"Without {'it' if alone else 'them'} {place}"
+    proof = f"the error on the certified samples {_change(block, unit)}, {noise}"
     if decision.status is Status.AMBIGUOUS:
         advice = (
             "`make resolve` designs the record that decides"
@@ -94,11 +97,19 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
             else "A further record that moves each input by itself may decide"
         )
         return f"It is {laws}, or {rivals}: {proof}. {place}. {advice}."
-    removed = f"{laws} {'removes' if len(effects) == 1 else 'remove'} {_share(found)} of the gap"
+    removed = f"{laws} {'removes' if alone else 'remove'} {_share(found)} of the gap"
     if not decision.whole:
         return f"Certain, but not all: {removed}; {proof}. {_further(found)} {place}."
     doubt = f" In this record {rivals} of its class would do as well." if rivals else ""
     return f"{removed}: {proof}.{doubt}{_form(found)} {place}."
+
+
+def _change(block: "Certified", unit: str) -> str:
+    """Say how an error changes, and that it falls only where the numbers shown do."""
+    before, after = f"{block.before:.3g}", f"{block.after:.3g}"
+    if float(after) < float(before):
+        return f"falls from {before} to {after} {unit}"
+    return f"is {before} {unit} before and {after} {unit} after"
 
 
 def _share(found: "Diagnosis") -> str:
@@ -133,18 +144,28 @@ def _nearest(found: "Diagnosis") -> str:
     likely = [name for name, value in found.presence.effects.items() if value >= _LIKELY]
     if not likely:
         return ""
-    name, _, at_input = likely[0].partition("@")
-    return f" Most explanations hold `{name}`{at_input and f' at {at_input}'}."
+    return f" Most explanations hold {label_in_words(likely[0])}."
 
 
 def _form(found: "Diagnosis") -> str:
     """Say that the law of what is named is too poor, where its certified error shows it."""
     block, floor = found.certificate.block, found.floor
-    if block.after <= _POOR * floor:
+    if block.after <= _POOR * found.complete:
         return ""
     if found.decision.reason is Reason.COLOURED:
         return f" What remains is coloured noise of {block.after / floor:.2g} noise floors."
-    return f" Its law is too poor here: {block.after / floor:.2g} noise floors remain."
+    one = len(found.extended.extended.attached) == 1
+    laws = "Its law is" if one else "Their laws are"
+    return f" {laws} too poor here: {block.after / floor:.2g} noise floors remain."
+
+
+def label_in_words(label: str) -> str:
+    """Return the name of an effect as code, with the input or force port of its label."""
+    name, _, place = label.partition("@")
+    equation, _, reaction = place.replace("_", " ").partition(">")
+    if reaction:
+        return f"`{name}` from {equation} to {reaction}"
+    return f"`{name}` at {equation}" if equation else f"`{name}`"
 
 
 def rivals_in_words(found: "Diagnosis") -> list[str]:
