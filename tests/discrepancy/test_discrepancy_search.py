@@ -17,6 +17,7 @@ from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
+from dea.discrepancy.search.degenerate import unfinish_degenerate
 from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.discrepancy.search.screening import Base, Offer, promising
 from dea.discrepancy.search.search import Search, pool_of
@@ -28,6 +29,7 @@ PRESENT = {
     "input_saturation": {"limit": 1.0},
     "dead_zone": {"threshold": 0.4},
     "sensor_lag": {"time_constant": 0.12},
+    "stress_relaxation": {"relaxation": 0.3, "time": 10.0},
 }
 
 
@@ -85,6 +87,22 @@ def test_the_order_of_two_laws_on_the_inputs_way_is_found(first):
     assert both.rmse < 1.5 * NOISE
     assert alone.candidates[0].rmse > 10 * NOISE
     assert both.fit.extended.attached[-1].upstream is (first == "input_saturation")
+
+
+@pytest.mark.parametrize("relaxes", [True, False])
+def test_a_drift_does_not_bear_the_name_of_a_relaxation(relaxes):
+    """A prestress lost alone is a force that drifts; the stress itself must relax."""
+    problem, extended = hidden(*["stress_relaxation"] * relaxes)
+    if not relaxes:
+        late = (problem.time / 10.0) ** 0.8
+        problem = replace(problem, y=problem.y + 0.2 * (1.0 - np.exp(-late)))
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    effect = catalogue()["stress_relaxation"]
+    alone = extend_by_each(problem, [nominal], [effect], Budget(), 1)
+    assert alone.candidates[0].finished
+    assert alone.candidates[0].rmse < 1.5 * NOISE
+    [judged_again] = unfinish_degenerate(problem, [alone], Rules(), NOISE, 1)
+    assert judged_again.candidates[0].finished == relaxes
 
 
 def test_two_effects_are_found_beside_laws_that_pass_for_them():

@@ -30,6 +30,7 @@ from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.records import prepare, signals_of
 from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.degenerate import unfinish_degenerate
 from dea.discrepancy.search.not_offered import NotOffered, never_tried, places
 from dea.discrepancy.search.rounds import Round
 from dea.discrepancy.search.search import Search, noise_floor, pool_of
@@ -109,9 +110,10 @@ def diagnose(
             field="force_ports",
             remedy="Declare its force ports, or offer effects of other ports",
         )
-    pool = pool_of(rounds)
     floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.size / 8, 64)))
     floor = max(floor, quantisation(problem.y))
+    rounds = unfinish_degenerate(problem, rounds, rules, floor, workers)
+    singles, pool = rounds[0].candidates, pool_of(rounds)
 
     # Collect evidence.
     length = max(problem.size / settings.blocks, parts.gap)

@@ -27,7 +27,8 @@ class Candidate:
     freedom
         Effective number of its parameters: what the record, and not their prior, determines.
     finished
-        Whether it was fitted to the end, or only screened.
+        Whether it was fitted to the end and may be named; otherwise it was only screened, or
+        explains the record as well where its law is another effect's.
     """
 
     fit: Fit

@@ -70,6 +70,8 @@ class Effect:
         Whether the force looks at the position, which not every force balance has.
     refine
         How many times finer than the simulation alone the law needs its steps.
+    essential
+        The parameter at whose lower bound the law does something, but not this effect.
     """
 
     name: str
@@ -88,6 +90,7 @@ class Effect:
     transferable: bool = True
     uses_position: bool = True
     refine: int = 1
+    essential: str = ""
 
     @property
     def on_input(self) -> bool:

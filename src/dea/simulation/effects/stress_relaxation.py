@@ -55,4 +55,6 @@ EFFECT = Effect(
     update=update,
     memory=memory,
     transferable=False,
+    # Without it a force drifts, whatever the stress.
+    essential="relaxation",
 )
