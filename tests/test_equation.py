@@ -3,7 +3,7 @@ import re
 import numpy as np
 import pytest
 
-from dea.equation import equation_html, equation_latex, equation_text
+from dea.equation import equation_html, equation_latex, equation_text, scaling_text
 from dea.terms import Term
 
 TERMS = [Term.parse(text) for text in ("1", "y(t-1)", "y(t-2)u(t)", "u(t-1)^3")]
@@ -44,3 +44,10 @@ def test_html_names_several_inputs_even_where_nothing_is_scaled():
     assert "<i>u</i><sub>1</sub> = (left + 0.000 V) / 1.000 V" in shown
     assert "<i>u</i><sub>2</sub> = (right &lt;b&gt; + 0.000) / 1.000" in shown
     assert "<i>y</i> = (" not in shown
+
+
+def test_the_scaling_as_text_is_empty_where_there_is_none():
+    plain = {"u_offset": 0.0, "u_scale": 1.0, "y_offset": 0.0, "y_scale": 1.0}
+    assert scaling_text(plain, [("drive", "V")], "mm") == ""
+    scaled = scaling_text(plain | {"y_offset": -1.0, "y_scale": 2.5}, [("drive", "V")], "mm")
+    assert scaled == "y = (output + 1.000 mm) / 2.500 mm"

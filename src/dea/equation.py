@@ -1,4 +1,4 @@
-"""The equation of a model as readers want it: rounded, for HTML and LaTeX."""
+"""The equation of a model as readers want it: rounded, for a terminal, HTML and LaTeX."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,6 +20,24 @@ def equation_latex(terms: Sequence[Term], parameters: Iterable[float], digits: i
     """Return the equation for LaTeX, without the dollars around it."""
     monomials = [term.mathematics().strip("$") if term.degree else "" for term in terms]
     return "y_{t} = " + _powers_of_ten(_sum(parameters, monomials, digits))
+
+
+def scaling_text(
+    scaling: Mapping[str, float | Sequence[float]],
+    inputs: Sequence[tuple[str, str]] = (("input", "1"),),
+    output_units: str = "1",
+    digits: int = DIGITS,
+) -> str:
+    """Return ``u = (input - 2.500 V) / 1.200 V, y = (output + 1.000) / 2.000`` of scaled signals.
+
+    It is empty where the equation holds for the input and the output themselves. The parameters
+    are those of :func:`equation_html`.
+    """
+    return ", ".join(
+        f"{signal.symbol} = {_of_signal(signal, digits)}"
+        for signal in scaled_signals(scaling, inputs, output_units)
+        if signal.explained
+    )
 
 
 def equation_html(
@@ -45,15 +63,11 @@ def equation_html(
     monomials = [term.html() if term.degree else "" for term in terms]
     equation = "<i>y</i>(<i>t</i>) = " + _sum(parameters, monomials, digits)
     scales = []
-    for symbol, name, unit, offset, scale in scaled_signals(scaling, inputs, output_units):
-        letter, column = symbol[0], symbol[1:]
-        if (offset, scale) != (0.0, 1.0) or column:
-            there = f" {escape(unit)}" if unit != "1" else ""
-            scales.append(
-                f"<i>{letter}</i>{f'<sub>{column}</sub>' if column else ''}"
-                f" = ({escape(name)} {_signed(-offset, digits)}{there})"
-                f" / {number(scale, digits)}{there}"
-            )
+    for signal in scaled_signals(scaling, inputs, output_units):
+        letter, column = signal.symbol[0], signal.symbol[1:]
+        if signal.explained:
+            subscript = f"<sub>{column}</sub>" if column else ""
+            scales.append(f"<i>{letter}</i>{subscript} = {escape(_of_signal(signal, digits))}")
     return f"<p>{equation}</p>" + (f"<p>{', '.join(scales)}</p>" if scales else "")
 
 
@@ -65,6 +79,11 @@ class ScaledSignal(NamedTuple):
     units: str
     offset: float
     scale: float
+
+    @property
+    def explained(self) -> bool:
+        """Whether a reader must be told: it is scaled, or one of several inputs."""
+        return (self.offset, self.scale) != (0.0, 1.0) or len(self.symbol) > 1
 
 
 def scaled_signals(
@@ -84,6 +103,12 @@ def scaled_signals(
 
 def _each(values: float | Sequence[float], count: int) -> Sequence[float]:
     return values if isinstance(values, Sequence) else (values,) * count
+
+
+def _of_signal(signal: ScaledSignal, digits: int) -> str:
+    units = f" {signal.units}" if signal.units != "1" else ""
+    offset, scale = _signed(-signal.offset, digits), number(signal.scale, digits)
+    return f"({signal.name} {offset}{units}) / {scale}{units}"
 
 
 def _sum(parameters: Iterable[float], monomials: Sequence[str], digits: int) -> str:

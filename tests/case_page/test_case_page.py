@@ -158,9 +158,13 @@ def test_several_inputs_are_named_on_the_page_and_in_the_terminal(tmp_path):
     text = page(found, {})
     assert "<i>u</i><sub>1</sub> = (left - 1.000 V) / 3.000 V" in text
     assert "<i>u</i><sub>2</sub> = (&lt;right&gt; - 2.000 %) / 4.000 %" in text
-    assert "u1 is left (V), u2 is <right> (%)" in summary(found, "page.html")
+    named = "u1 = (left - 1.000 V) / 3.000 V, u2 = (<right> - 2.000 %) / 4.000 %, y = (output"
+    assert named in summary(found, "page.html")
 
 
-def test_one_input_needs_no_explanation(findings):
-    assert findings.inputs == ""
-    assert " u is " not in summary(findings, "page.html")
+def test_the_equation_in_the_terminal_says_what_its_signals_are(findings):
+    model = findings.sources.dataset("model")
+    said = re.search(r"u = \(input ([-+]) (\S+) V\) / (\S+) V", summary(findings, "page.html"))
+    sign, offset, scale = said.groups()
+    assert -float(sign + offset) == pytest.approx(float(model["u_offset"]), rel=1e-3)
+    assert float(scale) == pytest.approx(float(model["u_scale"]), rel=1e-3)

@@ -1,6 +1,6 @@
 """What the datasets of a case say, gathered for a reader."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import floor, log10
@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from dea.equation import equation_html, equation_text
+from dea.equation import equation_html, equation_text, scaling_text
 from dea.number_format import number
 from dea.store import Record, Sources, signals
-from dea.terms import Term, input_symbol
+from dea.terms import Term
 
 _DECIMALS = 4  # of a percentage, at most
 _BASELINES = {
@@ -74,14 +74,6 @@ class Findings:
             f" {dataset.attrs['source_file']}."
         )
 
-    @property
-    def inputs(self) -> str:
-        """What u1, u2 and so on are in the equation; empty where there is one input."""
-        named = self.signals.inputs
-        symbols = [input_symbol(k, len(named)) for k in range(len(named))]
-        each = [f"{u} is {name} ({units})" for u, (name, units) in zip(symbols, named, strict=True)]
-        return ", ".join(each) if len(each) > 1 else ""
-
     @cached_property
     def _model(self) -> xr.Dataset:
         return self.sources.dataset("model")
@@ -96,16 +88,24 @@ class Findings:
         return equation_text(self._terms, self._model["parameter"].values.tolist())
 
     @property
+    def scaling(self) -> str:
+        """What u and y of the equation are, in the units of the record."""
+        return scaling_text(*self._signals_and_scaling)
+
+    @property
     def equation_in_html(self) -> str:
         """The equation and the scaling of its signals."""
-        names = ("u_offset", "u_scale", "y_offset", "y_scale")
         return equation_html(
-            self._terms,
-            self._model["parameter"].values.tolist(),
-            {name: self._model[name].values.tolist() for name in names},
-            self.signals.inputs,
-            self.signals.y_units,
+            self._terms, self._model["parameter"].values.tolist(), *self._signals_and_scaling
         )
+
+    @property
+    def _signals_and_scaling(
+        self,
+    ) -> tuple[dict[str, float | Sequence[float]], list[tuple[str, str]], str]:
+        names = ("u_offset", "u_scale", "y_offset", "y_scale")
+        scaling = {name: self._model[name].values.tolist() for name in names}
+        return scaling, self.signals.inputs, self.signals.y_units
 
     @property
     def stability(self) -> str:

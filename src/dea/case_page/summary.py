@@ -11,8 +11,8 @@ _WIDTH = 100
 def summary(findings: Findings, page: str) -> str:
     """Return equation, scores, stability, what the simulation is missing and the page's path."""
     lines = ["", fill(findings.equation, _WIDTH, subsequent_indent="       "), ""]
-    if findings.inputs:
-        lines += [fill(findings.inputs, _WIDTH), ""]
+    if findings.scaling:
+        lines += [fill(findings.scaling, _WIDTH), ""]
     units = findings.signals.y_units
     for part, scores in findings.scores().items():
         lines.append(f"free run on unseen data ({part}):")
