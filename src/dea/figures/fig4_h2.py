@@ -136,7 +136,10 @@ def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, norm: Normalize
         cmap=style.GAIN_MAP, shading="nearest", rasterized=True,
     )  # fmt: skip
     if values.notnull().all() and not values.any():
-        ax.text(0.5, 0.5, "zero", transform=ax.transAxes, ha="center", va="center")
+        ax.text(
+            0.5, 0.5, "zero", transform=ax.transAxes, ha="center", va="center",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
+        )  # fmt: skip
     doubtful = _doubtful(response)
     ax.set_xlim(_view(f1, np.any(~doubtful, axis=0)))
     ax.set_ylim(_view(f2, np.any(~doubtful, axis=1)))
