@@ -48,6 +48,13 @@ def test_differences_are_filled_inside_the_joint_band_and_hollow_outside(drawn, 
         np.testing.assert_allclose(y, scale * part[f"{name}_difference"][which])
 
 
+def test_the_legend_says_what_a_hollow_point_is(drawn):
+    _, axes = drawn
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    hollow = dict(zip(labels, handles, strict=True))["difference outside the joint band"]
+    assert same_color(hollow.get_markerfacecolor(), "white")
+
+
 def test_even_lines_are_drawn_beside_their_prediction_and_the_noise(drawn):
     found, axes = drawn
     part = found.isel(stretch=2)

@@ -87,6 +87,10 @@ def _gain(ax: Axes, part: xr.Dataset) -> None:
         shown = np.where(values > 0, values, np.nan)
         ax.plot(frequency, shown, marker, ms=2.5, mew=0.6, color=colour, label=label)
     ax.plot([], [], color=style.SKY, alpha=0.4, lw=5, label="joint 95 % band of the difference")
+    ax.plot(
+        [], [], "o", ms=2.4, mew=0.6, mec=_MEASURED, mfc="white",
+        label="difference outside the joint band",
+    )  # fmt: skip
     ax.plot([], [], color=style.PALE, lw=5, label="not excited in the record: extrapolated")
     ax.set_yscale("log")
     ax.set_xlim(0.9 * frequency[0], 1.1 * frequency[-1])
