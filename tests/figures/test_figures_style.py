@@ -86,7 +86,8 @@ def test_a_record_is_read_in_minutes_where_it_is_long(duration, label, ticks):
 
 
 @pytest.mark.parametrize(
-    ("values", "labels"), [([1, 1.6], ["1", "1.6"]), ([1, 300], ["1", "2", "5", "200"])]
+    ("values", "labels"),
+    [([1, 1.6], ["1", "1.6"]), ([1, 4], ["1", "2", "3"]), ([1, 300], ["1", "2", "5", "200"])],
 )
 def test_a_logarithmic_axis_has_several_labels_over_any_range(values, labels):
     figure = style.page_figure(style.FULL_WIDTH, 60)

@@ -180,7 +180,9 @@ def plain_log_ticks(axis: Axis) -> None:
     """
     low, high = axis.get_view_interval()
     short = low > 0.0 and high < _SHORT_RANGE * low
-    axis.set_major_locator(MaxNLocator(4) if short else LogLocator(subs=(1, 2, 5)))
+    # Every step divides one, so that one is labelled where it is shown.
+    linear = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
+    axis.set_major_locator(linear if short else LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
