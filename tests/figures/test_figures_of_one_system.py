@@ -130,6 +130,14 @@ def test_residual_tests_plot_each_test_in_its_row_and_each_window_in_its_column(
     assert {ax.get_xlabel() for ax in axes[-1]} == {"lag (samples)"}
 
 
+def test_residual_tests_say_where_a_model_has_diverged():
+    validation = made.validation(1)
+    validation["correlation"].loc[{"model": "narx", "approach": "forecast"}][1] = np.inf
+    axes = np.reshape(residual_tests(validation, "dea1").axes, (len(made.TESTS), 3))
+    titles = [ax.get_title() for ax in axes[0]]
+    assert titles == ["100 to 130 s", "900 to 930 s, NARX diverged", "1700 to 1730 s"]
+
+
 COLOURS = {
     "fixed": style.GREY, "rls": style.BLUE, "kalman": style.VERMILION, "output_error": style.GREEN
 }  # fmt: skip

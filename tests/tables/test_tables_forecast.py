@@ -1,6 +1,9 @@
 """Tables of forecasts, confirmation and residuals hold what their datasets do."""
 
+import numpy as np
+
 import made_datasets as made
+from dea.number_format import DASH
 from dea.tables.confirmation import confirmation
 from dea.tables.forecast import forecast
 from dea.tables.residuals import residuals
@@ -43,3 +46,11 @@ def test_the_residual_table_corrects_for_the_number_of_tests(each, names, saved)
         assert row["verdict"] == str(chosen["verdict"].values)
         smallest = float(chosen["p_value"].sel(test="phi_eu").min())
         assert row["p of phi_eu"] == min(15 * smallest, 1.0)
+
+
+def test_a_model_that_diverges_has_no_p_value(each, names, saved):
+    found = each(made.validation)
+    found["dea1"]["nmse"].loc[{"model": "narx", "approach": "forecast"}][1] = np.inf
+    _, md, _ = saved(residuals(found))
+    [row] = [line.split("|") for line in md.splitlines() if "dea1" in line and "narx" in line]
+    assert {cell.strip() for cell in row[3:-2]} == {DASH}

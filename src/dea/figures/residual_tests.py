@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -43,8 +44,7 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
                 values = part["correlation"].sel(model=model)
                 ax.plot(values["lag"], values, color=colour, lw=0.8, label=label)
             if row == 0:
-                time = part["time"].values
-                ax.set_title(f"{time[0]:.0f} to {time[-1]:.0f} s")
+                ax.set_title(_heading(part))
         axes[row, 0].set_ylabel(as_mathematics(str(test)))
     for ax in axes[-1]:
         ax.set_xlabel("lag (samples)")
@@ -52,6 +52,17 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
     figure.legend(handles, labels, loc="outside upper center", ncols=3,
                   title=f"{name}, {approach}", title_fontsize=7)  # fmt: skip
     return figure
+
+
+def _heading(part: xr.Dataset) -> str:
+    """Say which window a column shows, and which model has no residual there."""
+    time = part["time"].values
+    diverged = [
+        f"{label} diverged"
+        for model, (label, _) in _MODEL.items()
+        if not np.isfinite(part["correlation"].sel(model=model)).any()
+    ]
+    return ", ".join([f"{time[0]:.0f} to {time[-1]:.0f} s", *diverged])
 
 
 def as_mathematics(test: str) -> str:

@@ -16,12 +16,15 @@ def tabulate(sources: Sources) -> Table:
 
 
 def residuals(validations: Mapping[str, xr.Dataset]) -> Table:
-    """Smallest p-value of each joint test over the windows, and the verdict (``validation``)."""
+    """Smallest p-value of each joint test over the windows, and the verdict (``validation``).
+
+    Where the free run of a window diverges, there is no residual, and so no p-value.
+    """
     rows = []
     for name, dataset in validations.items():
         for model in dataset["model"].values:
             forecasts = dataset.sel(model=model, approach="forecast")
-            count = forecasts["p_value"].size
+            count = forecasts["p_value"].size if np.isfinite(forecasts["nmse"]).all() else np.nan
             rows.append(
                 {"actuator": name, "model": str(model)}
                 | {
