@@ -77,15 +77,17 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
 
 def _reservations(track: xr.Dataset) -> str:
     """Return which trackers have no band, and which fell back on another."""
-    notes = []
+    notes: dict[str, list[str]] = {}
     for tracker in _in_order(track["tracker"]):
-        chosen = track.sel(tracker=tracker)
+        chosen, name = track.sel(tracker=tracker), _TRACKER[tracker][0]
         withheld, estimator = (str(chosen[name].values) for name in ("withheld", "estimator"))
         if withheld:
-            notes += wrap(f"{_TRACKER[tracker][0]}: no 95 % band, {withheld}", _LINE)
+            notes.setdefault(f"no 95 % band, {withheld}", []).append(name)
         elif estimator != tracker:
-            notes += wrap(f"{_TRACKER[tracker][0]}: parameters of {estimator}", _LINE)
-    return "\n".join(notes)
+            notes.setdefault(f"parameters of {estimator}", []).append(name)
+    return "\n".join(
+        line for note, names in notes.items() for line in wrap(f"{', '.join(names)}: {note}", _LINE)
+    )
 
 
 def _in_order(names: xr.DataArray) -> list[str]:
