@@ -6,6 +6,7 @@ Without a file, check the name of a case.
 import argparse
 import sys
 from collections.abc import Sequence
+from math import inf, nan
 from pathlib import Path
 
 from dea.errors import InputError
@@ -24,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--input", metavar="COLUMN:UNITS[,COLUMN:UNITS]")
     parser.add_argument("--output", metavar="COLUMN:UNITS")
     parser.add_argument("--time", metavar="COLUMN:UNITS")
-    parser.add_argument("--rate", type=float, metavar="HZ")
+    parser.add_argument("--rate", metavar="HZ")
     parser.add_argument("--name")
     parser.add_argument("--simulation", metavar="FILE.py")
     parser.add_argument("--goal", default="case", help="target of make, for questions")
@@ -39,11 +40,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             known = known_name(options.name or "", _CASES, actuators=options.goal == "diagnose")
             print(known)
             return 0
-        if options.rate is not None and not options.rate > 0:
-            raise InputError(f"{options.rate:g}", field="RATE", remedy="Give samples per second")
+        rate = _rate(options.rate)
         inferred = infer_case(
             options.file,
-            Answers(options.input, options.output, options.time, options.rate),
+            Answers(options.input, options.output, options.time, rate),
             simulation=options.simulation,
             goal=options.goal,
             given=given,
@@ -58,6 +58,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"  {line}", file=sys.stderr)
     print(name)
     return 0
+
+
+def _rate(text: str | None) -> float | None:
+    """Return the samples per second that were given, if any.
+
+    Raises
+    ------
+    InputError
+        If it is no number above 0.
+    """
+    if text is None:
+        return None
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = nan
+    if not 0 < rate < inf:
+        remedy = "Give samples per second, a number above 0 without units"
+        raise InputError(f"it is {text!r}", field="RATE", remedy=remedy)
+    return rate
 
 
 if __name__ == "__main__":
