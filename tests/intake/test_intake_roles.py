@@ -38,6 +38,37 @@ def test_everything_unknown_is_asked_at_once_with_the_command_that_answers():
     assert "make case FILE=mine.csv INPUT=a:UNITS OUTPUT=b:UNITS RATE=SAMPLES_PER_SECOND" in text
 
 
+def test_only_what_is_unknown_is_asked():
+    columns = {"t": "s", "left": "V", "right": "V", "position": "mm"}
+    with pytest.raises(UnansweredError) as caught:
+        roles(columns, Answers(output="position"))
+    assert "it does not say which column is the input (several: INPUT=A:UNITS,B:UNITS).\n" in str(
+        caught.value
+    )
+    assert caught.value.command == "make case FILE=mine.csv INPUT=COLUMN OUTPUT=position:mm"
+    with pytest.raises(UnansweredError) as caught:
+        roles(columns | {"right": None}, Answers(input="left"))
+    assert "which column is the output, and its units.\n" in str(caught.value)
+    assert "OUTPUT=COLUMN:UNITS" in caught.value.command
+
+
+def test_a_rate_leaves_the_column_of_times_unused():
+    found = roles({"t": "s", "volts": "V", "y": "mm"}, Answers(rate=50.0))
+    assert (found.interval, found.time, found.inputs) == (0.02, None, (("volts", "V"),))
+    assert found.inferred == (
+        "time: 50 samples per second; column 't' is not used",
+        "input: column 'volts', the only other one",
+        "output: column 'y', by the names",
+    )
+
+
+def test_the_columns_stand_in_line_however_long_their_units():
+    with pytest.raises(UnansweredError) as caught:
+        roles({"a": "furlongs", "b": None})
+    header, *rows = caught.value.columns.splitlines()
+    assert {row.index("0 to 4") for row in rows} == {header.index("values")}
+
+
 def test_the_answer_is_enough():
     found = roles({"a b": None, "c": "K"}, Answers("a b:%", "c", rate=10.0))
     assert (found.inputs, found.output, found.interval) == ((("a b", "%"),), ("c", "K"), 0.1)

@@ -24,13 +24,14 @@ class UnansweredError(InputError):
 def described(table: ForeignTable) -> str:
     """Return one line for each column: its name, its units, its range."""
     width = max(map(len, [*table.columns, "column"]))
-    lines = [f"  {'column':{width}}  units   values"]
+    wide = max(map(len, [*table.units.values(), "units"]))
+    lines = [f"  {'column':{width}}  {'units':{wide}}  values"]
     for name, values in table.columns.items():
         there = values[np.isfinite(values)]
         span = f"{there.min():.5g} to {there.max():.5g}" if there.size else "none"
         missing = values.size - there.size
         note = f"{missing} of {values.size} missing" if missing else f"{values.size} of them"
-        lines.append(f"  {name:{width}}  {table.units.get(name, '?'):6}  {span}, {note}")
+        lines.append(f"  {name:{width}}  {table.units.get(name, '?'):{wide}}  {span}, {note}")
     return "\n".join(lines)
 
 

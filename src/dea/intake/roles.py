@@ -78,12 +78,15 @@ def find_roles(
     }
     inferred: list[str] = []
     time, interval = _timing(table, next(iter(said["time"]), None), answers.rate, inferred)
-    free = [name for name in table.columns if time is None or name != time[0]]
+    clock = time[0] if time else _time_column(table)
+    if time is None and clock is not None and answers.rate is not None:
+        inferred.append(f"time: {answers.rate:g} samples per second; column {clock!r} is not used")
+    free = [name for name in table.columns if name != clock]
     found = {
         "input": said["input"] or _guess(free, _INPUT, table),
         "output": said["output"] or _guess(free, _OUTPUT, table),
     }
-    _fill_the_other(found, free, table)
+    left_over = _fill_the_other(found, free, table)
     names = [name for each in found.values() for name, _ in each]
     driving, measured = ([name for name, _ in found[role]] for role in ("input", "output"))
     if both := set(driving).intersection(measured):
@@ -92,30 +95,30 @@ def find_roles(
         )
     if len(set(driving)) < len(driving):
         raise InputError("it names a column twice", field="INPUT", remedy="Name each input once")
-    asked: list[str] = []
     lines = dict(given)
-    if not all(found.values()):
-        asked.append(
-            "which column is the input (several: INPUT=A:UNITS,B:UNITS), which the output, and"
-            " their units"
-        )
+    asked = _unknown_roles(found, free, table)
     # Two columns are likely input and output, in this order; of more, none is likelier.
     rest = [name for name in free if name not in names]
     guesses = rest if len(free) == 2 else []
     for role, known in found.items():
         if not known:
             name = guesses.pop(0) if guesses else "COLUMN"
-            lines[role.upper()] = f"{name}:{table.units.get(name) or 'UNITS'}"
+            units = table.units.get(name) or ("" if _all_have_units(rest, table) else "UNITS")
+            lines[role.upper()] = f"{name}:{units}" if units else name
             continue
         asked += [f"the units of {name!r}" for name, units in known if not units]
         lines[role.upper()] = ",".join(f"{name}:{units or 'UNITS'}" for name, units in known)
     if time is None and interval is None:
-        asked.append("how many samples there are in a second")
+        asked.append(
+            "how many samples there are in a second (or which column is the time:"
+            " TIME=COLUMN:UNITS)"
+        )
         lines["RATE"] = "SAMPLES_PER_SECOND"
     if asked:
         raise UnansweredError(asked, command(goal, lines), file, described(table))
     unsaid = [role for role in ("input", "output") if not said[role]]
-    inferred += [f"{role}: column {found[role][0][0]!r}, by the names" for role in unsaid]
+    by = dict.fromkeys(unsaid, "by the names") | dict.fromkeys(left_over, "the only other one")
+    inferred += [f"{role}: column {found[role][0][0]!r}, {by[role]}" for role in unsaid]
     columns = {
         role: tuple((name, units or "") for name, units in each) for role, each in found.items()
     }
@@ -155,11 +158,8 @@ def _timing(
     """Return the time column with its units, or the interval in s, or neither."""
     if rate is not None:
         return None, 1.0 / rate
-    name, units = said or (next(filter(_named(_TIME), table.columns), None), None)
-    if name is None and table.columns:
-        first = next(iter(table.columns))
-        name = first if table.units.get(first) in ("s", "ms", "us", "min", "h") else None
-    if name is not None and (said or _ascends(table.columns[name])):
+    name, units = said or (_time_column(table), None)
+    if name is not None:
         units = units or table.units.get(name)
         if units is None:
             inferred.append(f"time: column {name!r}, taken to be in s")
@@ -177,16 +177,53 @@ def _timing(
     return None, None
 
 
-def _fill_the_other(found: dict[str, list[_Column]], free: list[str], table: ForeignTable) -> None:
-    """Where all columns but one are known inputs or the output, the other is what remains."""
+def _time_column(table: ForeignTable) -> str | None:
+    """Return the column that is the time by its name, or the first one by its units."""
+    name = next(filter(_named(_TIME), table.columns), None)
+    if name is None and table.columns:
+        first = next(iter(table.columns))
+        name = first if table.units.get(first) in ("s", "ms", "us", "min", "h") else None
+    return name if name is not None and _ascends(table.columns[name]) else None
+
+
+def _unknown_roles(
+    found: Mapping[str, list[_Column]], free: list[str], table: ForeignTable
+) -> list[str]:
+    """Return the question for the roles that no column is known to have."""
+    questions = {
+        "input": "is the input (several: INPUT=A:UNITS,B:UNITS)",
+        "output": "the output",
+    }
+    unknown = [role for role, columns in found.items() if not columns]
+    if not unknown:
+        return []
+    if unknown == ["output"]:
+        questions["output"] = "is the output"
+    known = [name for columns in found.values() for name, _ in columns]
+    asked = ", which ".join(questions[role] for role in unknown)
+    if _all_have_units([name for name in free if name not in known], table):
+        return [f"which column {asked}"]
+    return [f"which column {asked}, and {'their' if len(unknown) > 1 else 'its'} units"]
+
+
+def _all_have_units(names: list[str], table: ForeignTable) -> bool:
+    return bool(names) and all(table.units.get(name) for name in names)
+
+
+def _fill_the_other(
+    found: dict[str, list[_Column]], free: list[str], table: ForeignTable
+) -> list[str]:
+    """Give the only column that is left to the only role that none has; return that role."""
     known = [role for role, columns in found.items() if columns]
     if len(known) != 1:
-        return
+        return []
     names = [name for name, _ in found[known[0]]]
     rest = [name for name in free if name not in names]
-    if len(rest) == 1:
-        missing = "output" if known[0] == "input" else "input"
-        found[missing] = [(rest[0], table.units.get(rest[0]))]
+    if len(rest) != 1:
+        return []
+    missing = "output" if known[0] == "input" else "input"
+    found[missing] = [(rest[0], table.units.get(rest[0]))]
+    return [missing]
 
 
 def _guess(free: list[str], words: set[str], table: ForeignTable) -> list[_Column]:
