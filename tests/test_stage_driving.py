@@ -57,6 +57,13 @@ def test_multisines_outside_the_limits_are_refused_by_their_own_keys(device):
         excitation(settings("probed", bias=14.9, rms=3.0), device)
 
 
+def test_an_excitation_that_cannot_be_designed_is_refused_by_its_own_key(device):
+    wrong = settings("record")
+    wrong["excitation"] = wrong["excitation"] | {"band": 30.0}
+    with pytest.raises(InputError, match=r"^config/config\.yaml: excitation\.record\.band: .* 30"):
+        excitation(wrong, device)
+
+
 def test_a_probed_run_without_probing_says_what_is_missing():
     with pytest.raises(InputError, match=r"excitation\.probing: it is not given"):
         sections({"record": EXCITATIONS["record"]}, "probed")

@@ -9,6 +9,7 @@ import xarray as xr
 
 from dea import acquisition, seeds, store
 from dea.configuration.excitation import RECORD
+from dea.configuration.study import FILE
 from dea.errors import InputError
 from dea.excitation import design
 from dea.modbus import Device
@@ -48,26 +49,33 @@ def excitation(settings: Mapping[str, Any], device: Device) -> Excitation:
     field = f"{name}.low, high"
     if "probing" in settings:
         # The voltages of the record, so that the film has the same history.
-        volts = design(
-            **settings["excitation"], sampling_rate=rate, seed=_seeds(settings, RECORD)[0]
-        )
+        volts = _designed(settings, RECORD, rate, _seeds(settings, RECORD)[0])
         probing = Probing(**settings["probing"])
         probed = probing.place(volts, rate, own_seed)
         volts, field = probed.voltage, "probing.bias, rms"
         labels = _labels(probed, 1.0 / probing.lowest)
     else:
-        volts = design(**settings["excitation"], sampling_rate=rate, seed=own_seed)
+        volts = _designed(settings, name, rate, own_seed)
     try:
         acquisition.check_excitation(device, volts)
     except InputError as error:
         raise InputError(
             error.problem,
-            file="config/config.yaml",
+            file=FILE,
             field=f"excitation.{field}",
             remedy=f"Narrow it there, or widen {error.field} in {device.source} if film and"
             " amplifier bear it.",
         ) from error
     return Excitation(volts, noise_seed, labels)
+
+
+def _designed(settings: Mapping[str, Any], name: str, rate: float, seed: int) -> np.ndarray:
+    try:
+        return design(**settings["excitation"], sampling_rate=rate, seed=seed)
+    except InputError as error:
+        raise InputError(
+            error.problem, file=FILE, field=f"excitation.{name}.{error.field}", remedy=error.remedy
+        ) from error
 
 
 def _seeds(settings: Mapping[str, Any], name: str) -> tuple[int, int]:
