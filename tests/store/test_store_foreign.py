@@ -153,6 +153,9 @@ def test_a_record_may_have_several_inputs(tmp_path):
     assert signals.u_units == ("V", "mm")
     np.testing.assert_array_equal(signals.u, np.column_stack([U, Y]))
     np.testing.assert_array_equal(signals.part(1.0, 3.0).u, signals.u[2:6])
+    for ends in ((3.0, 1.0), (1e3, 2e3)):
+        with pytest.raises(InputError, match=r"first, last: no sample lies .* the record goes"):
+            signals.part(*ends)
     several["inputs"][1]["column"] = "z"
     with pytest.raises(InputError, match=r"record\.inputs\[1\]\.column: .* no column 'z'"):
         store.import_record(several, CASE, tmp_path)

@@ -136,8 +136,21 @@ class Record(NamedTuple):
         return signals(read_record(path, **columns))
 
     def part(self, first: float, last: float) -> "Record":
-        """Return the samples from ``first`` to before ``last``, both in s."""
+        """Return the samples from ``first`` to before ``last``, both in s.
+
+        Raises
+        ------
+        InputError
+            If there are none.
+        """
         begin, end = np.searchsorted(self.time, [first, last])
+        if end <= begin:
+            raise InputError(
+                f"no sample lies from {first:g} to before {last:g} s; the record goes from"
+                f" {self.time[0]:g} to {self.time[-1]:g} s",
+                field="first, last",
+                remedy="Give two times inside the record, the earlier one first",
+            )
         return self._replace(time=self.time[begin:end], u=self.u[begin:end], y=self.y[begin:end])
 
     @property
