@@ -42,6 +42,16 @@ def test_each_step_is_a_line_with_what_is_left(handler, capsys):
     assert len(said) == 5
 
 
+def test_what_is_left_is_foreseen_once_a_tenth_is_done(handler, capsys):
+    tell(handler, event=LogEvent.RUN_INFO, stats={"select": 20, "total": 20})
+    for i in range(2):
+        tell(handler, event=LogEvent.JOB_INFO, jobid=i, rule_name="select", log=[], wildcards={})
+        tell(handler, event=LogEvent.JOB_FINISHED, job_id=i)
+    said = [line for line in capsys.readouterr().err.splitlines() if "left" in line]
+    assert said[0].endswith("select took 0 s; 19 of 20 left")
+    assert "18 of 20 left, about " in said[1]
+
+
 @pytest.mark.parametrize(
     ("message", "said"),
     [

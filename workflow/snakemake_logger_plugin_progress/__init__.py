@@ -13,9 +13,12 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 STILL = 30.0  # s after which a step that runs is named again
 STEP = "step: "  # begins the line of a log that says what its job is doing
-# Of a failed job the log says why; Snakemake's own messages repeat its whole command.
+# Of all steps, the part that must be done before it is said how long the others may take: the first
+# ones are the longest.
+KNOWN = 0.1
 # What Snakemake says once a person has pressed Ctrl-C.
 STOPPED = ("Terminating processes on user request", "Cancelling snakemake on user request")
+# Of a failed job the log says why; Snakemake's own messages repeat its whole command.
 REPEATED = ("RuleException", "CalledProcessError", "At least one job did not", "Exiting because")
 
 PLACE = re.compile(
@@ -98,7 +101,8 @@ class LogHandler(LogHandlerBase):
             return
         left = max(self._total - self._done, 0)
         passed = time.monotonic() - self._begun
-        rest = f", about {_duration(passed / self._done * left)}" if left else ""
+        foreseen = left and self._done >= KNOWN * self._total
+        rest = f", about {_duration(passed / self._done * left)}" if foreseen else ""
         self._write(f"{job.name} took {_duration(job.seconds)}; {left} of {self._total} left{rest}")
 
     def _stop(self) -> None:
