@@ -114,8 +114,8 @@ faults: $(VENV)/installed ## a thousand schedules of faults, twice, and 100,000 
 	python -m benchmarks.faults --count $(or $(COUNT),1000) $(SEED:%=--seed %) \
 		--keep build/faults --store
 
-coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known plants (COUNT=100 SEED=1)
-	python -m benchmarks.coverage --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %)
+coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known plants (COUNT=100 SEED=1; DRIFTING=1 for those that drift)
+	python -m benchmarks.coverage --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) $(DRIFTING:%=--drifting)
 
 peers: ## install the foreign Modbus programs that tests talk to (Debian, as root)
 	command -v mbpoll && test -e /usr/include/modbus/modbus.h || \

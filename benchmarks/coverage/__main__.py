@@ -1,11 +1,12 @@
 """Count how often the 95 % bands contain the truth of known plants.
 
-Writes ``results/coverage.csv``, with a row for each plant, and ``results/coverage.md``; the
-documents quote the latter where all plants were counted.
+Writes ``results/coverage.csv``, with a row for each plant, and ``results/coverage.md``. The
+documents quote the latter where all plants were counted, and that of all drifting ones beside it.
 """
 
 import argparse
 import os
+from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.coverage.campaign import Settings, run
@@ -28,13 +29,14 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=Settings.samples, help="of a record")
     parser.add_argument("--cores", type=int, default=os.cpu_count(), help="jobs at a time")
     parser.add_argument("--plant", action="append", help="only these plants, none of them drifting")
+    parser.add_argument("--drifting", action="store_true", help="only plants that drift")
     parser.add_argument("--output", type=Path, default=ROOT / "results" / "coverage")
     given = parser.parse_args()
     settings = Settings(given.count, given.samples, given.seed, given.cores)
     if given.plant:
-        settings = Settings(
-            given.count, given.samples, given.seed, given.cores, tuple(given.plant), ()
-        )
+        settings = replace(settings, plants=tuple(given.plant), drifting=())
+    elif given.drifting:
+        settings = replace(settings, plants=())
     table = rows(run(settings))
     given.output.parent.mkdir(parents=True, exist_ok=True)
     given.output.with_suffix(".csv").write_text(as_csv(table))
@@ -42,8 +44,10 @@ def main() -> None:
     text = "\n".join([LEGEND, *lines, ""])
     given.output.with_suffix(".md").write_text(text)
     if not given.plant:
-        command = f"make coverage COUNT={given.count} SEED={given.seed}"
-        store("coverage", command, {"count": given.count, "table": lines})
+        name, command = "coverage", f"make coverage COUNT={given.count} SEED={given.seed}"
+        if given.drifting:
+            name, command = "coverage_drifting", f"{command} DRIFTING=1"
+        store(name, command, {"count": given.count, "table": lines})
     print(text)
 
 

@@ -96,7 +96,7 @@ def _batch(arguments: tuple[Cell, range, int, int]) -> list[Judged]:
     made = records(plant, cell.kind, cell.noise, samples, drawn, cell.drifting)
     if made.parameters is not None:
         return [
-            judge_track(plant, u, y, true, cell.estimate)
+            judge_track(plant, cell.kind, u, y, true, cell.estimate)
             for u, y, true in zip(made.u, made.y, made.parameters, strict=True)
         ]
     refined = cell.estimate == "refined"

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -80,27 +81,49 @@ def judge(plant: Plant, kind: str, u: Array, y: Array, refined: bool) -> Judged:
     return Judged(inside, withheld)
 
 
-def judge_track(plant: Plant, u: Array, y: Array, true: Array, tracker: str) -> Judged:
-    """Track the parameters of the plant's structure; ``true`` is (samples, terms)."""
+def judge_track(plant: Plant, kind: str, u: Array, y: Array, true: Array, tracker: str) -> Judged:
+    """Track the parameters of the plant's structure; ``true`` is (samples, terms).
+
+    The true responses are those of the plant with the parameters of the instant, by the algebra
+    that probed responses confirm for plants at rest (tests/test_coverage.py).
+    """
+    pairs = _pairs(kind)
+    asked = (("H1", 1, FREQUENCIES[kind]), ("H2", 2, (pairs[:, 0], pairs[:, 1])))
     model = refine(estimate(terms(plant), u, y, scaling=Scaling()), u, y)
     followed = with_constant(model)
     try:
         track = dea.track_parameters(model, u, y, method=tracker, **TRACKERS[tracker])
     except (InputError, np.linalg.LinAlgError) as error:
-        nothing = np.full(INSTANTS * len(followed.terms), np.nan)
-        return Judged({"parameters": nothing}, f"fails: {error}")
+        points = {"parameters": len(followed.terms)} | {
+            f"{label} {part}": len(FREQUENCIES[kind] if order == 1 else pairs)
+            for label, order, _ in asked
+            for part in ("gain", "phase")
+        }
+        nothing = {name: np.full(INSTANTS * count, np.nan) for name, count in points.items()}
+        return Judged(nothing, f"fails: {error}")
     columns = {term: true[:, j] for j, term in enumerate(terms(plant))}
     instants = track["instant"].values
     # The first quarter is where a recursion still learns; smoothers are judged there alike.
     late = np.flatnonzero(instants > len(u) / 4)
     chosen = late[np.linspace(0, len(late) - 1, INSTANTS).astype(int)]
     at = np.round(instants[chosen]).astype(int)
-    inside = []
-    for j, term in enumerate(followed.terms):
-        expected = columns.get(term, np.zeros(len(u)))[at]
-        low, high = (track[end].values[chosen, j] for end in ("band_low", "band_high"))
-        inside.append(_inside(expected, low, high))
-    return Judged({"parameters": np.concatenate(inside)}, str(track.attrs["withheld"]))
+    expected = np.stack([columns.get(term, np.zeros(len(u)))[at] for term in followed.terms])
+    low, high = (track[end].values[chosen].T for end in ("band_low", "band_high"))
+    inside = {"parameters": _inside(expected, low, high).ravel()}
+    covariance = track["covariance"].values[chosen]
+    if track.attrs["withheld"]:
+        covariance = np.full_like(covariance, np.nan)
+    for label, order, f in asked:
+        common: dict[str, Any] = {"operating_point": 0.0, "allow_missing": True}
+        response = dea.frequency_response(followed, order, f, 1.0, parameters=expected.T, **common)
+        band = dea.frequency_response_band(
+            followed, order, f, 1.0, covariance=covariance,
+            parameters=track["parameter"].values[at], **common,
+        )  # fmt: skip
+        phase = np.degrees(np.angle(response))
+        inside[f"{label} gain"] = _inside(np.abs(response), band.gain_low, band.gain_high).ravel()
+        inside[f"{label} phase"] = _phase_inside(phase, band.phase_low, band.phase_high).ravel()
+    return Judged(inside, str(track.attrs["parameters_withheld"]))
 
 
 def _true_parameters(plant: Plant, model: NarxModel) -> Array:

@@ -84,7 +84,8 @@ def as_markdown(table: Sequence[dict[str, object]]) -> list[str]:
     for key, found in groups.items():
         withheld = 100 * float(str(next(iter(found.values()))["withheld"]))
         shown = [_shown(found.get(quantity)) for quantity in QUANTITIES]
-        lines.append("| " + " | ".join([*map(str, key), f"{withheld:.0f} %", *shown]) + " |")
+        digits = 0 if withheld in (0, 100) or 1 <= withheld <= 99 else 1  # 99.6 % is not all
+        lines.append("| " + " | ".join([*map(str, key), f"{withheld:.{digits}f} %", *shown]) + " |")
     return lines
 
 

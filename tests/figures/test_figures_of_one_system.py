@@ -173,7 +173,8 @@ def test_tracked_parameters_plot_each_parameter_with_its_95_percent_band():
 
 def test_a_withheld_band_is_not_drawn_and_the_figure_says_why():
     track = made.track(1)
-    track["withheld"] = track["withheld"].copy(data=np.array(["", "biased", ""], dtype=object))
+    why = np.array(["", "biased", ""], dtype=object)
+    track["parameters_withheld"] = track["withheld"].copy(data=why)
     track["estimator"] = track["estimator"].copy(
         data=np.array(["rls", "kalman", "kalman"], dtype=object)
     )

@@ -80,7 +80,9 @@ def _reservations(track: xr.Dataset) -> str:
     notes: dict[str, list[str]] = {}
     for tracker in _in_order(track["tracker"]):
         chosen, name = track.sel(tracker=tracker), _TRACKER[tracker][0]
-        withheld, estimator = (str(chosen[name].values) for name in ("withheld", "estimator"))
+        withheld, estimator = (
+            str(chosen[each].values) for each in ("parameters_withheld", "estimator")
+        )
         if withheld:
             notes.setdefault(f"no 95 % band, {withheld}", []).append(name)
         elif estimator != tracker:
@@ -125,7 +127,7 @@ def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
         label, colour, dashes = _TRACKER[tracker]
         chosen = track.sel(tracker=tracker)
         ax.plot(time, chosen["parameter"].values, color=colour, ls=dashes, lw=0.8, label=label)
-        if not str(chosen["withheld"].values):
+        if not str(chosen["parameters_withheld"].values):
             ax.fill_between(
                 chosen["instant"].values, chosen["band_low"].values, chosen["band_high"].values,
                 color=colour, alpha=_PALENESS, lw=0, rasterized=True,

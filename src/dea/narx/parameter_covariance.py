@@ -28,7 +28,7 @@ from dea.narx.checks import Array
 from dea.narx.regressors import regressor_matrix
 from dea.terms import Term, max_lag
 
-_DEPENDENT = 1e-14  # share of the largest eigenvalue of the scaled information that is rounding
+DEPENDENT = 1e-14  # share of the largest eigenvalue of the scaled information that is rounding
 
 
 class FreeRun(NamedTuple):
@@ -52,7 +52,7 @@ def covariance_of_free_runs(terms: Sequence[Term], theta: Array, runs: Sequence[
     norms = column_norms(np.vstack([run.slope for run in runs]))
     scaled = [run.slope / norms for run in runs]
     information = sum((slope.T @ slope for slope in scaled), np.zeros((norms.size, norms.size)))
-    inverse = np.linalg.pinv(information, rcond=_DEPENDENT, hermitian=True)
+    inverse = np.linalg.pinv(information, rcond=DEPENDENT, hermitian=True)
     feedback, noise = noise_model(terms, theta, runs)
     energy = np.zeros_like(information)
     for slope, fed_back in zip(scaled, feedback, strict=True):

@@ -13,12 +13,18 @@ from dea.narx.checks import Array
 from dea.narx.estimation import Segment, Signals, as_segments, estimate, normalised
 from dea.narx.estimation import least_squares as least_squares_of
 from dea.narx.model import NarxModel
-from dea.narx.parameter_covariance import FreeRun, column_norms, covariance_of_free_runs
+from dea.narx.parameter_covariance import (
+    DEPENDENT,
+    FreeRun,
+    column_norms,
+    covariance_of_free_runs,
+)
 from dea.narx.scaling import Scaling
 from dea.narx.simulation import BOUND, input_rows, simulate, structure
 from dea.terms import Term
 
 _SMOOTHED = 9  # samples over which outputs are smoothed for a second start
+_ENDS = 2.0  # standard deviations either way, within which a run should be linear
 _DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
 
@@ -129,6 +135,7 @@ class Fit(NamedTuple):
     covariance: Array  # (terms, terms)
     msse: float  # mean squared simulated error (6), normalised units
     energy: Array  # (terms, terms) of the run's derivative, less what starts and trends explain
+    unknowns: Array  # the parameters, and after them starts and trend of each segment
 
 
 def fit_free_runs(
@@ -154,13 +161,55 @@ def fit_free_runs(
     theta = point.x[:count].copy()
     if not np.isfinite(point.cost):
         unknown = np.full((count, count), np.nan)
-        return Fit(theta, unknown, np.inf, unknown)
+        return Fit(theta, unknown, np.inf, unknown, point.x)
     runs = task.runs(point.x)
     covariance = covariance_of_free_runs(terms, theta, runs)
     slope = np.vstack([run.slope for run in runs])
     own, others = slope[:, :count], slope[:, count:]
     own = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
-    return Fit(theta, covariance[:count, :count], point.cost / task.samples, own.T @ own)
+    return Fit(theta, covariance[:count, :count], point.cost / task.samples, own.T @ own, point.x)
+
+
+def curvature(
+    terms: tuple[Term, ...], fit: Fit, segments: Sequence[Segment], trend: int = 0
+) -> float:
+    """Return how far the free run is from linear within two standard deviations of an estimate.
+
+    Along each direction that the output tells apart, the run at either end is set against its
+    linearisation, on which the covariance rests; starts and trend follow as the latter says. The
+    departure, as a share of what the linearisation predicts, is the largest over all directions: D.
+    M. Bates and D. G. Watts, JRSS B 42 (1980), relative curvatures. Infinite where a run diverges
+    or rounding has left a direction without a variance.
+
+    Parameters
+    ----------
+    fit, segments, trend
+        Of :func:`fit_free_runs`.
+    """
+    if not np.isfinite(fit.msse):
+        return np.inf
+    task, count = _FreeRunsFromFreeStarts(terms, segments, trend), len(terms)
+    slope = np.vstack([run.slope for run in task.runs(fit.unknowns)])
+    own, others = slope[:, :count], slope[:, count:]
+    follow = np.linalg.lstsq(others, own, rcond=None)[0]
+    seen = own - others @ follow
+    norms = column_norms(seen)
+    covariance = fit.covariance * np.outer(norms, norms)
+    middle, largest = task.outputs(fit.unknowns), 0.0
+    _, size, directions = np.linalg.svd(seen / norms, full_matrices=False)
+    for energy, direction in zip(size**2, directions, strict=True):
+        variance = float(direction @ covariance @ direction)
+        if not variance > 0.0 or energy <= DEPENDENT * size[0] ** 2:
+            return np.inf
+        moved = _ENDS * np.sqrt(variance) * direction / norms
+        step = np.concatenate([moved, -follow @ moved])
+        linear = slope @ step
+        for sign in (1.0, -1.0):
+            apart = task.outputs(fit.unknowns + sign * step) - middle - sign * linear
+            if not np.isfinite(apart).all():
+                return np.inf
+            largest = max(largest, float(np.linalg.norm(apart) / np.linalg.norm(linear)))
+    return largest
 
 
 class _FreeRuns:
@@ -211,6 +260,16 @@ class _FreeRunsFromFreeStarts:
         residual = np.concatenate([run.residual for run in runs])
         slope = np.vstack([run.slope for run in runs])
         return _damped(float(residual @ residual), residual, slope)
+
+    def outputs(self, x: Array) -> Array:
+        """Return the runs of all segments with their trends; infinite where one diverges."""
+        theta, starts = self._split(x)
+        parts = [
+            simulate(self._terms, theta, u, own[: self._lag], bound=_bound(y))
+            + powers @ own[self._lag :]
+            for (u, y), powers, own in zip(self._segments, self._trends, starts, strict=True)
+        ]
+        return np.concatenate(parts)
 
     def runs(self, x: Array) -> list[FreeRun]:
         """Return the free run of every segment with its derivatives by all unknowns."""

@@ -34,7 +34,11 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
     free_runs = compare_free_runs(
         narx, tracks, signals.u, signals.y, window=chosen["frozen_window"]
     )
-    words = {"estimator": "method that the estimate is of", "withheld": "why no interval holds"}
+    words = {
+        "estimator": "method that the estimate is of",
+        "withheld": "why no interval holds",
+        "parameters_withheld": "why no interval of single parameters holds",
+    }
     together = xr.concat(
         [
             found.assign_coords(tracker=method).assign(

@@ -20,7 +20,12 @@ NOT_SETTLED = (
 WINDOWS_FAILED = (
     "{} windows of the record have no estimate: the free run diverges, or outputs are missing"
 )
+UNDETERMINED = (
+    "windows of the record tell too little of single parameters: within their intervals the free "
+    "run is far from linear in them"
+)
 TARGET_UNKNOWN = "leakage pulls towards parameters whose own covariance is not known"
+LARGEST_CURVATURE = 0.5  # departure of a run at the ends of an interval from its linearisation
 # Samples of a window within which parameters hardly move: long enough for its own estimate.
 _WINDOW, _SAMPLES_PER_TERM = 500, 50
 
@@ -29,7 +34,8 @@ class Estimate(NamedTuple):
     """What a tracker found, of the samples after the largest lag.
 
     ``theta`` and ``std`` (n, p), ``innovation`` (n,), ``covariance`` (k, p, p) at the instants,
-    ``estimator`` the method that the estimate is of, and ``withheld`` why no interval holds.
+    ``estimator`` the method that the estimate is of, ``withheld`` why no interval holds, and
+    ``parameters_withheld`` why none of single parameters does, where those of responses do.
     """
 
     theta: Array
@@ -39,6 +45,7 @@ class Estimate(NamedTuple):
     estimator: str
     withheld: str
     noise_ratio: Array | None = None
+    parameters_withheld: str = ""
 
 
 def instants(samples: int, count: int) -> NDArray[np.int64]:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.errors import InputError
-from dea.narx import Fit, NarxModel, fit_free_runs
+from dea.narx import Fit, NarxModel, curvature, fit_free_runs
 from dea.tracking.scatter import scatter
 
 Array = NDArray[np.float64]
@@ -26,6 +26,7 @@ _OVERLAP = 8  # windows that hold a sample
 _PER_UNKNOWN = 2  # samples of a stretch, at least
 _TREND = 2  # degree of the level within a window
 _STARTS = 4  # estimates of other windows that one may begin from
+_LONGEST, _QUARTERS = 4000, 4  # samples of a window that is judged, at least so many in a record
 _ITERATIONS = 10
 _TOLERANCE = 1e-6  # of the squared error: a small part of a standard deviation
 
@@ -38,6 +39,7 @@ class Windows(NamedTuple):
     covariance: Array  # (windows, p, p)
     length: int
     failed: int  # windows without an estimate, which are left out
+    curvature: float = 0.0  # median over windows without common samples
 
     def at(self, t: Array) -> tuple[Array, Array]:
         """Return parameters (k, p) and covariances (k, p, p) at the samples ``t``, (k,)."""
@@ -96,25 +98,14 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
     InputError
         If a window is too short for the unknowns, or no window has an estimate.
     """
-    length = min(length, y.size)
-    least = _PER_UNKNOWN * (len(model.terms) + model.max_lag + _TREND)
-    if length < least:
+    windows = _Windowed(model, u, y, min(length, y.size), _OVERLAP)
+    if windows.length < windows.least:
         raise InputError(
-            f"{length} samples tell too little of {len(model.terms)} parameters",
+            f"{windows.length} samples tell too little of {len(model.terms)} parameters",
             field="window",
-            remedy=f"Give at least {least}, and a record as long",
+            remedy=f"Give at least {windows.least}, and a record as long",
         )
-    count = 1 + -(-(y.size - length) * _OVERLAP // length)
-    starts = np.linspace(0, y.size - length, count).astype(np.int64)
-    windows = [_stretches(u[a : a + length], y[a : a + length], least) for a in starts]
-    fits: list[Fit | None] = [None] * count
-    for order in (range(count), range(count - 1, -1, -1)):
-        latest: deque[Array] = deque(maxlen=_STARTS)
-        for k in order:
-            if fits[k] is None:
-                fits[k] = _fitted(model, (*latest, model.parameters), windows[k])
-            if (fit := fits[k]) is not None:
-                latest.appendleft(fit.parameters)
+    length, fits = windows.length, windows.fits()
     kept = np.array([fit is not None for fit in fits])
     if not kept.any():
         raise InputError(
@@ -125,10 +116,59 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
     chosen = [fit for fit in fits if fit is not None]
     theta = np.stack([fit.parameters for fit in chosen])
     covariance = np.stack([fit.covariance for fit in chosen])
-    centre = starts[kept] + (length - 1) / 2.0
+    centre = windows.starts[kept] + (length - 1) / 2.0
     energy = np.stack([fit.energy for fit in chosen])
     covariance *= scatter(centre, theta, covariance, energy, length)
-    return Windows(centre, theta, covariance, length, int(np.sum(~kept)))
+    failed = int(np.sum(~kept))
+    return Windows(centre, theta, covariance, length, failed, windows.curvature(fits))
+
+
+def curvature_of_windows(model: NarxModel, u: Array, y: Array) -> float:
+    """Return the median curvature of estimates of separate windows of a normalised record.
+
+    The windows are as long as those of the local estimates, but no longer than a quarter of the
+    record. Infinite where most have no estimate, or the record is too short for one.
+    """
+    windows = _Windowed(model, u, y, min(_LONGEST, y.size // _QUARTERS), 1)
+    return windows.curvature(windows.fits()) if windows.length >= windows.least else np.inf
+
+
+class _Windowed:
+    """A record cut into windows."""
+
+    def __init__(self, model: NarxModel, u: Array, y: Array, length: int, overlap: int) -> None:
+        self._model, self._overlap, self.length = model, overlap, length
+        self.least = _PER_UNKNOWN * (len(model.terms) + model.max_lag + _TREND)
+        count = 1 + -(-(y.size - length) * overlap // max(length, 1))
+        self.starts = np.linspace(0, y.size - length, count).astype(np.int64)
+        self._windows = [
+            _stretches(u[a : a + length], y[a : a + length], self.least) for a in self.starts
+        ]
+
+    def fits(self) -> list[Fit | None]:
+        """Return the estimate of each window, begun from those of others; None without one."""
+        fits: list[Fit | None] = [None] * len(self._windows)
+        for order in (range(len(fits)), range(len(fits) - 1, -1, -1)):
+            latest: deque[Array] = deque(maxlen=_STARTS)
+            for k in order:
+                if fits[k] is None:
+                    starts = (*latest, self._model.parameters)
+                    fits[k] = _fitted(self._model, starts, self._windows[k])
+                if (fit := fits[k]) is not None:
+                    latest.appendleft(fit.parameters)
+        return fits
+
+    def curvature(self, fits: list[Fit | None]) -> float:
+        """Return the median over windows without common samples."""
+        chosen = zip(fits[:: self._overlap], self._windows[:: self._overlap], strict=True)
+        return float(
+            np.median(
+                [
+                    np.inf if fit is None else curvature(self._model.terms, fit, window, _TREND)
+                    for fit, window in chosen
+                ]
+            )
+        )
 
 
 def _stretches(u: Array, y: Array, least: int) -> list[tuple[Array, Array]]:

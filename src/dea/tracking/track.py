@@ -10,16 +10,18 @@ from dea import store
 from dea.errors import InputError
 from dea.narx import LEVEL, NarxModel, pair, quantile, regressor_matrix
 from dea.tracking.bands import (
+    LARGEST_CURVATURE,
     NOT_MOVED,
     NOT_SETTLED,
     TARGET_UNKNOWN,
+    UNDETERMINED,
     WINDOWS_FAILED,
     Estimate,
     reason_to_withhold,
 )
 from dea.tracking.bands import instants as instants_of
 from dea.tracking.kalman import Smoothed, fit_common_ratio
-from dea.tracking.local import local_estimates
+from dea.tracking.local import curvature_of_windows, local_estimates
 from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
@@ -103,8 +105,10 @@ def track_parameters(
         ``band_high(instant, term)``; ``innovation(time)`` in output units, missing for the first
         ``model.max_lag`` samples; for the smoothers ``noise_ratio(term)``. Its attribute
         ``estimator`` names the method that the estimate is of, which differs from ``method`` where
-        that fell back on another; ``withheld`` says why no interval can be given, and the
-        intervals are then missing (docs/method/bands.md).
+        that fell back on another; ``withheld`` says why no interval can be given, and
+        ``parameters_withheld`` why none of single parameters: the same, or another reason where
+        intervals of responses hold. ``band_low`` and ``band_high`` are then missing
+        (docs/method/bands.md).
 
     Raises
     ------
@@ -162,6 +166,7 @@ def _recursive(
     withheld = reason_to_withhold(innovation, Phi, missing)
     if settings["leakage"] and not known:
         withheld = withheld or TARGET_UNKNOWN
+    withheld = withheld or _undetermined(model, record)
     return Estimate(
         found.theta / scale,
         np.sqrt(found.variance) / scale,
@@ -204,6 +209,7 @@ def _smoothed(
             estimator, withheld = method, "" if tracked.settled else NOT_SETTLED
         else:
             estimator, withheld = names[best], NOT_MOVED.format(_NAMES[names[best]])
+    withheld = withheld or _undetermined(model, record)
     return Estimate(
         smoothed.theta,
         np.sqrt(np.maximum(smoothed.variance, 0.0)),
@@ -213,6 +219,12 @@ def _smoothed(
         withheld,
         smoothed.noise_ratio,
     )
+
+
+def _undetermined(model: NarxModel, record: Record) -> str:
+    """Return why estimates of the whole record do not hold at its parts, empty where they do."""
+    curved = curvature_of_windows(model, record.u, record.measured)
+    return UNDETERMINED if curved > LARGEST_CURVATURE else ""
 
 
 def _equations(model: NarxModel, record: Record) -> tuple[Array, Array]:
@@ -244,7 +256,10 @@ def _local(
     std = np.stack([np.interp(samples, samples[at], each) for each in deviation.T], axis=1)
     innovation = target - np.sum(Phi * theta, axis=1)
     withheld = WINDOWS_FAILED.format(windows.failed) if windows.failed else ""
-    return Estimate(theta, std, innovation, covariance, method, withheld)
+    of_parameters = UNDETERMINED if windows.curvature > LARGEST_CURVATURE else ""
+    return Estimate(
+        theta, std, innovation, covariance, method, withheld, parameters_withheld=of_parameters
+    )
 
 
 def _settings(method: str, **given: Any) -> dict[str, Any]:
@@ -292,7 +307,8 @@ def _labelled(
     theta = lead_in(found.theta, lag)
     innovation = np.concatenate([np.full(lag, np.nan), found.innovation * model.scaling.y_scale])
     deviation = np.sqrt(np.maximum(np.einsum("kii->ki", found.covariance), 0.0))
-    reach = np.full_like(deviation, np.nan) if found.withheld else quantile(LEVEL) * deviation
+    withheld = found.withheld or found.parameters_withheld
+    reach = np.full_like(deviation, np.nan) if withheld else quantile(LEVEL) * deviation
     plain, seconds = {"units": "1"}, {"units": "s"}
     over, at_instants = ("time", "term"), ("instant", "term")
     normalised = "of the parameter, normalised signals"
@@ -339,7 +355,12 @@ def _labelled(
             ),
             "term": ("term", list(map(str, model.terms)), plain | {"long_name": "term"}),
         },
-        attrs=attrs | {"estimator": found.estimator, "withheld": found.withheld},
+        attrs=attrs
+        | {
+            "estimator": found.estimator,
+            "withheld": found.withheld,
+            "parameters_withheld": withheld,
+        },
     )  # fmt: skip
     if found.noise_ratio is not None:
         label = {"long_name": "variance of a step over that of the noise, per sample"}

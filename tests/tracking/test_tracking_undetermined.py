@@ -1,0 +1,82 @@
+"""Records that tell too little of single parameters, and what is still given of them."""
+
+import numpy as np
+import pytest
+from benchmarks.coverage.judged import FREQUENCIES, terms
+from benchmarks.coverage.plants import plants
+from benchmarks.coverage.records import generators, records
+
+import dea
+from dea.narx import NarxModel, Scaling, estimate, refine, simulate
+from dea.tracking import with_constant
+from dea.tracking.bands import LARGEST_CURVATURE, UNDETERMINED
+from dea.tracking.local import curvature_of_windows
+
+
+def tracked(name, kind, noise, drift, number, method, **settings):
+    """A record of a drifting plant: the model with a constant, its track, and the true course."""
+    plant = plants()[name]
+    drawn = generators(78, f"{name} {kind} {noise} {drift}", [number])
+    made = records(plant, kind, noise, 4000, drawn, drift)
+    u, y = made.u[0], made.y[0]
+    model = refine(estimate(terms(plant), u, y, scaling=Scaling()), u, y)
+    followed = with_constant(model)
+    course = dict(zip(terms(plant), made.parameters[0].T, strict=True))
+    true = np.stack([course.get(term, np.zeros(u.size)) for term in followed.terms], axis=1)
+    return followed, dea.track_parameters(model, u, y, method=method, **settings), true
+
+
+@pytest.mark.parametrize("noise", ["equation", "output", "coloured output"])
+def test_ten_terms_and_an_input_of_few_frequencies_leave_single_parameters_open(noise):
+    _, track, _ = tracked("DEA2", "band-limited", noise, "ramp", 2, "local", window=1000)
+    assert track.attrs["withheld"] == ""
+    assert track.attrs["parameters_withheld"] == UNDETERMINED
+    assert track["band_low"].isnull().all()
+    assert track["band_high"].isnull().all()
+    assert np.isfinite(track["covariance"]).all()
+
+
+@pytest.mark.parametrize(("name", "kind"), [("DEA2", "white"), ("two_poles", "band-limited")])
+def test_what_a_record_determines_is_given(name, kind):
+    _, track, _ = tracked(name, kind, "output", "ramp", 0, "local", window=1000)
+    assert track.attrs["parameters_withheld"] == ""
+    assert np.isfinite(track["band_low"]).all()
+
+
+def test_responses_hold_where_single_parameters_do_not():
+    f, inside = FREQUENCIES["band-limited"], []
+    for number in (1, 2, 4):
+        model, track, true = tracked(
+            "DEA2", "band-limited", "output", "ramp", number, "local", window=1000
+        )
+        assert track.attrs["parameters_withheld"] == UNDETERMINED
+        at = track["instant"].values[60:300:60].astype(int)
+        band = dea.frequency_response_band(
+            model, 1, f, 1.0, operating_point=0.0, parameters=track["parameter"].values[at],
+            covariance=track["covariance"].values[60:300:60], allow_missing=True,
+        )  # fmt: skip
+        gain = np.abs(dea.frequency_response(model, 1, f, 1.0, operating_point=0.0,
+                                             parameters=true[at], allow_missing=True))  # fmt: skip
+        known = np.isfinite(band.gain_low)
+        inside += ((band.gain_low <= gain) & (gain <= band.gain_high))[known].tolist()
+    assert len(inside) > 20
+    assert np.mean(inside) > 0.9
+
+
+def test_estimates_of_the_whole_record_are_withheld_with_them():
+    """White errors in a record whose windows leave parameters open: no other reason is seen."""
+    _, track, true = tracked("DEA2", "band-limited", "coloured output", "ramp", 4, "kalman")
+    assert track.attrs["withheld"] == track.attrs["parameters_withheld"] == UNDETERMINED
+    at = track["instant"].values.astype(int)
+    deviation = np.sqrt(np.einsum("kii->ki", track["covariance"].values))
+    outside = np.abs(track["parameter"].values[at] - true[at]) > 1.96 * deviation
+    assert outside.mean() > 0.5
+
+
+def test_a_record_too_short_for_a_window_determines_nothing():
+    model = NarxModel.from_terms({"y(t-1)": 0.8, "u(t-1)": 0.5}, scaling=Scaling())
+    rng = np.random.default_rng(1)
+    u = rng.standard_normal(200)
+    y = simulate(model.terms, model.parameters, u, np.zeros(1)) + 0.01 * rng.standard_normal(200)
+    assert curvature_of_windows(model, u, y) < LARGEST_CURVATURE
+    assert curvature_of_windows(model, u[:30], y[:30]) == np.inf
