@@ -20,6 +20,8 @@ def test_every_figure_and_table_is_listed(folder, name):
     rows = [line for line in PAGE.splitlines() if line.startswith(f"| `{folder}/")]
     listed = {word for row in rows for word in re.findall(r"`([^`]+)`", row.split("|")[1])}
     known = {each.removeprefix(f"{folder}/").removeprefix("actuators/") for each in listed}
-    assert {name, f"{name}_NAME"} & known or any(
-        each.endswith("…") and name.startswith(each[:-1]) for each in known
-    ) or f"{name}/NAME" in known
+    assert (
+        {name, f"{name}_NAME"} & known
+        or any(each.endswith("…") and name.startswith(each[:-1]) for each in known)
+        or f"{name}/NAME" in known
+    )
