@@ -183,7 +183,7 @@ def test_a_withheld_band_is_not_drawn_and_the_figure_says_why():
     said = lower.legends[0].get_title().get_text()
     assert "Kalman smoother: no 95 % band, biased" in said
     assert "output-error smoother: parameters of kalman" in said
-    track["withheld"][:] = ["", "biased", "biased"]
+    track["parameters_withheld"][:] = ["", "biased", "biased"]
     lower = tracked_parameters(made.record(1), track, "dea1").subfigs[1]
     said = lower.legends[0].get_title().get_text()
     assert said == "Kalman smoother, output-error smoother: no 95 % band, biased"
