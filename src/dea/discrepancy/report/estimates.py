@@ -40,20 +40,17 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
 def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate]:
     """Return the free parameters of the attached effect ``index`` with 95 % intervals.
 
-    Those that the record determines best (relative to the prior) come first, those that only
-    shape the law last.
-
-    ``spread`` (k,) is the standard deviation of all coordinates from fits to parts of the record.
-    The larger of it and of what the curvature of the cost gives counts, where the ``error`` of the
-    law and the autocorrelation of the residual take part in the variance.
+    Those that the record determines best, as shares of their values, come first: one that may as
+    well be zero says little. Those that only shape the law come last. ``deviation`` (k,) is the
+    standard deviation of all coordinates.
     """
     extended = fit.extended
     where = extended.effect_slices[index]
     parameters = extended.attached[index].parameters
     values = fit.values
     own = [k for k, i in enumerate(extended.free) if where.start <= i < where.stop]
-    result = {}
-    for position in sorted(own, key=lambda k: (extended.shapes[k], deviation[k])):
+    found = []
+    for position in own:
         i = extended.free[position]
         parameter = parameters[i - where.start]
         ends = [
@@ -61,5 +58,7 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
             for side in (-1.0, 1.0)
         ]
         value = float(values[i])
-        result[parameter.name] = Estimate(value, parameter.unit, min(ends), max(ends))
-    return result
+        estimate = Estimate(value, parameter.unit, min(ends), max(ends))
+        unsure = (estimate.high - estimate.low) / max(abs(value), np.finfo(float).tiny)
+        found.append(((extended.shapes[position], unsure), parameter.name, estimate))
+    return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
