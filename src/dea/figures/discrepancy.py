@@ -33,6 +33,7 @@ _ABOVE: Mapping[str, Any] = {
 }  # fmt: skip
 # Points that the text above a law leaves for such a legend.
 _LEGEND_HEIGHT = 12.0
+_LINE_HEIGHT = 7.2  # points
 # Where, in units of probability, the shares stand beside the presences, and where that axis ends.
 _SHARES_AT, _PRESENCE_END = 1.16, 1.6
 # The band of a law, paler than the law.
@@ -92,7 +93,10 @@ def discrepancy(
     _presence(present, verdict, candidates)
     for ax in (series, runs, where, *laws):
         ax.xaxis.set_major_locator(MaxNLocator(_TICKS))
-    style.panel_letters([series, runs, where, ladder, laws[0], present])
+    style.panel_letters([series, runs, where, ladder])
+    # Beside another law there is no room for the letter but above the text of its own.
+    style.panel_letters([laws[0]], "E", drop=-_text_height(laws[0]) if len(laws) > 1 else 0.0)
+    style.panel_letters([present], "F")
     figure.suptitle(_title(verdict), fontsize=7.5)
     return figure
 
@@ -218,7 +222,13 @@ def _shape(ax: Axes, certificate: xr.Dataset, number: int, effect: Mapping[str, 
     ax.locator_params(axis="x", nbins=5)
     told = [effect["name"].replace("_", " ")]
     told += [_estimate(name, each) for name, each in list(effect["parameters"].items())[:_TOLD]]
-    ax.set_title("\n".join(told), fontsize=6, loc="right", pad=_LEGEND_HEIGHT)
+    ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc="right", pad=_LEGEND_HEIGHT)
+
+
+def _text_height(ax: Axes) -> float:
+    """Return how far the text above a law reaches, in points."""
+    lines = ax.get_title(loc="right").count("\n") + 1
+    return _LEGEND_HEIGHT + _LINE_HEIGHT * lines
 
 
 def _estimate(name: str, estimate: Mapping[str, Any]) -> str:
