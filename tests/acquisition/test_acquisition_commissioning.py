@@ -52,6 +52,39 @@ def test_a_staircase_shows_gain_offset_and_noise_of_a_read_back(module, tmp_path
     assert not list(tmp_path.iterdir())
 
 
+def test_what_a_device_measured_beside_the_staircase_is_left_out(module, tmp_path):
+    target = module.description()
+    index = replace(target["displacement"], name="device_index", address=5, table="holding")
+    target = replace(target, registers=dict(target.registers) | {"device_index": index})
+
+    def jump_once(count):
+        if len(module.history) >= 100:
+            module.index = 3
+        return count
+
+    module.read_back = jump_once
+    report = commission(target, tmp_path / "c.partial", SETTINGS, 0.03)
+    assert report["read_back_gain"] == pytest.approx(1.0, abs=1e-3)
+    assert 0 <= report["read_back_delay"] < 0.02
+    assert report["late_samples"] >= 3
+
+
+def test_a_staircase_without_a_good_sample_is_said_in_a_line(module, tmp_path, capsys):
+    path = description(module, tmp_path, safety={"max_rate": 100})
+    # A sensor that is not connected reads the end of its range.
+    told = yaml.safe_load(path.read_text())
+    told["registers"]["displacement"] |= {"address": 9, "table": "holding"}
+    path.write_text(yaml.safe_dump(told))
+    with pytest.raises(SystemExit) as exit_:
+        main(["commission", "--device", str(path), "--arm", "A. Person", "--ramp-rate", "5"])
+    assert exit_.value.code == 1
+    message = capsys.readouterr().err
+    assert "250 samples: 0 good, " in message
+    assert "250 saturated" in message
+    assert not report_file(path).exists()
+    assert module.volts == 0.0
+
+
 @pytest.mark.parametrize(("works", "found"), [(True, "tripped"), (False, "did not trip")])
 def test_the_watchdog_is_tripped_on_purpose(serve_bench, tmp_path, works, found):
     bench = serve_bench(virtual_clock=False, watchdog_time=0.5)

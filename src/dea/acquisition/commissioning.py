@@ -16,11 +16,12 @@ import xarray as xr
 
 from dea.acquisition.acquire import acquire
 from dea.acquisition.duty import duty_file, look
+from dea.acquisition.flagged import flags_said
 from dea.acquisition.link_log import LinkLog, LinkSettings
 from dea.acquisition.panel import Panel
 from dea.acquisition.poll import Poll
 from dea.acquisition.retrying_link import Link
-from dea.acquisition.samples import Samples
+from dea.acquisition.samples import Quality, Samples, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.atomic_file import atomic
 from dea.errors import DeviceError, InputError
@@ -80,16 +81,19 @@ def _read_together(device: Device) -> list[list[str]]:
 
 def _learnt(record: xr.Dataset, link: xr.Dataset, hold: int) -> dict[str, Any]:
     """Return gain, offset, delay and noise of the read-back, noise of the sensor, round trips."""
-    settled = np.arange(record.sizes["time"]) % hold >= (1 - SETTLED) * hold
-    settled &= record.quality.values == 0
-    asked = record.voltage_requested.values[settled]
-    applied, displacement = record.voltage.values[settled], record.displacement.values[settled]
+    stairs = record.isel(time=asked_for(record.quality.values))
+    settled = np.arange(stairs.sizes["time"]) % hold >= (1 - SETTLED) * hold
+    settled &= stairs.quality.values == Quality.GOOD
+    if not settled.any():
+        raise DeviceError(f"{flags_said(record)}. {_MEND}")
+    asked = stairs.voltage_requested.values[settled]
+    applied, displacement = stairs.voltage.values[settled], stairs.displacement.values[settled]
     gain, offset = np.polyfit(asked, applied, 1)
     trips = link.receive_time.values - link.send_time.values
     return {
         "read_back_gain": float(gain),
         "read_back_offset": float(offset),
-        "read_back_delay": _delay(record, link, hold),
+        "read_back_delay": _delay(stairs, link, hold),
         "read_back_noise": _noise(asked, applied),
         "displacement_noise": _noise(asked, displacement),
         "round_trip_median": float(np.median(trips)),

@@ -22,6 +22,15 @@ class Quality(IntFlag):
     CLOCK = 128  # the device's clock and the host's do not agree
 
 
+def asked_for(quality: np.ndarray) -> np.ndarray:
+    """Return which samples are those of the excitation, by their flags, (samples,) bool.
+
+    The others are what the device measured while it held the output of one of these.
+    """
+    beside = Quality.HELD | Quality.LOST
+    return np.asarray((quality & beside) != beside)
+
+
 class Samples(NamedTuple):
     """Consecutive samples; ``position`` is their place in the sequence to be played.
 
