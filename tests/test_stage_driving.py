@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from dea.acquisition import Acquisition
+from dea.acquisition import Acquisition, Quality
 from dea.configuration.excitation import sections
 from dea.errors import InputError
 from dea.modbus import read_device
@@ -41,7 +41,11 @@ def test_a_probed_run_repeats_the_record_outside_of_its_stretches(device):
 
 def test_its_record_says_which_samples_are_whole_periods(device):
     probed = excitation(settings("probed"), device)
-    plain = xr.Dataset({"voltage": ("time", probed.volts)}, coords={"time": np.arange(6000) / 50})
+    measured = {
+        "voltage": ("time", probed.volts),
+        "quality": ("time", np.zeros(6000, np.uint8)),
+    }
+    plain = xr.Dataset(measured, coords={"time": np.arange(6000) / 50})
     record, link = probed.label(Acquisition(plain, xr.Dataset()))
     assert record.attrs["probing_period"] == 5.0
     assert record["probing"].attrs["units"] == "1"
@@ -50,6 +54,20 @@ def test_its_record_says_which_samples_are_whole_periods(device):
     periods = record["voltage"].values[inside].reshape(4, 250)
     np.testing.assert_allclose(periods[0], periods[1])
     assert not link.data_vars
+
+
+def test_samples_beside_those_of_the_plan_have_no_label(device):
+    probed = excitation(settings("probed"), device)
+    extra = np.arange(2000, 2003)
+    quality = np.zeros(6003, np.uint8)
+    quality[extra] = Quality.HELD | Quality.LOST
+    played = xr.Dataset({"quality": ("time", quality)}, coords={"time": np.arange(6003) / 50})
+    record = probed.label(Acquisition(played, xr.Dataset())).record
+    for name, label in probed.labels.items():
+        values = record[name].values
+        assert values.dtype == label.dtype
+        np.testing.assert_array_equal(np.delete(values, extra), label)
+        assert not values[extra].any()
 
 
 def test_multisines_outside_the_limits_are_refused_by_their_own_keys(device):

@@ -12,7 +12,7 @@ from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.recorder import GuardianLostError
 from dea.acquisition.reported import reported
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError, StoppedError
-from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+from dea.acquisition.samples import BrokenRecordError, Quality, Samples, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import check_excitation
 from dea.acquisition.watched import acquire_watched
@@ -39,6 +39,7 @@ __all__ = [
     "ZeroNotVerifiedError",
     "acquire",
     "acquire_watched",
+    "asked_for",
     "check_excitation",
     "clock_fault",
     "recover",

@@ -28,7 +28,12 @@ class Excitation(NamedTuple):
 
     def label(self, acquired: acquisition.Acquisition) -> acquisition.Acquisition:
         """Return what was acquired, its record with the labels."""
-        record = acquired.record.assign(self.labels).assign_attrs(self.labels.attrs)
+        record = acquired.record.assign_attrs(self.labels.attrs)
+        of_excitation = acquisition.asked_for(record["quality"].values)
+        for name, label in self.labels.items():
+            values = np.zeros(of_excitation.size, label.dtype)
+            values[of_excitation] = label
+            record[name] = "time", values, label.attrs
         return acquired._replace(record=record)
 
 
