@@ -1,6 +1,6 @@
 """How sure a named law is, at every sample of the record."""
 
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -34,16 +34,15 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
         values = extended.values(np.clip(coordinates, low, high))
         return law_courses(extended, values, samples.u, samples.interval, motion)
 
-    def made(coordinates: np.ndarray) -> list[np.ndarray]:
-        return [course.value.values for course in courses(coordinates) if course]
+    def made(coordinates: np.ndarray, index: int) -> np.ndarray:
+        return cast(LawCourse, courses(coordinates)[index]).value.values
 
     banded: list[BandedLaw | None] = []
-    value = made(fit.coordinates)
     for index, course in enumerate(courses(fit.coordinates)):
         if course is None:
             banded.append(None)
             continue
-        number = sum(each is not None for each in banded)
+        value = course.value.values
         where = extended.effect_slices[index]
         own = np.flatnonzero((extended.free >= where.start) & (extended.free < where.stop))
         variances, axes = np.linalg.eigh(covariance[np.ix_(own, own)])
@@ -52,10 +51,9 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
             moved = np.zeros(fit.coordinates.size)
             moved[own] = step
             changes = np.array(
-                [made(fit.coordinates + side * moved)[number] - value[number] for side in (-1, 1)]
+                [made(fit.coordinates + side * moved, index) - value for side in (-1, 1)]
             )
             above += np.maximum(changes.max(axis=0), 0.0) ** 2
             below += np.minimum(changes.min(axis=0), 0.0) ** 2
-        ends = value[number] - np.sqrt(below), value[number] + np.sqrt(above)
-        banded.append(BandedLaw(course, *ends))
+        banded.append(BandedLaw(course, value - np.sqrt(below), value + np.sqrt(above)))
     return banded
