@@ -42,7 +42,7 @@ def unfinish_degenerate(
         replace(
             each,
             candidates=tuple(
-                replace(c, finished=c.finished and id(c) not in fallen) for c in each.candidates
+                replace(c, finished=False) if id(c) in fallen else c for c in each.candidates
             ),
         )
         for each in rounds
