@@ -214,12 +214,8 @@ def test_a_held_out_gap_is_found_once():
     assert held_out.rmse(fitted) == problem.seen_rmse(held_out.residual(fitted))
 
 
-@pytest.mark.parametrize(
-    ("without", "left", "named"),
-    [(3.0, 1.5, ("dead_zone",)), (1.7, 1.5, None), (3.0, 6.0, None)],
-)
-def test_the_certain_part_of_an_answer_is_named(without, left, named):
-    """A dead zone is in both good answers; what is beside it is not known."""
+def graded():
+    """Return evidence on a hidden dead zone, and what makes candidates of a given misfit."""
     problem, extended = hidden("dead_zone")
     plain = at(problem, extended, np.zeros(extended.free.size))
     told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
@@ -234,19 +230,47 @@ def test_the_certain_part_of_an_answer_is_named(without, left, named):
         fitted = Fit(longer, np.zeros(longer.free.size), residual, plain.jacobian, 0.0)
         return Candidate(fitted, problem.seen_rmse(residual), problem.seen_rmse(residual), 9.0)
 
-    alone = candidate(left, "dead_zone")
-    pairs = [candidate(1.4, "dead_zone", "sensor_lag"), candidate(1.42, "dead_zone", "slew_limit")]
-    others = [candidate(without, "sensor_lag"), candidate(without, "slew_limit")]
-    nominal = candidate(9.0).fit
     evidence = Evidence(
-        problem, nominal, SimpleNamespace(residual=lambda fitted: fitted.residual),
+        problem, candidate(9.0).fit, SimpleNamespace(residual=lambda fitted: fitted.residual),
         [slice(k, k + 100) for k in range(0, 1500, 100)], NOISE, 0.0, Rules(misfit=1e-3),
         np.random.default_rng(5),
     )  # fmt: skip
+    return evidence, candidate
+
+
+@pytest.mark.parametrize(
+    ("without", "left", "named"),
+    [(3.0, 1.5, ("dead_zone",)), (1.7, 1.5, None), (3.0, 6.0, None)],
+)
+def test_the_certain_part_of_an_answer_is_named(without, left, named):
+    """A dead zone is in both good answers; what is beside it is not known."""
+    evidence, candidate = graded()
+    alone = candidate(left, "dead_zone")
+    pairs = [candidate(1.4, "dead_zone", "sensor_lag"), candidate(1.42, "dead_zone", "slew_limit")]
+    others = [candidate(without, "sensor_lag"), candidate(without, "slew_limit")]
     pool = [*pairs, alone, *others]
     weighed = Presence(tuple(pairs), np.array([0.5, 0.5]))
-    found = decide(evidence, pairs[0], pool, [alone], nominal.residual, weighed)
+    found = decide(evidence, pairs[0], pool, [alone], evidence.nominal.residual, weighed)
     if named is None:
         assert found.status != "named"
     else:
         assert (found.status, found.answer.names, found.whole) == ("named", named, False)
+
+
+@pytest.mark.parametrize(
+    ("presence", "without", "named"),
+    [
+        (1.0, 2.6, ("dead_zone", "sensor_lag")),
+        (1.0, 2.1, ("dead_zone",)),  # another second effect does nearly as well
+        (0.8, 2.6, ("dead_zone",)),
+    ],
+)
+def test_two_effects_are_certain_where_nothing_replaces_the_second(presence, without, named):
+    evidence, candidate = graded()
+    alone = candidate(2.8, "dead_zone")
+    pair = candidate(1.8, "dead_zone", "sensor_lag")
+    rival = candidate(without, "dead_zone", "slew_limit")
+    pool = [pair, rival, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "slew_limit")]
+    weighed = Presence((pair, rival), np.array([presence, 1.0 - presence]))
+    found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer.names, found.whole) == ("named", named, False)

@@ -178,23 +178,28 @@ def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
 def _certain_part(
     evidence: Evidence, pool: Sequence[Candidate], weighed: Presence
 ) -> Candidate | None:
-    """Return the single effect that is certain, if it explains most of the gap.
+    """Return the effect that is certain, if it explains most of the gap, or two that are certain.
 
-    Whatever else the answer holds, this effect is in it. The best explanation without it must
-    leave much more of the misfit than the best one with it, since an effect that the catalogue
-    lacks is often half explained by several.
+    Whatever else the answer holds, these effects are in it. The best explanation without one of
+    them must leave much more of the misfit than the best one with all, since an effect that the
+    catalogue lacks is often half explained by several.
     """
     rules, floor = evidence.rules, evidence.floor
     sure = {name for name, value in weighed.effects.items() if value >= rules.certain}
     finished = [c for c in pool if c.finished]
-    singles = [c for c in finished if len(c.names) == 1 and c.effects <= sure]
-    for part in sorted(singles, key=lambda c: c.error):
+
+    def ahead(part: Candidate, *names: str) -> bool:
         within = min(c.rmse for c in finished if c.effects >= part.effects)
-        without = min((c.rmse for c in finished if not c.effects & part.effects), default=np.inf)
-        ahead = misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
-        if ahead and _share_of(evidence, part).low >= rules.part:
-            return part
-    return None
+        without = min((c.rmse for c in finished if not c.effects & set(names)), default=np.inf)
+        return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
+
+    certain = sorted((c for c in finished if c.effects <= sure), key=lambda c: c.error)
+    alone = (c for c in certain if len(c.names) == 1 and ahead(c, *c.effects))
+    part = next((c for c in alone if _share_of(evidence, c).low >= rules.part), None)
+    if part is None:
+        return None
+    wider = (c for c in certain if c.effects > part.effects)
+    return next((c for c in wider if ahead(c, *(c.effects - part.effects))), part)
 
 
 def _share_of(evidence: Evidence, part: Candidate) -> Share:
