@@ -211,6 +211,7 @@ def gfrf(seed: int) -> xr.Dataset:
     h1 = gain[:, None] / (1 + 1j * f / 0.8)
     low_pass = 1 / (1 + 1j * f2 / 0.8)
     h2 = (1 + t2 / 1800)[:, None, None] * 0.02 * low_pass[:, None] * low_pass
+    h3 = 0.1 * h2 / (1 + 0.5j / 0.8)
     spectrum = 1e-2 / (1 + (f / 1.0) ** 12)
 
     def parts(values):
@@ -231,6 +232,7 @@ def gfrf(seed: int) -> xr.Dataset:
             {
                 "H1": over(("time", "frequency", "part"), parts(h1), "mm/V"),
                 "H2": over(("time_h2", "frequency_1", "frequency_2", "part"), parts(h2), "mm/V^2"),
+                "H3": over(("time_h2", "frequency_1", "frequency_2", "part"), parts(h3), "mm/V^3"),
                 **ends("", ("time", "frequency"), h1, "mm/V"),
                 **ends("H2_", ("time_h2", "frequency_1", "frequency_2"), h2, "mm/V^2"),
                 "y0": over("time", 1 + 0.1 * t / 1800, "mm"),
@@ -248,6 +250,7 @@ def gfrf(seed: int) -> xr.Dataset:
                 "time_h2": over("time_h2", t2, "s"),
                 "frequency_1": over("frequency_1", f2, "Hz"),
                 "frequency_2": over("frequency_2", f2, "Hz"),
+                "frequency_3": over((), 0.5, "Hz"),
                 "part": ["real", "imag"],
             },
             attrs={"tracker": "output_error", "estimator": "output_error", "withheld": ""},

@@ -21,6 +21,8 @@ from dea.figures.fig2 import fig2
 from dea.figures.fig3 import fig3
 from dea.figures.fig3_phase import fig3_phase
 from dea.figures.fig4_h2 import fig4_h2
+from dea.figures.fig4_h2_phase import fig4_h2_phase
+from dea.figures.fig4_h3 import fig4_h3
 from dea.figures.frequency_maps import as_complex
 from dea.figures.link import link
 from dea.figures.recovery import recovery
@@ -39,12 +41,14 @@ OF_ALL = {
     "fig3": lambda each: fig3(each(made.record), each(made.gfrf)),
     "fig3_phase": lambda each: fig3_phase(each(made.record), each(made.gfrf)),
     "fig4_h2": lambda each: fig4_h2(each(made.gfrf)),
+    "fig4_h2_phase": lambda each: fig4_h2_phase(each(made.record), each(made.gfrf)),
+    "fig4_h3": lambda each: fig4_h3(each(made.gfrf)),
     "link": lambda each: link(each(made.link)),
     "link_polled": lambda each: link(each(made.link, polled=True)),
 }
 WITHOUT_UNITS = re.compile(
     r"nmse( of the simulated output)?|fpe|relative error of .*|share of terms found"
-    r"|\$\|H_[12].*\$ / .*"
+    r"|\$\|H_[123].*\$ / .*"
     r"|(dynamic|polynomial) order|exchanges per bin|error over the least"
     r"|share at least as late|\$\\phi_\{.*\}\$"
 )

@@ -10,6 +10,8 @@ from dea.figures import style
 from dea.figures.fig3 import fig3
 from dea.figures.fig3_phase import fig3_phase
 from dea.figures.fig4_h2 import fig4_h2
+from dea.figures.fig4_h2_phase import fig4_h2_phase
+from dea.figures.fig4_h3 import fig4_h3
 from dea.figures.frequency_maps import as_complex
 from dea.figures.link import link
 
@@ -157,6 +159,53 @@ def test_the_last_row_of_fig4_is_the_diagonal_with_its_band():
         points = {tuple(point) for path in band.get_paths() for point in path.vertices}
         low = np.diagonal(response["H2_gain_low"].values[row])[excited]
         assert points >= set(zip(f, low, strict=True))
+
+
+def test_the_phase_of_h2_is_unwrapped_and_without_the_delay_of_a_sample():
+    response, record = made.gfrf(1), made.record(1)
+    f1, f2 = response["frequency_1"].values, response["frequency_2"].values
+    # Two poles and three samples of 0.1 s: more than a turn at the highest frequencies.
+    angle = -np.degrees(np.arctan(f1[:, None] / 0.8) + np.arctan(f2 / 0.8))
+    lagging = angle - 3 * 36.0 * (f1[:, None] + f2)
+    h2 = np.broadcast_to(np.exp(1j * np.radians(lagging)), (3, f1.size, f2.size))
+    response["H2"].values[:] = np.stack([h2.real, h2.imag], axis=-1)
+    response["H2_phase_low"].values[:] = np.degrees(np.angle(h2)) - 2.0
+    figure = fig4_h2_phase({"dea1": record}, {"dea1": response})
+    expected = lagging + 36.0 * (f1[:, None] + f2)
+    for _, mesh in meshes(figure):
+        np.testing.assert_allclose(mesh.get_array().reshape(expected.T.shape), expected.T)
+    ax = next(ax for ax in figure.axes if ax.get_ylabel().startswith("phase of\n"))
+    excited = np.diagonal(response["excited_h2"].values) == 1
+    for line, band in zip(ax.lines, ax.collections, strict=True):
+        along = np.diagonal(expected)[excited]
+        np.testing.assert_allclose(line.get_ydata(), along)
+        ends = band.get_paths()[0].vertices[:, 1]
+        assert np.abs(ends[:, None] - (along - 2.0)).min(axis=0).max() < 1e-9
+
+
+def test_an_h2_without_terms_has_no_phase_to_show():
+    response = made.gfrf(1)
+    response["H2"].values[:] = 0.0
+    figure = fig4_h2_phase({"dea1": made.record(1)}, {"dea1": response})
+    assert all("zero" in [text.get_text() for text in ax.texts] for ax, _ in meshes(figure))
+    said = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "the model of that time has no steady state" not in said
+
+
+def test_the_map_of_h3_says_its_third_frequency_and_claims_no_band():
+    response = made.gfrf(1)
+    figure = fig4_h3({"dea1": response})
+    size = np.abs(as_complex(response["H3"]).values)
+    _, mesh = meshes(figure)[1]
+    expected = (size[1] / size[1, 0, 0]).T
+    np.testing.assert_allclose(mesh.get_array().reshape(expected.shape), expected)
+    bar = next(ax for ax in figure.axes if ax.get_label() == "<colorbar>")
+    assert "0.5 Hz" in bar.get_ylabel()
+    ax = next(ax for ax in figure.axes if ax.get_ylabel() == "$|H_3(f, f, f_3)|$ (mm/V³)")
+    assert len(ax.lines) == 3
+    assert not ax.collections
+    said = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "95 % band" not in said
 
 
 @pytest.mark.parametrize("draw", [fig3, fig3_phase])

@@ -18,7 +18,7 @@ FIGURES = [
     (["fig1"], ["record"], 1),
     (["fig2", "residual_tests"], ["orders", "validation"], 1),
     (["tracked_parameters"], ["record", "track"], 1),
-    (["fig3", "fig3_phase", "fig4_h2"], ["record", "gfrf"], 2),
+    (["fig3", "fig3_phase", "fig4_h2", "fig4_h2_phase", "fig4_h3"], ["record", "gfrf"], 2),
     (["link"], ["link"], 2),
     (["recovery"], ["recovery"], 1),
 ]

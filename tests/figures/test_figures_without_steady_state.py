@@ -7,6 +7,8 @@ import made_datasets as made
 from dea.figures.fig3 import fig3
 from dea.figures.fig3_phase import fig3_phase
 from dea.figures.fig4_h2 import fig4_h2
+from dea.figures.fig4_h2_phase import fig4_h2_phase
+from dea.figures.fig4_h3 import fig4_h3
 from dea.figures.frequency_maps import magnitude_scale
 
 
@@ -14,7 +16,7 @@ def restless():
     response = made.gfrf(1)
     missing = {
         name: response[name].copy(data=np.full(response[name].shape, np.nan))
-        for name in ("H1", "H2")
+        for name in ("H1", "H2", "H3")
     }
     return response.assign(missing)
 
@@ -25,6 +27,8 @@ def restless():
         lambda response: fig3({"mine": made.record(1)}, {"mine": response}),
         lambda response: fig3_phase({"mine": made.record(1)}, {"mine": response}),
         lambda response: fig4_h2({"mine": response}),
+        lambda response: fig4_h2_phase({"mine": made.record(1)}, {"mine": response}),
+        lambda response: fig4_h3({"mine": response}),
     ],
 )
 def test_it_is_drawn_and_explained(draw):

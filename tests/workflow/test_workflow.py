@@ -77,7 +77,16 @@ def test_a_wrong_key_or_value_stops_before_the_dag(project, right, wrong, named)
 
 def test_the_small_study_makes_every_figure_and_table(finished):
     results = finished.folder / "results"
-    for name in ["fig1", "fig2", "fig3", "fig3_phase", "fig4_h2", "tracked_parameters"]:
+    for name in [
+        "fig1",
+        "fig2",
+        "fig3",
+        "fig3_phase",
+        "fig4_h2",
+        "fig4_h2_phase",
+        "fig4_h3",
+        "tracked_parameters",
+    ]:
         assert (results / "figures" / f"{name}.png").stat().st_size > 5_000
         assert (results / "figures" / f"{name}.pdf").stat().st_size > 5_000
     for name in ["table1", "validation", "residuals", "forecast", "confirmation", "recovery"]:

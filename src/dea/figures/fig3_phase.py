@@ -2,16 +2,19 @@
 
 from collections.abc import Mapping
 
-import numpy as np
 import xarray as xr
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.figures.frequency_maps import as_complex, one_by_one, system_of
+from dea.figures.frequency_maps import (
+    as_complex,
+    one_by_one,
+    phase_scale,
+    phase_without_delay,
+    system_of,
+)
 from dea.figures.h1_over_time import Quantity, excited_values, h1_over_time
-from dea.store import Sources, signals
+from dea.store import Sources
 
 
 def draw(sources: Sources) -> Figure:
@@ -32,7 +35,7 @@ def fig3_phase(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dat
     maps = {name: response["phase"] for name, response in without.items()}
     shown = Quantity(
         maps,
-        _range(excited_values(maps, parts)),
+        phase_scale(excited_values(maps, parts)),
         style.PHASE_MAP,
         "phase of $H_1(f, t)$ without the delay of one sample (degrees)",
         maps,
@@ -45,18 +48,6 @@ def fig3_phase(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dat
 
 def _without_delay(response: xr.Dataset, record: xr.Dataset) -> xr.Dataset:
     """Return the response with phase and band (degrees), unwrapped, less the delay of a sample."""
-    time = signals(record).time
-    sample = (time[-1] - time[0]) / (time.size - 1)
-    delay = 360.0 * sample * response["frequency"]
-    h1 = as_complex(response["H1"])
-    wrapped = np.degrees(np.angle(h1))
-    unwrapped = np.unwrap(wrapped, axis=h1.get_axis_num("frequency"), period=360.0)
-    turns = h1.copy(data=unwrapped - wrapped)
-    ends = {name: response[name] + turns + delay for name in ("phase_low", "phase_high")}
-    found = response.assign(phase=h1.copy(data=unwrapped) + delay, **ends)
-    return found.transpose(*response.dims)
-
-
-def _range(phases: NDArray[np.float64]) -> Normalize:
-    finite = phases[np.isfinite(phases)]
-    return Normalize(finite.min(), finite.max()) if finite.size else Normalize(-180.0, 0.0)
+    phase, added = phase_without_delay(as_complex(response["H1"]), record)
+    ends = {name: response[name] + added for name in ("phase_low", "phase_high")}
+    return response.assign({"phase": phase, **ends})

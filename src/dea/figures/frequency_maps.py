@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from dea.figures import style
+from dea.store import signals
 
 Array = NDArray[np.float64]
 _PER_MM = 0.72  # characters of a note below the maps
@@ -126,6 +127,30 @@ def magnitude_scale(trusted: Array) -> Normalize:
         return Normalize(0.0, 1.0)
     low, high = positive.min(), positive.max()
     return LogNorm(low, high) if high > _DECADE * low else Normalize(low, high)
+
+
+def phase_scale(trusted: Array) -> Normalize:
+    """Return the colour scale of phases (degrees); -180 to 0 without any finite one."""
+    finite = trusted[np.isfinite(trusted)]
+    return Normalize(finite.min(), finite.max()) if finite.size else Normalize(-180.0, 0.0)
+
+
+def phase_without_delay(
+    response: xr.DataArray, record: xr.Dataset
+) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return the phase (degrees) without the delay of one sample, and what that adds to the angle.
+
+    It is unwrapped along the frequencies, at whose sum the delay acts. Zero stands where the
+    ``response`` (complex) is zero.
+    """
+    angle = response.copy(data=np.degrees(np.angle(response)))
+    unwrapped, total = angle, xr.DataArray(0.0)
+    for axis in (str(name) for name in response.dims if str(name).startswith("frequency")):
+        turned = np.unwrap(unwrapped, axis=response.get_axis_num(axis), period=360.0)
+        unwrapped, total = unwrapped.copy(data=turned), total + response[axis]
+    delay = 360.0 * total / signals(record).sampling_rate
+    added = (unwrapped - angle + delay).where(response != 0.0, 0.0)
+    return (angle + added).transpose(*response.dims), added
 
 
 def colour_bar(figure: Figure, mesh: QuadMesh, axes: NDArray[np.object_], label: str) -> None:

@@ -1,0 +1,223 @@
+"""Frequency responses of higher order over time: maps on a plane of frequencies, and curves."""
+
+from collections.abc import Mapping
+from itertools import count
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from dea.figures import style
+from dea.figures.frequency_maps import (
+    colour_bar,
+    hatch,
+    missing_handles,
+    reservations,
+    veil_handle,
+)
+
+Array = NDArray[np.float64]
+_MARGIN, _LARGEST_PANEL = 36.0, 44.0  # mm
+_CURVES = 34.0  # mm, height of the last row
+_PALENESS = 0.3
+_CONTOURS = 3
+_FLAT = 0.01  # of the largest value; a map that varies less gets no contours
+_BEYOND = 1.4  # upper limit of the axes over the highest excited frequency
+_LABELLED = 0.6  # of the way from the middle to the edge: a label further out would be cut
+_APART = 0.85  # of the way from the middle to the edge, between labels
+
+
+class Quantity(NamedTuple):
+    """What is shown of a response to two frequencies.
+
+    ``maps`` over ``time_h2`` and both frequencies on the colour scale ``norm``; ``curves``
+    likewise, drawn where both frequencies are one, in the units of ``low`` and ``high``, the ends
+    of their bands, which are empty where there is none. ``curve_labels`` say what they are.
+    """
+
+    maps: Mapping[str, xr.DataArray]
+    norm: Normalize
+    colours: str
+    map_label: str
+    curves: Mapping[str, xr.DataArray]
+    low: Mapping[str, xr.DataArray]
+    high: Mapping[str, xr.DataArray]
+    curve_labels: Mapping[str, str]
+
+
+def planes_over_time(responses: Mapping[str, xr.Dataset], shown: Quantity) -> Figure:
+    """Draw a column per system, a row per time, on one colour scale; in the last row the curves.
+
+    Parameters
+    ----------
+    responses
+        Contract ``gfrf``, by the systems' names.
+    """
+    times = next(iter(shown.maps.values()))["time_h2"].values
+    unit, unit_name = style.clock(times)
+    panel = min((style.FULL_WIDTH - _MARGIN) / len(shown.maps), _LARGEST_PANEL)
+    height = panel * times.size + _CURVES + _MARGIN
+    width = panel * len(shown.maps) + _MARGIN
+    figure = style.page_figure(width, min(height, style.PAGE_HEIGHT))
+    ratios = [*[panel] * times.size, _CURVES]
+    axes = figure.subplots(times.size + 1, len(shown.maps), squeeze=False, height_ratios=ratios)
+    for column, (name, values) in enumerate(shown.maps.items()):
+        for row, time in enumerate(times):
+            ax = axes[row, column]
+            mesh = _panel(ax, responses[name], values.isel(time_h2=row), shown)
+            ax.tick_params(labelleft=column == 0, labelbottom=row == times.size - 1)
+            axes[row, 0].set_ylabel(f"at {time / unit:.3g} {unit_name}\n$f_2$ (Hz)")
+        axes[0, column].set_title(name.replace(", ", "\n"))
+        axes[-2, column].set_xlabel("$f_1$ (Hz)")
+        _diagonal(axes[-1, column], name, responses[name], shown)
+    labels = list(shown.curve_labels.values())
+    for column in range(len(labels) if len(set(labels)) > 1 else 1):
+        axes[-1, column].set_ylabel(labels[column])
+    colour_bar(figure, mesh, axes[:-1], shown.map_label)
+    handles = [veil_handle(), *_curve_handles(times, shown), *missing_handles(shown.maps)]
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=min(len(shown.maps), 3),
+        title=reservations(responses, width) if shown.low else None, title_fontsize=6,
+    )  # fmt: skip
+    return figure
+
+
+def excited_values(maps: Mapping[str, xr.DataArray], responses: Mapping[str, xr.Dataset]) -> Array:
+    """Return the values (k,) of all maps where the input held power at both frequencies."""
+    return np.concatenate(
+        [
+            each.transpose("frequency_2", "frequency_1", "time_h2")
+            .values[~_doubtful(responses[name])].ravel()
+            for name, each in maps.items()
+        ]
+    )  # fmt: skip
+
+
+def _diagonal(ax: Axes, name: str, response: xr.Dataset, shown: Quantity) -> None:
+    """Draw the curves where f is excited, at each time with its band."""
+    f = response["frequency_1"].values
+    known = np.flatnonzero(np.diagonal(response["excited_h2"].values))
+
+    def along(values: xr.DataArray, row: int) -> Array:
+        plane = values.transpose("time_h2", "frequency_1", "frequency_2").values[row]
+        return np.asarray(np.diagonal(plane)[known])
+
+    for row in range(shown.curves[name]["time_h2"].size):
+        colour = style.THREE[row % len(style.THREE)]
+        if shown.low:
+            low, high = along(shown.low[name], row), along(shown.high[name], row)
+            ax.fill_between(f[known], low, high, color=colour, alpha=_PALENESS, lw=0)
+        ax.plot(f[known], along(shown.curves[name], row), color=colour, lw=0.9)
+    ax.xaxis.set_major_locator(MaxNLocator(3))
+    ax.yaxis.set_major_locator(MaxNLocator(3))
+    ax.set_xlabel("$f$ (Hz)")
+
+
+def _curve_handles(times: Array, shown: Quantity) -> list[Line2D | Patch]:
+    unit, name = style.clock(times)
+    handles: list[Line2D | Patch] = [
+        Line2D([], [], color=style.THREE[row % len(style.THREE)], lw=0.9,
+               label=f"at {time / unit:.3g} {name}")
+        for row, time in enumerate(times)
+    ]  # fmt: skip
+    if shown.low:
+        handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))
+    return handles
+
+
+def _doubtful(response: xr.Dataset) -> NDArray[np.bool_]:
+    """Return where either frequency was not excited, shape (f2, f1)."""
+    excited = response["excited_h2"].transpose("frequency_2", "frequency_1").values
+    return np.asarray(excited == 0)
+
+
+def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantity) -> QuadMesh:
+    f1, f2 = values["frequency_1"].values, values["frequency_2"].values
+    mesh = ax.pcolormesh(
+        f1, f2, values.transpose("frequency_2", "frequency_1").values, norm=shown.norm,
+        cmap=shown.colours, shading="nearest", rasterized=True,
+    )  # fmt: skip
+    if values.notnull().all() and not values.any():
+        ax.text(
+            0.5, 0.5, "zero", transform=ax.transAxes, ha="center", va="center",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
+        )  # fmt: skip
+    doubtful = _doubtful(response)
+    ax.set_xlim(_view(f1, np.any(~doubtful, axis=0)))
+    ax.set_ylim(_view(f2, np.any(~doubtful, axis=1)))
+    ax.set_box_aspect(1)
+    _contours(ax, values.where(xr.DataArray(~doubtful, dims=("frequency_2", "frequency_1"))))
+    hatch(ax, f1, f2, doubtful)
+    return mesh
+
+
+def _view(frequency: Array, excited: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return the limits of an axis: the excited frequencies and a margin above them."""
+    highest = frequency[excited].max(initial=frequency[0])
+    return frequency[0], min(frequency[-1], _BEYOND * highest)
+
+
+def _contours(ax: Axes, trusted: xr.DataArray) -> None:
+    """Draw contours at levels of the panel's own, since the common colour scale may be wide."""
+    low, high = float(trusted.min()), float(trusted.max())
+    if not high - low > _FLAT * max(abs(low), abs(high)):
+        return
+    levels = np.linspace(low, high, _CONTOURS + 2)[1:-1]
+    known = trusted.dropna("frequency_1", how="all").dropna("frequency_2", how="all")
+    f1, f2 = known["frequency_1"].values, known["frequency_2"].values
+    lines = ax.contour(
+        f1,
+        f2,
+        known.transpose("frequency_2", "frequency_1"),
+        levels,
+        colors="white",
+        linewidths=0.5,
+        linestyles="solid",
+    )
+    places: list[Array] = []
+    for path in lines.get_paths():
+        place = _place_for_label(np.asarray(path.vertices), places, f1, f2)
+        if place is not None:
+            places.append(place)
+    ax.clabel(
+        lines,
+        fmt=dict(zip(levels.tolist(), _labels(levels), strict=True)),
+        fontsize=5,
+        manual=places,
+    )
+
+
+def _place_for_label(
+    line: Array,
+    taken: list[Array],
+    f1: Array,
+    f2: Array,
+) -> Array | None:
+    """Return where a line (k, 2) is nearest to the middle of the map and away from other labels.
+
+    Return ``None`` where every label would be cut by the edge or overlap another.
+    """
+    middle = np.array([f1[0] + f1[-1], f2[0] + f2[-1]]) / 2
+    half = np.array([np.ptp(f1), np.ptp(f2)]) / 2
+    off_centre = (np.abs(line - middle) / half).max(1)
+    free = off_centre <= _LABELLED
+    for place in taken:
+        free &= (np.abs(line - place) / half).max(1) >= _APART
+    if not free.any():
+        return None
+    nearest: Array = line[np.argmin(np.where(free, off_centre, np.inf))]
+    return nearest
+
+
+def _labels(levels: Array) -> list[str]:
+    """Return the levels as text, with three digits or as many more as make them differ."""
+    written = ([f"{level:.{digits}g}" for level in levels] for digits in count(3))
+    return next(labels for labels in written if len(set(labels)) == levels.size)
