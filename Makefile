@@ -37,6 +37,7 @@ env: $(VENV)/installed ## create the pinned environment in .venv
 
 study: $(VENV)/installed ## regenerate every figure and table
 	$(SNAKEMAKE) study
+	@echo "Figures are in results/figures, tables in results/tables; make report shows them on one page."
 
 results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
 	$(SNAKEMAKE) $@
