@@ -12,7 +12,7 @@ from dea.discrepancy.evidence.held_out import folds
 from dea.discrepancy.evidence.model_error import ModelError, memory_of, model_error
 from dea.discrepancy.evidence.noise import quantisation
 from dea.discrepancy.evidence.period import period_of
-from dea.discrepancy.evidence.presence import Presence, presence, share_removed
+from dea.discrepancy.evidence.presence import Presence, log_prior, presence, share_removed
 from dea.discrepancy.problem import Problem
 
 BLOCKS = [slice(k, k + 50) for k in range(0, 5000, 50)]
@@ -26,7 +26,8 @@ def candidate(*names, at_bounds=()):
 def weights(before, *residuals, names="abc", error=WHITE, offered=1):
     candidates = [candidate(name) for name in names[: len(residuals)]]
     rng = np.random.default_rng(0)
-    found = presence(before, candidates, residuals, BLOCKS, error, offered, rng)
+    prior = log_prior(candidates, offered, 3.0)
+    found = presence(before, candidates, residuals, BLOCKS, error, prior, rng)
     return {c.names[0]: w for c, w in zip(found.candidates, found.weights, strict=True)}
 
 
@@ -65,7 +66,8 @@ def test_a_parameter_at_its_bound_counts_against_its_law():
     unit = np.ones(5000)
     candidates = [candidate("a"), candidate("b", at_bounds=("b.rate",))]
     rng = np.random.default_rng(0)
-    found = presence(9.0 * unit, candidates, [unit, unit], BLOCKS, WHITE, 2, rng)
+    prior = log_prior(candidates, 2, 3.0)
+    found = presence(9.0 * unit, candidates, [unit, unit], BLOCKS, WHITE, prior, rng)
     assert found.candidates[0] is candidates[0]
     assert found.weights[0] / found.weights[1] == pytest.approx(np.exp(3.0))
 

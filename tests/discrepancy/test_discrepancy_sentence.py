@@ -14,6 +14,7 @@ from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import equation_sentence, label_in_words, verdict_sentence
 from dea.discrepancy.report.verdict import Estimate, NamedEffect
+from dea.discrepancy.rules import Rules
 from dea.simulation import Input, Parameter, catalogue
 
 BAND = Band(0.5, 1.0, 0.4)
@@ -84,6 +85,7 @@ def found(
         presence=SimpleNamespace(effects=effects or {}, families=families or {}),
         inputs=(Input("input", "V"),),
         units=("V", "mm"),
+        rules=Rules(),
     )
 
 

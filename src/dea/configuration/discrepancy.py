@@ -99,6 +99,18 @@ class Rules(Section):
         "part by which such effects must leave less misfit than any explanation without them",
         default=0.35,
     )
+    at_bound: NotNegative = key(
+        "log-odds that a parameter at its bound costs the presence of its effect", default=3.0
+    )
+    likely: Share = key(
+        "presence from which the sentence calls an effect, or a family, likely", default=0.6
+    )
+    poor: Number = key(
+        "certified error, in what a complete simulation leaves, above which the sentence calls a"
+        " law too poor",
+        default=1.3,
+        ge=1,
+    )
     detectable: NotNegative = key(
         "sensitivity to an effect, beyond what the simulation's own parameters absorb, below which"
         " the record cannot show it",

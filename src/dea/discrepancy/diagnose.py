@@ -22,7 +22,7 @@ from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.model_error import ModelError, model_error
 from dea.discrepancy.evidence.noise import quantisation
 from dea.discrepancy.evidence.null import null_gain
-from dea.discrepancy.evidence.presence import Presence, Share, presence, share_removed
+from dea.discrepancy.evidence.presence import Presence, Share, log_prior, presence, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out, transfers
 from dea.discrepancy.fit import Fit, on_whole_record
@@ -237,7 +237,8 @@ def _weighed(
     seen = evidence.problem.seen
     best = min((before, *held_out), key=evidence.problem.seen_rmse)
     error = model_error(before[seen], best[seen], evidence.floor, evidence.rules.law_error)
-    weighed = presence(before, leading, held_out, evidence.blocks, error, offered, evidence.rng)
+    prior = log_prior(leading, offered, evidence.rules.at_bound)
+    weighed = presence(before, leading, held_out, evidence.blocks, error, prior, evidence.rng)
     return weighed, error
 
 

@@ -49,6 +49,13 @@ class Rules:
         else remains, at the lower end of its interval.
     ahead
         Such effects must leave less misfit than any explanation without them by this part.
+    at_bound
+        Log-odds that a parameter at its bound costs the presence of its effect: it is often that of
+        another effect's law.
+    likely
+        Presence from which an effect, or a family, is called likely.
+    poor
+        Certified error, in what a complete simulation leaves, above which a law is called too poor.
     detectable
         An effect is not identifiable from a record if its sensitivity that the simulation's own
         parameters cannot absorb is below this many noise deviations.
@@ -69,6 +76,9 @@ class Rules:
     certain: float = 0.9
     part: float = 0.5
     ahead: float = 0.35
+    at_bound: float = 3.0
+    likely: float = 0.6
+    poor: float = 1.3
     detectable: float = 0.2
 
     @property

@@ -17,8 +17,6 @@ from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 
 _DRAWS = 1000
-# Log-odds that a parameter at its bound costs.
-_AT_BOUND = 3.0
 
 
 @dataclass(frozen=True)
@@ -70,27 +68,37 @@ def presence(
     held_out: Sequence[np.ndarray],
     blocks: Sequence[slice],
     error: ModelError,
-    offered: int,
+    log_prior: np.ndarray,
     rng: np.random.Generator,
 ) -> Presence:
     """Weigh candidates by their ``held_out`` residuals, each (n,), against the one ``before``.
 
-    A set of k of the ``offered`` effects has the prior probability that all sets of its size
-    share; a parameter at its bound counts against the law it belongs to. Blocks get weights of a
-    flat Dirichlet distribution (the Bayesian bootstrap).
+    ``log_prior`` (k,) is that of :func:`log_prior`. Blocks get weights of a flat Dirichlet
+    distribution (the Bayesian bootstrap).
     """
     sums = np.array([energies(residual, blocks) for residual in (before, *held_out)])
-    sizes = [0, *(len(c.effects) for c in candidates)]
-    prior = -np.array([log(comb(max(offered, 1), min(size, offered))) for size in sizes])
-    prior[1:] -= _AT_BOUND * np.array([len(c.at_bounds) for c in candidates])
     shares = rng.dirichlet(np.ones(len(blocks)), _DRAWS) * len(blocks)
-    odds = prior - 0.5 * (shares @ sums.T) / max(error.density, 1e-300)
+    odds = np.append(0.0, log_prior) - 0.5 * (shares @ sums.T) / max(error.density, 1e-300)
     odds -= odds.max(axis=1, keepdims=True)
     weights = np.exp(odds)
     weights /= weights.sum(axis=1, keepdims=True)
     mean = weights.mean(axis=0)[1:]
     order = np.argsort(-mean, kind="stable")
     return Presence(tuple(candidates[i] for i in order), mean[order])
+
+
+def log_prior(candidates: Sequence[Candidate], offered: int, at_bound: float) -> np.ndarray:
+    """Return log prior odds (k,) of candidates against the simulation alone.
+
+    A set of k of the ``offered`` effects has the probability that all sets of its size share. Each
+    parameter at its bound costs ``at_bound``, as it counts against the law it belongs to.
+    """
+    return np.array(
+        [
+            -log(comb(max(offered, 1), min(len(c.effects), offered))) - at_bound * len(c.at_bounds)
+            for c in candidates
+        ]
+    )
 
 
 def share_removed(

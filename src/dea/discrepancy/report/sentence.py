@@ -24,9 +24,6 @@ _PHRASES: Mapping[str, str] = {
     "direction": "while the output is {direction}",
     "reversal": "{low:.3g} to {high:.3g} s after a reversal of the motion",
 }
-# Presence from which an effect is said to be likely, and certified error, in what remains of a
-# complete simulation, from which a law is said to be too poor.
-_LIKELY, _POOR = 0.6, 1.3
 # Percentage of the residual from which an equation for it is worth a sentence.
 _LEAST_SHARE = 1.0
 _DIRECTIONS = ("falling", "still", "rising")
@@ -123,7 +120,7 @@ def _further(found: "Diagnosis") -> str:
     likely = [
         family
         for family, value in found.presence.families.items()
-        if value >= _LIKELY and family not in named
+        if value >= found.rules.likely and family not in named
     ]
     hint = f" ({likely[0]} is likely)" if likely else ""
     return f"What remains is not named{hint}: {where_sentence(found.where.after)}."
@@ -141,7 +138,7 @@ def equation_sentence(unexplained: "ResidualModel") -> str:
 
 def _nearest(found: "Diagnosis") -> str:
     """Name the effect that most of the explanations hold, where one is likely."""
-    likely = [name for name, value in found.presence.effects.items() if value >= _LIKELY]
+    likely = [name for name, value in found.presence.effects.items() if value >= found.rules.likely]
     if not likely:
         return ""
     return f" Most explanations hold {label_in_words(likely[0])}."
@@ -150,7 +147,7 @@ def _nearest(found: "Diagnosis") -> str:
 def _form(found: "Diagnosis") -> str:
     """Say that the law of what is named is too poor, where its certified error shows it."""
     block, floor = found.certificate.block, found.floor
-    if block.after <= _POOR * found.complete:
+    if block.after <= found.rules.poor * found.complete:
         return ""
     if found.decision.reason is Reason.COLOURED:
         return f" What remains is coloured noise of {block.after / floor:.2g} noise floors."
