@@ -8,7 +8,16 @@ import pytest
 from dea.discrepancy.evidence.certificate import certify_elsewhere, transferable
 from dea.discrepancy.fit import at
 from dea.discrepancy.problem import Problem, Samples
-from dea.simulation import ExtendedSimulation, catalogue, load_simulation, measured_scales, prepared
+from dea.simulation import (
+    ExtendedSimulation,
+    Parameter,
+    Simulation,
+    State,
+    catalogue,
+    load_simulation,
+    measured_scales,
+    prepared,
+)
 
 INTERVAL, NOISE = 0.02, 0.01
 U = np.repeat(np.random.default_rng(1).uniform(-1, 1, 60), 25)
@@ -58,3 +67,52 @@ def test_what_happened_at_a_time_says_nothing_of_another_record(name, moves_on):
     problem, extended, values = slow_carriage()
     told = measured_scales(extended, values, problem)
     assert transferable(extended.attach(catalogue()[name], told)) is moves_on
+
+
+def settling(x, u, p, dx):
+    """Two states that settle slowly, the second one more so."""
+    dx[0] = -x[0] / 8.0
+    dx[1] = -x[1] / 12.0
+
+
+def both(x, u, p):
+    return p[0] * u + x[0] + x[1]
+
+
+def settling_device():
+    """Return a fit that knows how the device begins, and what it does then."""
+    own = Simulation(
+        name="settling",
+        input_unit="V",
+        output_unit="V",
+        states=(State("fast", "V", 0.0, 3.0), State("slow", "V", 0.0, 3.0)),
+        parameters=(Parameter("gain", "1", 1.0, 0.3, 0.1, 10.0, log=True),),
+        derivative=settling,
+        output=both,
+        drive="gain",
+        force_ports=(),
+    )
+    extended = prepared(own, U, INTERVAL, 1e-3)
+    values = extended.values(np.zeros(extended.free.size))
+    values[[extended.names.index(f"initial.{name}") for name in ("fast", "slow")]] = 3.0, -3.0
+    everything = np.ones(U.size, bool)
+    y = extended.simulate(values, U, INTERVAL)
+    y += NOISE * np.random.default_rng(3).standard_normal(U.size)
+    problem = Problem(U, y, INTERVAL, everything, everything, everything, NOISE)
+    return at(problem, extended, extended.coordinates(values)), extended, values
+
+
+def test_a_start_that_is_known_is_not_given_up_for_an_error_of_the_law():
+    """In the first tenth the law errs slowly, as two states that settle might do."""
+    fitted, extended, values = settling_device()
+    erring = recorded(extended, values)
+    slow = 3 * NOISE * np.sin(2 * np.pi * np.arange(U.size) * INTERVAL / 8.0)
+    found = certify_elsewhere({"erring": replace(erring, y=erring.y + slow)}, fitted, fitted)
+    assert found["erring"].after == pytest.approx(np.hypot(np.std(slow), NOISE), rel=0.1)
+
+
+def test_a_start_unlike_those_that_are_known_is_fitted():
+    fitted, extended, values = settling_device()
+    other = recorded(extended, values, initial__fast=-2.0, initial__slow=1.0)
+    found = certify_elsewhere({"other": other}, fitted, fitted)
+    assert found["other"].after < 0.2

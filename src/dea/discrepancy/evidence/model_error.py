@@ -60,9 +60,13 @@ def model_error(before: np.ndarray, best: np.ndarray, noise: float, law_error: f
     return ModelError(noise, left, max(left, expected), memory_of(coloured))
 
 
-def memory_of(residual: np.ndarray) -> float:
-    """Return the sum of the autocorrelation, up to its first zero crossing (Geyer 1992)."""
-    spectrum = np.abs(np.fft.rfft(residual - residual.mean(), 2 * residual.size)) ** 2
+def memory_of(residual: np.ndarray, mean: float | None = None) -> float:
+    """Return the sum of the autocorrelation, up to its first zero crossing (Geyer 1992).
+
+    Of a residual that is short against its memory the ``mean`` is that expected, not its own.
+    """
+    centre = residual.mean() if mean is None else mean
+    spectrum = np.abs(np.fft.rfft(residual - centre, 2 * residual.size)) ** 2
     correlation = np.fft.irfft(spectrum)[: residual.size // 4]
     correlation /= correlation[0] or 1.0
     crossing = int(np.argmax(correlation <= 0)) or correlation.size
