@@ -41,6 +41,7 @@ def state(now, status="named", names=("a",), whole=True):
     [
         ({"a": 0.9, "a+b": 0.1}, {}, Outcome.DECIDED),
         ({"a": 0.9, "a+b": 0.1}, {"whole": False}, Outcome.PART),
+        ({"a+b": 1.0}, {}, Outcome.PART),
         ({"a": 0.9, "a+b": 0.1}, {"status": "ambiguous"}, Outcome.OPEN),
         ({"a": 0.9, "a+b": 0.1}, {"names": ("a", "b")}, Outcome.OPEN),
         ({"a": 0.9, "b": 0.1}, {}, Outcome.OPEN),
@@ -101,3 +102,11 @@ def test_where_only_the_simulation_alone_is_left_all_effects_asked_for_are_offer
     assert _offered(left, left.posterior, settings, Options()) == ("a", "b", "c")
     left = state({"none": 0.5, "a": 0.5})
     assert _offered(left, left.posterior, settings, Options()) == ("a",)
+
+
+@pytest.mark.parametrize("kind", [{"status": "unknown", "names": ()}, {"whole": False}])
+def test_all_effects_are_offered_where_the_verdict_leaves_too_much(kind):
+    """Those that are left may all hold a part of the answer alone."""
+    settings = Settings(effects=("a", "b", "c"))
+    left = state({"a": 1.0}, **kind)
+    assert _offered(left, left.posterior, settings, Options()) == ("a", "b", "c")

@@ -126,7 +126,10 @@ class State:
         return replace(found, status=status, sentence=sentence, effects=(), share=None)
 
     def outcome(self, level: float) -> Outcome:
-        """Return whether all hypotheses that are left hold the verdict, or none has an effect."""
+        """Return whether all hypotheses that are left hold the verdict, or none has an effect.
+
+        It is decided where one of them is the verdict, and nothing more.
+        """
         left = self.posterior.left(level)
         if left <= {ANOTHER}:
             return Outcome.OUTSIDE
@@ -136,9 +139,11 @@ class State:
         if verdict.status != Status.NAMED or ANOTHER in left:
             return Outcome.OPEN
         named = set(verdict.names)
-        if not all(named <= self.explanations[name].effects for name in left):
+        held = [self.explanations[name].effects for name in left]
+        if not all(named <= effects for effects in held):
             return Outcome.OPEN
-        return Outcome.DECIDED if verdict.whole else Outcome.PART
+        # Where every hypothesis that is left holds more, what is named is a part of the answer.
+        return Outcome.DECIDED if verdict.whole and named in held else Outcome.PART
 
 
 @dataclass(frozen=True)
@@ -363,10 +368,12 @@ def _offered(
 ) -> tuple[str, ...]:
     """Return the effects of the hypotheses that are left; all while another one may be right.
 
-    All, too, where none of those that are left has one.
+    All, too, where none of those that are left has one, or where the verdict so far leaves more
+    than a right one would.
     """
     left = posterior.left(options.level)
-    if ANOTHER in left:
+    verdict = state.verdict
+    if ANOTHER in left or verdict.status == Status.UNKNOWN or not verdict.whole:
         return settings.effects
     effects = frozenset[str]().union(*(state.explanations[name].effects for name in left))
     return tuple(sorted(effects)) or settings.effects
