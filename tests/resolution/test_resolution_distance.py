@@ -19,7 +19,7 @@ from made_carriage import CARRIAGE
 
 pytestmark = pytest.mark.slow
 
-ERROR = Error(4e-3, 6e-3, 25.0)
+ERROR = Error(4e-3, 6e-3, 25.0, 25.0)
 AS_SEEN = LawError(ERROR, Motion(np.inf, np.inf), 0.0)
 
 

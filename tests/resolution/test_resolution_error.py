@@ -9,11 +9,16 @@ from dea.resolution.law_error import LawError, Motion
 N = 400
 
 
+def coloured(memory, n=N):
+    """Correlations of an autoregression whose autocorrelation sums to the memory."""
+    pole = (memory - 1.0) / (memory + 1.0)
+    return pole ** np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+
+
 def covariance(error):
-    """White noise and an autoregression, whose autocorrelation sums to the memory."""
-    pole = (error.memory - 1.0) / (error.memory + 1.0)
-    apart = np.abs(np.subtract.outer(np.arange(N), np.arange(N)))
-    return error.white**2 * np.eye(N) + error.coloured**2 * pole**apart
+    """White noise, and autoregressions of the same variance."""
+    parts = [coloured(memory) for memory in error.memories]
+    return error.white**2 * np.eye(N) + error.coloured**2 * np.mean(parts, axis=0)
 
 
 @pytest.mark.parametrize(
@@ -28,6 +33,25 @@ def test_whitened_energy_and_determinant_are_those_of_the_covariance(error):
     exact = np.sum(drawn * np.linalg.solve(S, drawn), axis=0)
     assert np.corrcoef(energy, exact)[0, 1] > 0.97
     assert error.log_determinant(N) == pytest.approx(np.linalg.slogdet(S)[1], abs=0.02 * N)
+
+
+def test_the_coloured_error_has_parts_from_the_fastest_to_the_slowest():
+    memories = Error(0.1, 0.2, 1000.0, 10.0).memories
+    assert (memories[0], memories[-1]) == pytest.approx((10.0, 1000.0))
+    assert np.ptp(np.diff(np.log(memories))) == pytest.approx(0.0, abs=1e-12)
+    assert memories[1] <= 30.0
+    np.testing.assert_array_equal(Error(0.1, 0.2, 1.0).memories, [1.0])
+
+
+@pytest.mark.parametrize("memory", [10.0, 30.0, 150.0, 1000.0])
+def test_a_law_that_errs_on_a_scale_of_its_own_is_not_thought_much_less_likely(memory):
+    """Its error is of the size that is expected, and slower parts would have been possible."""
+    n, error = 1500, Error(0.5, 0.5, 1000.0, 10.0)
+    S = error.white**2 * np.eye(n) + error.coloured**2 * coloured(memory, n)
+    y = np.linalg.cholesky(S) @ np.random.default_rng(4).standard_normal((n, 20))
+    own = np.sum(y * np.linalg.solve(S, y), axis=0).mean() + np.linalg.slogdet(S)[1]
+    told = np.sum(error.whitened(y) ** 2, axis=0).mean() + error.log_determinant(n)
+    assert 0.5 * (told - own) < 60.0
 
 
 def test_white_noise_alone_is_scaled_alone():
@@ -53,9 +77,18 @@ def test_the_error_grows_with_the_motion_and_with_what_the_effects_do():
     assert error.on([3.0 * y], [1.0], away).right.coloured == pytest.approx(0.6)
 
 
-def test_another_explanation_errs_by_what_is_unexplained_grown_alike():
+def test_another_explanation_errs_by_up_to_what_is_unexplained_grown_alike():
+    """It begins where a right explanation ends, and is twice as far from it at least."""
     y = np.random.default_rng(3).standard_normal(N)
-    error = LawError(Error(0.1, 0.2, 9.0), Motion.of(y), 0.05, unexplained=0.7)
-    assert error.on([3.0 * y], [1.0], 3.0 * y).another.coloured == pytest.approx(2.1)
-    assert error.on([y], [1.0], y + 40.0).another.coloured == pytest.approx(0.05 * 40.0)
-    assert error.on([y], [1.0], np.full(N, np.nan)).another.coloured == 0.7
+    error = LawError(Error(0.1, 0.05, 9.0), Motion.of(y), 0.05, unexplained=0.8, allowed=0.25)
+
+    def levels(*given):
+        return [each.coloured for each in error.on(*given).another]
+
+    assert levels([y], [1.0], y) == pytest.approx([0.2, 0.4, 0.8])
+    assert levels([3.0 * y], [1.0], 3.0 * y) == pytest.approx([0.6, 1.2, 2.4])
+    assert levels([y], [1.0], y + 6.0) == pytest.approx([0.6, 0.8])
+    assert levels([y], [1.0], y + 40.0) == pytest.approx([4.0])
+    assert levels([y], [1.0], np.full(N, np.nan)) == pytest.approx([0.2, 0.4, 0.8])
+    right = LawError(Error(0.1, 0.0, 9.0), Motion.of(y), 0.0).on([y], [1.0], y)
+    assert right.another == (right.right,)

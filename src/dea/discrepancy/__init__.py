@@ -4,6 +4,7 @@ from dea.discrepancy.decision import Status
 from dea.discrepancy.diagnose import diagnose
 from dea.discrepancy.diagnosis import Diagnosis
 from dea.discrepancy.evidence.certificate import Certified, certify_elsewhere, transferable
+from dea.discrepancy.evidence.model_error import memory_of
 from dea.discrepancy.evidence.split import shortest_record
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem, Samples
@@ -39,6 +40,7 @@ __all__ = [
     "certify_elsewhere",
     "diagnose",
     "localisation_dataset",
+    "memory_of",
     "misfit",
     "read_verdict",
     "sensitivities",

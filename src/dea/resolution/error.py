@@ -4,25 +4,34 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+# Ratio of the memories of neighbouring parts of the coloured error, at most.
+_RATIO = 3.0
+
 
 @dataclass(frozen=True)
 class Error:
-    """Gaussian error of an explanation: white, and coloured as an autoregression of first order.
+    """Gaussian error of an explanation: white, and coloured.
 
-    In the cosine basis such an error is nearly uncorrelated, with its spectral density for the
-    variances (Whittle 1953, Arkiv för Matematik 2:423).
+    A law that is not quite right errs where the device moves fast and where it moves slowly. The
+    coloured part is therefore a sum of autoregressions of first order with the same variance, whose
+    memories are in equal ratios (Keshner 1982, Proceedings of the IEEE 70:212). In the cosine basis
+    such an error is nearly uncorrelated, with its spectral density for the variances (Whittle 1953,
+    Arkiv för Matematik 2:423).
 
     Parameters
     ----------
     white, coloured
         Standard deviations, in the output's unit.
     memory
-        Samples of the coloured error that count as one: the sum of its autocorrelation.
+        Samples of its slowest part that count as one: the sum of its autocorrelation.
+    fastest
+        The same of its fastest part.
     """
 
     white: float
     coloured: float
     memory: float
+    fastest: float = 1.0
 
     def at_least(self, coloured: float) -> "Error":
         """Return the same error with a coloured part of at least this size."""
@@ -30,11 +39,17 @@ class Error:
 
     def deviations(self, samples: int) -> np.ndarray:
         """Return the standard deviation of each cosine of a record, shape (samples,)."""
-        pole = (self.memory - 1.0) / (self.memory + 1.0)
-        frequency = np.pi * np.arange(samples) / samples
-        shape = (1.0 - pole**2) / (1.0 - 2.0 * pole * np.cos(frequency) + pole**2)
-        result: np.ndarray = np.sqrt(self.white**2 + self.coloured**2 * shape)
+        pole = (self.memories - 1.0) / (self.memories + 1.0)
+        cosine = np.cos(np.pi * np.arange(samples) / samples)[:, None]
+        shapes = (1.0 - pole**2) / (1.0 - 2.0 * pole * cosine + pole**2)
+        result: np.ndarray = np.sqrt(self.white**2 + self.coloured**2 * shapes.mean(axis=1))
         return result
+
+    @property
+    def memories(self) -> np.ndarray:
+        """Memories (k,) of the parts of the coloured error, in samples."""
+        parts = 1 + int(np.ceil(np.log(self.memory / self.fastest) / np.log(_RATIO)))
+        return np.geomspace(self.fastest, self.memory, parts)
 
     def whitened(self, signals: np.ndarray) -> np.ndarray:
         """Return signals, (n,) or (n, m), as uncorrelated numbers in units of the error."""

@@ -8,6 +8,9 @@ import numpy as np
 
 from dea.resolution.error import Error
 
+# Factor from one error to the next that an explanation which is not offered may have.
+_APART = 2.0
+
 
 class Motion(NamedTuple):
     """How far an output moves, and how much from sample to sample: standard deviations."""
@@ -32,10 +35,10 @@ class Motion(NamedTuple):
 
 
 class Errors(NamedTuple):
-    """Errors on a record: of the right explanation, and of one that is not offered."""
+    """Errors on a record: of the right explanation, and those that one not offered may have."""
 
     right: Error
-    another: Error
+    another: tuple[Error, ...]
 
 
 @dataclass(frozen=True)
@@ -56,13 +59,16 @@ class LawError:
         Part of what the effects do that a right law may leave.
     unexplained
         What the simulation without effects leaves beyond the white noise on the records so far: an
-        explanation that is not offered is as far from those that are.
+        explanation that is not offered is up to so far from those that are.
+    allowed
+        Part of it that an explanation may leave and still be right.
     """
 
     seen: Error
     motion: Motion
     share: float
     unexplained: float = 0.0
+    allowed: float = 0.0
 
     def on(
         self,
@@ -75,7 +81,7 @@ class LawError:
         weights = np.array(probabilities) * finite
         shown = [y for y, good in zip(outputs, finite, strict=True) if good]
         if not weights.sum() > 0.0:
-            return Errors(self.seen, self.seen.at_least(self.unexplained))
+            return Errors(self.seen, self._beyond(self.seen, self.unexplained))
         weights = weights[finite] / weights.sum()
         gap = 0.0  # where the simulation alone diverges, it does not say what the effects do
         if np.isfinite(without).all():
@@ -83,4 +89,12 @@ class LawError:
         factor = float(weights @ [Motion.of(y).beyond(self.motion) for y in shown])
         grown = replace(self.seen, coloured=factor * self.seen.coloured)
         right = grown.at_least(self.share * gap)
-        return Errors(right, right.at_least(factor * self.unexplained))
+        return Errors(right, self._beyond(right, factor * self.unexplained))
+
+    def _beyond(self, right: Error, largest: float) -> tuple[Error, ...]:
+        """Return errors too large for a right explanation, up to the ``largest``."""
+        least = max(_APART * right.coloured, self.allowed * largest)
+        if not 0.0 < least < largest:
+            return (right.at_least(max(least, largest)),)
+        count = 1 + int(np.ceil(np.log(largest / least) / np.log(_APART)))
+        return tuple(right.at_least(float(each)) for each in np.geomspace(least, largest, count))

@@ -18,6 +18,7 @@ from dea.discrepancy import (
     Verdict,
     certify_elsewhere,
     diagnose,
+    memory_of,
     misfit,
     shortest_record,
     signals_of,
@@ -334,13 +335,14 @@ def learnt(
 ) -> tuple[State, dict[str, float]]:
     """Return the state after a further record, and the density that each hypothesis gave it."""
     samples = signals_of(record, simulation)
-    error, wide = _errors_on(state, samples)
+    error, beyond = _errors_on(state, samples)
     told = {name: predicted(each, samples, error) for name, each in state.explanations.items()}
     log_densities = {name: each.log_density for name, each in told.items()}
     # One that diverges on the record says nothing of an explanation that is not offered.
     shown = [name for name, value in log_densities.items() if np.isfinite(value)]
     leading = max(shown or log_densities, key=lambda name: state.posterior.log_now[name])
-    log_densities[ANOTHER] = predicted(state.explanations[leading], samples, wide).log_density
+    another = [predicted(state.explanations[leading], samples, each).log_density for each in beyond]
+    log_densities[ANOTHER] = float(np.logaddexp.reduce(another) - np.log(len(another)))
     posterior = state.posterior.after(log_densities)
     records = (*state.records, record)
     offered = replace(settings, effects=_offered(state, posterior, settings, options))
@@ -453,13 +455,18 @@ def _shares(found: Diagnosis) -> dict[str, float]:
 
 
 def _law_error(found: Diagnosis) -> LawError:
-    """Return the error of a right explanation: one that left more would not be called right."""
+    """Return the error of a right explanation: one that left more would not be called right.
+
+    It may be as slow as what the simulation alone leaves, and as fast as the device has moved.
+    """
     simulated = found.problem.y - found.nominal.residual
     motion = Motion.of(*(simulated[samples] for samples in found.nominal.records))
     unexplained = misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
     left = min(found.error.left, found.rules.misfit * unexplained)
-    seen = Error(found.error.white, left, max(found.error.memory, 1.0))
-    return LawError(seen, motion, found.rules.law_error, unexplained)
+    fastest = max(motion.size / motion.pace, 1.0) if motion.pace else 1.0
+    slowest = max(found.error.memory, memory_of(found.nominal.residual), fastest)
+    seen = Error(found.error.white, left, slowest, fastest)
+    return LawError(seen, motion, found.rules.law_error, unexplained, found.rules.misfit)
 
 
 def _errors_on(state: State, samples: Samples) -> Errors:
