@@ -56,11 +56,13 @@ def test_its_record_says_which_samples_are_whole_periods(device):
     assert not link.data_vars
 
 
-def test_samples_beside_those_of_the_plan_have_no_label(device):
+@pytest.mark.parametrize("flags", [Quality.HELD | Quality.LOST, Quality.HELD])
+def test_samples_beside_those_of_the_plan_have_no_label(device, flags):
+    """A polled device's are lost, those of a device with a buffer are read."""
     probed = excitation(settings("probed"), device)
     extra = np.arange(2000, 2003)
     quality = np.zeros(6003, np.uint8)
-    quality[extra] = Quality.HELD | Quality.LOST
+    quality[extra] = flags
     played = xr.Dataset({"quality": ("time", quality)}, coords={"time": np.arange(6003) / 50})
     record = probed.label(Acquisition(played, xr.Dataset())).record
     for name, label in probed.labels.items():

@@ -27,8 +27,7 @@ def asked_for(quality: np.ndarray) -> np.ndarray:
 
     The others are what the device measured while it held the output of one of these.
     """
-    beside = Quality.HELD | Quality.LOST
-    return np.asarray((quality & beside) != beside)
+    return np.asarray((quality & Quality.HELD) == 0)
 
 
 class Samples(NamedTuple):
