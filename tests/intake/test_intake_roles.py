@@ -62,6 +62,12 @@ def test_a_rate_leaves_the_column_of_times_unused():
     )
 
 
+def test_a_rate_leaves_the_column_that_is_named_as_the_time_unused():
+    found = roles({"volts": "V", "tick": "ms", "y": "mm"}, Answers(time="tick", rate=50.0))
+    assert (found.interval, found.time, found.inputs) == (0.02, None, (("volts", "V"),))
+    assert found.inferred[0] == "time: 50 samples per second; column 'tick' is not used"
+
+
 def test_the_columns_stand_in_line_however_long_their_units():
     with pytest.raises(UnansweredError) as caught:
         roles({"a": "furlongs", "b": None})

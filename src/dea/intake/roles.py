@@ -77,9 +77,10 @@ def find_roles(
         for role in ("input", "output", "time")
     }
     inferred: list[str] = []
-    time, interval = _timing(table, next(iter(said["time"]), None), answers.rate, inferred)
-    clock = time[0] if time else _time_column(table)
-    if time is None and clock is not None and answers.rate is not None:
+    named = next(iter(said["time"]), None)
+    time, interval = _timing(table, named, answers.rate, inferred)
+    clock = named[0] if named else _time_column(table)
+    if clock is not None and answers.rate is not None:
         inferred.append(f"time: {answers.rate:g} samples per second; column {clock!r} is not used")
     free = [name for name in table.columns if name != clock]
     found = {
