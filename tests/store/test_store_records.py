@@ -58,6 +58,14 @@ def test_the_flags_that_are_set_are_named_and_counted():
     assert flag_counts(record.drop_vars("quality")) == {}
 
 
+@pytest.mark.parametrize("flag", [256, 1.0])
+def test_flags_that_a_record_does_not_name_are_counted_together(flag):
+    record = flagged()
+    record["quality"] = "time", np.full(N, flag)
+    with pytest.raises(InputError, match=r"20 of 20 samples are flagged \(flagged 20\)"):
+        signals(record)
+
+
 def test_what_is_no_number_and_not_flagged_is_refused():
     record = flagged()
     record["displacement"][4] = np.nan

@@ -348,10 +348,12 @@ def flag_counts(record: xr.Dataset) -> dict[str, int]:
     quality = record["quality"]
     masks = np.atleast_1d(quality.attrs.get("flag_masks", []))
     meanings = str(quality.attrs.get("flag_meanings", "")).split()
-    if len(masks) != len(meanings):  # of a record made elsewhere: missing, and no other flag
-        masks, meanings = np.array([0xFF]), ["flagged"]
-    counts = [int(np.count_nonzero(quality.values & mask)) for mask in masks]
-    return {meaning: count for meaning, count in zip(meanings, counts, strict=True) if count}
+    if len(masks) == len(meanings) > 0:
+        each = {name: quality.values & mask for name, mask in zip(meanings, masks, strict=True)}
+    else:  # a record made elsewhere, which does not say what its flags mean
+        each = {"flagged": quality.values}
+    counts = {name: int(np.count_nonzero(carried)) for name, carried in each.items()}
+    return {name: count for name, count in counts.items() if count}
 
 
 def _require_good(record: xr.Dataset, file: Path | str | None) -> None:
