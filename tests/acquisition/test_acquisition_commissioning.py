@@ -6,12 +6,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from plain_module import PlainModule
 
 from dea.acquisition import AcquisitionSettings, acquire
 from dea.acquisition.__main__ import main
 from dea.acquisition.commissioning import (
+    _delay,
     commission,
     refuse_uncommissioned,
     report_file,
@@ -205,6 +207,23 @@ def test_the_delay_of_a_read_back_is_measured(module, tmp_path, samples):
     report = commission(target, tmp_path / "c.partial", SETTINGS, 0.03)
     periods = report["read_back_delay"] * target.sampling_rate
     assert samples - 0.5 < periods < samples + 0.9
+
+
+def test_a_stair_whose_end_was_left_out_says_nothing_of_the_delay():
+    hold, period = 10, 0.02
+    asked = np.repeat([1.0, 2.0, 3.0], hold)
+    shown = np.append(np.zeros(2), asked[:-2])
+    shown[hold - 3 : hold] = np.nan  # the next step has nothing to begin from
+    index = np.arange(asked.size)
+    record = xr.Dataset(
+        {name: ("time", values) for name, values in
+         [("voltage_requested", asked), ("voltage", shown), ("device_index", index)]}
+    )  # fmt: skip
+    times = {"device_index": index, "write_time": index * period, "read_time": index * period}
+    link = xr.Dataset({name: ("sample", values) for name, values in times.items()})
+    assert _delay(record, link, hold) == pytest.approx(2 * period)
+    shown[2 * hold - 3 : 2 * hold] = np.nan
+    assert np.isnan(_delay(record.assign(voltage=("time", shown)), link, hold))
 
 
 def test_a_disk_without_room_is_refused_before_any_voltage(module, tmp_path, capsys, monkeypatch):

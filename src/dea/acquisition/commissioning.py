@@ -112,19 +112,22 @@ def _delay(record: xr.Dataset, link: xr.Dataset, hold: int) -> float:
     since = (times.read_time.values.reshape(-1, hold) - times.write_time.values[::hold, None])[1:]
     asked = record.voltage_requested.values[::hold]
     applied = record.voltage.values.reshape(-1, hold)
-    before = np.nanmean(applied[:-1, -round(SETTLED * hold) :], axis=1)
+    before = _mean(applied[:-1, -round(SETTLED * hold) :], axis=1)
     steps = (applied[1:] - before[:, None]) / np.diff(asked)[:, None]
     there = np.isfinite(steps + since)  # a busy host leaves samples out
-    counted = np.count_nonzero(there, axis=0)
-    total = np.sum(steps, axis=0, where=there)
-    response = np.where(counted > 0, total / np.maximum(counted, 1), np.nan)
-    settled = response[-round(SETTLED * hold) :]
-    if np.isnan(settled).all():
-        return np.nan
-    shown = np.flatnonzero(response >= 0.5 * np.nanmean(settled))
+    response = _mean(np.where(there, steps, np.nan), axis=0)
+    shown = np.flatnonzero(response >= 0.5 * _mean(response[-round(SETTLED * hold) :], axis=0))
     if not shown.size:
         return np.nan
     return float(np.median(since[there[:, shown[0]], shown[0]]))
+
+
+def _mean(values: np.ndarray, axis: int) -> np.ndarray:
+    """Return the mean of what there is along an axis, NaN where there is nothing."""
+    there = np.isfinite(values)
+    total = np.sum(values, axis=axis, where=there)
+    count = np.count_nonzero(there, axis=axis)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
 def _noise(asked: np.ndarray, values: np.ndarray) -> float:
