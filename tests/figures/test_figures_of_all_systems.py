@@ -208,6 +208,15 @@ def test_the_map_of_h3_says_its_third_frequency_and_claims_no_band():
     assert "95 % band" not in said
 
 
+def test_the_map_of_h3_names_the_third_frequency_of_each_rate():
+    responses = {name: made.gfrf(seed) for name, seed in EACH.items()}
+    last = list(responses)[-1]
+    responses[last] = responses[last].assign_coords(frequency_3=1.25)
+    figure = fig4_h3(responses)
+    bar = next(ax for ax in figure.axes if ax.get_label() == "<colorbar>")
+    assert "0.5, 1.25 Hz" in bar.get_ylabel()
+
+
 @pytest.mark.parametrize("draw", [fig3, fig3_phase])
 def test_what_has_no_band_or_another_estimate_is_said_below(draw):
     responses = {name: made.gfrf(seed) for name, seed in EACH.items()}

@@ -25,12 +25,14 @@ def fig4_h3(responses: Mapping[str, xr.Dataset]) -> Figure:
     """
     sizes = {name: abs(as_complex(response["H3"])) for name, response in responses.items()}
     maps = {name: size / slow_reference(size) for name, size in sizes.items()}
-    third = float(next(iter(responses.values()))["frequency_3"])
+    # A share of the sampling rate, which systems may not have in common.
+    each = (f"{float(response['frequency_3']):.3g}" for response in responses.values())
+    third = ", ".join(dict.fromkeys(each))
     shown = Quantity(
         maps,
         magnitude_scale(excited_values(maps, responses)),
         style.GAIN_MAP,
-        rf"$|H_3(f_1, f_2,$ {third:.3g} Hz$)|$ / own at lowest $f$, middle time",
+        rf"$|H_3(f_1, f_2,$ {third} Hz$)|$ / own at lowest $f$, middle time",
         sizes,
         {},
         {},
