@@ -317,6 +317,10 @@ def test_priors_that_exclude_the_record_are_told(coordinates, remark):
     [
         (["dead_zone.slope"], "`dead_zone` has its slope at its bound, which counts against it."),
         (
+            ["dead_zone@valve 1.2.slope"],
+            "`dead_zone` at valve 1.2 has its slope at its bound, which counts against it.",
+        ),
+        (
             ["end_stop@upper_level>lower_level.upper_stop",
              "end_stop@upper_level>lower_level.stiffness"],
             "`end_stop` from upper level to lower level has its upper stop and stiffness at their "

@@ -74,7 +74,7 @@ def _laws(found: "Diagnosis") -> str:
     answer = found.decision.answer
     away: dict[str, list[str]] = {}
     for name in answer.at_bounds if answer else ():
-        law, _, parameter = name.partition(".")
+        law, _, parameter = name.rpartition(".")
         away.setdefault(label_in_words(law), []).append(parameter.replace("_", " "))
     if not away:
         return ""
