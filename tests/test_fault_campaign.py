@@ -161,11 +161,14 @@ def test_what_a_buffer_plays_until_the_link_is_back_is_not_missed(tmp_path, mode
     assert bool(found) == lost
 
 
-def test_samples_that_a_killed_recorder_leaves_out_are_noticed(tmp_path):
+@pytest.mark.parametrize("held", [0, 200])
+def test_samples_that_a_killed_recorder_leaves_out_are_noticed(tmp_path, held):
     schedule = Schedule("plain", low=1.0, high=3.0, duration=3.0)
     volts = np.concatenate([np.linspace(0, 1, 6)[:-1], 1 + np.arange(150) / 100, np.zeros(1)])
     outcome = ran(tmp_path, volts, schedule, status=-9, recorded=False)
-    write(tmp_path, volts[5:20], [tag(k) for k in range(5, 20)])
+    left = np.append(volts[5:20], np.full(held, volts[19]))
+    quality = np.repeat([0, laws.HELD], [15, held]).astype(np.uint8)
+    write(tmp_path, left, [tag(k) for k in range(5, 5 + left.size)], quality)
     found = [sentence for sentence in laws.broken(outcome) if sentence.startswith("record lost")]
     assert found
 

@@ -156,8 +156,8 @@ def _no_record_lost(outcome: Outcome) -> Iterator[str]:
     schedule = outcome.schedule
     wanted = round(schedule.duration * RATE)
     record = _record(outcome)
+    found = 0 if record is None else int(np.sum((record["quality"].values & HELD) == 0))
     if outcome.status == 0:
-        found = 0 if record is None else int(np.sum((record["quality"].values & HELD) == 0))
         if found != wanted:
             yield f"record lost: {found} of {wanted} samples though the status is 0"
         return
@@ -165,7 +165,6 @@ def _no_record_lost(outcome: Outcome) -> Iterator[str]:
     full = [fault for fault in schedule.host if fault.kind in ("full_disk", "slow_sync")]
     if full:
         played = min(played, *(fault.start * RATE - SYNCED for fault in full))
-    found = 0 if record is None else record.sizes["time"]
     if found < min(played, wanted):
         yield (
             f"record lost: {found} samples are left where {played:.0f} were played half a second "
