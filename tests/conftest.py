@@ -46,6 +46,16 @@ def duty_folder(tmp_path_factory):
 
 
 @pytest.fixture
+def clock_off(monkeypatch):
+    """Have the clock of a bench be 2 % off its 50 Hz.
+
+    A bench plays as fast as it is fed; the rate is what a device at wall time would show.
+    """
+    for room in ("device_clock", "record"):
+        monkeypatch.setattr(f"dea.acquisition.{room}.fitted_rate", lambda _: 51.0)
+
+
+@pytest.fixture
 def serve_bench():
     """Return a function that serves a bench and stops it after the test."""
     served = []

@@ -136,11 +136,8 @@ def test_a_file_that_was_made_meanwhile_is_not_overwritten(
 
 
 def test_a_record_whose_clock_is_off_is_kept_with_exit_status_1(
-    serve_bench, tmp_path, capsys, monkeypatch
+    serve_bench, clock_off, tmp_path, capsys
 ):
-    # The bench plays as fast as it is fed; the rate is what a device at wall time would show.
-    for room in ("device_clock", "record"):
-        monkeypatch.setattr(f"dea.acquisition.{room}.fitted_rate", lambda _: 51.0)
     with pytest.raises(SystemExit) as caught:
         drive(serve_bench(), tmp_path / "record.nc")
     assert caught.value.code == 1

@@ -95,10 +95,7 @@ def test_who_armed_stands_in_record_and_manifest(study, capsys, tmp_path, words)
     assert store.read(folder / "record.nc").attrs["armed_by"] == name
 
 
-def test_a_record_whose_clock_is_off_is_kept_and_said_to_be_useless(study, capsys, monkeypatch):
-    # The bench plays as fast as it is fed; the rate is what a device at wall time would show.
-    for room in ("device_clock", "record"):
-        monkeypatch.setattr(f"dea.acquisition.{room}.fitted_rate", lambda _: 51.0)
+def test_a_record_whose_clock_is_off_is_kept_and_said_to_be_useless(study, clock_off, capsys):
     with pytest.raises(SystemExit) as exit_:
         main(["film1"])
     assert exit_.value.code == 1

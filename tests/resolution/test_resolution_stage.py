@@ -250,11 +250,9 @@ def test_hardware_with_high_voltage_is_armed_before_any_design(desk, capsys):
     assert not Path("records").exists()
 
 
-def test_a_record_whose_clock_was_off_is_not_taken_again(desk, monkeypatch):
+def test_a_record_whose_clock_was_off_is_not_taken_again(desk, clock_off):
     own, u = desk("film1"), 1.5 + 0.2 * np.sin(np.arange(100) / 10)
     put(own, 1, u)
-    for room in ("device_clock", "record"):
-        monkeypatch.setattr(f"dea.acquisition.{room}.fitted_rate", lambda _: 51.0)
     with pytest.raises(DeviceError, match="is kept, and no sample of it is good"):
         own.record(1, u)
     assert len(list(Path("records/film1").iterdir())) == 1
