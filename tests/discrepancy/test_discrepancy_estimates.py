@@ -10,23 +10,26 @@ from dea.simulation import Parameter
 
 
 def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
+    """And those that do not define the law after both."""
     parameters = (
         Parameter("even", "1", 0.0, 1.0),
         Parameter("cubic", "1", 0.0, 2.0),
         Parameter("width", "1", 1.0, 1.0, shape=True),
         Parameter("time", "s", 1.0, 1.0, log=True),
+        Parameter("begun", "1", 1.0, 1.0, at_start=True),
     )
-    coordinates = np.array([0.002, 0.15, 2.0, np.log(3.0)])
+    coordinates = np.array([0.002, 0.15, 2.0, np.log(3.0), 4.0])
     extended = SimpleNamespace(
-        effect_slices=[slice(0, 4)],
+        effect_slices=[slice(0, 5)],
         attached=[SimpleNamespace(parameters=parameters)],
-        free=np.arange(4),
+        free=np.arange(5),
         shapes=np.array([p.shape for p in parameters]),
+        at_start=np.array([p.at_start for p in parameters]),
     )
     values = np.array([p.value(x) for p, x in zip(parameters, coordinates, strict=True)])
     fit = SimpleNamespace(extended=extended, coordinates=coordinates, values=values)
-    found = estimates(fit, 0, np.array([0.013, 0.02, 1e-4, 0.05]))
-    assert list(found) == ["time", "cubic", "even", "width"]
+    found = estimates(fit, 0, np.array([0.013, 0.02, 1e-4, 0.05, 1e-5]))
+    assert list(found) == ["time", "cubic", "even", "begun", "width"]
     assert found["cubic"].value == pytest.approx(0.3)
     assert found["cubic"].low == pytest.approx(0.3 - 1.96 * 0.04)
     assert found["time"].high == pytest.approx(3.0 * np.exp(1.96 * 0.05))

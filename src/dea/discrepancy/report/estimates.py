@@ -41,8 +41,8 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
     """Return the free parameters of the attached effect ``index`` with 95 % intervals.
 
     Those that the record determines best, as shares of their values, come first: one that may as
-    well be zero says little. Those that only shape the law come last. ``deviation`` (k,) is the
-    standard deviation of all coordinates.
+    well be zero says little. Those that only shape the law, or say in which state a record finds
+    it, come last. ``deviation`` (k,) is the standard deviation of all coordinates.
     """
     extended = fit.extended
     where = extended.effect_slices[index]
@@ -60,5 +60,6 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
         value = float(values[i])
         estimate = Estimate(value, parameter.unit, min(ends), max(ends))
         unsure = (estimate.high - estimate.low) / max(abs(value), np.finfo(float).tiny)
-        found.append(((extended.shapes[position], unsure), parameter.name, estimate))
+        aside = extended.shapes[position] or extended.at_start[position]
+        found.append(((aside, unsure), parameter.name, estimate))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
