@@ -129,7 +129,7 @@ def test_a_case_is_resolved_by_hand(case, capsys):
     hand_in(case, "resolve_fresh", fresh, 2)
     main(["carriage", "--threads", "1"])
     said = capsys.readouterr().out
-    assert "decided: 1 designed records" in said
+    assert "decided: 1 designed record," in said
     assert "On a fresh record: error" in said
     assert not (folder / "next_experiment.md").exists()
     found = store.read(folder / "resolution.nc")

@@ -401,10 +401,11 @@ def _write_json(path: Path, content: Mapping[str, Any]) -> None:
 
 def said(name: str, found: Resolution) -> str:
     """Return what a resolution found in a few lines."""
-    verdict = found.last.verdict
+    verdict, count = found.last.verdict, len(found.rounds)
+    records = f"{count} designed record{'s' * (count != 1)}"
     lines = [
         f"{name}: {verdict.sentence}",
-        f"{found.outcome}: {len(found.rounds)} designed records, {found.last.driven:g} s driven.",
+        f"{found.outcome}: {records}, {found.last.driven:g} s driven.",
     ]
     if found.certificate:
         before, after = found.certificate.before, found.certificate.after
