@@ -274,3 +274,14 @@ def test_two_effects_are_certain_where_nothing_replaces_the_second(presence, wit
     weighed = Presence((pair, rival), np.array([presence, 1.0 - presence]))
     found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
     assert (found.status, found.answer.names, found.whole) == ("named", named, False)
+
+
+def test_of_three_effects_each_is_certain_only_where_nothing_replaces_it():
+    evidence, candidate = graded()
+    names = "dead_zone", "sensor_lag", "slew_limit"
+    triple, pair = candidate(1.8, *names), candidate(1.9, *names[:2])
+    alone = candidate(2.8, "dead_zone")
+    pool = [triple, pair, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "slew_limit")]
+    weighed = Presence((triple,), np.array([1.0]))
+    found = decide(evidence, triple, pool, [alone], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer.names, found.whole) == ("named", names[:2], False)

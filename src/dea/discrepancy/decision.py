@@ -178,7 +178,7 @@ def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
 def _certain_part(
     evidence: Evidence, pool: Sequence[Candidate], weighed: Presence
 ) -> Candidate | None:
-    """Return the effect that is certain, if it explains most of the gap, or two that are certain.
+    """Return the effect that is certain, if it explains most of the gap, or several that are.
 
     Whatever else the answer holds, these effects are in it. The best explanation without one of
     them must leave much more of the misfit than the best one with all, since an effect that the
@@ -188,18 +188,19 @@ def _certain_part(
     sure = {name for name, value in weighed.effects.items() if value >= rules.certain}
     finished = [c for c in pool if c.finished]
 
-    def ahead(part: Candidate, *names: str) -> bool:
+    def ahead(part: Candidate, name: str) -> bool:
         within = min(c.rmse for c in finished if c.effects >= part.effects)
-        without = min((c.rmse for c in finished if not c.effects & set(names)), default=np.inf)
+        without = min((c.rmse for c in finished if name not in c.effects), default=np.inf)
         return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
 
     certain = sorted((c for c in finished if c.effects <= sure), key=lambda c: c.error)
-    alone = (c for c in certain if len(c.names) == 1 and ahead(c, *c.effects))
+    alone = (c for c in certain if len(c.names) == 1 and ahead(c, c.names[0]))
     part = next((c for c in alone if _share_of(evidence, c).low >= rules.part), None)
     if part is None:
         return None
     wider = (c for c in certain if c.effects > part.effects)
-    return next((c for c in wider if ahead(c, *(c.effects - part.effects))), part)
+    beside = (c for c in wider if all(ahead(c, name) for name in c.effects - part.effects))
+    return next(beside, part)
 
 
 def _share_of(evidence: Evidence, part: Candidate) -> Share:
