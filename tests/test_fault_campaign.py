@@ -358,3 +358,19 @@ def test_a_campaign_goes_on_from_the_verdicts_on_its_own_commit(tmp_path, monkey
     assert kept("b").on(first) is None
     kept("c-dirty").add(second, verdict)
     assert kept("c-dirty").on(second) is None
+
+
+def test_what_a_broken_run_leaves_is_kept_beside_that_of_earlier_runs(tmp_path, monkeypatch):
+    keep = tmp_path / "keep"
+    (keep / "0001").mkdir(parents=True)
+    (keep / "0001" / "broken").write_text("of the run before the interruption")
+    (keep / "verdicts.jsonl").touch()
+
+    async def without_record(schedule, number, folder, launcher, bench):
+        folder.mkdir()
+        return ran(folder, plan(), schedule, recorded=False)
+
+    monkeypatch.setattr("benchmarks.faults.campaign.run", without_record)
+    asyncio.run(Campaign(keep=keep)._once(PLAN, tmp_path))
+    assert (keep / "0001" / "broken").read_text() == "of the run before the interruption"
+    assert (keep / "0002" / "broken").read_text().startswith("record lost: 0 of 50")

@@ -35,7 +35,8 @@ class Campaign:
         self._at_a_time = at_a_time
         self._keep = keep
         self._verdicts = verdicts or Verdicts()
-        self._number = 0
+        kept = keep.glob("[0-9]*") if keep is not None else ()
+        self._number = max((int(folder.name) for folder in kept), default=0)
         self._launcher = Launcher()
         self._lag = Lag()
         self._benches: asyncio.Queue[BenchVictim] = asyncio.Queue()
@@ -106,7 +107,7 @@ class Campaign:
         driven = any(entry.volts for entry in outcome.trace.applied)
         if laws and self._keep is not None:
             kept = self._keep / f"{number:04d}"
-            shutil.copytree(folder, kept, dirs_exist_ok=True)
+            shutil.copytree(folder, kept)
             (kept / "schedule.json").write_text(schedule.dumps() + "\n")
             (kept / "broken").write_text("\n".join(laws) + "\n")
         shutil.rmtree(folder)
