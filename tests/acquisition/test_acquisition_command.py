@@ -16,6 +16,7 @@ from dea import store
 from dea.acquisition.__main__ import main
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.monitor import Monitor, health
+from dea.acquisition.partial import PartialFile
 from dea.acquisition.samples import Quality, Samples
 from dea.acquisition.watched import acquire_watched
 from dea.bench.__main__ import main as serve
@@ -98,6 +99,19 @@ def test_a_broken_acquisition_is_rescued_with_its_flags(serve_bench, tmp_path, c
     assert np.isnan(rescued.displacement.values[lost]).all()
     index = rescued.device_index.values[~lost]
     assert np.array_equal(rescued.displacement_counts.values[~lost], bench.displacement[index])
+
+
+def test_what_was_held_beside_the_plan_is_no_sample_of_it(tmp_path, capsys):
+    partial = tmp_path / "record.partial"
+    held = samples(5)._replace(
+        position=np.array([0, 1, 1, 1, 2]),
+        quality=np.array([0, 0, 1, 1, 0]),
+        displacement=np.arange(100, 105),
+    )
+    with PartialFile(partial, {"device": "virtual bench", "lead": 0, "length": 4}) as file:
+        file.samples(held)
+    main(["recover", str(partial), "--output", str(tmp_path / "r.nc"), "--device", str(DEVICE)])
+    assert "3 of 4 samples, 2 flagged" in capsys.readouterr().out
 
 
 def test_recover_overwrites_nothing(serve_bench, tmp_path, capsys):

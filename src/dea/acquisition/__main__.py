@@ -19,7 +19,7 @@ from dea.acquisition.preview import preview
 from dea.acquisition.record import record_dataset
 from dea.acquisition.reported import reported
 from dea.acquisition.retrying_link import Link
-from dea.acquisition.samples import Quality
+from dea.acquisition.samples import Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import verify_device
 from dea.acquisition.voltage_plan import plan_sequence
@@ -145,9 +145,10 @@ def rescue(options: argparse.Namespace) -> None:
         )
     record = record_dataset(device, found.samples, heading["lead"], heading["length"])
     reasons = [note["broken"] for note in found.notes if "broken" in note]
-    flagged = int(np.count_nonzero(record["quality"] != Quality.GOOD))
+    quality = record["quality"].values
     print(
-        f"{record.sizes['time']} of {heading['length']} samples, {flagged} flagged"
+        f"{np.count_nonzero(asked_for(quality))} of {heading['length']} samples, "
+        f"{np.count_nonzero(quality != Quality.GOOD)} flagged"
         + (f"; {found.damaged} damaged stretches of the file" if found.damaged else "")
         + "".join(f"; {reason}" for reason in reasons)
     )
