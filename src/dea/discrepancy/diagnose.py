@@ -102,8 +102,7 @@ def diagnose(
     # Fit candidates, which also show the noise floor.
     starts = bases(problem, nominal, near, rng)
     rounds = Search(problem, starts, offered, budget, rules, workers).rounds()
-    singles = rounds[0].candidates
-    if not singles:
+    if not rounds[0].candidates:
         raise InputError(
             "none of the effects offered can attach to this simulation and stay stable",
             file=own.source or f"simulation {own.name}",
