@@ -188,7 +188,7 @@ def _offered(names: Sequence[str]) -> list[Effect]:
 
 
 def not_offered(rounds: Sequence[Round], offered: Sequence[Effect]) -> tuple[NotOffered, ...]:
-    """Return what was never tried, alone or beside another effect, in the catalogue's order."""
+    """Return what was never tried, alone or beside another effect; what settings leave out last."""
     left_out = [
         NotOffered.by_settings(effect) for effect in catalogue().values() if effect not in offered
     ]
