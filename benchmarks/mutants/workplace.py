@@ -12,7 +12,10 @@ from pathlib import Path
 
 import grimp
 
-PARTS = ("Snakefile", "Makefile", "pyproject.toml", "config", "src", "tests", "workflow", "docs")
+PARTS = (
+    "Snakefile", "Makefile", "pyproject.toml", "benchmarks", "config", "src", "tests", "workflow",
+    "docs",
+)  # fmt: skip
 LINKED = ("data", "records")  # measured records, which no test changes
 SKIPPED = "__pycache__"
 INTERPRETER_OPTIONS = {
