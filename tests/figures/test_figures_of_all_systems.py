@@ -227,6 +227,14 @@ def test_what_has_no_band_or_another_estimate_is_said_below(draw):
     assert said == "dea1: no 95 % band: biased\ndea2: parameters of kalman, not output_error"
 
 
+def test_what_has_no_band_anyway_says_another_estimate_alone():
+    responses = {name: made.gfrf(seed) for name, seed in EACH.items()}
+    responses["dea1"].attrs["withheld"] = "biased"
+    responses["dea2"].attrs["estimator"] = "kalman"
+    said = fig4_h3(responses).legends[0].get_title().get_text()
+    assert said == "dea2: parameters of kalman, not output_error"
+
+
 def test_link_plots_the_round_trips_and_the_lateness_of_each_system():
     links = {name: made.link(seed, polled=True) for name, seed in EACH.items()}
     trips, course, lateness, repairs = link(links).axes

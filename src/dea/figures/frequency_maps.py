@@ -98,14 +98,14 @@ def missing_handles(maps: Mapping[str, xr.DataArray]) -> list[Patch]:
     ]  # fmt: skip
 
 
-def reservations(responses: Mapping[str, xr.Dataset], width: float) -> str:
+def reservations(responses: Mapping[str, xr.Dataset], width: float, *, banded: bool = True) -> str:
     """Return which systems have no band and why, and whose estimate is another than asked for.
 
-    In lines that fit a figure of ``width`` mm.
+    In lines that fit a figure of ``width`` mm; of bands only where it shows them (``banded``).
     """
     reasons: dict[str, list[str]] = {}
     for name, response in responses.items():
-        if response.attrs["withheld"]:
+        if banded and response.attrs["withheld"]:
             reasons.setdefault(f"no 95 % band: {response.attrs['withheld']}", []).append(name)
         elif response.attrs["estimator"] != response.attrs["tracker"]:
             said = f"parameters of {response.attrs['estimator']}, not {response.attrs['tracker']}"

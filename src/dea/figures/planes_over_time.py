@@ -85,7 +85,7 @@ def planes_over_time(responses: Mapping[str, xr.Dataset], shown: Quantity) -> Fi
     handles = [veil_handle(), *_curve_handles(times, shown), *missing_handles(shown.maps)]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=min(len(shown.maps), 3),
-        title=reservations(responses, width) if shown.low else None, title_fontsize=6,
+        title=reservations(responses, width, banded=bool(shown.low)), title_fontsize=6,
     )  # fmt: skip
     return figure
 
