@@ -99,7 +99,7 @@ class Diagnosis:
     error: ModelError
     share: Share | None
     rules: Rules
-    not_offered: tuple[NotOffered, ...] = ()
+    not_offered: tuple[NotOffered, ...]
 
     @cached_property
     def verdict(self) -> Verdict:

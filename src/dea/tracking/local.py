@@ -39,7 +39,7 @@ class Windows(NamedTuple):
     covariance: Array  # (windows, p, p)
     length: int
     failed: int  # windows without an estimate, which are left out
-    curvature: float = 0.0  # median over windows without common samples
+    curvature: float  # median over windows without common samples
 
     def at(self, t: Array) -> tuple[Array, Array]:
         """Return parameters (k, p) and covariances (k, p, p) at the samples ``t``, (k,)."""
