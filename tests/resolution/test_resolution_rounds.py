@@ -210,3 +210,22 @@ def test_what_is_asked_counts_by_itself(monkeypatch, logs, asked):
     (question,) = questions
     found = dict(zip([e.name for e in question.explanations], question.probabilities, strict=True))
     assert found == pytest.approx(asked)
+
+
+def test_another_explanation_may_be_near_any_of_those_that_are_offered(monkeypatch):
+    """Not near the leading one alone, which the record may have shown to be far off."""
+    from dea.resolution import rounds
+
+    told = {("none", 1.0): -900.0, ("a", 1.0): -50.0, ("none", 2.0): -800.0, ("a", 2.0): -40.0}
+
+    def predicted(explanation, samples, error):
+        return SimpleNamespace(log_density=told[explanation.name, error.coloured])
+
+    monkeypatch.setattr(rounds, "predicted", predicted)
+    now = {"none": 0.6, "a": 0.1, "away": 0.2, ANOTHER: 0.1}
+    state = replace(known(), posterior=Posterior.of(now))
+    densities = {"none": -1000.0, "a": -100.0, "away": -np.inf}
+    errors = [Error(0.1, 1.0, 9.0), Error(0.1, 2.0, 9.0)]
+    found = rounds._not_offered(state, None, densities, errors)
+    exact = np.log(0.1 / 0.7) + np.logaddexp(-50.0, -40.0) - np.log(2.0)
+    assert found == pytest.approx(exact)

@@ -338,11 +338,7 @@ def learnt(
     error, beyond = _errors_on(state, samples)
     told = {name: predicted(each, samples, error) for name, each in state.explanations.items()}
     log_densities = {name: each.log_density for name, each in told.items()}
-    # One that diverges on the record says nothing of an explanation that is not offered.
-    shown = [name for name, value in log_densities.items() if np.isfinite(value)]
-    leading = max(shown or log_densities, key=lambda name: state.posterior.log_now[name])
-    another = [predicted(state.explanations[leading], samples, each).log_density for each in beyond]
-    log_densities[ANOTHER] = float(np.logaddexp.reduce(another) - np.log(len(another)))
+    log_densities[ANOTHER] = _not_offered(state, samples, log_densities, beyond)
     posterior = state.posterior.after(log_densities)
     records = (*state.records, record)
     offered = replace(settings, effects=_offered(state, posterior, settings, options))
@@ -363,6 +359,29 @@ def learnt(
     outcome = after.outcome(options.level)
     withdrawn = outcome if outcome in _WITHOUT_NAME else None
     return replace(after, withdrawn=withdrawn), log_densities
+
+
+def _not_offered(
+    state: State, samples: Samples, log_densities: Mapping[str, float], errors: Sequence[Error]
+) -> float:
+    """Return the density that an explanation which is not offered gives a record, as a logarithm.
+
+    It predicts as any of those that are offered, by their probabilities, with any of these larger
+    ``errors``. Of this sum the terms of the leading one and of the one that predicted best are
+    taken, which are most of it. One that diverges on the record says nothing.
+    """
+    before = state.posterior.log_now
+    shown = [name for name, value in log_densities.items() if np.isfinite(value)] or [
+        *log_densities
+    ]
+    whole = np.logaddexp.reduce([before[name] for name in shown])
+    near = {max(shown, key=before.__getitem__), max(shown, key=log_densities.__getitem__)}
+    terms = [
+        before[name] - whole + predicted(state.explanations[name], samples, error).log_density
+        for name in near
+        for error in errors
+    ]
+    return float(np.logaddexp.reduce(terms) - np.log(len(errors)))
 
 
 def _offered(
