@@ -322,6 +322,31 @@ def test_softening_grows_with_the_way_and_not_with_time():
         assert law(0.7, 0.0, travelled, q) == pytest.approx(0.21 * (1 - np.exp(-exponent)))
 
 
+def test_below_its_largest_stroke_a_material_is_softer_by_the_energy_it_lacks():
+    """The pseudo-elasticity of Ogden and Roxburgh with the tanh of Dorfmann and Ogden."""
+    z = 0.1 + Z - Z[0] + 0.002 * T
+    q = values(
+        "cyclic_softening", softening=1e-4, stroke_softening=0.4, stroke=0.3, unstretched=0.1
+    )
+    energy = 0.5 * (z - 0.1) ** 2
+    lacking = np.maximum.accumulate(energy) - energy
+    virgin = -(z - 0.1)
+    kept = 1.0 - 0.4 * np.tanh(lacking / (0.5 * 0.3**2))
+    found = virgin[:-1] + forces("cyclic_softening", q, z)
+    assert np.allclose(found, (kept * virgin)[:-1], atol=1e-3)
+    assert np.allclose(found[lacking[:-1] == 0.0], virgin[:-1][lacking[:-1] == 0.0], atol=1e-3)
+    assert (lacking > 0.05).any()
+
+
+def test_what_the_largest_stroke_takes_for_good_depends_on_nothing_else():
+    """Damage that is not healed at the largest stroke either, at both signs of the stretch."""
+    q = values("cyclic_softening", softening=1e-4, stroke_softening=0.4, stroke=0.3, regained=0.0)
+    z = np.r_[0.0, 0.2, -0.1, 0.1, -0.5, 0.2, 0.5]
+    largest = np.r_[0.0, 0.2, 0.2, 0.2, 0.5, 0.5]
+    expected = 0.4 * np.tanh((largest / 0.3) ** 2) * z[:-1]
+    assert np.allclose(forces("cyclic_softening", q, z), expected, atol=1e-3)
+
+
 def test_stress_relaxes_with_time_and_not_with_the_way():
     q = values("stress_relaxation", relaxation=0.3, time=5.0, exponent=0.7, prestress=0.1)
     since = DT * np.arange(Z.size - 1)

@@ -1,4 +1,4 @@
-"""The material softens with each cycle."""
+"""The material softens with each cycle, and below the largest stroke that it has made."""
 
 import numpy as np
 from numba import njit
@@ -11,15 +11,23 @@ from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
-    """Part of the elastic force that damage removes; ``memory[0]`` is the travel."""
+    """Part of the elastic force that damage removes.
+
+    ``memory`` holds the travel, and the largest stretch so far. Below that the material is softer
+    by what its energy lacks; what the largest stretch itself has lost is not regained in part.
+    """
     damage = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
-    return float(q[0] * damage * z)
+    stretch = z - q[6]
+    largest = max(memory[1], abs(stretch))
+    lost = np.tanh((largest * largest - q[5] * stretch * stretch) / (q[4] * q[4]))
+    return float(q[0] * damage * z + q[3] * lost * stretch)
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
-    """Add up the travel."""
+    """Add up the travel, and keep the largest stretch."""
     memory[0] += abs(z_next - z)
+    memory[1] = max(memory[1], abs(z_next - q[6]))
 
 
 def memory(q: np.ndarray) -> np.ndarray:
@@ -28,27 +36,53 @@ def memory(q: np.ndarray) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the softening in the long run, the travel it takes, and its exponent."""
-    travel = scales.z_span * max(scales.duration, 1.0)
+    """Return the softening by travel in the long run, the travel it takes, and its exponent.
+
+    Then that by the largest stroke, the stroke it takes, the part of it that is regained at the
+    largest stroke, and where the material is not stretched.
+    """
+    low, high, span = scales.z_low, scales.z_high, scales.z_span
+    travel = span * max(scales.duration, 1.0)
     return (
         Parameter("softening", "1", 0.1, 1.5, 1e-4, 0.9, log=True),
         Parameter("travel", "1", 0.3 * travel, 2.0, 1e-3 * travel, 1e2 * travel, log=True),
         Parameter("exponent", "1", 1.0, 0.3, 0.2, 2.0, log=True, shape=True),
-    )
+        Parameter("stroke_softening", "1", 0.0, 0.3, 0.0, 0.9),
+        Parameter("stroke", "1", 0.5 * span, 1.0, 0.01 * span, 5.0 * span, log=True, shape=True),
+        Parameter("regained", "1", 1.0, 0.3, 0.0, 1.0, shape=True),
+        Parameter(
+            "unstretched", "1", 0.0, 0.5 * span + abs(low), min(low, 0.0) - 2.0 * span,
+            max(high, 0.0), shape=True,
+        ),
+    )  # fmt: skip
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return softening that settles early, late, and not within the record."""
-    travel = scales.z_span * scales.duration
-    return tuple((0.1, part * travel, 0.8) for part in (0.03, 0.2, 1.0))
+    """Return softening by travel that settles early, late, and not within the record.
+
+    And such by the stroke, soon and late, measured from rest and from the bottom of the motion.
+    """
+    span, travel = scales.z_span, scales.z_span * scales.duration
+    return (
+        *((0.1, part * travel, 0.8, 0.0, 0.5 * span, 1.0, 0.0) for part in (0.03, 0.2, 1.0)),
+        *(
+            (0.01, 0.2 * travel, 0.8, 0.2, part * span, 1.0, bottom)
+            for part in (0.2, 0.7)
+            for bottom in (0.0, scales.z_low)
+        ),
+    )
 
 
 EFFECT = Effect(
     name="cyclic_softening",
     port=Port.FORCE,
     family=Family.AGEING,
-    symptom="the device gives way more with every cycle, and not while it rests",
-    citation="Mullins (1969), Rubber Chemistry and Technology 42:339",
+    symptom="the device gives way more with every cycle, or below its largest stroke, and not "
+    "while it rests",
+    citation="Miehe (1995), European Journal of Mechanics A/Solids 14:697, on damage by travel; "
+    "Ogden and Roxburgh (1999), Proceedings of the Royal Society A 455:2861, and Dorfmann and "
+    "Ogden (2003), International Journal of Solids and Structures 40:2699, on that by the largest "
+    "stroke",
     parameters=parameters,
     starts=starts,
     force=force,
