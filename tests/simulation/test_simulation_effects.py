@@ -417,6 +417,41 @@ def test_a_stop_resists_by_a_power_of_the_depth_with_a_rounded_corner():
 def test_what_an_output_limit_takes_is_kept_in_part_at_either_end():
     own = {"upper_end": 1.0, "lower_end": 0.5, "middle": 0.8, "sharpness": 200.0}
     law = catalogue()["output_saturation"].shape_output
+def test_a_ball_leaves_a_stop_as_hunt_and_crossley_say():
+    """Their coefficient of restitution is 1 - alpha v; the force is k x^n (1 + 1.5 alpha v)."""
+    alpha, speed = 0.05, 1.0
+    own = {"upper_stop": 0.9, "lower_stop": 0.0, "corner_width": 1e-9, "stiffness": 300.0}
+    q = values("end_stop", exponent=1.5, damping=1.5 * alpha, onset=0.0, **own)
+    assert bounce(q, 0.9, speed) == pytest.approx(1 - alpha * speed, abs=0.003)
+    assert bounce(q, 0.0, -speed) == pytest.approx(1 - alpha * speed, abs=0.003)
+
+
+def test_a_ball_leaves_a_spring_with_a_dashpot_as_schwager_and_poeschel_say():
+    """Granular Matter 9 (2007) 465: the contact ends where it would pull."""
+    own = {"upper_stop": 0.9, "lower_stop": 0.0, "corner_width": 1e-9, "stiffness": 100.0}
+    q = values("end_stop", exponent=1.0, damping=0.03, onset=1.0, **own)
+    # A dashpot c = stiffness * reference * damping, of a unit mass.
+    beta = 0.5 * 100.0 * 0.06 * 0.03
+    omega = np.sqrt(100.0 - beta**2)
+    expected = np.exp(-beta / omega * (np.pi - np.arctan(2 * beta * omega / (omega**2 - beta**2))))
+    assert bounce(q, 0.9, 1.0) == pytest.approx(expected, abs=0.003)
+
+
+def bounce(q, stop, speed):
+    """The part of its speed with which a unit mass comes back from a stop."""
+    law, empty = catalogue()["end_stop"].force, np.zeros(MEMORY)
+
+    def away(t, x):
+        return np.sign(speed) * (stop - x[0]) + (1e-9 if t < 1e-6 else 0.0)
+
+    away.terminal, away.direction = True, 1
+    solved = solve_ivp(
+        lambda t, x: [x[1], law(x[0], x[1], empty, q)],
+        (0, 10), [stop, speed], events=away, rtol=1e-9, atol=1e-12, max_step=1e-3,
+    )  # fmt: skip
+    return -solved.y[1, -1] / speed
+
+
     y = np.array([0.1, 0.7, 0.9, 1.4])
     found = law(y, y, values("output_saturation", remaining_slope=0.25, **own), DT)
     assert np.allclose(found, [0.4, 0.7, 0.9, 1.1], atol=2e-3)
