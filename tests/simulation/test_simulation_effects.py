@@ -363,9 +363,10 @@ def test_second_mode_resonates_at_its_frequency():
     assert amplitude == pytest.approx(0.01 * np.abs(1 - 1 / (2j * 0.05)), rel=0.02)
 
 
-def test_second_mode_follows_the_equations_of_two_masses():
+@pytest.mark.parametrize("grounded", [0.0, 0.6])
+def test_second_mode_follows_the_equations_of_two_masses(grounded):
     own = {"coupling": 0.7, "frequency": 1.2, "damping_ratio": 0.1, "hardening": 2.0}
-    q = values("second_mode", start_position=0.5, **own)
+    q = values("second_mode", start_position=0.5, grounded_damping=grounded, **own)
     omega, loss = 2 * np.pi * 1.2, 2 * 0.1 / (2 * np.pi * 1.2)
 
     def place(t):
@@ -376,13 +377,15 @@ def test_second_mode_follows_the_equations_of_two_masses():
 
     def pull(t, state):
         stretch = place(t) - state[0]
-        return stretch * (1 + 2.0 * stretch**2) + loss * (speed(t) - state[1])
+        slide = (1 - grounded) * loss * (speed(t) - state[1])
+        return stretch * (1 + 2.0 * stretch**2) + slide
 
     h = 2e-3
     t = np.arange(5000) * h
     solved = solve_ivp(
-        lambda t, x: [x[1], omega**2 * pull(t, x)], (0, t[-1]), [0.5, 0.0], t_eval=t, rtol=1e-9
-    )
+        lambda t, x: [x[1], omega**2 * (pull(t, x) - grounded * loss * x[1])],
+        (0, t[-1]), [0.5, 0.0], t_eval=t, rtol=1e-9,
+    )  # fmt: skip
     found = forces("second_mode", q, place(t), h)
     expected = -0.7 * pull(t, solved.y)[:-1]
     assert np.abs(found - expected).max() < 0.02 * np.abs(expected).max()

@@ -15,19 +15,22 @@ _TWO_PI = 6.283185307179586
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Hardening spring and dashpot to the second mass: ``memory`` is its place and velocity."""
     stretch = z - memory[0]
-    loss = 2.0 * q[2] / (_TWO_PI * q[1])
+    loss = 2.0 * q[2] * (1.0 - q[5]) / (_TWO_PI * q[1])
     return float(-q[0] * (stretch * (1.0 + q[4] * stretch * stretch) + loss * (w - memory[1])))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
-    """Integrate the motion of the second mass by the trapezoidal rule."""
+    """Integrate the motion of the second mass by the trapezoidal rule.
+
+    A part of the damping is to the ground, and the rest to the first mass.
+    """
     omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]
     a, v = memory[0], memory[1]
     half = 0.5 * h
     # The stiffness at the present stretch: only the linear part is implicit.
     square = omega * omega * (1.0 + q[4] * (z - a) ** 2)
-    pull = square * (z_next - a - half * v) + damping * ((z_next - z) / h - v)
+    pull = square * (z_next - a - half * v) + damping * ((1.0 - q[5]) * (z_next - z) / h - v)
     v_next = v + h * pull / (1.0 + half * damping + half * half * square)
     memory[0] = a + half * (v + v_next)
     memory[1] = v_next
@@ -41,7 +44,10 @@ def memory(q: np.ndarray) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return coupling, frequency, damping and start of the second mass, and the hardening."""
+    """Return coupling, frequency, damping and start of the second mass, and the hardening.
+
+    And the part of the damping that is to the ground.
+    """
     nyquist, middle = 0.5 / scales.interval, 0.5 * (scales.z_low + scales.z_high)
     span = scales.z_span
     return (
@@ -50,6 +56,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("damping_ratio", "1", 0.05, 1.0, 2e-3, 0.9, log=True),
         Parameter("start_position", "1", middle, span, at_start=True),
         Parameter("hardening", "1", 0.0, 0.3 / span**2, 0.0, 10.0 / span**2, shape=True),
+        Parameter("grounded_damping", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
     )
 
 
@@ -61,7 +68,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     nyquist, middle = 0.5 / scales.interval, 0.5 * (scales.z_low + scales.z_high)
     grid = [part * nyquist for part in (0.02, 0.05, 0.1, 0.3)]
     lines = [line for line in scales.frequencies if 1e-3 * nyquist < line < nyquist]
-    return tuple((0.05, frequency, 0.15, middle, 0.0) for frequency in (*lines, *grid))
+    return tuple((0.05, frequency, 0.15, middle, 0.0, 0.0) for frequency in (*lines, *grid))
 
 
 EFFECT = Effect(
