@@ -288,7 +288,7 @@ def test_friction_is_larger_the_slower_the_motion():
     own = {"force": 0.1, "slip_deflection": 0.005, "stiction_excess": 0.6, "stribeck_rate": 0.2}
     q = values("coulomb_friction", **own)
     slipped = np.zeros(MEMORY)
-    slipped[:2] = 0.005, 0.7
+    slipped[:2] = 1.0, 0.7
     law = catalogue()["coulomb_friction"].force
     found = [law(0.7, w, slipped, q) for w in (1e-9, 0.2, -0.2, 1e9)]
     assert np.allclose(found, [-0.16, -0.13, -0.13, -0.1])
@@ -306,6 +306,38 @@ def test_stiffening_is_a_power_law():
     cubic = values("strain_stiffening", stiffening=0.2, exponent=1.5, cubic_part=0.3)
     found = [law(v, 0.0, np.zeros(MEMORY), cubic) for v in (-1.0, 0.25, 1.0)]
     assert np.allclose(found, [0.5, -0.2 * 0.125 - 0.3 / 64, -0.5])
+
+
+def test_friction_that_is_elastic_nowhere_is_that_of_bristles():
+    """Canudas de Wit et al. (1995) at one level of friction: b' = w - s |w| b / F, force s b."""
+    level, largest, h = 0.1, 0.02, 1e-3
+
+    def place(t):
+        return 0.7 + 0.1 * np.sin(0.9 * t) * np.cos(0.17 * t)
+
+    def speed(t):
+        fast, slow = 0.9 * t, 0.17 * t
+        return 0.09 * np.cos(fast) * np.cos(slow) - 0.017 * np.sin(fast) * np.sin(slow)
+
+    t = np.arange(20_000) * h
+    bristle = solve_ivp(
+        lambda t, b: speed(t) - abs(speed(t)) * b / largest,
+        (0, t[-1]), [0.0], t_eval=t, method="LSODA", rtol=1e-9, atol=1e-12, max_step=0.01,
+    )  # fmt: skip
+    q = values(
+        "coulomb_friction", force=level, slip_deflection=0.5 * largest, rest_position=0.7,
+        elastic_part=-1.0,
+    )  # fmt: skip
+    expected = -level / largest * bristle.y[0, :-1]
+    assert np.abs(forces("coulomb_friction", q, place(t), h) - expected).max() < 1e-3 * level
+
+
+def test_a_contact_is_elastic_up_to_a_part_of_its_largest_deflection():
+    q = values("coulomb_friction", force=0.1, slip_deflection=0.02, elastic_part=0.4)
+    found = forces("coulomb_friction", q, np.linspace(0.0, 0.05, 51))
+    way = np.linspace(0.0, 0.05, 51)[:-1] / 0.02
+    expected = np.where(way < 0.4, way, 1 - 0.6 * np.exp(-(way - 0.4) / 0.6))
+    assert np.allclose(found, -0.1 * expected)
 
 
 def test_softening_grows_with_the_way_and_not_with_time():
@@ -417,9 +449,6 @@ def test_a_stop_resists_by_a_power_of_the_depth_with_a_rounded_corner():
         assert law(0.5 - depth, 0.0, np.zeros(MEMORY), q) == pytest.approx(10.0 * size)
 
 
-def test_what_an_output_limit_takes_is_kept_in_part_at_either_end():
-    own = {"upper_end": 1.0, "lower_end": 0.5, "middle": 0.8, "sharpness": 200.0}
-    law = catalogue()["output_saturation"].shape_output
 def test_a_ball_leaves_a_stop_as_hunt_and_crossley_say():
     """Their coefficient of restitution is 1 - alpha v; the force is k x^n (1 + 1.5 alpha v)."""
     alpha, speed = 0.05, 1.0
@@ -455,6 +484,9 @@ def bounce(q, stop, speed):
     return -solved.y[1, -1] / speed
 
 
+def test_what_an_output_limit_takes_is_kept_in_part_at_either_end():
+    own = {"upper_end": 1.0, "lower_end": 0.5, "middle": 0.8, "sharpness": 200.0}
+    law = catalogue()["output_saturation"].shape_output
     y = np.array([0.1, 0.7, 0.9, 1.4])
     found = law(y, y, values("output_saturation", remaining_slope=0.25, **own), DT)
     assert np.allclose(found, [0.4, 0.7, 0.9, 1.1], atol=2e-3)

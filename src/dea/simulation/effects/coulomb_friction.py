@@ -1,7 +1,7 @@
 """Dry friction: a force that opposes the motion and holds the device still."""
 
 import numpy as np
-from numba import njit
+from numba import float64, njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.parameter import Parameter
@@ -9,18 +9,37 @@ from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 
 
+@njit(float64(float64, float64, float64), cache=True, error_model="numpy")
+def _strained(part: float, way: float, elastic: float) -> float:
+    """Return the part of its largest deflection that a contact has after a way, in units of it.
+
+    It is elastic up to a part of the largest deflection, and from there creeps towards it. At 1 it
+    slips at once, at 0 it is elastic while it is unloaded, and at -1 it is a bristle that always
+    creeps.
+    """
+    if way < 0.0:
+        return -_strained(-part, -way, elastic)
+    straight = min(max(elastic - part, 0.0), way)
+    part, way = part + straight, way - straight
+    if way <= 0.0:
+        return part
+    if elastic >= 1.0:
+        return 1.0
+    return float(1.0 - (1.0 - part) * np.exp(-way / (1.0 - elastic)))
+
+
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``."""
-    deflection = min(max((memory[0] + z - memory[1]) / q[1], -1.0), 1.0)
+    part = _strained(memory[0], (z - memory[1]) / q[1], q[5])
     excess = q[2] / (1.0 + (w / q[3]) ** 2)
-    return float(-q[0] * deflection * (1.0 + excess))
+    return float(-q[0] * part * (1.0 + excess))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
-    """Slip where the deflection has reached its limit."""
-    memory[0] = min(max(memory[0] + z_next - memory[1], -q[1]), q[1])
+    """Deflect the contact, or slip."""
+    memory[0] = _strained(memory[0], (z_next - memory[1]) / q[1], q[5])
     memory[1] = z_next
 
 
@@ -32,18 +51,22 @@ def memory(q: np.ndarray) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the force, deflection before slip, excess of stiction, Stribeck rate, and rest."""
+    """Return the force, deflection before slip, excess of stiction, Stribeck rate, and rest.
+
+    And the part of the largest deflection up to which the contact is elastic.
+    """
     span = scales.z_span
     return (
         Parameter("force", "1", 0.05 * span, 1.5, 1e-5, 10.0, log=True),
         Parameter(
             "slip_deflection", "1", 0.01 * span, 1.0, 5e-4 * span, 0.05 * span, log=True, shape=True
         ),
-        Parameter("stiction_excess", "1", 0.0, 0.2, 0.0, 2.0, shape=True),
+        Parameter("stiction_excess", "1", 0.0, 0.5, 0.0, 5.0, shape=True),
         Parameter(
             "stribeck_rate", "1/s", 0.1 * span, 1.0, 1e-3 * span, 10.0 * span, log=True, shape=True
         ),
         Parameter("rest_position", "1", 0.0, 0.0),
+        Parameter("elastic_part", "1", 1.0, 0.5, -1.0, 1.0, shape=True),
     )
 
 
@@ -51,7 +74,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return weak to strong friction, with a soft and a hard contact."""
     span = scales.z_span
     return tuple(
-        (part * span, slip * span, 0.0, 0.1 * span, 0.0)
+        (part * span, slip * span, 0.0, 0.1 * span, 0.0, 1.0)
         for part in (0.02, 0.08, 0.2)
         for slip in (0.015, 0.002)
     )
@@ -63,7 +86,7 @@ EFFECT = Effect(
     family=Family.DISSIPATION,
     symptom="at each reversal the device stands still until the drive has changed enough",
     citation="Dupont et al. (2002), IEEE Transactions on Automatic Control 47:787, elasto-plastic "
-    "friction",
+    "friction; Canudas de Wit et al. (1995), the same 40:419, bristles",
     parameters=parameters,
     starts=starts,
     force=force,
