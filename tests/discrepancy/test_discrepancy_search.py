@@ -30,6 +30,7 @@ PRESENT = {
     "dead_zone": {"threshold": 0.4},
     "sensor_lag": {"time_constant": 0.12},
     "stress_relaxation": {"relaxation": 0.3, "time": 10.0},
+    "charge_leakage": {"loss": 0.2, "field_growth": 3.0, "time_constant": 2.0},
 }
 
 
@@ -103,6 +104,24 @@ def test_a_drift_does_not_bear_the_name_of_a_relaxation(relaxes):
     assert alone.candidates[0].rmse < 1.5 * NOISE
     [judged_again] = unfinish_degenerate(problem, [alone], Rules(), NOISE, 1)
     assert judged_again.candidates[0].finished == relaxes
+
+
+@pytest.mark.parametrize("leaks", [True, False])
+def test_a_bent_input_does_not_bear_the_name_of_a_leak(leaks):
+    """A charge that is lost at once bends the input's curve."""
+    problem, extended = hidden(*["charge_leakage"] * leaks)
+    if not leaks:
+        own = extended.values(np.zeros(extended.free.size))
+        curved = problem.u * (1.0 - 0.1 * np.exp(3.0 * (np.abs(problem.u) / 2.0 - 1.0)))
+        noise = problem.y - extended.simulate(own, problem.u, INTERVAL)
+        problem = replace(problem, y=extended.simulate(own, curved, INTERVAL) + noise)
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    effect = catalogue()["charge_leakage"]
+    alone = extend_by_each(problem, [nominal], [effect], Budget(), 1)
+    assert alone.candidates[0].finished
+    assert alone.candidates[0].rmse < 0.7 * problem.seen_rmse(nominal.residual)
+    [judged_again] = unfinish_degenerate(problem, [alone], Rules(), NOISE, 1)
+    assert judged_again.candidates[0].finished == leaks
 
 
 def test_two_effects_are_found_beside_laws_that_pass_for_them():

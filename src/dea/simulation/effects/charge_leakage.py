@@ -57,4 +57,6 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     shape_input=law,
+    # At its shortest time the input's curve is bent, and no charge leaks.
+    essential="time_constant",
 )
