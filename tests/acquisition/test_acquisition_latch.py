@@ -33,7 +33,9 @@ def test_a_trip_is_found_by_another_name_and_from_another_account(device, monkey
     assert '"acknowledged_by": "A. Person"' in log.read_text()
 
 
-def test_a_trip_outlives_a_restart_and_every_account_may_read_it(device, monkeypatch, tmp_path):
+def test_trip_and_log_outlive_a_restart_and_every_account_may_read_them(
+    device, monkeypatch, tmp_path
+):
     monkeypatch.delenv("DEA_DUTY")
     assert latch.latch_file(device).parent == Path("/var/tmp/dea")  # not emptied at a restart
     monkeypatch.setattr(latch, "FOLDER", tmp_path / "dea")
@@ -41,10 +43,13 @@ def test_a_trip_outlives_a_restart_and_every_account_may_read_it(device, monkeyp
     try:
         latch.refuse_latched(replace(device, safety=Safety()))
         latch.latch(latch.latch_file(device), device.name, "the door is open")
+        kept = [latch.latch_file(device).stat()]
+        latch.acknowledge(device, "A. Person")
+        kept += [file.stat() for file in (tmp_path / "dea").iterdir()]
     finally:
         os.umask(before)
     assert stat.S_IMODE((tmp_path / "dea").stat().st_mode) == 0o777
-    assert stat.S_IMODE(latch.latch_file(device).stat().st_mode) == 0o1666
+    assert [stat.S_IMODE(each.st_mode) for each in kept] == [0o1666, 0o1666]
 
 
 @pytest.mark.parametrize("left", [b"", b'{"device": "be', b"[]", b'{"time": "now"}', b"\xff"])

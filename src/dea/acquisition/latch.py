@@ -7,6 +7,7 @@ import json
 import os
 import stat
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from dea.acquisition.shared_file import open_shared, shared_file
@@ -17,14 +18,15 @@ from dea.modbus import Device
 # On a disk, unlike the files of locks: a trip outlives a restart of the computer. A folder of its
 # own, since in one with the sticky bit only the account that tripped could acknowledge.
 FOLDER = Path("/var/tmp/dea")
+# Readable whatever the umask; the sticky bit keeps it from what tidies temporary files up.
+_MODE = 0o666 | stat.S_ISVTX
 
 
 def latch(path: Path, device: str, reason: str) -> None:
     """Note a trip at :func:`latch_file`; its output is not driven until it is acknowledged."""
     with atomic(path) as partial:
         partial.write_text(json.dumps({"device": device, "reason": reason, "time": _now()}))
-        # Readable whatever the umask; the sticky bit keeps it from what tidies temporary files up.
-        partial.chmod(0o666 | stat.S_ISVTX)
+        partial.chmod(_MODE)
 
 
 def refuse_latched(device: Device) -> None:
@@ -71,6 +73,8 @@ def acknowledge(device: Device, person: str) -> str | None:
     try:
         os.lseek(handle, 0, os.SEEK_END)
         os.write(handle, line.encode())
+        with suppress(PermissionError):  # another account has made it, with this mode
+            os.fchmod(handle, _MODE)
     finally:
         os.close(handle)
     path.unlink()
