@@ -18,7 +18,7 @@ from dea.resolution import (
     resolution_dataset,
 )
 from dea.resolution.posterior import Posterior
-from dea.resolution.rounds import _offered
+from dea.resolution.rounds import _offered, _parts
 from dea.stages.resolve import said
 
 PRIOR = {"none": 0.1, "a": 0.4, "b": 0.3, "a+b": 0.1, ANOTHER: 0.1}
@@ -110,3 +110,17 @@ def test_all_effects_are_offered_where_the_verdict_leaves_too_much(kind):
     settings = Settings(effects=("a", "b", "c"))
     left = state({"a": 1.0}, **kind)
     assert _offered(left, left.posterior, settings, Options()) == ("a", "b", "c")
+
+
+@pytest.mark.parametrize("size", [0.3, 1e-300, 1e-320])
+def test_new_explanations_share_a_half_however_unlikely_all_of_them_are(size):
+    parts = _parts({"a": 3.0 * size, "b": size, "c": 0.0})
+    assert parts == pytest.approx({"a": 0.375, "b": 0.125}, rel=1e-3)
+    posterior = Posterior.of({"none": 0.5, ANOTHER: 0.5}).with_new(parts, ANOTHER)
+    assert sum(posterior.now.values()) == pytest.approx(1.0)
+    assert all(np.isfinite(value) for value in posterior.log_now.values())
+
+
+def test_where_nothing_new_was_found_the_probabilities_stay():
+    posterior = Posterior.of({"none": 0.5, ANOTHER: 0.5})
+    assert posterior.with_new(_parts({"c": 0.0}), ANOTHER) == posterior

@@ -346,11 +346,8 @@ def learnt(
     now = _law_error(found)
     fitted = _explanations(found, now.seen)
     shares = _shares(found)
-    new = {name: share for name, share in shares.items() if name not in posterior.now and share}
-    total = sum(new.values())
-    if new:
-        scale = _TO_NEW / total
-        posterior = posterior.with_new({n: scale * s for n, s in new.items()}, ANOTHER)
+    new = {name: share for name, share in shares.items() if name not in posterior.now}
+    posterior = posterior.with_new(_parts(new), ANOTHER)
     explanations = {name: each.informed for name, each in told.items()} | {
         name: each for name, each in fitted.items() if name in posterior.now
     }
@@ -359,6 +356,14 @@ def learnt(
     outcome = after.outcome(options.level)
     withdrawn = outcome if outcome in _WITHOUT_NAME else None
     return replace(after, withdrawn=withdrawn), log_densities
+
+
+def _parts(shares: Mapping[str, float]) -> dict[str, float]:
+    """Return the parts of what another explanation has that go to these new ones."""
+    total = sum(shares.values())
+    # A share may be so small that nothing can be divided by it.
+    parts = {name: share / total for name, share in shares.items() if share > 0.0}
+    return {name: _TO_NEW * part for name, part in parts.items() if part > 0.0}
 
 
 def _not_offered(
