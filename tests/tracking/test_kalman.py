@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from dea.errors import InputError
 from dea.tracking import fit_noise_ratio, log_likelihood, smooth
+from dea.tracking.random_walk import RandomWalk
 
 
 def random_walk(seed, n, q, noise=0.5):
@@ -57,6 +58,19 @@ def test_smoother_and_likelihood_are_those_of_the_joint_gaussian(seed, n, q, mis
     assert log_likelihood(Phi, y, q, **known)[0] == pytest.approx(value, rel=1e-9, abs=1e-9)
     last, _, _, _ = dense_posterior(Phi, y, np.array(q), np.ones(len(q)), 2.0)
     np.testing.assert_allclose(found.filtered[-1], last[-1], rtol=1e-9, atol=1e-9)
+
+
+def test_a_random_walk_is_the_same_in_all_units_of_its_regressors():
+    Phi, _, y = random_walk(11, 200, [1e-3, 0.02])
+    units, at = np.array([50.0, 0.02]), np.array([3, 150])
+    one = RandomWalk(noise_ratio=np.array([1e-3, 0.02])).smooth(Phi, y, np.ones(2), at)
+    other = RandomWalk(noise_ratio=np.array([1e-3, 0.02])).smooth(
+        Phi * units, y, np.ones(2) / units, at
+    )
+    np.testing.assert_allclose(other.theta * units, one.theta)
+    np.testing.assert_allclose(other.filtered * units, one.filtered)
+    np.testing.assert_allclose(other.variance * units**2, one.variance)
+    np.testing.assert_allclose(other.covariance * np.outer(units, units), one.covariance)
 
 
 def test_the_gradient_of_the_likelihood_is_exact():

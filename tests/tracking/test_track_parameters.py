@@ -172,6 +172,10 @@ def test_the_band_of_the_smoother_is_that_of_the_joint_gaussian():
     theta = model.parameters + (gain @ residual).reshape(n, p)
     np.testing.assert_allclose(track["parameter"].values[1:], theta, rtol=1e-6)
     np.testing.assert_allclose(track["parameter_std"].values[1:], np.sqrt(variance), rtol=1e-6)
+    # What was fitted stands for each term, what was given as an attribute.
+    np.testing.assert_allclose(track["noise_ratio"], ratio)
+    assert track.attrs["delta"] == delta
+    assert "noise_ratio" not in track.attrs
 
 
 def test_frozen_errors_are_those_of_each_stretchs_middle_parameters():
