@@ -84,7 +84,7 @@ def test_between_and_beyond_centres_estimates_are_combined_with_what_they_share(
     centre = np.array([3.5, 7.5, 11.5, 15.5])
     means = np.array([(np.abs(np.arange(20) - c) < length / 2) / length for c in centre])
     theta = np.array([[1.0], [3.0], [4.0], [8.0]])
-    windows = Windows(centre, theta, np.full((4, 1, 1), 1.0 / length), length, 0)
+    windows = Windows(centre, theta, np.full((4, 1, 1), 1.0 / length), length, 0, 0.0)
     for t, weights in (
         (3.5, [1, 0, 0, 0]),
         (8.5, [0, 0.75, 0.25, 0]),
