@@ -376,14 +376,13 @@ def _not_offered(
     taken, which are most of it. One that diverges on the record says nothing.
     """
     before = state.posterior.log_now
-    shown = [name for name, value in log_densities.items() if np.isfinite(value)] or [
-        *log_densities
-    ]
+    finite = [name for name, value in log_densities.items() if np.isfinite(value)]
+    shown = finite or list(log_densities)
     whole = np.logaddexp.reduce([before[name] for name in shown])
     near = {max(shown, key=before.__getitem__), max(shown, key=log_densities.__getitem__)}
     terms = [
         before[name] - whole + predicted(state.explanations[name], samples, error).log_density
-        for name in near
+        for name in sorted(near)  # in the same order in every process, whose sums then agree
         for error in errors
     ]
     return float(np.logaddexp.reduce(terms) - np.log(len(errors)))
