@@ -13,8 +13,8 @@ from dea.simulation.signatures import FORCE, MEMORY, UPDATE
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Part of the elastic force that damage removes.
 
-    ``memory`` holds the travel, and the largest stretch so far. Below that the material is softer
-    by what its energy lacks; what the largest stretch itself has lost is not regained in part.
+    ``memory`` holds the travel, and the largest stretch so far. Below that stretch the material is
+    the softer the more energy it lacks. At it, only the part ``regained`` has its force again.
     """
     damage = 1.0 - np.exp(-((memory[0] / q[1]) ** q[2]))
     stretch = z - q[6]
