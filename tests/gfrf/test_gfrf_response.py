@@ -161,7 +161,7 @@ def test_a_linear_model_is_what_freqz_says():
 def test_at_zero_frequency_gfrfs_are_the_derivatives_of_the_rest(seed, volt):
     model = settling(seed)
     u = model.scaling.u_offset + volt
-    step = 1e-3 * model.scaling.u_scale
+    step = 1e-4 * model.scaling.u_scale
     try:
         y = [zero_input_response(model, operating_point=u + k * step) for k in (-2, -1, 0, 1, 2)]
     except InputError:
@@ -170,6 +170,8 @@ def test_at_zero_frequency_gfrfs_are_the_derivatives_of_the_rest(seed, volt):
     curvature = (-y[0] + 16 * y[1] - 30 * y[2] + 16 * y[3] - y[4]) / (12 * step**2)
     H1 = frequency_response(model, 1, 0.0, RATE, operating_point=u)
     H2 = frequency_response(model, 2, (0.0, 0.0), RATE, operating_point=u)
+    # Near a fold the rest bends too sharply for differences over a step.
+    assume(abs(H2) * step <= 0.01 * max(1.0, abs(H1)))
     np.testing.assert_allclose(H1, slope, rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(H2, curvature / 2, rtol=1e-4, atol=1e-4)
 
