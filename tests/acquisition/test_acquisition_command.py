@@ -14,8 +14,8 @@ from rich.console import Console
 
 from dea import store
 from dea.acquisition.__main__ import main
+from dea.acquisition.display import Display, health
 from dea.acquisition.link_log import LinkLog
-from dea.acquisition.monitor import Monitor, health
 from dea.acquisition.partial import PartialFile
 from dea.acquisition.samples import Quality, Samples
 from dea.acquisition.watched import acquire_watched
@@ -175,15 +175,15 @@ def samples(size):
     return Samples(steps, steps, steps, steps * 10, steps * 20, steps * 0, steps, steps)
 
 
-def test_the_monitor_shows_rate_round_trips_and_errors():
+def test_the_display_shows_rate_round_trips_and_errors():
     log = LinkLog()
     log.send_time, log.receive_time = [0.0, 1.0], [0.002, 1.008]
     log.errors["no reply"] += 3
     assert health(50.0, log) == "50/s  round trip 5.0 ms, worst 8.0  3 no reply"
     assert health(0.0, LinkLog()).endswith("no errors")
     console = Console(record=True, width=100, height=40, file=open(os.devnull, "w"))  # noqa: SIM115
-    with Monitor(read_device(DEVICE), 100, live=True, console=console) as monitor:
-        monitor(samples(100), log)
+    with Display(read_device(DEVICE), 100, live=True, console=console) as display:
+        display(samples(100), log)
     shown = console.export_text()
     assert "displacement in mm" in shown
     assert "100/100 samples" in shown

@@ -19,7 +19,7 @@ from dea.narx import (
     regressor_matrix,
     simulate_varying,
 )
-from dea.narx.stability import Trials
+from dea.narx.stability import StabilityTest
 from dea.terms import Term
 
 PLANT = {
@@ -171,7 +171,7 @@ def test_stability_holds_no_input_outside_its_range():
 @pytest.mark.parametrize(("inputs", "diagonals"), [(2, 2), (3, 4), (4, 8), (5, 8), (12, 8)])
 def test_stability_tries_distinct_diagonals_and_no_more_than_eight(inputs, diagonals):
     u = excitation(60, inputs)
-    first, again = (Trials([(u, u[:, 0])]) for _ in range(2))
+    first, again = (StabilityTest([(u, u[:, 0])]) for _ in range(2))
     np.testing.assert_array_equal(first.lines, again.lines)
     together = first.lines[inputs:]
     assert len(together) == diagonals

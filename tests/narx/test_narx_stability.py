@@ -5,7 +5,7 @@ from dea.errors import InputError
 from dea.gfrf import zero_input_response
 from dea.narx import NarxModel, Scaling, UnstableModel, select_terms
 from dea.narx.rest import rests_over
-from dea.narx.stability import Trials
+from dea.narx.stability import StabilityTest
 from dea.narx.surrogates import phase_randomised, same_class
 
 # At rest y = 0.5 y + 0.3 u + 0.2 u^2: poles at 0.5 whatever the input.
@@ -89,7 +89,7 @@ def test_phase_randomised_inputs_within_the_range_keep_the_spectrum_exactly():
 
 def test_trials_of_one_record_are_the_same_each_time():
     u = inputs(500)
-    one, other = Trials([(u, u)]), Trials([(u, u)])
+    one, other = StabilityTest([(u, u)]), StabilityTest([(u, u)])
     for first, second in zip(one.runs + one.surrogates, other.runs + other.surrogates, strict=True):
         np.testing.assert_array_equal(first, second)
 

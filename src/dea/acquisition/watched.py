@@ -42,10 +42,10 @@ def acquire_watched(
     refuse_uncommissioned(device, description)
     plan = plan_sequence(device, excitation, settings.ramp_rate)
     # The display takes a while to import, and a job of the workflow has none.
-    from dea.acquisition.monitor import Monitor
+    from dea.acquisition.display import Display
 
-    with Monitor(device, plan.counts.size, live=live) as monitor:
-        acquired = acquire(device, excitation, partial, settings, watch=monitor, reset=reset)
+    with Display(device, plan.counts.size, live=live) as display:
+        acquired = acquire(device, excitation, partial, settings, watch=display, reset=reset)
     lines = [flags_said(acquired.record), clock_fault(device, acquired, settings)]
     with suppress(OSError):  # nobody there to read it, and the record is not written yet
         print(*filter(None, lines), sep="\n", file=sys.stderr)

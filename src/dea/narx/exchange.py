@@ -24,7 +24,7 @@ from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.parameter_covariance import column_norms
 from dea.narx.refinement import Linearised, linearise, minimise
-from dea.narx.stability import Trials, stays_in_range
+from dea.narx.stability import StabilityTest, stays_in_range
 from dea.narx.trace import Trace, Tried, gain
 from dea.terms import Term
 
@@ -77,7 +77,7 @@ class Exchange:
         self.power = float(np.mean([system.power for system in systems]))
         self._fits: dict[Subset, Fit] = {}
         self._unsteady: dict[Subset, Fit] = {}  # with the errors on the records alone
-        self._trials: Sequence[Trials] = ()
+        self._tests: Sequence[StabilityTest] = ()
 
     def search(
         self, start: Structure, price: float, rounds: int, most: int, trace: Trace
@@ -144,9 +144,9 @@ class Exchange:
             self._fits[subset] = self._checked(subset, fit) if np.isfinite(fit.error) else fit
         return self._fits[subset]
 
-    def require(self, trials: Sequence[Trials]) -> None:
-        """From now on, count what does not pass the ``trials`` of its system as unstable."""
-        self._trials = tuple(trials)
+    def require(self, tests: Sequence[StabilityTest]) -> None:
+        """From now on, count what does not pass the ``tests`` of its system as unstable."""
+        self._tests = tuple(tests)
         for subset, fit in self._fits.items():
             if np.isfinite(fit.error):
                 self._fits[subset] = self._checked(subset, fit)
@@ -168,8 +168,8 @@ class Exchange:
             stays_in_range(terms, parameters, system.segments)
             for system, parameters in zip(self._systems, fit.parameters, strict=True)
         ) and all(
-            trials.passes(terms, parameters)
-            for trials, parameters in zip(self._trials, fit.parameters, strict=False)
+            test.passes(terms, parameters)
+            for test, parameters in zip(self._tests, fit.parameters, strict=False)
         )
         if stable:
             return fit

@@ -19,7 +19,7 @@ from dea.narx.metrics import nmse
 from dea.narx.prediction import predicted
 from dea.narx.scaling import OneInput, Scaling
 from dea.narx.simulation import simulate
-from dea.narx.stability import Stability, Trials, assess
+from dea.narx.stability import Stability, StabilityTest, assess
 from dea.store import Record, Text, each_text, input_names
 from dea.terms import Term, max_lag, numbered_inputs
 
@@ -247,7 +247,7 @@ class NarxModel:
             return self.checked
         inputs, outputs = as_record(u, y, self.max_lag)
         segment = self.scaling.normalise_input(inputs), self.scaling.normalise_output(outputs)
-        return assess(self.terms, self.parameters, self.scaling, Trials([segment]))
+        return assess(self.terms, self.parameters, self.scaling, StabilityTest([segment]))
 
     def to_dataset(self, u_units: Text | None = None, y_units: str | None = None) -> xr.Dataset:
         """Return the model and its trace as labelled data, as ``model.nc`` holds them.

@@ -10,7 +10,7 @@ from dea.narx.checks import Array
 from dea.narx.descent import PRICES, Descent, Effort, price_by_folds
 from dea.narx.refinement import fit_free_runs
 from dea.narx.search import Refined
-from dea.narx.stability import Trials
+from dea.narx.stability import StabilityTest
 from dea.narx.trace import Trace, Tried
 from dea.terms import Term
 
@@ -31,13 +31,13 @@ class FoundModel(NamedTuple):
 def find(
     candidates: tuple[Term, ...],
     systems: Sequence[Sequence[Segment]],
-    trials: Sequence[Trials],
+    tests: Sequence[StabilityTest],
     search: Refined,
     trace: Trace,
 ) -> list[FoundModel]:
     """Return one structure with the parameters of each system.
 
-    A structure counts as stable if it passes the trials with its final parameters. Where the least
+    A structure counts as stable if it passes the tests with its final parameters. Where the least
     cost belongs to one that does not, the search goes on among those that do. If there is none, or
     if it leaves more than a hundred times the squared error, so that the record itself speaks for
     an unstable system, the structure of least cost is returned as it is.
@@ -64,7 +64,7 @@ def find(
     def stable(found: Sequence[FoundModel]) -> bool:
         return all(
             each.passes(model.terms, model.parameters)
-            for each, model in zip(trials, found, strict=True)
+            for each, model in zip(tests, found, strict=True)
         )
 
     first = next(polished(), None)
@@ -72,7 +72,7 @@ def find(
         raise every_run_diverges()
     found = first
     if not stable(first):
-        descent.exchange.require(trials)
+        descent.exchange.require(tests)
         descent.descend(prices, effort)
         found = next(filter(stable, islice(polished(), _CHECKED)), first)
         if _error(found) > _UNSTABLE_DATA * _error(first):

@@ -27,7 +27,7 @@ from dea.narx.model import NarxModel
 from dea.narx.refined_search import FoundModel, every_run_diverges, find
 from dea.narx.scaling import Scaling
 from dea.narx.search import Forward, Orthogonal, Refined, Search
-from dea.narx.stability import Trials, UnstableModel, assess
+from dea.narx.stability import StabilityTest, UnstableModel, assess
 from dea.narx.trace import Trace
 from dea.store import Record
 from dea.terms import Term, max_lag
@@ -97,15 +97,15 @@ def select_terms(
     records = as_segments(inputs, outputs, lag, linear)
     scale = scaling_of(records, not even_in_input) if scaling is None else scaling
     segments, trace = normalised(records, scale), Trace()
-    trials = Trials(segments)
+    test = StabilityTest(segments)
     if isinstance(search, Forward | Orthogonal):
         terms = _by_least_squares(candidates, segments, search, trace)
         theta, covariance = least_squares(terms, segments)
         withheld = reason_to_withhold(terms, theta, segments)
         found = FoundModel(terms, theta, covariance, withheld)
     else:
-        found = find(candidates, [segments], [trials], search or Refined(), trace)[0]
-    return replace(_model(found, scale, trials, trace), labels=labels)
+        found = find(candidates, [segments], [test], search or Refined(), trace)[0]
+    return replace(_model(found, scale, test, trace), labels=labels)
 
 
 def select_common_terms(
@@ -142,11 +142,11 @@ def select_common_terms(
     checked = [as_segments(u, y, lag, linear) for u, y in records]
     scales = [scaling_of(each, not even_in_input) for each in checked]
     systems = [normalised(*each) for each in zip(checked, scales, strict=True)]
-    trace, trials = Trace(), [Trials(segments) for segments in systems]
-    found = find(candidates, systems, trials, search or Refined(), trace)
+    trace, tests = Trace(), [StabilityTest(segments) for segments in systems]
+    found = find(candidates, systems, tests, search or Refined(), trace)
     return [
         _model(each, scale, tried, trace)
-        for each, scale, tried in zip(found, scales, trials, strict=True)
+        for each, scale, tried in zip(found, scales, tests, strict=True)
     ]
 
 
@@ -173,8 +173,8 @@ def _by_least_squares(
     return tuple(candidates[j] for j in subset)
 
 
-def _model(fit: FoundModel, scale: Scaling, trials: Trials, trace: Trace) -> NarxModel:
-    checked = assess(fit.terms, fit.parameters, scale, trials)
+def _model(fit: FoundModel, scale: Scaling, test: StabilityTest, trace: Trace) -> NarxModel:
+    checked = assess(fit.terms, fit.parameters, scale, test)
     if not checked.stable:
         warnings.warn(str(checked), UnstableModel, stacklevel=3)
     return NarxModel(

@@ -155,7 +155,7 @@ def time_constant(modulus: float) -> float:
     return float(-1.0 / np.log(modulus)) if modulus > 0.0 else 0.0
 
 
-class Trials:
+class StabilityTest:
     """The inputs that models of one record have to stay bounded on, in the units of the equation.
 
     Parameters
@@ -281,17 +281,17 @@ def _bounded(
 
 
 def assess(
-    terms: tuple[Term, ...], parameters: Array, scaling: Scaling, trials: Trials
+    terms: tuple[Term, ...], parameters: Array, scaling: Scaling, test: StabilityTest
 ) -> Stability:
-    """Return what becomes of a model in all ``trials``."""
-    rests = trials.rests(terms, parameters)
+    """Return what becomes of a model in all runs of ``test``."""
+    rests = test.rests(terms, parameters)
 
     return Stability(
         scaling.restore_input(rests.inputs),
         scaling.restore_output(rests.outputs),
         rests.poles,
-        (sum(trials.held(terms, parameters)), len(trials.holds)),
-        (sum(trials.ran(terms, parameters, trials.runs)), len(trials.runs)),
-        (sum(trials.ran(terms, parameters, trials.surrogates)), len(trials.surrogates)),
-        trials.samples,
+        (sum(test.held(terms, parameters)), len(test.holds)),
+        (sum(test.ran(terms, parameters, test.runs)), len(test.runs)),
+        (sum(test.ran(terms, parameters, test.surrogates)), len(test.surrogates)),
+        test.samples,
     )

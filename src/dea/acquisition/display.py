@@ -21,7 +21,7 @@ SHOWN = 20.0  # s of signal in the live plot
 POINTS = 400  # drawn at most, across the plot
 
 
-class Monitor:
+class Display:
     """Shows progress on a terminal; pass it as ``watch`` to :func:`dea.acquisition.acquire`.
 
     Parameters
