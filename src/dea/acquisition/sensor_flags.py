@@ -40,8 +40,9 @@ def _stuck(device: Device, samples: Samples) -> np.ndarray:
     volts = to_physical(device["output"], samples.requested)
     low, high = device["output"].limits or (volts.min(initial=0.0), volts.max(initial=0.0))
     starts = np.flatnonzero(np.diff(samples.displacement, prepend=np.nan) != 0)
-    for start, end in zip(starts, np.append(starts[1:], stuck.size), strict=True):
-        moved = np.ptp(volts[start:end]) >= STUCK_SHARE * (high - low)
-        if end - start >= STUCK_SAMPLES and moved:
+    ends = np.append(starts[1:], stuck.size)
+    long = ends - starts >= STUCK_SAMPLES  # few are, and the others are not looked at
+    for start, end in zip(starts[long], ends[long], strict=True):
+        if np.ptp(volts[start:end]) >= STUCK_SHARE * (high - low):
             stuck[start:end] = True
     return stuck
