@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.random import Generator
-from scipy.special import erf, lambertw
 
 from dea.plant.array import Array
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
@@ -63,6 +62,8 @@ def overlapped_valve(size: float, conditions: Conditions, rng: Generator) -> Bui
 @reporting("Banwell and Jayakumar, Electron. Lett. 36 (2000) 291: a diode in series with a load")
 def diode_drop(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The load's voltage v solves v + n ln(1 + v/s) = u, by Lambert's function."""
+    from scipy.special import lambertw
+
     threshold, _ = _threshold(size, conditions)
     knee = threshold / rng.uniform(5.0, 9.0)
     small = conditions.high * np.exp(-threshold / knee)
@@ -126,6 +127,8 @@ def residual_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
 @reporting("Baum, IRE Trans. Inf. Theory 3 (1957) 193: the smooth limiter of an error integral")
 def error_integral(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A straight line up to a knee, and an error integral from there to the limit."""
+    from scipy.special import erf
+
     limit = _ceiling(size, conditions)
     knee = limit * rng.uniform(0.75, 0.92)
     room = limit - knee

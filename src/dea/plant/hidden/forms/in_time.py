@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 from numpy.random import Generator
-from scipy.special import i0e
 
 from dea.plant import forces
 from dea.plant.array import Array
@@ -256,6 +255,8 @@ def beating_machines(size: float, conditions: Conditions, rng: Generator) -> Bui
 @reporting("Hanselman, Brushless Permanent Magnet Motor Design (2003): cogging", moving=True)
 def cogging(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Equal pulses of force, many harmonics of one frequency."""
+    from scipy.special import i0e
+
     frequency = 10.0 ** rng.uniform(-0.7, 0.2) / conditions.time
     narrow = rng.uniform(2.0, 6.0)
     height = size * conditions.stiffness * conditions.travel

@@ -3,7 +3,6 @@
 import numpy as np
 from numba import njit
 from numpy.random import Generator
-from scipy.signal import besselap, residue
 
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
@@ -299,6 +298,8 @@ def _complex_poles(c: Array, m: Array, y: Array) -> None:
 @reporting("Thomson, Proc. IEE 96 (1949) 487: a Bessel filter of fourth order")
 def bessel_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A Bessel filter of fourth order whose delay at low frequency is ``size`` band periods."""
+    from scipy.signal import besselap, residue
+
     mean = size * conditions.time
     _, poles, gain = besselap(4, norm="delay")
     weights, poles, _ = residue([gain], np.poly(poles))
