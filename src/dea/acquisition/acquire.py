@@ -6,10 +6,9 @@ from dataclasses import asdict
 from functools import partial as partial_function
 from pathlib import Path
 from secrets import randbits
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from dea.acquisition.closed_loop import ClosedLoop
 from dea.acquisition.device_clock import flag_clock
@@ -27,14 +26,17 @@ from dea.acquisition.voltage_plan import Plan, plan_sequence
 from dea.errors import InputError
 from dea.modbus import Device
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 Watcher = Callable[[Samples, LinkLog], None]
 
 
 class Acquisition(NamedTuple):
     """The result of an acquisition: the record, and the log of the link as a dataset."""
 
-    record: xr.Dataset
-    link: xr.Dataset
+    record: "xr.Dataset"
+    link: "xr.Dataset"
 
 
 def acquire(

@@ -9,10 +9,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from dea.acquisition.acquire import acquire
 from dea.acquisition.duty import duty_file, look
@@ -26,6 +25,9 @@ from dea.acquisition.settings import AcquisitionSettings
 from dea.atomic_file import atomic
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device, to_physical
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 STEPS = 5  # stairs
 HOLD = 1.0  # s on each of them
@@ -79,7 +81,7 @@ def _read_together(device: Device) -> list[list[str]]:
     return [[register.name for register in window.registers] for window in poll.windows]
 
 
-def _learnt(record: xr.Dataset, link: xr.Dataset, hold: int) -> dict[str, Any]:
+def _learnt(record: "xr.Dataset", link: "xr.Dataset", hold: int) -> dict[str, Any]:
     """Return gain, offset, delay and noise of the read-back, noise of the sensor, round trips."""
     stairs = record.isel(time=asked_for(record.quality.values))
     settled = np.arange(stairs.sizes["time"]) % hold >= (1 - SETTLED) * hold
@@ -102,7 +104,7 @@ def _learnt(record: xr.Dataset, link: xr.Dataset, hold: int) -> dict[str, Any]:
     }
 
 
-def _delay(record: xr.Dataset, link: xr.Dataset, hold: int) -> float:
+def _delay(record: "xr.Dataset", link: "xr.Dataset", hold: int) -> float:
     """Return how long after a step is written the read-back shows it, s; NaN where never.
 
     The mean of all steps counts, so that the noise of one does not, and the half of it is waited

@@ -1,17 +1,22 @@
 """What the flags of a record say, for the person who has just made it."""
 
-import numpy as np
-import xarray as xr
+from typing import TYPE_CHECKING
 
-from dea import store
+import numpy as np
+
 from dea.acquisition.acquire import Acquisition
 from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.modbus import Device
 
+if TYPE_CHECKING:
+    import xarray as xr
 
-def flags_said(record: xr.Dataset) -> str:
+
+def flags_said(record: "xr.Dataset") -> str:
     """Return in a line how many samples are good, and how many carry which flag."""
+    from dea import store
+
     quality = record["quality"].values
     counts = {"good": int(np.count_nonzero(quality == Quality.GOOD))} | store.flag_counts(record)
     listed = ", ".join(f"{count} {name}" for name, count in counts.items())

@@ -1,7 +1,8 @@
 """The datasets ``record.nc`` and ``link.nc``, from samples and the link's log."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from dea.acquisition.device_clock import fitted_rate
@@ -10,11 +11,14 @@ from dea.acquisition.samples import Quality, Samples
 from dea.acquisition.sensor_flags import flag_sensor
 from dea.modbus import Device, Register, to_physical
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 _EDGES = np.geomspace(1e-5, 10.0, 61)  # s, ten bins per decade
 Variable = tuple[str, np.ndarray, dict[str, str]]
 
 
-def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> xr.Dataset:
+def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> "xr.Dataset":
     """Return what was measured during the excitation, in physical units.
 
     Parameters
@@ -28,6 +32,9 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
     -------
     Dataset over ``time`` (s, 0 at the excitation's first sample). Lost samples hold NaN.
     """
+    # Here, since a guardian imports this room too, and has no dataset.
+    import xarray as xr
+
     inside = (samples.position >= lead) & (samples.position < lead + length)
     driven = flag_sensor(device, Samples(*(column[inside] for column in samples)))
     time = (driven.device_index - driven.device_index[:1]) / device.sampling_rate
@@ -74,8 +81,10 @@ def _raw(register: Register, values: np.ndarray) -> np.ndarray:
     return np.asarray(values, float if "float" in register.type else np.int64)
 
 
-def link_dataset(log: LinkLog, samples: Samples) -> xr.Dataset:
+def link_dataset(log: LinkLog, samples: Samples) -> "xr.Dataset":
     """Return the times of every exchange and sample, retries, errors, round trips and jitter."""
+    import xarray as xr
+
     send, receive = np.asarray(log.send_time), np.asarray(log.receive_time)
     counts, _ = np.histogram(receive - send, _EDGES)
 
