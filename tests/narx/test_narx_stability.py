@@ -5,8 +5,10 @@ from dea.errors import InputError
 from dea.gfrf import zero_input_response
 from dea.narx import NarxModel, Scaling, UnstableModel, select_terms
 from dea.narx.rest import rests_over
+from dea.narx.simulation import bounded, simulate
 from dea.narx.stability import StabilityTest
 from dea.narx.surrogates import phase_randomised, same_class
+from dea.terms import Term
 
 # At rest y = 0.5 y + 0.3 u + 0.2 u^2: poles at 0.5 whatever the input.
 CALM = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.3, "u(t-1)^2": 0.2})
@@ -87,11 +89,10 @@ def test_phase_randomised_inputs_within_the_range_keep_the_spectrum_exactly():
     np.testing.assert_allclose(np.abs(np.fft.rfft(found)), np.abs(np.fft.rfft(wide)), atol=1e-9)
 
 
-def test_trials_of_one_record_are_the_same_each_time():
+def test_random_inputs_of_one_record_are_the_same_each_time():
     u = inputs(500)
     one, other = StabilityTest([(u, u)]), StabilityTest([(u, u)])
-    for first, second in zip(one.runs + one.surrogates, other.runs + other.surrogates, strict=True):
-        np.testing.assert_array_equal(first, second)
+    np.testing.assert_array_equal(one.random, other.random)
 
 
 def test_a_selected_model_reports_its_final_parameters_and_keeps_the_report(tmp_path):
@@ -117,3 +118,20 @@ def test_a_plant_without_a_stable_model_is_returned_with_a_warning():
     with pytest.warns(UnstableModel, match=r"unstable|slow"):
         found = select_terms(u, y, **settings)
     assert found.stability().status in ("unstable", "slow")
+
+
+def test_runs_side_by_side_stay_bounded_where_each_alone_does():
+    terms = tuple(
+        map(Term.parse, ("1", "y(t-1)", "y(t-1)y(t-2)u(t-1)", "u(t-1)^2u(t-3)", "u(t-2)"))
+    )
+    parameters = np.array([0.05, 0.7, 0.25, 0.2, 0.3])
+    driven = [scale * inputs(700, seed) for seed, scale in enumerate(np.linspace(0.5, 4.0, 9))]
+    alone = [
+        bool(np.isfinite(simulate(terms, parameters, u, np.zeros(700), bound=5.0)[-1]))
+        for u in driven
+    ]
+    assert set(alone) == {True, False}
+    together = np.stack(driven, axis=-1)[None]
+    assert bounded(terms, parameters, together, 5.0).tolist() == alone
+    assert not bounded(terms, parameters, together, 5.0, every=True).any()
+    assert bounded(terms, parameters, together[:, :, alone], 5.0, every=True).all()

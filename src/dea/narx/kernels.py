@@ -88,6 +88,60 @@ def run(structure: Structure, parameters: Array, u: Array, y: Array, bound: floa
 
 
 @njit(cache=True)
+def bounded(
+    structure: Structure, parameters: Array, u: Array, bound: float, every: bool
+) -> NDArray[np.bool_]:
+    """Whether each of several runs from zero outputs keeps within the bound, shape (runs,).
+
+    ``u`` has the shape (inputs, samples, runs). Where ``every`` run has to keep within it, the
+    first that does not ends all. The runs go on side by side, since each sample of a run waits for
+    the one before; of a run that has left the bound all that follows is from zero again.
+    """
+    group, y_lags, u_lags, u_rows, start = structure
+    _, samples, runs = u.shape
+    kept = np.ones(runs, dtype=np.bool_)
+    depth = start + 1
+    past = np.zeros((depth, runs))
+    coefficients = np.empty((y_lags.shape[0], runs))
+    product, total = np.empty(runs), np.empty(runs)
+    for t in range(start, samples):
+        coefficients[:] = 0.0
+        for j in range(group.size):
+            row = coefficients[group[j]]
+            product[:] = parameters[j]
+            for factor in range(u_lags.shape[1]):
+                if u_lags[j, factor] == NONE:
+                    break
+                values = u[u_rows[j, factor], t - u_lags[j, factor]]
+                for i in range(runs):
+                    product[i] *= values[i]
+            for i in range(runs):
+                row[i] += product[i]
+        total[:] = 0.0
+        for g in range(y_lags.shape[0]):
+            row = coefficients[g]
+            for factor in range(y_lags.shape[1]):
+                if y_lags[g, factor] == NONE:
+                    break
+                values = past[(t - y_lags[g, factor]) % depth]
+                for i in range(runs):
+                    row[i] *= values[i]
+            for i in range(runs):
+                total[i] += row[i]
+        inside = True
+        for i in range(runs):
+            inside &= abs(total[i]) <= bound
+        if not inside:
+            if every:
+                return np.zeros(runs, dtype=np.bool_)
+            for i in range(runs):
+                if not abs(total[i]) <= bound:
+                    kept[i], total[i] = False, 0.0
+        past[t % depth] = total
+    return kept
+
+
+@njit(cache=True)
 def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: float) -> None:
     """As :func:`run` with ``theta[t]`` at sample t."""
     y_lags, u_lags, u_rows = structure.y_lags[structure.group], structure.u_lags, structure.u_rows

@@ -8,6 +8,7 @@ t at once. What remains of the recursion (7) is y_t = sum_g C_g[t] * prod_k y_{t
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dea.errors import InputError
 from dea.inputs import by_input
@@ -68,6 +69,25 @@ def simulate(
     y[: initial.size] = initial
     kernels.run(shape, parameters, by_input(u), y, bound)
     return y
+
+
+def bounded(
+    terms: tuple[Term, ...], parameters: Array, u: Array, bound: float, every: bool = False
+) -> NDArray[np.bool_]:
+    """Say of each of several runs from zero outputs whether it keeps within ``bound``, (runs,).
+
+    Parameters
+    ----------
+    u
+        Inputs, shape (inputs, samples, runs).
+    every
+        Whether all have to: the first that does not then ends all, and none counts.
+
+    Other parameters are those of :func:`simulate`.
+    """
+    shape, numbered = _described(terms)
+    check_inputs(numbered, u[:, :, 0].T)
+    return kernels.bounded(shape, parameters, u, bound, every)
 
 
 def simulate_varying(

@@ -1,20 +1,23 @@
 """Whether a model stays bounded on inputs like those it was identified from."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import TypeAlias
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from dea.inputs import by_input
 from dea.narx.checks import Array
 from dea.narx.rest import Rests, rests_over
 from dea.narx.scaling import Scaling
-from dea.narx.simulation import simulate
+from dea.narx.simulation import bounded, simulate
 from dea.narx.surrogates import phase_randomised, same_class
 from dea.terms import Term
 
+Bools: TypeAlias = NDArray[np.bool_]
 LEEWAY = 3.0  # times the largest measured output that a run on inputs of the class may reach
 DIVERGED = 100.0  # times the same, beyond which a hold has diverged
 SLOWEST = 0.2  # share of the record that a pole's time constant may last
@@ -172,15 +175,14 @@ class StabilityTest:
         rng = np.random.default_rng(0)  # every model of a record meets the same inputs
         self.samples = len(u)
         self.lines = _lines(u, _LEVELS)
-        self.holds = [
-            np.broadcast_to(level, (length, *u.shape[1:])).copy()
+        self.holds = _side_by_side(
+            np.broadcast_to(level, (length, *u.shape[1:]))
             for line in _lines(u, _HOLDS)
             for level in line
-        ]
-        self.runs = [_repeated(same_class(u[:_LONGEST], rng), copies) for _ in range(_RUNS)]
-        self.surrogates = [
-            _repeated(phase_randomised(u[:_LONGEST], rng), copies) for _ in range(_SURROGATES)
-        ]
+        )
+        runs = [same_class(u[:_LONGEST], rng) for _ in range(_RUNS)]
+        surrogates = [phase_randomised(u[:_LONGEST], rng) for _ in range(_SURROGATES)]
+        self.random = _side_by_side(_repeated(each, copies) for each in (*runs, *surrogates))
         self._within, self._bound = LEEWAY * largest, DIVERGED * largest
 
     def rests(self, terms: tuple[Term, ...], parameters: Array) -> Rests:
@@ -188,23 +190,27 @@ class StabilityTest:
         found = [rests_over(terms, parameters, line, self._bound) for line in self.lines]
         return Rests(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
-    def held(self, terms: tuple[Term, ...], parameters: Array) -> Iterator[bool]:
-        """Say of each hold whether it stays bounded. Gains at rest may exceed those recorded."""
-        return (_bounded(terms, parameters, u, self._bound) for u in self.holds)
+    def held(self, terms: tuple[Term, ...], parameters: Array, every: bool = False) -> Bools:
+        """Say of each hold whether it stays bounded. Gains at rest may exceed those recorded.
 
-    def ran(
-        self, terms: tuple[Term, ...], parameters: Array, inputs: list[Array]
-    ) -> Iterator[bool]:
-        """Say of each input whether the run stays within the range of the record's outputs."""
-        return (_bounded(terms, parameters, u, self._within) for u in inputs)
+        With ``every``, the first that does not ends all, which then count as it does.
+        """
+        return bounded(terms, parameters, self.holds, self._bound, every)
+
+    def ran(self, terms: tuple[Term, ...], parameters: Array, every: bool = False) -> Bools:
+        """Say likewise of each random input whether the run stays in the range of the outputs.
+
+        First come those with the values of the record, then the phase-randomised ones.
+        """
+        return bounded(terms, parameters, self.random, self._within, every)
 
     def passes(self, terms: tuple[Term, ...], parameters: Array) -> bool:
         """Whether the model is stable on all of them; ends at the first failure."""
         slowest = time_constant(float(self.rests(terms, parameters).poles.max()))
         return (
             slowest <= SLOWEST * self.samples
-            and all(self.held(terms, parameters))
-            and all(self.ran(terms, parameters, [*self.surrogates, *self.runs]))
+            and bool(self.held(terms, parameters, every=True).all())
+            and bool(self.ran(terms, parameters, every=True).all())
         )
 
 
@@ -217,12 +223,8 @@ def stays_in_range(
     them is bounded on these records only. A search can afford this for every candidate.
     """
     return all(
-        _bounded(
-            terms,
-            parameters,
-            u[::-1],
-            LEEWAY * float(np.abs(y).max()),
-            y[::-1],
+        np.isfinite(
+            simulate(terms, parameters, u[::-1], y[::-1], bound=LEEWAY * float(np.abs(y).max()))[-1]
         )
         for u, y in segments
     )
@@ -248,7 +250,7 @@ def _lines(u: Array, count: int) -> list[Array]:
     ]
 
 
-def _diagonals(inputs: int) -> NDArray[np.bool_]:
+def _diagonals(inputs: int) -> Bools:
     """Return which inputs fall along each diagonal of their range, on which the first one rises.
 
     There are 2^(inputs - 1); of more than eight, eight are drawn, the same each time.
@@ -269,29 +271,23 @@ def _repeated(u: Array, copies: int) -> Array:
     return np.concatenate([u] * copies)
 
 
-def _bounded(
-    terms: tuple[Term, ...],
-    parameters: Array,
-    u: Array,
-    bound: float,
-    y_initial: Array | None = None,
-) -> bool:
-    initial = np.zeros(len(u)) if y_initial is None else y_initial
-    return bool(np.isfinite(simulate(terms, parameters, u, initial, bound=bound)[-1]))
+def _side_by_side(inputs: Iterable[Array]) -> Array:
+    """Return inputs of one length as :func:`dea.narx.simulation.bounded` takes them."""
+    return np.stack([by_input(u) for u in inputs], axis=-1)
 
 
 def assess(
     terms: tuple[Term, ...], parameters: Array, scaling: Scaling, test: StabilityTest
 ) -> Stability:
     """Return what becomes of a model in all runs of ``test``."""
-    rests = test.rests(terms, parameters)
-
+    rests, held = test.rests(terms, parameters), test.held(terms, parameters)
+    ran, randomised = np.split(test.ran(terms, parameters), [_RUNS])
     return Stability(
         scaling.restore_input(rests.inputs),
         scaling.restore_output(rests.outputs),
         rests.poles,
-        (sum(test.held(terms, parameters)), len(test.holds)),
-        (sum(test.ran(terms, parameters, test.runs)), len(test.runs)),
-        (sum(test.ran(terms, parameters, test.surrogates)), len(test.surrogates)),
+        (int(held.sum()), held.size),
+        (int(ran.sum()), ran.size),
+        (int(randomised.sum()), randomised.size),
         test.samples,
     )
