@@ -146,7 +146,9 @@ def run_varying(structure: Structure, theta: Array, u: Array, y: Array, bound: f
     """As :func:`run` with ``theta[t]`` at sample t."""
     y_lags, u_lags, u_rows = structure.y_lags[structure.group], structure.u_lags, structure.u_rows
     flat, places = u.ravel(), u_rows * u.shape[1] - u_lags  # of each factor at sample 0
-    powers = np.sum(u_lags != NONE, axis=1)
+    powers = np.zeros(u_lags.shape[0], dtype=np.int64)
+    for j in range(u_lags.shape[0]):  # a sum along an axis takes seconds to compile
+        powers[j] = np.count_nonzero(u_lags[j] != NONE)
     for t in range(structure.start, y.size):
         total = 0.0
         for j in range(y_lags.shape[0]):
@@ -226,3 +228,40 @@ def run_with_slope(
                 if feedback[k] != 0.0:
                     for j in range(slope.shape[1]):
                         slope[t, j] += feedback[k] * slope[t - k, j]
+
+
+@njit(cache=True)
+def run_each(
+    structure: Structure, parameters: Array, u: Array, y: Array, ends: Indices, bounds: Array
+) -> bool:
+    """As :func:`run` over segments end to end; false at the first that diverges.
+
+    ``u``, shape (inputs x samples,), holds of one segment after the other its inputs, each in turn;
+    ``ends`` are those of the segments in ``y``, and each has its bound.
+    """
+    inputs, begin = u.size // y.size, 0
+    for number in range(ends.size):
+        end = ends[number]
+        rows = u[inputs * begin : inputs * end].reshape(inputs, end - begin)
+        run(structure, parameters, rows, y[begin:end], bounds[number])
+        if not np.isfinite(y[end - 1]):
+            return False
+        begin = end
+    return True
+
+
+@njit(cache=True)
+def run_each_with_slope(
+    structure: Structure, theta: Array, u: Array, y: Array, slope: Array, ends: Indices,
+    bounds: Array,
+) -> bool:  # fmt: skip
+    """As :func:`run_with_slope` over segments end to end; false at the first that diverges."""
+    inputs, begin = u.size // y.size, 0
+    for number in range(ends.size):
+        end = ends[number]
+        rows = u[inputs * begin : inputs * end].reshape(inputs, end - begin)
+        run_with_slope(structure, theta, rows, y[begin:end], slope[begin:end], bounds[number])
+        if not np.isfinite(y[end - 1]):
+            return False
+        begin = end
+    return True

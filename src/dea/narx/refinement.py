@@ -216,15 +216,14 @@ class _FreeRuns:
     """The simulated error over segments, linearised by exact sensitivities."""
 
     def __init__(self, terms: tuple[Term, ...], segments: Sequence[Segment]) -> None:
-        self._terms, self._segments = terms, segments
-        first = structure(terms).start
-        self.samples = sum(y.size - first for _, y in segments)
+        self._record = _Record(terms, segments)
+        self.samples = sum(part.stop - part.start for part in self._record.scored)
 
     def evaluate(self, x: Array) -> Point[None]:
-        return Point(x, squared_error(self._terms, x, self._segments), None)
+        return Point(x, self._record.squared_error(x), None)
 
     def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
-        error, residual, slope = linearise(self._terms, point.x, self._segments)
+        error, residual, slope = self._record.linearise(point.x)
         return _damped(error, residual, slope) if np.isfinite(error) else None
 
 
@@ -321,14 +320,7 @@ def _damped(error: float, residual: Array, slope: Array) -> Model:
 
 def squared_error(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> float:
     """Sum of squared errors of the free runs; infinite where one diverges."""
-    first = structure(terms).start
-    total = 0.0
-    for u, y in segments:
-        run = simulate(terms, theta, u, y, bound=_bound(y))
-        if not np.isfinite(run[-1]):
-            return np.inf
-        total += float(np.sum((y[first:] - run[first:]) ** 2))
-    return total
+    return _Record(terms, segments).squared_error(theta)
 
 
 def sensitivities(
@@ -362,17 +354,45 @@ class Linearised(NamedTuple):
 
 def linearise(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> Linearised:
     """Simulate every segment with its sensitivities."""
-    first = structure(terms).start
-    residuals, slopes = [], []
-    for u, y in segments:
-        run, slope = sensitivities(terms, theta, u, y, _bound(y))
-        if not np.isfinite(run[-1]):
+    return _Record(terms, segments).linearise(theta)
+
+
+class _Record:
+    """Segments end to end, as one call of a kernel runs through them; each from its own outputs."""
+
+    def __init__(self, terms: tuple[Term, ...], segments: Sequence[Segment]) -> None:
+        self._shape = structure(terms)
+        self._u = np.concatenate([input_rows(terms, u).ravel() for u, _ in segments])
+        self._y = np.concatenate([y for _, y in segments])
+        self._ends = np.cumsum([y.size for _, y in segments], dtype=np.int64)
+        self._bounds = np.array([_bound(y) for _, y in segments])
+        begins = (0, *self._ends[:-1].tolist())
+        # Before its start a run is given, not simulated.
+        self.scored = [
+            slice(min(begin + self._shape.start, end), end)
+            for begin, end in zip(begins, self._ends.tolist(), strict=True)
+        ]
+
+    def squared_error(self, theta: Array) -> float:
+        """Sum of squared errors; infinite where a run diverges."""
+        run = self._y.copy()
+        if not kernels.run_each(self._shape, theta, self._u, run, self._ends, self._bounds):
+            return np.inf
+        return sum(float(np.sum((self._y[part] - run[part]) ** 2)) for part in self.scored)
+
+    def linearise(self, theta: Array) -> Linearised:
+        """Free runs and their derivatives by the parameters."""
+        run, slope = self._y.copy(), np.zeros((self._y.size, theta.size))
+        if not kernels.run_each_with_slope(
+            self._shape, theta, self._u, run, slope, self._ends, self._bounds
+        ):
             return Linearised(np.inf, np.empty(0), np.empty((0, theta.size)))
-        residuals.append(y[first:] - run[first:])
-        slopes.append(slope[first:])
-    residual = np.concatenate(residuals)
-    slope = slopes[0] if len(slopes) == 1 else np.vstack(slopes)
-    return Linearised(float(residual @ residual), residual, slope)
+        residual = np.concatenate([self._y[part] - run[part] for part in self.scored])
+        if len(self.scored) == 1:
+            slope = slope[self.scored[0]]
+        else:
+            slope = np.concatenate([slope[part] for part in self.scored])
+        return Linearised(float(residual @ residual), residual, slope)
 
 
 def _bound(y: Array) -> float:
