@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from dry_run import dry_run
 
 ROOT = Path(__file__).parents[2]
 # Few and quickly diagnosed, since how they are named is tested elsewhere.
@@ -49,18 +50,29 @@ class Project:
         )
 
     def snakemake(
-        self, *arguments: str, cores: int = 2, small: bool = True, **variables: str
+        self,
+        *arguments: str,
+        cores: int = 2,
+        small: bool = True,
+        fresh: bool = False,
+        **variables: str,
     ) -> subprocess.CompletedProcess[str]:
-        """Run Snakemake in the copy, with further ``variables`` of the environment."""
-        command = ["snakemake", "--cores", str(cores), "--profile", "workflow/profiles/default"]
+        """Run Snakemake in the copy, with further ``variables`` of the environment.
+
+        A dry run is a fork, unless it is to be a ``fresh`` process that imports Snakemake itself.
+        """
+        options = ["--cores", str(cores), "--profile", "workflow/profiles/default"]
         config = ["--configfile", "config/config.yaml", "small.yaml"] if small else []
         environment = os.environ | {
             "PYTHONPATH": f"{ROOT / 'src'}:{ROOT / 'workflow/plugins'}",
             "OPENBLAS_NUM_THREADS": "1",
             **variables,
         }
+        command = [*options, *arguments, *config]
+        if "--dry-run" in arguments and not fresh:
+            return dry_run(command, self.folder, environment)
         return subprocess.run(
-            [*command, *arguments, *config],
+            ["snakemake", *command],
             cwd=self.folder,
             env=environment,
             capture_output=True,
@@ -68,9 +80,9 @@ class Project:
             check=False,
         )
 
-    def planned(self, *arguments: str, small: bool = True) -> dict[str, int]:
+    def planned(self, *arguments: str, small: bool = True, fresh: bool = False) -> dict[str, int]:
         """How many jobs of each rule a dry run plans."""
-        run = self.snakemake(*arguments, "--dry-run", small=small)
+        run = self.snakemake(*arguments, "--dry-run", small=small, fresh=fresh)
         assert run.returncode == 0, run.stdout + run.stderr
         jobs: dict[str, int] = {}
         for line in (run.stdout + run.stderr).splitlines():

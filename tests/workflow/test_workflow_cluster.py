@@ -45,7 +45,7 @@ def test_every_rule_of_one_actuator_is_in_its_group(project):
 def test_the_plan_of_six_hundred_actuators_is_made_with_little(project):
     (project.folder / "small.yaml").write_text(many(600))
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    jobs = project.planned("study")
+    jobs = project.planned("study", fresh=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert jobs["acquire"] == jobs["gfrf"] == 600
     assert jobs["figures_responses_100"] == 1

@@ -2,11 +2,10 @@
 
 import json
 import re
-import subprocess
 
 import pytest
 
-from conftest import FOUR_TRIALS
+from conftest import FOUR_TRIALS, Project
 from dea import store
 from dea.errors import InputError
 from dea.stages.trial_score import trial_score
@@ -15,13 +14,18 @@ pytestmark = pytest.mark.slow
 SCORES = "results/trials/tuning/scores.nc"
 
 
-@pytest.fixture
-def planned_jobs(project):
+@pytest.fixture(scope="module")
+def unstarted(tmp_path_factory):
+    """A copy in which no trial has run."""
+    return Project(tmp_path_factory.mktemp("unstarted")).copy()
+
+
+@pytest.fixture(scope="module")
+def planned_jobs(unstarted):
     """Inputs and command of every job of a campaign, by rule."""
-    run = subprocess.run(
-        ["snakemake", "--dry-run", "--printshellcmds", "--cores", "1", SCORES, *FOUR_TRIALS],
-        cwd=project.folder, capture_output=True, text=True, check=True,
-    )  # fmt: skip
+    told = ["--dry-run", "--printshellcmds", "--quiet", "host"]
+    run = unstarted.snakemake(SCORES, *told, *FOUR_TRIALS, small=False)
+    assert run.returncode == 0, run.stdout
     jobs: dict[str, list[tuple[list[str], str]]] = {}
     for block in re.split(r"^(?:local)?rule ", run.stdout + run.stderr, flags=re.MULTILINE)[1:]:
         inputs = re.search(r"^ +input: (.*)$", block, re.MULTILINE)
@@ -31,13 +35,13 @@ def planned_jobs(project):
     return jobs
 
 
-def test_the_diagnosis_reads_records_and_its_own_code_alone(planned_jobs, project):
-    config = (project.folder / "config" / "config.yaml").read_text()
+def test_the_diagnosis_reads_records_and_its_own_code_alone(planned_jobs, unstarted):
+    config = (unstarted.folder / "config" / "config.yaml").read_text()
     seeds = re.search(r"seeds: \{tuning: (\d+), reporting: (\d+),", config).groups()
     assert len(planned_jobs["trial_diagnose"]) == 2
     for inputs, command in planned_jobs["trial_diagnose"]:
         [listed] = [name for name in inputs if name.startswith("build/")]
-        code = [line[66:] for line in (project.folder / listed).read_text().splitlines()]
+        code = [line[66:] for line in (unstarted.folder / listed).read_text().splitlines()]
         data = [name for name in inputs if name != listed]
         batch = f"results/trials/tuning/{data[0].split('/')[3]}"
         simulations = ["heated_chamber", "positioning_drive"]
