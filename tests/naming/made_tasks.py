@@ -69,7 +69,8 @@ def recorded(force=lambda x, v: 0.0, samples=2000, noise=2e-3, seed=1):
     start = [u[0] * GAIN / STIFFNESS, 0.0]
     times = np.arange(samples) / RATE
     x = solve_ivp(
-        slopes, (0.0, times[-1]), start, t_eval=times, max_step=0.5 / RATE, rtol=1e-8, atol=1e-10
-    ).y[0]
+        slopes, (0.0, times[-1]), start, method="LSODA", t_eval=times,
+        max_step=0.5 / RATE, rtol=1e-8, atol=1e-10,
+    ).y[0]  # fmt: skip
     y = x + noise * np.random.default_rng(seed + 100).standard_normal(samples)
     return Record.of(u, y, RATE, units=("V", "mm"))

@@ -187,12 +187,18 @@ def test_a_task_does_not_lead_to_what_is_kept_back():
     assert not np.shares_memory(task.y, record.y)
 
 
-@pytest.mark.parametrize("name", sorted(methods()))
-def test_no_answer_depends_on_what_is_kept_back(name):
+@pytest.fixture(scope="module")
+def one_ahead_and_another():
+    """Two tasks whose records differ in what is kept back alone."""
     record = recorded(cubic, samples=1000)
     other = record.y.copy()
     other[800:] = 100.0 * np.random.default_rng(3).standard_normal(200)
-    found, again = (answered(name, pose(each)) for each in (record, record._replace(y=other)))
+    return pose(record), pose(record._replace(y=other))
+
+
+@pytest.mark.parametrize("name", sorted(methods()))
+def test_no_answer_depends_on_what_is_kept_back(name, one_ahead_and_another):
+    found, again = (answered(name, each) for each in one_ahead_and_another)
     assert found.ahead.shape == (200,)
     assert (again.status, again.effects, again.rivals) == (
         found.status, found.effects, found.rivals
