@@ -22,7 +22,7 @@ comma := ,
 .PHONY: help study record case cases report handover control control-robustness diagnose discrepancy resolve resolution-trials \
 	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
-	check test mutants benchmark benchmark-naming clean FORCE
+	check test compiled-tests mutants benchmark benchmark-naming clean FORCE
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 20
@@ -186,8 +186,16 @@ check: $(VENV)/installed ## linters, formatters, the type checker, import contra
 	snakefmt --check Snakefile workflow
 	snakemake --lint
 
-test: check ## the whole test suite
-	pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+# All processes share what one has compiled, beside the linters, which leave cores idle. One process
+# more than there are cores, since tests that wait for a device leave theirs idle, too.
+test: export PYTHONDONTWRITEBYTECODE :=
+test: $(VENV)/installed ## the whole test suite
+	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync check compiled-tests
+	pytest --numprocesses $$(($(CORES) + 1)) --dist loadfile --no-loadscope-reorder
+
+compiled-tests: $(VENV)/installed
+	@mkdir -p build
+	pytest --collect-only -qq > build/tests.txt || { cat build/tests.txt; exit 1; }
 
 mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=300 SEED=1 ROOM=narx)
 	python -m benchmarks.mutants --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) \

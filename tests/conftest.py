@@ -29,9 +29,18 @@ def pytest_addoption(parser):
 
 
 def pytest_collection_modifyitems(items):
-    """Begin with the files that take longest, so that all workers end at about the same time."""
+    """Begin with the files that take longest, so that all workers end at about the same time.
+
+    First of all comes the file that makes the small study. The others of the workflow wait for it,
+    and find compiled what their jobs call.
+    """
     slow = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: (item.path not in slow, "workflow" not in item.path.parts))
+
+    def turn(item):
+        workflow = "workflow" in item.path.parts
+        return item.path.name != "test_workflow.py", item.path not in slow, workflow
+
+    items.sort(key=turn)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -11,6 +11,8 @@ from dea.errors import InputError
 from dea.stages.figures import figures
 from dea.stages.tables import tables
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 KINDS = {"figures": ("png", "pdf"), "tables": ("csv", "md", "tex")}
 # Figures or tables of one job, the datasets they read, and of how many actuators.

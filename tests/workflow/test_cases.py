@@ -16,6 +16,8 @@ from dea.stages.orders import orders
 from dea.stages.select import select
 from measured_records import DATA, needs_records
 
+pytestmark = pytest.mark.slow
+
 CASES = ROOT / "config" / "cases"
 QUICK = {
     "identification": {
