@@ -39,11 +39,13 @@ def job(tmp_path):
             f"src/dea/{name}.py"
             for name in ("stages/probe", "stages/command", "atomic_file", "progress", "provenance")
         ]
+        # Whatever this process was told, the job writes bytecode, which the next one reads.
+        environment = {"PYTHONPATH": str(tmp_path / "src"), "PYTHONDONTWRITEBYTECODE": ""}
         declared = {} if code is None else {"DEA_CODE": " ".join([*ALWAYS, *stage, *code])}
         return subprocess.run(
             [sys.executable, "-m", "dea.stages.probe"],
             cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": str(tmp_path / "src")} | declared | variables,
+            env=os.environ | environment | declared | variables,
             capture_output=True,
             text=True,
         )

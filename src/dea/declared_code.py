@@ -38,11 +38,8 @@ def refuse_undeclared_code() -> None:
 
 
 def _check(file: str, declared: frozenset[Path]) -> None:
-    opened = Path(os.path.realpath(file))
-    if not opened.is_relative_to(_PACKAGE) or opened in declared:
-        return
-    source = _source(opened)
-    if source is None or source in declared:
+    source = _source(file)
+    if source is None or not source.is_relative_to(_PACKAGE) or source in declared:
         return
     name = os.path.relpath(source)
     module = ".".join((_PACKAGE.name, *source.relative_to(_PACKAGE).with_suffix("").parts))
@@ -54,13 +51,17 @@ def _check(file: str, declared: frozenset[Path]) -> None:
     )
 
 
-def _source(opened: Path) -> Path | None:
+def _source(file: str) -> Path | None:
     """Return the source of compiled bytecode; None for what else is in such a cache."""
-    if opened.parent.name == "__pycache__":
+    opened = Path(os.path.abspath(file))
+    elsewhere = sys.pycache_prefix and opened.is_relative_to(os.path.abspath(sys.pycache_prefix))
+    if elsewhere or opened.parent.name == "__pycache__":
         # While it is written, bytecode has a number after its suffix.
         name, suffix, _ = opened.name.partition(".pyc")
-        return Path(source_from_cache(str(opened.with_name(name + suffix)))) if suffix else None
-    return None if "__pycache__" in opened.parts else opened
+        if not suffix:
+            return None
+        return Path(os.path.realpath(source_from_cache(str(opened.with_name(name + suffix)))))
+    return None if "__pycache__" in opened.parts else Path(os.path.realpath(opened))
 
 
 def _program() -> str:
