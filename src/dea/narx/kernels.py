@@ -137,7 +137,9 @@ def bounded(
             for i in range(runs):
                 if not abs(total[i]) <= bound:
                     kept[i], total[i] = False, 0.0
-        past[t % depth] = total
+        row = past[t % depth]
+        for i in range(runs):
+            row[i] = total[i]
     return kept
 
 

@@ -93,7 +93,7 @@ def zones(film: Film) -> Array:
     area = film.thickness / (film.prestretch * film.prestretch)
     half = 0.5 * np.log(b / a)
     table = np.empty((ZONES, 4))
-    table[0] = np.array([1.0, 1.0, np.pi * a * a * area, 0.0])
+    table[0, 0], table[0, 1], table[0, 2], table[0, 3] = 1.0, 1.0, np.pi * a * a * area, 0.0
     for k in range(1, ZONES):
         radius = a * np.exp(half * (1.0 + _POINTS[k - 1]))
         squared = (b / radius) ** 2

@@ -60,8 +60,10 @@ def run_filter(
         for i in range(p):
             P[i, i] += q[i]
         if keep:
-            predicted[t] = theta
-            covariance[t] = P
+            for i in range(p):
+                predicted[t, i] = theta[i]
+                for k in range(p):
+                    covariance[t, i, k] = P[i, k]
         innovation[t], S[t] = _step(Phi[t], y[t], theta, P, gain[t])
     return gain, innovation, S, predicted, covariance
 

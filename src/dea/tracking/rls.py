@@ -161,7 +161,9 @@ def _weighted_squares(Phi: Array, forgetting: float, at: NDArray[np.int64]) -> t
                 once[i, k] = forgetting * once[i, k] + product
                 twice[i, k] = forgetting * forgetting * twice[i, k] + product
         while wanted < at.size and at[wanted] == t:  # an instant may be asked for twice
-            first[wanted], second[wanted] = once, twice
+            for i in range(p):
+                for k in range(p):
+                    first[wanted, i, k], second[wanted, i, k] = once[i, k], twice[i, k]
             wanted += 1
     return first, second
 
@@ -248,7 +250,8 @@ def update(
             row[:] = 0.0
             row[i] = pull
             squares += _rotate_in(U, z, row, 0.0) ** 2
-    row[:] = phi  # P_n^-1 = P*_n^-1 + phi phi^T: (14)-(16)
+    for i in range(p):  # P_n^-1 = P*_n^-1 + phi phi^T: (14)-(16)
+        row[i] = phi[i]
     squares += _rotate_in(U, z, row, right) ** 2
     sums[0], sums[1] = squares, forgetting * sums[1] + 1.0
 
