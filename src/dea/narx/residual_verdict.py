@@ -162,18 +162,18 @@ def _filtered(signal: Array, coefficients: Array) -> Array:
 
 def _portmanteau(e: Array, max_lag: int, explained: float) -> tuple[float, float]:
     """Ljung and Box's test (1978) that a residual is white."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     n = e.size
     lags = np.arange(1, max_lag + 1)
     correlation = np.array([e[k:] @ e[:-k] for k in lags]) / (e @ e)
     statistic = n * (n + 2) * np.sum(correlation**2 / (n - lags))
-    return float(chi2.sf(statistic, max_lag)), max(explained, 0.0)
+    return float(chdtrc(max_lag, statistic)), max(explained, 0.0)
 
 
 def _regression(target: Array, instrument: Array, max_lag: int) -> tuple[float, float]:
     """F test of a target on the principal components of all lags of an instrument."""
-    from scipy.stats import f as fisher
+    from scipy.special import fdtrc
 
     rows = target.size - max_lag
     lagged = np.column_stack(
@@ -190,4 +190,4 @@ def _regression(target: Array, instrument: Array, max_lag: int) -> tuple[float, 
     share = float(np.sum((kept.T @ wanted) ** 2)) / total
     statistic = (share / count) / ((1.0 - share) / freedom)
     adjusted = 1.0 - (1.0 - share) * (rows - 1) / freedom
-    return float(fisher.sf(statistic, count, freedom)), max(adjusted, 0.0)
+    return float(fdtrc(count, freedom, statistic)), max(adjusted, 0.0)

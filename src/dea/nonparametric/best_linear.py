@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
-from scipy.stats import f as fisher
-from scipy.stats import t as student
+from scipy.special import fdtri, stdtrit
 
 from dea.errors import InputError
 from dea.nonparametric.periods import Array, Periods
@@ -50,7 +49,7 @@ class BestLinear(NamedTuple):
 
     def radius(self) -> Array:
         """Radius of the 95 % disc around the response, (lines,)."""
-        quantile = fisher.ppf(_CONFIDENCE, 2, 2 * (self.realisations - 1))
+        quantile = fdtri(2, 2 * (self.realisations - 1), _CONFIDENCE)
         return np.asarray(np.sqrt(quantile * self.total))
 
     def half_width(self) -> Array:
@@ -58,7 +57,7 @@ class BestLinear(NamedTuple):
 
         Along the response it is that of the gain, across it that of gain times phase.
         """
-        quantile = student.ppf(0.5 + 0.5 * _CONFIDENCE, 2 * (self.realisations - 1))
+        quantile = stdtrit(2 * (self.realisations - 1), 0.5 + 0.5 * _CONFIDENCE)
         return np.asarray(quantile * np.sqrt(0.5 * self.total))
 
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as fisher
+from scipy.special import fdtri
 
 from dea.nonparametric.best_linear import BestLinear, Lines
 from dea.nonparametric.periods import Array
@@ -59,7 +59,7 @@ def intermodulation(found: BestLinear, H2: Complex, highest: int) -> Intermodula
     measured = found.output[:, even]
     ratio = np.sum(predicted.conj() * measured, axis=0) / power
     left = np.sum(np.abs(measured - ratio * predicted) ** 2, axis=0) / (found.realisations - 1)
-    quantile = fisher.ppf(0.95, 2, 2 * (found.realisations - 1))
+    quantile = fdtri(2, 2 * (found.realisations - 1), 0.95)
     return Intermodulation(
         even, measured, predicted, 1.0 - foreign / power, ratio, np.sqrt(quantile * left / power)
     )
