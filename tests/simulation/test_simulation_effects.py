@@ -108,6 +108,24 @@ def test_slew_limit_without_lag_is_a_rate_limiter():
     assert v[200 + 50] == pytest.approx(3.0 - 50.5 * DT * 1.0, rel=1e-6)
 
 
+def test_a_speed_that_lags_solves_its_differential_equation():
+    steps = np.repeat([1.0, 3.0, 0.5], 80)
+    rate, tau, inertia = 2.0, 0.1, 0.3
+    q = values("slew_limit", rate=rate, falling_ratio=0.5, lag=tau, speed_lag=inertia)
+    found = catalogue()["slew_limit"].shape_input(steps, q, DT)
+    fine = 500
+    v, speed, expected = steps[0], 0.0, []
+    for u in steps:
+        course = []
+        for _ in range(fine):
+            course.append(v)
+            wanted = np.clip((u - v) / tau, -0.5 * rate, rate)
+            v, speed = v + DT / fine * speed, speed + DT / fine * (wanted - speed) / inertia
+        expected.append(np.mean(course))
+    assert np.ptp(found) > 1.5
+    assert np.allclose(found, expected, atol=0.02)
+
+
 def test_transport_delay_is_linear_interpolation():
     q = values("transport_delay", delay=3.4 * DT)
     delayed = catalogue()["transport_delay"].shape_input(U, q, DT)

@@ -12,36 +12,42 @@ _PARTS = 4
 
 @njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Follow the input through a lag whose rate saturates; return means over the intervals."""
-    rising, falling, tau = q[0], q[0] * q[1], q[2]
+    """Follow the input at a speed that is limited and lags; return means over the intervals.
+
+    Without a lag of the speed this is a first-order lag whose rate saturates; with one, a rise
+    begins and ends gradually.
+    """
+    rising, falling, tau, inertia = q[0], q[0] * q[1], q[2], q[3]
     h = interval / _PARTS
-    near = 1.0 - np.exp(-h / tau)
+    near = (1.0 - np.exp(-h / tau)) / h
+    taken_up = 1.0 - np.exp(-h / inertia) if inertia > 1e-3 * h else 1.0
     result = np.empty(u.size)
-    v = u[0]
+    v, speed = u[0], 0.0
     for k in range(u.size):
         total = 0.0
         for _ in range(_PARTS):
-            step = min(max((u[k] - v) * near, -falling * h), rising * h)
-            total += v + 0.5 * step
-            v += step
+            speed += (min(max((u[k] - v) * near, -falling), rising) - speed) * taken_up
+            total += v + 0.5 * speed * h
+            v += speed * h
         result[k] = total / _PARTS
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the rising rate, the ratio of the falling one and the lag near the target."""
+    """Return the rising rate, the ratio of the falling one, the lags near the target and of speed."""
     rate, dt = max(scales.u_rate, 1e-9), scales.interval
     return (
         Parameter("rate", f"{scales.u_unit}/s", 0.5 * rate, 1.0, 1e-4 * rate, 1e3 * rate, log=True),
         Parameter("falling_ratio", "1", 1.0, 0.3, 0.1, 10.0, log=True),
         Parameter("lag", "s", 0.2 * dt, 1.0, 0.02 * dt, 30 * dt, log=True, shape=True),
+        Parameter("speed_lag", "s", 0.0, 10 * dt, 0.0, 0.1 * scales.duration, shape=True),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return rates below the fastest change of the input."""
     return tuple(
-        (part * scales.u_rate, 1.0, 0.2 * scales.interval) for part in (0.7, 0.4, 0.2, 0.05)
+        (part * scales.u_rate, 1.0, 0.2 * scales.interval, 0.0) for part in (0.7, 0.4, 0.2, 0.05)
     )
 
 
