@@ -11,20 +11,27 @@ _WANDERS = range(2, 7)
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Add a wave of five harmonics whose phase may change slowly."""
-    *wander, duration = q[1 + 2 * _HARMONICS :]
+    """Add a wave of five harmonics whose phase may change slowly.
+
+    It may grow with the output: what disturbs the drive shows where the output is steep.
+    """
+    *wander, growth, duration, middle, half = q[1 + 2 * _HARMONICS :]
     slow = np.polynomial.legendre.legval(2.0 * t / duration - 1.0, [0.0, 0.0, *wander])
     phase = 2.0 * np.pi * q[0] * t + slow
     wave = np.zeros_like(y)
     for n in range(_HARMONICS):
         wave += q[1 + 2 * n] * np.cos((n + 1) * phase) + q[2 + 2 * n] * np.sin((n + 1) * phase)
-    result: np.ndarray = y + wave
+    place = np.clip((y - middle) / half, -1.0, 1.0)
+    result: np.ndarray = y + np.exp(growth * place) * wave
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return frequency, amplitudes, and the weights of Legendre polynomials of the phase."""
-    unit, size = scales.y_unit, 0.03 * scales.y_span
+    """Return frequency, amplitudes, weights of Legendre polynomials of the phase, and growth.
+
+    The amplitude grows by the square of e^growth over the range of the output.
+    """
+    unit, span, size = scales.y_unit, scales.y_span, 0.03 * scales.y_span
     nyquist = 0.5 / scales.interval
     frequency = scales.foreign_frequencies[0] if scales.foreign_frequencies else 0.1 * nyquist
     return (
@@ -35,7 +42,10 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
             for part in ("cosine", "sine")
         ),
         *(Parameter(f"phase_{n}", "rad", 0.0, 0.3, shape=True) for n in _WANDERS),
+        Parameter("growth", "1", 0.0, 0.5, -3.0, 3.0, shape=True),
         Parameter("duration", "s", scales.duration, 0.0),
+        Parameter("middle", unit, 0.5 * (scales.y_low + scales.y_high), 0.0),
+        Parameter("half_range", unit, 0.5 * span, 0.0),
     )
 
 
@@ -46,7 +56,8 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """
     # So small that the first step finds amplitude and phase before the frequency moves.
     size = 1e-5 * scales.y_span
-    rest = (*(0.0,) * (2 * _HARMONICS - 2 + len(_WANDERS)), scales.duration)
+    middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
+    rest = (*(0.0,) * (2 * _HARMONICS - 1 + len(_WANDERS)), scales.duration, middle, half)
     return tuple(
         (frequency, *phase, *rest)
         for frequency in dict.fromkeys(scales.foreign_frequencies)
