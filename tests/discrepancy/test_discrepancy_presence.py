@@ -124,6 +124,16 @@ def test_a_model_error_is_what_the_best_leaves_or_what_laws_leave_anyway():
     assert ModelError(3.0, 2.0, 4.0, 10.0).density == 169.0
 
 
+def test_the_memory_of_a_model_error_is_its_own_beside_white_noise():
+    """What is left is white noise, and beside it a small autoregression."""
+    rng = np.random.default_rng(6)
+    slow = lfilter([1.0], [1.0, -0.9], rng.standard_normal(200_000))
+    left = rng.standard_normal(slow.size) + 0.6 * slow / slow.std()
+    found = model_error(10.0 * left, left, 1.0, 0.01)
+    assert found.memory == pytest.approx(19.0, rel=0.2)
+    assert found.density == pytest.approx(1.0 + 19.0 * 0.36, rel=0.2)
+
+
 @pytest.mark.parametrize("step", [0.1, 3.0])
 def test_rounding_has_its_deviation(step):
     y = np.round(np.random.default_rng(5).uniform(-50, 50, 2000) / step) * step

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dea.discrepancy.decision import Reason, decide
+from dea.discrepancy.decision import Reason, best_extension, decide, sure_alone
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.presence import Presence
@@ -304,3 +304,64 @@ def test_of_three_effects_each_is_certain_only_where_nothing_replaces_it():
     weighed = Presence((triple,), np.array([1.0]))
     found = decide(evidence, triple, pool, [alone], evidence.nominal.residual, weighed)
     assert (found.status, found.answer.names, found.whole) == ("named", names[:2], False)
+
+
+@pytest.mark.parametrize(
+    ("presence", "left", "before", "found"),
+    [(0.95, 1.02, 4.0, 1), (0.8, 1.02, 4.0, 0), (0.95, 1.4, 4.0, 0), (0.95, 1.02, 1.2, 0)],
+)
+def test_an_effect_that_acts_rarely_is_sure_where_it_leaves_noise_alone(
+    presence, left, before, found
+):
+    evidence, candidate = graded()
+    evidence = replace(evidence, nominal=candidate(before).fit)
+    rare, other = candidate(left, "output_saturation"), candidate(3.0, "sensor_lag")
+    weighed = Presence((rare, other), np.array([presence, 1.0 - presence]))
+    sure = sure_alone(evidence, [Round(evidence.nominal, (rare, other))], weighed)
+    assert sure == [rare][:found]
+
+
+@pytest.mark.parametrize(("left", "chosen"), [(1.02, "pair"), (1.6, "alone")])
+def test_a_pair_that_leaves_noise_alone_need_not_predict_every_block(left, chosen):
+    """A drift that three blocks show is extrapolated badly to each of them."""
+    evidence, candidate = graded()
+    alone, pair = candidate(4.0, "dead_zone"), candidate(left, "dead_zone", "baseline_drift")
+    worse = {pair.fit: 5.0 * pair.fit.residual}
+
+    def residual(fitted):
+        return worse.get(fitted, fitted.residual)
+
+    held_out = SimpleNamespace(
+        residual=residual, rmse=lambda fitted: evidence.problem.seen_rmse(residual(fitted))
+    )
+    evidence = replace(evidence, held_out=held_out)
+    rounds = [Round(evidence.nominal, (alone,)), Round(alone.fit, (pair,))]
+    assert best_extension(evidence, rounds, [alone]) is {"pair": pair, "alone": alone}[chosen]
+
+
+def test_what_an_effect_reduces_is_not_called_noise():
+    """The residual of the simulation alone is noise by every test, but a part of it is removed."""
+    evidence, candidate = graded()
+    noise = lfilter([1.0], [1.0, -0.9], np.random.default_rng(8).standard_normal(1500))
+    noise *= 9.0 * NOISE / noise.std()
+    alone = candidate(6.0, "dead_zone")
+    weighed = Presence((alone,), np.full(1, 0.5))
+    for share, status in ((0.7, "unknown"), (1.0, "none")):
+        half = replace(alone, fit=replace(alone.fit, residual=share * noise))
+        nominal = replace(evidence.nominal, residual=noise)
+        own = replace(evidence, nominal=nominal)
+        assert decide(own, half, [half], [half], noise, weighed).status == status
+
+
+@pytest.mark.parametrize(("weight", "status"), [(0.02, "named"), (0.1, "ambiguous")])
+def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
+    """Other classes are beaten, so that only the same class is compared with the name."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    right = candidate(1.001, "dead_zone", "input_saturation")
+    akin = candidate(1.002, "dead_zone", "output_saturation")
+    beaten = candidate(4.0, "dead_zone", "sensor_lag")
+    weights = np.array([0.2, weight, 0.7])
+    weighed = Presence((right, akin, beaten), weights)
+    found = decide(evidence, right, [right, akin, beaten], [], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer) == (status, right)

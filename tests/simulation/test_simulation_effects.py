@@ -595,7 +595,7 @@ def test_periodic_disturbance_adds_its_lines():
     found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
     x = 2 * T / 40.0 - 1
     assert np.allclose(found, 0.01 * np.cos(phase + 0.5 * (1.5 * x**2 - 0.5)))
-    grown = dict(cosine_1=0.01, growth=0.7, middle=Y[5], half_range=10.0 * np.ptp(Y))
+    grown = {"cosine_1": 0.01, "growth": 0.7, "middle": Y[5], "half_range": 10.0 * np.ptp(Y)}
     q = values("periodic_disturbance", frequency=2.0, **grown)
     found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
     assert np.allclose(found, 0.01 * np.cos(phase) * np.exp(0.07 * (Y - Y[5]) / np.ptp(Y)))

@@ -73,6 +73,20 @@ def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[C
     return [c for c, low in pairs if c.finished and low > needed]
 
 
+def sure_alone(evidence: Evidence, rounds: Sequence[Round], weighed: Presence) -> list[Candidate]:
+    """Return the single effects that are certain and leave noise alone where there was more.
+
+    The gain of an effect that acts rarely, such as a limit that is seldom reached, varies so much
+    between blocks that it is not proven by their resampling.
+    """
+    rules, floor = evidence.rules, evidence.floor
+    if evidence.nominal_error <= rules.grow * floor:
+        return []
+    sure = {name for name, value in weighed.effects.items() if value >= rules.certain}
+    singles = (c for c in rounds[0].candidates if c.finished and c.effects <= sure)
+    return [c for c in singles if c.rmse <= rules.clean * floor]
+
+
 def best_extension(
     evidence: Evidence, rounds: Sequence[Round], proven: Sequence[Candidate]
 ) -> Candidate | None:
@@ -96,7 +110,11 @@ def best_extension(
         best = simplest([c for c in larger if len(c.names) == size])
         before = chosen.fit if chosen else rounds[0].before
         _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.rng)
-        if held_out.rmse(best.fit) >= held_out.rmse(before):
+        # What leaves noise alone is right, though a course in time that few blocks show may be
+        # extrapolated badly.
+        left = evidence.problem.seen_rmse(before.residual)
+        complete = best.rmse <= rules.clean * floor and left > rules.grow * floor
+        if not complete and held_out.rmse(best.fit) >= held_out.rmse(before):
             continue
         if chosen is None:
             # Two effects at once, neither of which is proven alone, must remove twice the margin.
@@ -107,8 +125,8 @@ def best_extension(
         if len(families_of(best)) < len(best.names):
             whole = misfit(evidence.nominal_error, floor)
             needed = needed and misfit(chosen.rmse, floor) > 4 * rules.room * whole
-        left = (1.0 - rules.second) * misfit(chosen.rmse, floor)
-        if needed and low > rules.needed_gain and misfit(best.rmse, floor) <= left:
+        most = (1.0 - rules.second) * misfit(chosen.rmse, floor)
+        if needed and low > rules.needed_gain and misfit(best.rmse, floor) <= most:
             chosen = best
     return chosen
 
@@ -135,13 +153,15 @@ def decide(
         part = _certain_part(evidence, pool, weighed)
         if part is not None:
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
-        if is_coloured_noise(evidence.problem, residual, evidence.blocks):
+        # What an effect removes on blocks it was not fitted to is no noise.
+        unaffected = _share_of(evidence, chosen).low <= rules.margin
+        if unaffected and is_coloured_noise(evidence.problem, residual, evidence.blocks):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = _rivals(evidence, chosen, pool)
     if not rivals:
         akin = tuple(_rivals(evidence, chosen, pool, akin=True))
-        sure = min(weighed.effects.get(name, 0.0) for name in chosen.names) >= rules.certain
+        sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
         if sure or not akin:
             return Decision(Status.NAMED, chosen, akin, _rest(evidence, chosen))
         return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)

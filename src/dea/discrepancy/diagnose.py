@@ -9,6 +9,7 @@ from dea.discrepancy.decision import (
     confirmed,
     decide,
     proven_alone,
+    sure_alone,
 )
 from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
 from dea.discrepancy.evidence.bootstrap import Gains, gains
@@ -120,7 +121,7 @@ def diagnose(
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, floor, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)
     weighed, error = _weighed(evidence, pool, _count(problem, bare, offered), workers)
-    proven = proven_alone(rounds, gained, rules)
+    proven = proven_alone(rounds, gained, rules) or sure_alone(evidence, rounds, weighed)
     chosen = best_extension(evidence, rounds, proven)
     unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
 

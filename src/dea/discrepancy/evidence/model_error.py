@@ -57,7 +57,14 @@ def model_error(before: np.ndarray, best: np.ndarray, noise: float, law_error: f
     left = misfit(_rms(best), noise)
     expected = law_error * misfit(_rms(before), noise)
     coloured = best if left > expected else before
-    return ModelError(noise, left, max(left, expected), memory_of(coloured))
+    return ModelError(noise, left, max(left, expected), _memory_beside(coloured, noise))
+
+
+def _memory_beside(residual: np.ndarray, noise: float) -> float:
+    """Return the memory of a coloured error that white noise adds to."""
+    whole = float(np.var(residual))
+    own = whole - noise**2
+    return max(1.0, (memory_of(residual) * whole - noise**2) / own) if own > 0 else 1.0
 
 
 def memory_of(residual: np.ndarray, mean: float | None = None) -> float:

@@ -48,6 +48,21 @@ class Presence:
         """The same for each family of effects."""
         return self._of(families_of)
 
+    def least_of(self, candidate: Candidate) -> float:
+        """Return the probability of the effect of a candidate that is least sure."""
+        found = self.effects
+        return min(found.get(name, 0.0) for name in candidate.names)
+
+    def among(self, candidate: Candidate, others: Sequence[Candidate]) -> float:
+        """Return the probability of a candidate if it is right or one of the ``others`` is."""
+        weights = {
+            c.effects: float(weight)
+            for c, weight in zip(self.candidates, self.weights, strict=True)
+        }
+        own = weights.get(candidate.effects, 0.0)
+        whole = own + sum(weights.get(other.effects, 0.0) for other in others)
+        return own / whole if whole > 0 else 0.0
+
     def _of(self, parts: Callable[[Candidate], set[str]]) -> dict[str, float]:
         found: dict[str, float] = {}
         for candidate, weight in zip(self.candidates, self.weights, strict=True):

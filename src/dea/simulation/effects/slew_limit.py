@@ -34,7 +34,7 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the rising rate, the ratio of the falling one, the lags near the target and of speed."""
+    """Return the rising rate, the falling one's ratio to it, and the lags of place and speed."""
     rate, dt = max(scales.u_rate, 1e-9), scales.interval
     return (
         Parameter("rate", f"{scales.u_unit}/s", 0.5 * rate, 1.0, 1e-4 * rate, 1e3 * rate, log=True),
