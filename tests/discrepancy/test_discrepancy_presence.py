@@ -6,28 +6,39 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 from scipy.special import softmax
+from scipy.stats import multivariate_normal
 
 from dea.discrepancy.evidence.colour import innovations, is_coloured_noise
 from dea.discrepancy.evidence.held_out import folds
 from dea.discrepancy.evidence.model_error import ModelError, memory_of, model_error
 from dea.discrepancy.evidence.noise import quantisation
 from dea.discrepancy.evidence.period import period_of
-from dea.discrepancy.evidence.presence import Presence, log_prior, presence, share_removed
+from dea.discrepancy.evidence.presence import (
+    Presence,
+    log_prior,
+    log_volume,
+    presence,
+    share_removed,
+)
 from dea.discrepancy.problem import Problem
 
 BLOCKS = [slice(k, k + 50) for k in range(0, 5000, 50)]
 WHITE = ModelError(1.0, 0.0, 0.0, 1.0)
 
 
-def candidate(*names, at_bounds=()):
-    return SimpleNamespace(names=names, effects=frozenset(names), at_bounds=at_bounds)
+def candidate(*names, at_bounds=(), residual=None):
+    return SimpleNamespace(
+        names=names, effects=frozenset(names), at_bounds=at_bounds,
+        fit=SimpleNamespace(residual=residual),
+    )  # fmt: skip
 
 
 def weights(before, *residuals, names="abc", error=WHITE, offered=1):
-    candidates = [candidate(name) for name in names[: len(residuals)]]
+    pairs = zip(names, residuals, strict=False)
+    candidates = [candidate(name, residual=residual) for name, residual in pairs]
     rng = np.random.default_rng(0)
     prior = log_prior(candidates, offered, 3.0)
-    found = presence(before, candidates, residuals, BLOCKS, error, prior, rng)
+    found = presence(before, candidates, BLOCKS, error, prior, rng)
     return {c.names[0]: w for c, w in zip(found.candidates, found.weights, strict=True)}
 
 
@@ -64,10 +75,12 @@ def test_a_model_error_takes_the_sureness_from_small_differences():
 
 def test_a_parameter_at_its_bound_counts_against_its_law():
     unit = np.ones(5000)
-    candidates = [candidate("a"), candidate("b", at_bounds=("b.rate",))]
+    candidates = [
+        candidate("a", residual=unit), candidate("b", at_bounds=("b.rate",), residual=unit)
+    ]  # fmt: skip
     rng = np.random.default_rng(0)
     prior = log_prior(candidates, 2, 3.0)
-    found = presence(9.0 * unit, candidates, [unit, unit], BLOCKS, WHITE, prior, rng)
+    found = presence(9.0 * unit, candidates, BLOCKS, WHITE, prior, rng)
     assert found.candidates[0] is candidates[0]
     assert found.weights[0] / found.weights[1] == pytest.approx(np.exp(3.0))
 
@@ -76,6 +89,35 @@ def test_of_many_effects_offered_each_is_less_likely():
     unit = np.ones(5000)
     found = weights(unit, unit, offered=20)
     assert found["a"] == pytest.approx(1.0 / 21.0, rel=1e-6)
+
+
+def test_the_volume_left_makes_the_evidence_of_a_linear_law():
+    """Without approximation it is the density of the record, a normal one (scipy)."""
+    rng = np.random.default_rng(7)
+    deviation, seen = 0.3, np.arange(80) < 60
+    found, expected = [], []
+    y = rng.standard_normal((80, 2)) @ [0.5, -0.2] + deviation * rng.standard_normal(80)
+    for size in (1, 2, 5):
+        X = rng.standard_normal((80, size))
+        own = X[seen]
+        x = np.linalg.solve(own.T @ own + deviation**2 * np.eye(size), own.T @ y[seen])
+        residual = y - X @ x
+        fitted = SimpleNamespace(residual=residual, jacobian=-X, coordinates=x)
+        likelihood = -0.5 * np.sum(residual[seen] ** 2) / deviation**2
+        found.append(likelihood + log_volume(fitted, seen, deviation**2))
+        covariance = deviation**2 * np.eye(60) + own @ own.T
+        expected.append(multivariate_normal(np.zeros(60), covariance).logpdf(y[seen]))
+    assert np.diff(found) == pytest.approx(np.diff(expected), abs=1e-6)
+
+
+def test_what_an_answer_holds_beside_an_effect_is_told_by_the_wider_sets():
+    alone, other = candidate("a"), candidate("b")
+    sets = (candidate("a", "b"), candidate("a", "c"), alone, other)
+    found = Presence(sets, np.array([0.5, 0.2, 0.2, 0.1]))
+    assert found.wider_than(alone) == pytest.approx(0.7)
+    assert found.least_of(sets[1]) == pytest.approx(0.2)
+    assert found.among(alone, [other]) == pytest.approx(2.0 / 3.0)
+    assert found.among(candidate("d"), []) == 0.0
 
 
 def test_an_effect_is_as_sure_as_all_answers_that_hold_it():

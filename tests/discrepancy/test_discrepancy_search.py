@@ -365,3 +365,28 @@ def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
     weighed = Presence((right, akin, beaten), weights)
     found = decide(evidence, right, [right, akin, beaten], [], evidence.nominal.residual, weighed)
     assert (found.status, found.answer) == (status, right)
+
+
+def test_a_name_that_the_evidence_is_against_is_not_given():
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    chosen, other = candidate(1.001, "dead_zone"), candidate(1.3, "sensor_lag")
+    for weights, status in (([0.05, 0.95], "ambiguous"), ([0.5, 0.5], "named")):
+        weighed = Presence((other, chosen), np.array(weights[::-1]))
+        found = decide(
+            evidence, chosen, [chosen, other], [chosen], evidence.nominal.residual, weighed
+        )
+        assert (found.status, found.answer) == (status, chosen)
+
+
+def test_what_a_further_effect_surely_explains_is_not_called_noise():
+    """What one effect leaves is coloured noise by every test, but a pair is much likelier."""
+    evidence, candidate = graded()
+    noise = lfilter([1.0], [1.0, -0.9], np.random.default_rng(8).standard_normal(1500))
+    alone = candidate(3.0, "dead_zone")
+    alone = replace(alone, fit=replace(alone.fit, residual=3.0 * NOISE * noise / noise.std()))
+    pair = candidate(2.5, "dead_zone", "second_mode")
+    for weights, reason in (([0.95, 0.05], Reason.REMAINS), ([0.5, 0.5], Reason.COLOURED)):
+        weighed = Presence((pair, alone), np.array(weights))
+        found = decide(evidence, alone, [alone], [alone], evidence.nominal.residual, weighed)
+        assert (found.status, found.reason) == ("named", reason)

@@ -149,7 +149,7 @@ def decide(
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
     if chosen is None:
         return _nothing_proven(evidence, residual)
-    if not _explained(evidence, chosen):
+    if not _explained(evidence, chosen, weighed):
         part = _certain_part(evidence, pool, weighed)
         if part is not None:
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
@@ -159,11 +159,14 @@ def decide(
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = _rivals(evidence, chosen, pool)
+    if weighed.least_of(chosen) <= 1.0 - rules.certain:
+        # The evidence is against a part of it, whatever is predicted on blocks left out.
+        rivals += [c for c in weighed.candidates[:1] if c.effects != chosen.effects]
     if not rivals:
         akin = tuple(_rivals(evidence, chosen, pool, akin=True))
         sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
         if sure or not akin:
-            return Decision(Status.NAMED, chosen, akin, _rest(evidence, chosen))
+            return Decision(Status.NAMED, chosen, akin, _rest(evidence, chosen, weighed))
         return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)
     shared = chosen.effects.intersection(*(rival.effects for rival in rivals))
     for candidate in proven:
@@ -172,7 +175,7 @@ def decide(
         if (
             len(chosen.names) > 1
             and candidate.effects == shared
-            and _explained(evidence, candidate)
+            and _explained(evidence, candidate, weighed)
             and not _rivals(evidence, candidate, pool)
         ):
             return Decision(Status.NAMED, candidate)
@@ -266,7 +269,7 @@ def same_class(first: Candidate, second: Candidate) -> bool:
     return len(own) == len(other) and all(any(a.family is b.family for b in other) for a in own)
 
 
-def _explained(evidence: Evidence, chosen: Candidate) -> bool:
+def _explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     """Return whether too little is left over for another effect to be hidden in it."""
     floor, rules = evidence.floor, evidence.rules
     if chosen.rmse <= rules.clean * floor:
@@ -276,21 +279,27 @@ def _explained(evidence: Evidence, chosen: Candidate) -> bool:
         return False
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     if left > rules.misfit * whole:
-        return _leaves_coloured_noise(evidence, chosen)
+        return _leaves_coloured_noise(evidence, chosen, weighed)
     if left <= 0.5 * rules.misfit * whole:
         return True
     return residual_model(evidence.problem, chosen.fit.residual).ratio >= rules.predictable
 
 
-def _rest(evidence: Evidence, chosen: Candidate) -> Reason | None:
+def _rest(evidence: Evidence, chosen: Candidate, weighed: Presence) -> Reason | None:
     """Return what an effect that is named leaves, if it is known as noise beyond the floor."""
     beyond = chosen.rmse > evidence.rules.clean * evidence.floor
-    return Reason.COLOURED if beyond and _leaves_coloured_noise(evidence, chosen) else None
+    noise = beyond and _leaves_coloured_noise(evidence, chosen, weighed)
+    return Reason.COLOURED if noise else None
 
 
-def _leaves_coloured_noise(evidence: Evidence, chosen: Candidate) -> bool:
-    """Return whether most of the gap is explained, and the rest is noise that follows nothing."""
+def _leaves_coloured_noise(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
+    """Return whether most of the gap is explained, and the rest is noise that follows nothing.
+
+    What a further effect surely explains is no noise.
+    """
     if _share_of(evidence, chosen).low < evidence.rules.part:
+        return False
+    if weighed.wider_than(chosen) >= evidence.rules.certain:
         return False
     return is_coloured_noise(evidence.problem, chosen.fit.residual, evidence.blocks)
 

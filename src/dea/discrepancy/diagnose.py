@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dea.discrepancy.decision import (
     Decision,
     best_extension,
@@ -23,7 +25,14 @@ from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.model_error import ModelError, model_error
 from dea.discrepancy.evidence.noise import quantisation
 from dea.discrepancy.evidence.null import null_gain
-from dea.discrepancy.evidence.presence import Presence, Share, log_prior, presence, share_removed
+from dea.discrepancy.evidence.presence import (
+    Presence,
+    Share,
+    log_prior,
+    log_volume,
+    presence,
+    share_removed,
+)
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out, transfers
 from dea.discrepancy.fit import Fit, on_whole_record
@@ -120,7 +129,7 @@ def diagnose(
     blocks = parts.blocks(problem.seen, length)
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, floor, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)
-    weighed, error = _weighed(evidence, pool, _count(problem, bare, offered), workers)
+    weighed, error = _weighed(evidence, pool, _count(problem, bare, offered))
     proven = proven_alone(rounds, gained, rules) or sure_alone(evidence, rounds, weighed)
     chosen = best_extension(evidence, rounds, proven)
     unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
@@ -223,22 +232,21 @@ def _share(evidence: Evidence, final: Fit) -> Share:
 
 
 def _weighed(
-    evidence: Evidence, pool: Sequence[Candidate], offered: int, workers: int
+    evidence: Evidence, pool: Sequence[Candidate], offered: int
 ) -> tuple[Presence, ModelError]:
     """Return the weights of the leading candidates, and the error that the best of them leaves."""
     leading = [c for c in pool if c.finished][:_WEIGHED]
-    held_out = in_parallel(
-        lambda c: evidence.held_out.residual(c.fit),
-        leading,
-        workers,
-        "leading candidates on blocks left out",
+    nominal, seen, rules = evidence.nominal, evidence.problem.seen, evidence.rules
+    best = min(
+        (nominal, *(c.fit for c in leading)), key=lambda f: evidence.problem.seen_rmse(f.residual)
     )
-    before = evidence.held_out.residual(evidence.nominal)
-    seen = evidence.problem.seen
-    best = min((before, *held_out), key=evidence.problem.seen_rmse)
-    error = model_error(before[seen], best[seen], evidence.floor, evidence.rules.law_error)
-    prior = log_prior(leading, offered, evidence.rules.at_bound)
-    weighed = presence(before, leading, held_out, evidence.blocks, error, prior, evidence.rng)
+    error = model_error(
+        nominal.residual[seen], best.residual[seen], evidence.floor, rules.law_error
+    )
+    alone = log_volume(nominal, seen, error.density)
+    volumes = np.array([log_volume(c.fit, seen, error.density) - alone for c in leading])
+    odds = log_prior(leading, offered, rules.at_bound) + volumes
+    weighed = presence(nominal.residual, leading, evidence.blocks, error, odds, evidence.rng)
     return weighed, error
 
 

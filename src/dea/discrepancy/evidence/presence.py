@@ -1,8 +1,9 @@
 """How sure it is that an effect is part of the answer, whatever the answer's other effects.
 
-Every candidate gets a weight by its held-out errors, averaged over resampled blocks (pseudo-BMA+:
-Yao, Vehtari, Simpson and Gelman 2018, Bayesian Analysis 13:917). An effect's presence is the
-weight of all candidates that contain it.
+Every candidate gets a weight by its evidence (Laplace's approximation: MacKay 1992, Neural
+Computation 4:415), averaged over resampled blocks, since its law is never quite right (bagged
+posteriors: Huggins and Miller 2023, Bayesian Analysis 18:79). An effect's presence is the weight
+of all candidates that contain it.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,6 +14,7 @@ import numpy as np
 
 from dea.discrepancy.evidence.bootstrap import energies
 from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 
@@ -53,6 +55,11 @@ class Presence:
         found = self.effects
         return min(found.get(name, 0.0) for name in candidate.names)
 
+    def wider_than(self, candidate: Candidate) -> float:
+        """Return the probability that the answer holds more than the effects of a candidate."""
+        pairs = zip(self.candidates, self.weights, strict=True)
+        return sum(float(weight) for c, weight in pairs if c.effects > candidate.effects)
+
     def among(self, candidate: Candidate, others: Sequence[Candidate]) -> float:
         """Return the probability of a candidate if it is right or one of the ``others`` is."""
         weights = {
@@ -80,20 +87,21 @@ def families_of(candidate: Candidate) -> set[str]:
 def presence(
     before: np.ndarray,
     candidates: Sequence[Candidate],
-    held_out: Sequence[np.ndarray],
     blocks: Sequence[slice],
     error: ModelError,
-    log_prior: np.ndarray,
+    log_odds: np.ndarray,
     rng: np.random.Generator,
 ) -> Presence:
-    """Weigh candidates by their ``held_out`` residuals, each (n,), against the one ``before``.
+    """Weigh candidates by their residuals against the one ``before`` (n,).
 
-    ``log_prior`` (k,) is that of :func:`log_prior`. Blocks get weights of a flat Dirichlet
-    distribution (the Bayesian bootstrap).
+    ``log_odds`` (k,) is what else counts against the simulation alone: :func:`log_prior` and
+    :func:`log_volume`. Blocks get weights of a flat Dirichlet distribution (the Bayesian
+    bootstrap).
     """
-    sums = np.array([energies(residual, blocks) for residual in (before, *held_out)])
+    residuals = (before, *(c.fit.residual for c in candidates))
+    sums = np.array([energies(residual, blocks) for residual in residuals])
     shares = rng.dirichlet(np.ones(len(blocks)), _DRAWS) * len(blocks)
-    odds = np.append(0.0, log_prior) - 0.5 * (shares @ sums.T) / max(error.density, 1e-300)
+    odds = np.append(0.0, log_odds) - 0.5 * (shares @ sums.T) / max(error.density, 1e-300)
     odds -= odds.max(axis=1, keepdims=True)
     weights = np.exp(odds)
     weights /= weights.sum(axis=1, keepdims=True)
@@ -114,6 +122,19 @@ def log_prior(candidates: Sequence[Candidate], offered: int, at_bound: float) ->
             for c in candidates
         ]
     )
+
+
+def log_volume(fitted: Fit, samples: np.ndarray, density: float) -> float:
+    """Return the log of the part of its prior that a record leaves to a fit, by Laplace.
+
+    What bends to anything pays for it: each direction of the parameters that the ``samples`` (n,
+    bool) determine, given an error of this ``density``, costs the log of the ratio of its prior and
+    posterior deviations, besides the distance of the estimate from the prior.
+    """
+    J = fitted.jacobian[samples]
+    told = np.maximum(np.linalg.eigvalsh(J.T @ J / max(density, 1e-300)), 0.0)
+    x = fitted.coordinates
+    return -0.5 * float(x @ x + np.log1p(told).sum())
 
 
 def share_removed(

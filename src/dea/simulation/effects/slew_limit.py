@@ -46,9 +46,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return rates below the fastest change of the input."""
-    return tuple(
-        (part * scales.u_rate, 1.0, 0.2 * scales.interval, 0.0) for part in (0.7, 0.4, 0.2, 0.05)
-    )
+    dt = scales.interval
+    return tuple((part * scales.u_rate, 1.0, 0.2 * dt, 0.5 * dt) for part in (0.7, 0.4, 0.2, 0.05))
 
 
 EFFECT = Effect(
