@@ -216,14 +216,14 @@ class _FreeRuns:
     """The simulated error over segments, linearised by exact sensitivities."""
 
     def __init__(self, terms: tuple[Term, ...], segments: Sequence[Segment]) -> None:
-        self._record = _Record(terms, segments)
-        self.samples = sum(part.stop - part.start for part in self._record.scored)
+        self._whole = _Segments(terms, segments)
+        self.samples = sum(part.stop - part.start for part in self._whole.scored)
 
     def evaluate(self, x: Array) -> Point[None]:
-        return Point(x, self._record.squared_error(x), None)
+        return Point(x, self._whole.squared_error(x), None)
 
     def linearise(self, point: Point[None], iteration: int, exact: bool) -> Model | None:
-        error, residual, slope = self._record.linearise(point.x)
+        error, residual, slope = self._whole.linearise(point.x)
         return _damped(error, residual, slope) if np.isfinite(error) else None
 
 
@@ -320,7 +320,7 @@ def _damped(error: float, residual: Array, slope: Array) -> Model:
 
 def squared_error(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> float:
     """Sum of squared errors of the free runs; infinite where one diverges."""
-    return _Record(terms, segments).squared_error(theta)
+    return _Segments(terms, segments).squared_error(theta)
 
 
 def sensitivities(
@@ -354,10 +354,10 @@ class Linearised(NamedTuple):
 
 def linearise(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> Linearised:
     """Simulate every segment with its sensitivities."""
-    return _Record(terms, segments).linearise(theta)
+    return _Segments(terms, segments).linearise(theta)
 
 
-class _Record:
+class _Segments:
     """Segments end to end, as one call of a kernel runs through them; each from its own outputs."""
 
     def __init__(self, terms: tuple[Term, ...], segments: Sequence[Segment]) -> None:
