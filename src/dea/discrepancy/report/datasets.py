@@ -13,6 +13,8 @@ from dea.discrepancy.report.sentence import where_sentence
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 
+_GAIN = "log ratio of RMSE without and with it, held-out; of unfinished ones where they were fitted"
+
 
 def localisation_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     """Return where the residual is concentrated, before and after, along each quantity."""
@@ -44,7 +46,7 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
     rivals = _written(confusion.candidates)
     data = xr.Dataset(
         {
-            "gain": column(gained.gain, "1", "log ratio of held-out RMSE without and with it"),
+            "gain": column(gained.gain, "1", _GAIN),
             "gain_low": column(gained.low, "1", "lower end of the 95 % interval over all effects"),
             "gain_high": column(gained.high, "1", "upper end of the 95 % interval"),
             "share": column(
