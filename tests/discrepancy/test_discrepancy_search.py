@@ -370,12 +370,12 @@ def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
 def test_a_name_that_the_evidence_is_against_is_not_given():
     evidence, candidate = graded()
     evidence = replace(evidence, rules=Rules())
-    chosen, other = candidate(1.001, "dead_zone"), candidate(1.3, "sensor_lag")
-    for weights, status in (([0.05, 0.95], "ambiguous"), ([0.5, 0.5], "named")):
-        weighed = Presence((other, chosen), np.array(weights[::-1]))
-        found = decide(
-            evidence, chosen, [chosen, other], [chosen], evidence.nominal.residual, weighed
-        )
+    chosen = candidate(1.001, "dead_zone")
+    others = candidate(1.3, "sensor_lag"), candidate(1.3, "strain_stiffening")
+    pool = [chosen, *others]
+    for weights, status in (([0.48, 0.47, 0.05], "ambiguous"), ([0.3, 0.2, 0.5], "named")):
+        weighed = Presence((*others, chosen), np.array(weights))
+        found = decide(evidence, chosen, pool, [chosen], evidence.nominal.residual, weighed)
         assert (found.status, found.answer) == (status, chosen)
 
 
@@ -390,3 +390,18 @@ def test_what_a_further_effect_surely_explains_is_not_called_noise():
         weighed = Presence((pair, alone), np.array(weights))
         found = decide(evidence, alone, [alone], [alone], evidence.nominal.residual, weighed)
         assert (found.status, found.reason) == ("named", reason)
+
+
+@pytest.mark.parametrize(
+    ("weight", "left", "status"),
+    [(0.95, 1.01, "named"), (0.8, 1.01, "ambiguous"), (0.95, 3.0, "ambiguous")],
+)
+def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(weight, left, status):
+    evidence, candidate = graded()
+    sure, chosen = candidate(left, "sensor_lag"), candidate(1.0, "dead_zone")
+    rival = candidate(1.0, "strain_stiffening")
+    weighed = Presence((sure, chosen), np.array([weight, 1.0 - weight]))
+    pool = [chosen, rival, sure]
+    found = decide(evidence, chosen, pool, [chosen], evidence.nominal.residual, weighed)
+    assert found.status == status
+    assert found.answer is (sure if status == "named" else chosen)

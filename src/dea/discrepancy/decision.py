@@ -147,6 +147,9 @@ def decide(
     error, rules = evidence.nominal_error, evidence.rules
     if error <= rules.noise_like * evidence.accuracy:
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
+    surest = weighed.surest(rules.certain)
+    if surest is not None and _stands_alone(evidence, surest, weighed):
+        return Decision(Status.NAMED, surest, reason=_rest(evidence, surest, weighed))
     if chosen is None:
         return _nothing_proven(evidence, residual)
     if not _explained(evidence, chosen, weighed):
@@ -183,6 +186,16 @@ def decide(
     if part is not None:
         return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
     return Decision(Status.AMBIGUOUS, chosen, tuple(rivals), Reason.RIVAL)
+
+
+def _stands_alone(evidence: Evidence, surest: Candidate, weighed: Presence) -> bool:
+    """Return whether the explanation that the evidence leaves alone is good enough to be named.
+
+    Blocks left out, of which there may be few, need not tell it from its rivals.
+    """
+    if not _explained(evidence, surest, weighed):
+        return False
+    return _share_of(evidence, surest).low >= evidence.rules.part
 
 
 def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:

@@ -55,6 +55,12 @@ class Presence:
         found = self.effects
         return min(found.get(name, 0.0) for name in candidate.names)
 
+    def surest(self, certain: float) -> Candidate | None:
+        """Return the candidate whose own weight makes it ``certain``, if there is one."""
+        if not self.candidates or self.weights[0] < certain:
+            return None
+        return self.candidates[0]
+
     def wider_than(self, candidate: Candidate) -> float:
         """Return the probability that the answer holds more than the effects of a candidate."""
         pairs = zip(self.candidates, self.weights, strict=True)
