@@ -191,7 +191,7 @@ check: $(VENV)/installed ## linters, formatters, the type checker, import contra
 test: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/installed ## the whole test suite
 	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync check compiled-tests
-	pytest --numprocesses $$(($(CORES) + 1)) --dist loadfile --no-loadscope-reorder
+	pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
 compiled-tests: $(VENV)/installed
 	@mkdir -p build
