@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from dea.narx.checks import Array
 
@@ -66,23 +65,10 @@ def whiten(noise: Autoregression, signal: Array) -> Array:
 
 def noise_energy(noise: Autoregression, slope: Array) -> Array:
     """Return slope^T Omega slope, Omega the covariance matrix of the noise over the samples."""
+    from scipy.signal import lfilter
+
     if noise.order:
         # Omega = A^-1 A^-T sigma^2 with A lower triangular: A^-T runs backwards in time.
-        slope = _filtered(noise.coefficients, slope[::-1])
+        slope = lfilter([1.0], noise.coefficients, slope[::-1], axis=0)
     energy: Array = noise.variance * (slope.T @ slope)
     return energy
-
-
-# Of its own, since the import of scipy.signal takes longer than all that a job filters.
-@njit(cache=True)
-def _filtered(coefficients: Array, white: Array) -> Array:
-    """Return v of w (samples, columns), the past before it zero."""
-    noise = np.empty(white.shape)
-    for t in range(white.shape[0]):
-        noise[t] = 0.0
-        for lag in range(min(coefficients.size - 1, t), 0, -1):
-            for j in range(white.shape[1]):
-                noise[t, j] -= coefficients[lag] * noise[t - lag, j]
-        for j in range(white.shape[1]):
-            noise[t, j] += white[t, j]
-    return noise

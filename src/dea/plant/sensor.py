@@ -2,9 +2,6 @@
 
 from typing import NamedTuple
 
-import numpy as np
-from numba import njit
-
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 
@@ -21,9 +18,6 @@ class Sensor(NamedTuple):
 class AntiAliasFilter:
     """A second-order Butterworth low-pass at the sub-step rate, carried from call to call.
 
-    Oppenheim and Schafer, Discrete-Time Signal Processing (2010), section 7.2: the bilinear
-    transform of 1/(s^2 + sqrt(2) s + 1), with the cutoff where it is asked for.
-
     Parameters
     ----------
     cutoff
@@ -33,26 +27,18 @@ class AntiAliasFilter:
     """
 
     def __init__(self, cutoff: float, level: float) -> None:
-        # Not scipy.signal, which takes half a second to import.
-        k = np.tan(np.pi * cutoff * SUBSTEP)
-        share = 1.0 / (1.0 + np.sqrt(2.0) * k + k * k)
-        gain = k * k * share
-        back_1, back_2 = 2.0 * (k * k - 1.0) * share, (1.0 - np.sqrt(2.0) * k + k * k) * share
-        self._coefficients = gain, back_1, back_2
-        self._memory = level * np.array([1.0 - gain, gain - back_2])
+        # Half a second to import, which an unfiltered sensor does not need.
+        from scipy.signal import butter, sosfilt_zi
+
+        self._sections = butter(2, cutoff, fs=1.0 / SUBSTEP, output="sos")
+        self._memory = level * sosfilt_zi(self._sections)
 
     def advance(self, signal: Array) -> Array:
         """Return the next piece of the signal filtered, of the same shape."""
-        return _filtered(*self._coefficients, self._memory, signal)
+        from scipy.signal import sosfilt
 
-
-@njit(cache=True)
-def _filtered(gain: float, back_1: float, back_2: float, memory: Array, signal: Array) -> Array:
-    """Filter by (gain, 2 gain, gain) over (1, back_1, back_2), changing the memory (2,)."""
-    filtered = np.empty_like(signal)
-    for k in range(signal.shape[0]):
-        y = memory[0] + gain * signal[k]
-        memory[0] = memory[1] + 2.0 * gain * signal[k] - back_1 * y
-        memory[1] = gain * signal[k] - back_2 * y
-        filtered[k] = y
-    return filtered
+        if not signal.size:
+            return signal
+        filtered: Array
+        filtered, self._memory = sosfilt(self._sections, signal, zi=self._memory)
+        return filtered
