@@ -48,15 +48,21 @@ def test_a_seventh_actuator_goes_on_another_page(project):
     assert project.planned(page, small=False)["gfrf"] == 1
 
 
-# One for each check that the workflow asks for; tests/configuration tries all that they refuse.
 @pytest.mark.parametrize(
     ("right", "wrong", "named"),
     [
         ("y_lags: 3", "y_lag: 3", "Did you mean 'y_lags'?"),
+        ("y_lags: 3", "y_lags: -3", "identification.y_lags: it is -3"),
+        ("seed:", "sede:", "Did you mean 'seed'?"),
+        ("name: dea2", "name: dea1", "'dea1' is taken"),
         ("name: dea2", "name: silverbox", "'silverbox' is taken"),
+        ("name: dea2", "name: figures", "'figures' is taken"),
         ("bench: dea2", "bench: dea9", "dea2 is to be 'dea9'"),
+        ("zoom: [100, 130]", "zoom: [1790, 1820]", "figures.zoom: [1790, 1820] s lies outside"),
+        ("batch: 6", "batch: six", "trials.batch: it is 'six'"),
         ("effects: []", "effects: [dead_zon]", "Did you mean 'dead_zone'?"),
         ("seed:", "\tseed:", "config/config.yaml: not valid YAML at line 6"),
+        ("orders:", "bench: {}\norders:", "the key 'bench' is given twice"),
     ],
 )
 def test_a_wrong_key_or_value_stops_before_the_dag(project, right, wrong, named):
