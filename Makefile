@@ -186,8 +186,7 @@ check: $(VENV)/installed ## linters, formatters, the type checker, import contra
 	snakefmt --check Snakefile workflow
 	snakemake --lint
 
-# All processes share what one has compiled, beside the linters, which leave cores idle. One process
-# more than there are cores, since tests that wait for a device leave theirs idle, too.
+# All processes share what one has compiled, beside the linters, which leave cores idle.
 test: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/installed ## the whole test suite
 	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync check compiled-tests
