@@ -118,6 +118,8 @@ def test_what_an_answer_holds_beside_an_effect_is_told_by_the_wider_sets():
     assert found.least_of(sets[1]) == pytest.approx(0.2)
     assert found.among(alone, [other]) == pytest.approx(2.0 / 3.0)
     assert found.among(candidate("d"), []) == 0.0
+    at_two_ports = Presence((alone, other, candidate("a")), np.array([0.6, 0.1, 0.3]))
+    assert at_two_ports.among(alone, [other]) == pytest.approx(0.9)
 
 
 def test_an_effect_is_as_sure_as_all_answers_that_hold_it():

@@ -82,7 +82,7 @@ def sure_alone(evidence: Evidence, rounds: Sequence[Round], weighed: Presence) -
     rules, floor = evidence.rules, evidence.floor
     if evidence.nominal_error <= rules.grow * floor:
         return []
-    sure = {name for name, value in weighed.effects.items() if value >= rules.certain}
+    sure = weighed.sure(rules.certain)
     singles = (c for c in rounds[0].candidates if c.finished and c.effects <= sure)
     return [c for c in singles if c.rmse <= rules.clean * floor]
 
@@ -221,7 +221,7 @@ def _certain_part(
     catalogue lacks is often half explained by several.
     """
     rules, floor = evidence.rules, evidence.floor
-    sure = {name for name, value in weighed.effects.items() if value >= rules.certain}
+    sure = weighed.sure(rules.certain)
     finished = [c for c in pool if c.finished]
 
     def ahead(part: Candidate, name: str) -> bool:

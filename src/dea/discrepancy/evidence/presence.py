@@ -16,7 +16,7 @@ from dea.discrepancy.evidence.bootstrap import energies
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.rules import misfit
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.candidates import Candidate, EffectSet
 
 _DRAWS = 1000
 
@@ -50,6 +50,10 @@ class Presence:
         """The same for each family of effects."""
         return self._of(families_of)
 
+    def sure(self, certain: float) -> set[str]:
+        """Return the effects that are ``certain``."""
+        return {name for name, value in self.effects.items() if value >= certain}
+
     def least_of(self, candidate: Candidate) -> float:
         """Return the probability of the effect of a candidate that is least sure."""
         found = self.effects
@@ -63,18 +67,20 @@ class Presence:
 
     def wider_than(self, candidate: Candidate) -> float:
         """Return the probability that the answer holds more than the effects of a candidate."""
-        pairs = zip(self.candidates, self.weights, strict=True)
-        return sum(float(weight) for c, weight in pairs if c.effects > candidate.effects)
+        return self._weight_where(lambda effects: effects > candidate.effects)
 
     def among(self, candidate: Candidate, others: Sequence[Candidate]) -> float:
-        """Return the probability of a candidate if it is right or one of the ``others`` is."""
-        weights = {
-            c.effects: float(weight)
-            for c, weight in zip(self.candidates, self.weights, strict=True)
-        }
-        own = weights.get(candidate.effects, 0.0)
-        whole = own + sum(weights.get(other.effects, 0.0) for other in others)
-        return own / whole if whole > 0 else 0.0
+        """Return the probability of a candidate if it is right or one of the ``others`` is.
+
+        Its effects count at whatever force port they act.
+        """
+        sets = {candidate.effects, *(other.effects for other in others)}
+        whole = self._weight_where(lambda effects: effects in sets)
+        return self._weight_where(lambda effects: effects == candidate.effects) / (whole or 1.0)
+
+    def _weight_where(self, holds: Callable[[EffectSet], bool]) -> float:
+        pairs = zip(self.candidates, self.weights, strict=True)
+        return sum(float(weight) for c, weight in pairs if holds(c.effects))
 
     def _of(self, parts: Callable[[Candidate], set[str]]) -> dict[str, float]:
         found: dict[str, float] = {}
