@@ -141,12 +141,13 @@ def log_volume(fitted: Fit, samples: np.ndarray, density: float) -> float:
 
     What bends to anything pays for it: each direction of the parameters that the ``samples`` (n,
     bool) determine, given an error of this ``density``, costs the log of the ratio of its prior and
-    posterior deviations, besides the distance of the estimate from the prior.
+    posterior deviations, besides the distance of the estimate from the prior. That distance counts
+    as by Cauchy's distribution: a spread says what is usual, and a delay of twenty spreads is
+    unusual, but not impossible.
     """
     J = fitted.jacobian[samples]
     told = np.maximum(np.linalg.eigvalsh(J.T @ J / max(density, 1e-300)), 0.0)
-    x = fitted.coordinates
-    return -0.5 * float(x @ x + np.log1p(told).sum())
+    return -float(np.log1p(fitted.coordinates**2).sum() + 0.5 * np.log1p(told).sum())
 
 
 def share_removed(
