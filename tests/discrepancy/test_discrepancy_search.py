@@ -405,3 +405,20 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(wei
     found = decide(evidence, chosen, pool, [chosen], evidence.nominal.residual, weighed)
     assert found.status == status
     assert found.answer is (sure if status == "named" else chosen)
+
+
+def test_a_part_that_a_law_does_without_is_no_parameter_at_its_bound():
+    problem, extended = hidden()
+    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    attached = extended.attach(catalogue()["cyclic_softening"], told)
+    usual = attached.values(np.zeros(attached.free.size))
+    where = attached.names.index("cyclic_softening.softening")
+    pushed = np.where(np.arange(usual.size) == where, 0.9, usual)
+
+    def at_bounds(values):
+        found = Fit(attached, attached.coordinates(values), problem.y, problem.y[:, None], 0.0)
+        return Candidate(found, 1.0, 1.0, 1.0).at_bounds
+
+    assert usual[attached.names.index("cyclic_softening.stroke_softening")] == 0.0
+    assert at_bounds(usual) == ()
+    assert at_bounds(pushed) == ("cyclic_softening.softening",)

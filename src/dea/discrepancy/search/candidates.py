@@ -54,15 +54,17 @@ class Candidate:
     def at_bounds(self) -> tuple[str, ...]:
         """Parameters of the effects that the record would have beyond their bounds.
 
-        Those that only shape a law, or belong to the start, do not count: many laws have bounds at
-        which one part of them vanishes.
+        Those that only shape a law, or belong to the start, do not count, nor those whose usual
+        value is the bound: many laws have bounds at which one part of them vanishes.
         """
         extended = self.fit.extended
         low, high = extended.bounds
         first = min((part.start for part in extended.effect_slices), default=len(extended.names))
         own = (extended.free >= first) & ~extended.shapes & ~extended.at_start
-        near = (self.fit.coordinates <= low + _NEAR) | (self.fit.coordinates >= high - _NEAR)
-        return tuple(extended.names[i] for i in extended.free[own & near])
+        found = self.fit.coordinates
+        near = (found <= low + _NEAR) | (found >= high - _NEAR)
+        unusual = np.abs(found) > _NEAR
+        return tuple(extended.names[i] for i in extended.free[own & near & unusual])
 
     @cached_property
     def effects(self) -> EffectSet:
