@@ -18,6 +18,7 @@ from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.degenerate import unfinish_degenerate
+from dea.discrepancy.search.hints import jumps
 from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.discrepancy.search.screening import Base, Offer, promising
 from dea.discrepancy.search.search import Search, pool_of
@@ -73,6 +74,25 @@ def test_a_disturbance_promises_most_at_its_frequency_whatever_its_phase(phase):
     best, *_ = promising(shaken, [base], Offer(effect, told), 2)
     frequency = best.extended.names.index("periodic_disturbance.frequency")
     assert best.extended.values(best.coordinates)[frequency] == pytest.approx(1.3)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("name", ["baseline_drift", "gain_drift", "step_fault"])
+def test_a_course_in_time_promises_as_much_whether_it_rises_or_falls(name, sign):
+    problem, extended = hidden()
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    simulated = problem.y - nominal.residual
+    course = 0.2 * (problem.time > 0.4 * problem.time[-1] if name == "step_fault" else
+                    problem.time / problem.time[-1])  # fmt: skip
+    added = course * (1.0 if name == "baseline_drift" else simulated - simulated.mean())
+    moved = replace(problem, y=problem.y + sign * added)
+    nominal = fit(moved, extended, np.zeros(extended.free.size))
+    scales = replace(
+        measured_scales(extended, nominal.values, moved), jumps=jumps(moved, nominal.residual)
+    )
+    base = Base.of(moved, nominal)
+    best, *_ = promising(moved, [base], Offer(catalogue()[name], scales), 2)
+    assert best.left < 0.3 * (base.left @ base.left)
 
 
 @pytest.mark.parametrize("first", ["slew_limit", "input_saturation"])

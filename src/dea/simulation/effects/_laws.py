@@ -118,6 +118,18 @@ def drift(t: np.ndarray, duration: float, modes: np.ndarray) -> np.ndarray:
     return result
 
 
+def drift_starts(size: float, duration: float) -> tuple[tuple[float, ...], ...]:
+    """Return slow courses of a ``size``: rises and falls, straight ones and bent ones.
+
+    The law is linear in its modes, but what a start promises counts in its own direction alone.
+    """
+    return tuple(
+        (*(sign * size * float(n == mode) for n in range(DRIFT_MODES)), duration)
+        for mode in range(2)
+        for sign in (1.0, -1.0)
+    )
+
+
 @cache
 def drift_modes() -> tuple[np.ndarray, np.ndarray]:
     """Return the spline weights (k, m) of each mode, the smoothest first, and prior deviations.

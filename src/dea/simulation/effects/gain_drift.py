@@ -3,7 +3,7 @@
 import numpy as np
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import DRIFT_MODES, drift, drift_modes
+from dea.simulation.effects._laws import DRIFT_MODES, drift, drift_modes, drift_starts
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
@@ -25,8 +25,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return a slow growth; the law is linear in its modes."""
-    return ((0.02, *(0.0,) * (DRIFT_MODES - 1), scales.duration),)
+    """Return slow rises and falls."""
+    return drift_starts(0.02, scales.duration)
 
 
 EFFECT = Effect(

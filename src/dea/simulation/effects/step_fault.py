@@ -38,9 +38,17 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return the instants at which the residual of the nominal simulation changes most."""
+    """Return the instants at which the residual changes most, with steps up and down.
+
+    They are of gain or offset alone: of both at once one may make up for what the other explains.
+    """
     rise = 0.01 * scales.duration
-    return tuple((instant, 0.01, 0.01 * scales.y_span, rise) for instant in scales.jumps)
+    gain, shift = 0.01, 0.01 * scales.y_span
+    return tuple(
+        (instant, *step, rise)
+        for instant in scales.jumps
+        for step in ((gain, 0.0), (-gain, 0.0), (0.0, shift), (0.0, -shift))
+    )
 
 
 EFFECT = Effect(
