@@ -22,7 +22,7 @@ from dea.discrepancy.search.hints import jumps
 from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.discrepancy.search.screening import Base, Offer, promising
 from dea.discrepancy.search.search import Search, pool_of
-from dea.simulation import catalogue, load_simulation, measured_scales, prepared
+from dea.simulation import Port, catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL, NOISE = 0.02, 0.002
 PRESENT = {
@@ -442,3 +442,13 @@ def test_a_part_that_a_law_does_without_is_no_parameter_at_its_bound():
     assert usual[attached.names.index("cyclic_softening.stroke_softening")] == 0.0
     assert at_bounds(usual) == ()
     assert at_bounds(pushed) == ("cyclic_softening.softening",)
+
+
+def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_ones():
+    problem, extended = hidden("dead_zone", "sensor_lag")
+    names = "dead_zone", "input_saturation", "sensor_lag"
+    offered = [catalogue()[name] for name in names]
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    _, *pairs = Search(problem, [nominal], offered, Budget(beam=1, exchanges=0), Rules()).rounds()
+    ports = [a.effect.port for each in pairs for a in each.before.extended.attached]
+    assert sorted(ports) == [Port.INPUT, Port.OUTPUT]

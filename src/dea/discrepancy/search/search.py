@@ -9,6 +9,7 @@ Regression, ch. 3). In the end each effect of the leading pairs is fitted again 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import islice
 
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.fit import Fit, fit, without
@@ -17,7 +18,7 @@ from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, best_of_each_set, judged
 from dea.discrepancy.search.rounds import Round, extend_by_each
-from dea.simulation import Effect
+from dea.simulation import Effect, Port
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Search:
     def rounds(self) -> list[Round]:
         """Offer every effect to the nominal simulation, then to its best extensions, and so on."""
         rounds = [self.singles]
-        beam = self._leading(rounds)
+        beam = self._diverse(rounds)
         for size in range(2, self.budget.effects + 1):
             if not beam or not self._lacking(beam):
                 break
@@ -59,6 +60,20 @@ class Search:
 
     def _leading(self, rounds: Sequence[Round]) -> list[Candidate]:
         return [c for c in pool_of(rounds) if c.finished][: self.budget.beam]
+
+    def _diverse(self, rounds: Sequence[Round]) -> list[Candidate]:
+        """Return the leading candidates, and the first that acts elsewhere than any of them.
+
+        Alone a right effect may be beaten by several that bend the reading as two effects do.
+        """
+
+        def ports(candidate: Candidate) -> set[Port]:
+            return {a.effect.port for a in candidate.fit.extended.attached}
+
+        leading = self._leading(rounds)
+        there = {port for c in leading for port in ports(c)}
+        others = (c for c in pool_of(rounds) if c.finished and not ports(c) & there)
+        return [*leading, *islice(others, 1)]
 
     def _pairs_from(self, beam: Sequence[Candidate]) -> list[Round]:
         grown = self._extended(beam)
