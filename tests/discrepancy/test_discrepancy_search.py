@@ -269,8 +269,12 @@ def graded():
         fitted = Fit(longer, np.zeros(longer.free.size), residual, plain.jacobian, 0.0)
         return Candidate(fitted, problem.seen_rmse(residual), problem.seen_rmse(residual), 9.0)
 
+    held_out = SimpleNamespace(
+        residual=lambda fitted: fitted.residual,
+        rmse=lambda fitted: problem.seen_rmse(fitted.residual),
+    )
     evidence = Evidence(
-        problem, candidate(9.0).fit, SimpleNamespace(residual=lambda fitted: fitted.residual),
+        problem, candidate(9.0).fit, held_out,
         [slice(k, k + 100) for k in range(0, 1500, 100)], NOISE, 0.0, Rules(misfit=1e-3),
         np.random.default_rng(5),
     )  # fmt: skip
@@ -425,6 +429,53 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(wei
     found = decide(evidence, chosen, pool, [chosen], evidence.nominal.residual, weighed)
     assert found.status == status
     assert found.answer is (sure if status == "named" else chosen)
+
+
+@pytest.mark.parametrize(
+    ("name", "left", "status"),
+    [
+        ("electrode_lag", 1.0, "ambiguous"),
+        ("electrode_lag", 1.02, "named"),
+        ("dead_zone", 1.0, "named"),  # of another class
+    ],
+)
+def test_of_one_class_no_law_may_fit_and_predict_better_than_the_one_left(name, left, status):
+    evidence, candidate = graded()
+    sure, other = candidate(1.01, "sensor_lag"), candidate(left, name)
+    weighed = Presence((sure, other), np.array([0.95, 0.05]))
+    found = decide(evidence, other, [other, sure], [other], evidence.nominal.residual, weighed)
+    assert found.status == status
+    assert found.answer is (sure if status == "named" else other)
+
+
+@pytest.mark.parametrize(("left", "named"), [(1.2, "part"), (3.0, "pair")])
+def test_of_a_pair_that_the_evidence_leaves_a_part_must_leave_room(left, named):
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    part, pair = candidate(left, "dead_zone"), candidate(1.0, "dead_zone", "sensor_lag")
+    weighed = Presence((pair, part), np.array([0.95, 0.05]))
+    found = decide(evidence, part, [pair, part], [part], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer) == ("named", {"part": part, "pair": pair}[named])
+
+
+@pytest.mark.parametrize(
+    ("name", "left", "named"),
+    [("gain_drift", 1.02, True), ("gain_drift", 1.3, False), ("baseline_drift", 1.02, False)],
+)
+def test_what_leaves_noise_alone_need_not_predict_unless_readings_drift(name, left, named):
+    """A course that few blocks show is extrapolated badly, and readings drift of themselves."""
+    evidence, candidate = graded()
+    course, rival = candidate(left, name), candidate(1.01, "dead_zone")
+    worse = {course.fit: 0.9 * evidence.nominal.residual}
+    held_out = SimpleNamespace(
+        residual=lambda fitted: worse.get(fitted, fitted.residual), rmse=evidence.held_out.rmse
+    )
+    weighed = Presence((course, rival), np.array([0.95, 0.05]))
+    found = decide(
+        replace(evidence, held_out=held_out), rival, [rival, course], [rival],
+        evidence.nominal.residual, weighed,
+    )  # fmt: skip
+    assert (found.answer is course) == named
 
 
 def test_a_part_that_a_law_does_without_is_no_parameter_at_its_bound():

@@ -148,7 +148,7 @@ def decide(
     if error <= rules.noise_like * evidence.accuracy:
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
     surest = weighed.surest(rules.certain)
-    if surest is not None and _stands_alone(evidence, surest, weighed):
+    if surest is not None and _stands_alone(evidence, surest, pool, weighed):
         return Decision(Status.NAMED, surest, reason=_rest(evidence, surest, weighed))
     if chosen is None:
         return _nothing_proven(evidence, residual)
@@ -188,14 +188,31 @@ def decide(
     return Decision(Status.AMBIGUOUS, chosen, tuple(rivals), Reason.RIVAL)
 
 
-def _stands_alone(evidence: Evidence, surest: Candidate, weighed: Presence) -> bool:
+def _stands_alone(
+    evidence: Evidence, surest: Candidate, pool: Sequence[Candidate], weighed: Presence
+) -> bool:
     """Return whether the explanation that the evidence leaves alone is good enough to be named.
 
-    Blocks left out, of which there may be few, need not tell it from its rivals.
+    Blocks left out, of which there may be few, need not tell it from its rivals. But no other law
+    of its class may fit and predict better, and a part of it must leave room for the rest.
     """
+    rules, floor, held_out = evidence.rules, evidence.floor, evidence.held_out
     if not _explained(evidence, surest, weighed):
         return False
-    return _share_of(evidence, surest).low >= evidence.rules.part
+
+    def preferred(other: Candidate) -> bool:
+        if other.effects < surest.effects:
+            return not rules.leaves_room(other.rmse, evidence.nominal_error, floor)
+        ahead = same_class(other, surest) and other.error < surest.error
+        return ahead and held_out.rmse(other.fit) < held_out.rmse(surest.fit)
+
+    if any(preferred(c) for c in pool if c.finished):
+        return False
+    # Readings drift of themselves: a course in time that they follow must be predicted.
+    laws = [a.effect for a in surest.fit.extended.attached]
+    of_readings = any(law.only_reads and not law.transferable for law in laws)
+    complete = surest.rmse <= rules.clean * floor and evidence.nominal_error > rules.grow * floor
+    return (complete and not of_readings) or _share_of(evidence, surest).low >= rules.part
 
 
 def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
