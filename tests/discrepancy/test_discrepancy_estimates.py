@@ -5,7 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dea.discrepancy.report.estimates import estimates
+from dea.discrepancy.evidence.model_error import ModelError
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.report.estimates import estimates, uncertainty
 from dea.simulation import Parameter
 
 
@@ -33,3 +35,20 @@ def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
     assert found["cubic"].value == pytest.approx(0.3)
     assert found["cubic"].low == pytest.approx(0.3 - 1.96 * 0.04)
     assert found["time"].high == pytest.approx(3.0 * np.exp(1.96 * 0.05))
+
+
+@pytest.mark.parametrize("samples", [500, 5000])
+def test_an_interval_holds_a_law_of_another_form_however_long_the_record_is(samples):
+    """The other law differs by a twentieth of the effect, all of which passes for its size."""
+    rng = np.random.default_rng(3)
+    effect = np.repeat(rng.standard_normal(samples // 50), 50)
+    effect *= 4.0 / np.sqrt(np.mean(effect**2))
+    noise = rng.standard_normal(samples)
+    problem = SimpleNamespace(seen=np.ones(samples, bool))
+    fitted = Fit(None, np.array([1.05]), noise, -effect[:, None], 0.0)
+    error = ModelError(1.0, 0.0, 0.05 * 4.0, 30.0)
+    [deviation] = uncertainty(problem, fitted, np.zeros(1), error).deviation
+    assert deviation == pytest.approx(0.05, rel=0.05)
+    spread = uncertainty(problem, fitted, np.array([0.2]), error)
+    assert spread.deviation[0] == pytest.approx(0.2)
+    assert spread.covariance[0, 0] == pytest.approx(0.04)
