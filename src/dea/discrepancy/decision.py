@@ -193,20 +193,20 @@ def _stands_alone(
 ) -> bool:
     """Return whether the explanation that the evidence leaves alone is good enough to be named.
 
-    Blocks left out, of which there may be few, need not tell it from its rivals. But no other law
-    of its class may fit and predict better, and a part of it must leave room for the rest.
+    Blocks left out, of which there may be few, need not tell it from its rivals. But none of its
+    size may have nearly its error, and a part of it must leave room for the rest.
     """
-    rules, floor, held_out = evidence.rules, evidence.floor, evidence.held_out
+    rules, floor = evidence.rules, evidence.floor
     if not _explained(evidence, surest, weighed):
         return False
 
-    def preferred(other: Candidate) -> bool:
+    def stands_against(other: Candidate) -> bool:
         if other.effects < surest.effects:
             return not rules.leaves_room(other.rmse, evidence.nominal_error, floor)
-        ahead = same_class(other, surest) and other.error < surest.error
-        return ahead and held_out.rmse(other.fit) < held_out.rmse(surest.fit)
+        rival = len(other.names) == len(surest.names) and other.effects != surest.effects
+        return rival and other.error <= rules.rival_margin * surest.error
 
-    if any(preferred(c) for c in pool if c.finished):
+    if any(stands_against(c) for c in pool if c.finished):
         return False
     # Readings drift of themselves: a course in time that they follow must be predicted.
     laws = [a.effect for a in surest.fit.extended.attached]

@@ -28,7 +28,7 @@ class Rules:
         right leaves a small structured residual, part of which almost any second law removes.
     rival_margin
         A rival of another class is beaten if its misfit is larger by this factor, and the
-        difference is significant.
+        difference is significant; or if its error is, and the evidence leaves it no weight.
     predictable
         A flexible model that lowers the remaining error below this part of it shows that
         something else is missing.
