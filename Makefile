@@ -101,8 +101,9 @@ real: $(VENV)/installed ## name what the simulation of each measured record is m
 	$(SNAKEMAKE) real_records
 	pytest -m campaign tests/discrepancy/test_discrepancy_real_records.py
 
-trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 SET=tuning)
-	$(SNAKEMAKE) trials --config 'trials={$(COUNT:%=count: %$(comma) )$(SET:%=set: %)}'
+trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 FIRST=60 SET=tuning)
+	$(SNAKEMAKE) trials --config \
+		'trials={$(FIRST:%=first: %$(comma) )$(COUNT:%=count: %$(comma) )$(SET:%=set: %)}'
 
 records: $(VENV)/installed ## fetch the public measured records into data/ (FROM=folder copies them)
 	python -m dea.public_records $(if $(FROM),--from $(FROM))

@@ -17,15 +17,15 @@ TRIALS = Path("results/trials")
 def measured(folder: Path) -> dict[str, Any]:
     """Return what the documents quote of the campaign in ``folder``.
 
-    Its table of rates as lines, the number of trials and of those of each device, and the mean time
-    of a core for each step of a trial, in s.
+    Its table of rates as lines, the numbers of its first and last trial, the number of trials and
+    of those of each device, and the mean time of a core for each step of a trial, in s.
     """
     scores = store.read(folder / "scores.nc")
-    count = scores.sizes["trial"]
-    batches = sorted(
-        path for path in folder.glob("*-*") if int(path.name.partition("-")[0]) < count
-    )
+    count, names = scores.sizes["trial"], sorted(scores["trial"].values)
+    batches = sorted(path for path in folder.glob("*-*") if path.name.partition("-")[0] in names)
     return {
+        "first": int(names[0]),
+        "last": int(names[-1]),
         "count": count,
         "devices": pd.Series(scores["device"].values).value_counts().to_dict(),
         "table": rates(scores).shown.to_markdown(index=False, disable_numparse=True).splitlines(),
@@ -44,7 +44,8 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--set", default="reporting", help="of the trials")
     options = parser.parse_args(arguments)
     values = measured(TRIALS / options.set)
-    keep("trials", f"make trials COUNT={values['count']} SET={options.set}", values)
+    command = f"make trials FIRST={values['first']} COUNT={values['count']} SET={options.set}"
+    keep("trials", command, values)
     print("\n".join(values["table"]))
 
 

@@ -18,7 +18,7 @@ def test_a_campaign_is_kept_with_its_table_and_the_time_of_a_trial(tmp_path):
         for step, part in (("draw", 0.1), ("diagnose", 1.0)):
             (folder / f"{step}.tsv").write_text(f"s\tcpu_time\n99.0\t{part * seconds}\n")
     kept = measured(tmp_path)
-    assert kept["count"] == 9
+    assert (kept["first"], kept["last"], kept["count"]) == (0, 8, 9)
     assert kept["devices"] == {"film": 9}
     assert kept["seconds"] == pytest.approx({"draw": 1.0, "diagnose": 10.0})
     assert kept["table"][0].startswith("| measure")

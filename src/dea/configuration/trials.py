@@ -1,8 +1,13 @@
 """Blind trials: ``trials`` of config/config.yaml."""
 
-from typing import Literal
+from typing import Literal, Self
 
-from dea.configuration.section import Count, Section, Whole, key
+from pydantic import model_validator
+
+from dea.configuration.section import Count, Section, Whole, key, refuse
+
+# Numbers have four digits.
+_LAST = 9999
 
 
 class Seeds(Section):
@@ -21,7 +26,19 @@ class Trials(Section):
         "tuning, to improve the diagnosis on; reporting, to judge it by; ambiguous ones leave "
         "rivals open on one record"
     )
-    count: Whole = key("trials of the campaign", ge=1, le=9999)
+    first: Whole = key("number of the campaign's first trial", ge=0, le=_LAST)
+    count: Whole = key("trials of the campaign", ge=1, le=_LAST)
     batch: Count = key("trials of one job")
     seeds: Seeds = key("of the sets")
     device: str = key("file of the device description that trials are recorded by")
+
+    @model_validator(mode="after")
+    def _numbered(self) -> Self:
+        last = self.first + self.count - 1
+        if last > _LAST:
+            raise refuse(
+                "count",
+                f"the last trial would be number {last}, beyond {_LAST}",
+                "Take fewer trials, or earlier ones.",
+            )
+        return self
