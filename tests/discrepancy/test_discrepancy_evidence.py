@@ -204,7 +204,7 @@ def test_runs_are_where_a_mask_holds():
 def test_a_long_record_has_nineteen_blocks_three_time_constants_apart():
     u = np.sin(np.arange(9000) * 0.05)
     parts = split(u, INTERVAL, 0.09, warm_up=2.0)
-    assert parts.gap == 14  # three time constants are 13.5 samples
+    assert parts.spacing == 14  # three time constants are 13.5 samples
     kept = {name: runs(getattr(parts, name)) for name in ("fit", "select", "certify")}
     assert [len(kept[name]) for name in ("fit", "select", "certify")] == [9, 9, 1]
     blocks = sorted((run.start, run.stop) for found in kept.values() for run in found)

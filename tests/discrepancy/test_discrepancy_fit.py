@@ -243,7 +243,7 @@ def test_blocks_are_apart_and_the_certified_one_lies_inside(seed, samples, slowe
     used = np.flatnonzero(masks.any(0))
     role = masks[:, used].argmax(0)
     change = np.flatnonzero(np.diff(role))
-    assert (np.diff(used)[change] > parts.gap - 2).all()
+    assert (np.diff(used)[change] > parts.spacing - 2).all()
     kept = np.flatnonzero(parts.certify)
     assert used[0] < kept[0]
     assert kept[-1] < used[-1]

@@ -10,11 +10,11 @@ from dea.discrepancy import NamedEffect, Settings, Verdict, read_verdict
 from dea.resolution import (
     ANOTHER,
     Design,
+    Knowledge,
     Options,
     Outcome,
     Resolution,
     Round,
-    State,
     resolution_dataset,
 )
 from dea.resolution.posterior import Posterior
@@ -24,7 +24,7 @@ from dea.stages.resolve import said
 PRIOR = {"none": 0.1, "a": 0.4, "b": 0.3, "a+b": 0.1, ANOTHER: 0.1}
 
 
-def state(now, status="named", names=("a",), whole=True):
+def knowledge(now, status="named", names=("a",), whole=True):
     verdict = SimpleNamespace(status=status, names=names, whole=whole)
     explanations = {
         name: SimpleNamespace(effects=frozenset(name.split("+")) - {"none"})
@@ -33,7 +33,7 @@ def state(now, status="named", names=("a",), whole=True):
     }
     logs = dict.fromkeys(PRIOR, -np.inf) | {name: np.log(value) for name, value in now.items()}
     posterior = Posterior(PRIOR, logs)
-    return State((), SimpleNamespace(verdict=verdict), explanations, posterior, None)
+    return Knowledge((), SimpleNamespace(verdict=verdict), explanations, posterior, None)
 
 
 @pytest.mark.parametrize(
@@ -55,11 +55,11 @@ def state(now, status="named", names=("a",), whole=True):
     ],
 )
 def test_all_hypotheses_left_must_hold_the_verdict(now, kind, outcome):
-    assert state(now, **kind).outcome(0.01) is outcome
+    assert knowledge(now, **kind).outcome(0.01) is outcome
 
 
 def test_what_is_left_follows_the_level():
-    found = state({"a": 0.98, "b": 0.02})
+    found = knowledge({"a": 0.98, "b": 0.02})
     assert found.posterior.left(0.01) == {"a", "b"}
     assert found.posterior.left(0.1) == {"a"}
 
@@ -75,7 +75,7 @@ def test_a_name_that_is_withdrawn_is_given_nowhere(tmp_path, outcome, status, se
     """Neither by the line that is said, nor by the dataset, nor by the verdict that is kept."""
     effect = NamedEffect("a", "input", "lag", {}, 2.0, 1.0, (0.7, 0.6, 0.8))
     named = Verdict("named", "It is a.", (effect,), {}, 0.1, {}, "mm")
-    found = state({ANOTHER: 1.0})
+    found = knowledge({ANOTHER: 1.0})
     rmse = SimpleNamespace(seen_rmse=lambda residual: residual)
     diagnosis = SimpleNamespace(
         verdict=named, problem=rmse, units=("V", "mm"),
@@ -98,9 +98,9 @@ def test_a_name_that_is_withdrawn_is_given_nowhere(tmp_path, outcome, status, se
 
 def test_where_only_the_simulation_alone_is_left_all_effects_asked_for_are_offered():
     settings = Settings(effects=("a", "b", "c"))
-    left = state({"none": 1.0})
+    left = knowledge({"none": 1.0})
     assert _offered(left, left.posterior, settings, Options()) == ("a", "b", "c")
-    left = state({"none": 0.5, "a": 0.5})
+    left = knowledge({"none": 0.5, "a": 0.5})
     assert _offered(left, left.posterior, settings, Options()) == ("a",)
 
 
@@ -108,7 +108,7 @@ def test_where_only_the_simulation_alone_is_left_all_effects_asked_for_are_offer
 def test_all_effects_are_offered_where_the_verdict_leaves_too_much(kind):
     """Those that are left may all hold a part of the answer alone."""
     settings = Settings(effects=("a", "b", "c"))
-    left = state({"a": 1.0}, **kind)
+    left = knowledge({"a": 1.0}, **kind)
     assert _offered(left, left.posterior, settings, Options()) == ("a", "b", "c")
 
 

@@ -13,10 +13,10 @@ from dea.errors import InputError
 from dea.resolution import (
     ANOTHER,
     CERTIFICATE,
+    Knowledge,
     Options,
     Outcome,
     Resolution,
-    State,
     experiment_page,
     resolution_dataset,
     resolve,
@@ -127,7 +127,7 @@ def test_the_motion_in_several_records_does_not_count_the_jump_from_one_to_the_n
 
 
 def known(left=("a",)):
-    """Return a state in which some of three explanations are left, of which one runs away."""
+    """Return what is known where some of three explanations are left, of which one runs away."""
 
     def level(value):
         return lambda u, interval: np.full(u.size, value)
@@ -148,7 +148,7 @@ def known(left=("a",)):
     posterior = prior.after({name: 0.0 if name in left else -1e3 for name in prior.now})
     error = LawError(Error(0.1, 0.0, 1.0), Motion(np.inf, np.inf), 0.0)
     diagnosis = SimpleNamespace(problem=SimpleNamespace(u=np.zeros(9), interval=INTERVAL))
-    return State((), diagnosis, explanations, posterior, error)
+    return Knowledge((), diagnosis, explanations, posterior, error)
 
 
 def test_a_certificate_asks_the_explanations_that_are_left():
@@ -168,9 +168,14 @@ def test_explanations_that_a_certificate_asks_are_equally_probable():
 
 def test_a_judged_excitation_keeps_its_range_to_the_last_digit():
     """It is drawn to the middle, and 0.3 + (0.9 - 0.3) is above 0.9."""
-    state, limits = known(), replace(LIMITS, low=0.0, high=0.9)
+    knowledge, limits = known(), replace(LIMITS, low=0.0, high=0.9)
     question = Question(
-        [state.explanations["a"]], [1.0], state.explanations["none"], state.error, limits, 0.3
+        [knowledge.explanations["a"]],
+        [1.0],
+        knowledge.explanations["none"],
+        knowledge.error,
+        limits,
+        0.3,
     )
     assert limits.allows(question.judged(np.linspace(0.3, 0.9, 5), "free").u)
 
@@ -178,18 +183,18 @@ def test_a_judged_excitation_keeps_its_range_to_the_last_digit():
 def test_why_no_record_was_designed_is_said(monkeypatch):
     from dea.resolution import rounds
 
-    state = known()
+    knowledge = known()
     verdict = SimpleNamespace(status="ambiguous", names=(), sentence="It is open.", whole=True)
-    monkeypatch.setattr(state.diagnosis, "verdict", verdict, raising=False)
-    monkeypatch.setattr(rounds, "begun", lambda *arguments: state)
+    monkeypatch.setattr(knowledge.diagnosis, "verdict", verdict, raising=False)
+    monkeypatch.setattr(rounds, "begun", lambda *arguments: knowledge)
     monkeypatch.setattr(rounds, "next_design", lambda *arguments: None)
     found, _ = solved(lambda u, seed: as_record(u, u))
     assert (found.outcome, found.rounds, found.pending) == (Outcome.OPEN, (), None)
     assert "Raise `resolution.output_margin`" in said("carriage", found)
-    monkeypatch.setattr(state.diagnosis, "final", SimpleNamespace(extended=None), raising=False)
+    monkeypatch.setattr(knowledge.diagnosis, "final", SimpleNamespace(extended=None), raising=False)
     monkeypatch.setattr(rounds, "transferable", lambda extended: True)
     nowhere = SimpleNamespace(design=lambda number, make: None)
-    decided = Resolution(state, (), Outcome.DECIDED)
+    decided = Resolution(knowledge, (), Outcome.DECIDED)
     found = rounds._certified(decided, nowhere, CARRIAGE, LIMITS, SETTINGS, OPTIONS)
     assert (found.certificate, found.pending) == (None, None)
     assert "not certified: no excitation was found" in said("carriage", found)
@@ -212,10 +217,10 @@ def test_what_is_asked_counts_by_itself(monkeypatch, logs, asked):
     questions = []
     monkeypatch.setattr(rounds, "_shortest", lambda *arguments: 1.0)
     monkeypatch.setattr(rounds, "designed", lambda question, *rest: questions.append(question))
-    state = known()
+    knowledge = known()
     prior = dict.fromkeys(logs, 0.25)
-    state = replace(state, posterior=Posterior.of(prior).after(logs))
-    next_design(state, LIMITS, SETTINGS, OPTIONS, 1)
+    knowledge = replace(knowledge, posterior=Posterior.of(prior).after(logs))
+    next_design(knowledge, LIMITS, SETTINGS, OPTIONS, 1)
     (question,) = questions
     found = dict(zip([e.name for e in question.explanations], question.probabilities, strict=True))
     assert found == pytest.approx(asked)
@@ -232,9 +237,9 @@ def test_another_explanation_may_be_near_any_of_those_that_are_offered(monkeypat
 
     monkeypatch.setattr(rounds, "predicted", predicted)
     now = {"none": 0.6, "a": 0.1, "away": 0.2, ANOTHER: 0.1}
-    state = replace(known(), posterior=Posterior.of(now))
+    knowledge = replace(known(), posterior=Posterior.of(now))
     densities = {"none": -1000.0, "a": -100.0, "away": -np.inf}
     errors = [Error(0.1, 1.0, 9.0), Error(0.1, 2.0, 9.0)]
-    found = rounds._not_offered(state, None, densities, errors)
+    found = rounds._not_offered(knowledge, None, densities, errors)
     exact = np.log(0.1 / 0.7) + np.logaddexp(-50.0, -40.0) - np.log(2.0)
     assert found == pytest.approx(exact)

@@ -76,41 +76,41 @@ def whole_inverse(
     def missing(inputs: Array) -> Array:
         return np.where(wanted, reference - simulate(inputs), 0.0)
 
-    def cost(inputs: Array, gap: Array) -> float:
-        return float(gap @ gap + weight * np.sum(np.diff(inputs, 2) ** 2))
+    def cost(inputs: Array, error: Array) -> float:
+        return float(error @ error + weight * np.sum(np.diff(inputs, 2) ** 2))
 
-    inputs, gap = begun.copy(), missing(begun)
-    if not np.isfinite(gap).all():
-        raise _diverges(gap)
-    best = cost(inputs, gap)
+    inputs, error = begun.copy(), missing(begun)
+    if not np.isfinite(error).all():
+        raise _diverges(error)
+    best = cost(inputs, error)
     for _ in range(_STEPS):
-        band = _band(missing, inputs, gap, first, memory, change)
-        step = _step(band, gap[first:], np.diff(inputs, 2)[first - 2 :], weight)
+        band = _band(missing, inputs, error, first, memory, change)
+        step = _step(band, error[first:], np.diff(inputs, 2)[first - 2 :], weight)
         before = best
         for share in _SHARES:
             tried = inputs.copy()
             tried[first:] += share * step
             _limit(tried, first, lowest, highest, reach)
-            gap_tried = missing(tried)
+            error_tried = missing(tried)
             # A run that diverges costs NaN, which is not less.
-            if cost(tried, gap_tried) < best:
-                inputs, gap, best = tried, gap_tried, cost(tried, gap_tried)
+            if cost(tried, error_tried) < best:
+                inputs, error, best = tried, error_tried, cost(tried, error_tried)
                 break
         if not best < (1.0 - _ENOUGH) * before:
             break
-    return Found(inputs, float(np.sqrt(np.mean(gap[wanted] ** 2))))
+    return Found(inputs, float(np.sqrt(np.mean(error[wanted] ** 2))))
 
 
-def _diverges(gap: Array) -> InputError:
+def _diverges(error: Array) -> InputError:
     return InputError(
-        f"the simulation diverges at sample {int(np.argmin(np.isfinite(gap)))} of the reference",
+        f"the simulation diverges at sample {int(np.argmin(np.isfinite(error)))} of the reference",
         field="simulation",
         remedy="Correct its parameters, or narrow the reference.",
     )
 
 
 def _band(
-    missing: Callable[[Array], Array], inputs: Array, gap: Array, first: int, memory: int,
+    missing: Callable[[Array], Array], inputs: Array, error: Array, first: int, memory: int,
     change: float,
 ) -> Array:  # fmt: skip
     """Return what input ``first + j`` adds to the output k samples later, [j, k]."""
@@ -123,13 +123,13 @@ def _band(
         beside = missing(changed)
         if not np.isfinite(beside).all():
             raise _diverges(beside)
-        effect[:size] = ((gap - beside) / change)[first:]
+        effect[:size] = ((error - beside) / change)[first:]
         columns = band[begin::memory]
         columns[:] = effect[begin : begin + columns.size].reshape(columns.shape)
     return band
 
 
-def _step(band: Array, gap: Array, curves: Array, weight: float) -> Array:
+def _step(band: Array, error: Array, curves: Array, weight: float) -> Array:
     """Return the least-squares step; ``curves`` are the second differences of the inputs now."""
     from scipy.linalg import solveh_banded
 
@@ -137,7 +137,7 @@ def _step(band: Array, gap: Array, curves: Array, weight: float) -> Array:
     normal = np.zeros((max(memory, 3), size))  # lower form of solveh_banded
     slope = np.zeros(size)
     for lag in range(min(memory, size)):
-        slope[: size - lag] += band[: size - lag, lag] * gap[lag:]
+        slope[: size - lag] += band[: size - lag, lag] * error[lag:]
         for k in range(memory - lag):
             normal[lag, : size - lag] += band[: size - lag, k + lag] * band[lag:, k]
     normal[0] += weight * np.concatenate([np.full(size - 2, 6.0), [5.0, 1.0]])

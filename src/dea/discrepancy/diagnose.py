@@ -125,7 +125,7 @@ def diagnose(
     singles, pool = rounds[0].candidates, pool_of(rounds)
 
     # Collect evidence.
-    length = max(problem.size / settings.blocks, parts.gap)
+    length = max(problem.size / settings.blocks, parts.spacing)
     blocks = parts.blocks(problem.seen, length)
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, floor, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)

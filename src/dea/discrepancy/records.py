@@ -110,7 +110,7 @@ def prepare(
         np.concatenate([each.fit for each in splits]) & seen,
         np.concatenate([each.select for each in splits]) & seen,
         np.concatenate([each.certify for each in splits]) & seen,
-        max(each.gap for each in splits),
+        max(each.spacing for each in splits),
     )
     problem = Problem(
         u,

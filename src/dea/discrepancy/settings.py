@@ -17,13 +17,13 @@ class Settings:
     effects
         Names of the effects offered; all of the catalogue if empty.
     slowest_time
-        Slowest time constant (s), which sets the gaps of the split; the simulation's own if
+        Slowest time constant (s), which sets the spacing of the blocks; the simulation's own if
         ``None``.
     warm_up
         Time (s) at the start of the record that no error counts; at most a fiftieth of it.
     blocks
-        Blocks of the seen samples that are resampled, at most. A block is never shorter than a gap
-        of the split: blocks shorter than the device's memory are not independent.
+        Blocks of the seen samples that are resampled, at most. A block is never shorter than the
+        spacing of the split: blocks shorter than the device's memory are not independent.
     noise_margin
         Factor on the estimated noise that fits weigh the record with, since the residual of a
         simulation that misses an effect is larger than the noise.

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dea.resolution.rounds import Resolution, State
+from dea.resolution.rounds import Knowledge, Resolution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,7 +17,7 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
     """
     import xarray as xr
 
-    states = [found.first, *(each.after for each in found.rounds)]
+    steps = [found.first, *(each.after for each in found.rounds)]
     names = sorted(found.last.posterior.now, key=lambda n: -found.last.posterior.now[n])
     designs = [None, *(each.design for each in found.rounds)]
     unit = found.first.diagnosis.units[1]
@@ -34,26 +34,24 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
         {
             "probability": (
                 ("round", "hypothesis"),
-                [[state.posterior.now.get(name, np.nan) for name in names] for state in states],
+                [[known.posterior.now.get(name, np.nan) for name in names] for known in steps],
                 {"units": "1", "long_name": "probability of the hypothesis"},
             ),
             "rejected": (
                 ("round", "hypothesis"),
                 np.array(
-                    [[name in s.posterior.rejected(level) for name in names] for s in states],
+                    [[name in s.posterior.rejected(level) for name in names] for s in steps],
                     np.int8,
                 ),
                 {"units": "1", "long_name": "whether the hypothesis is rejected"},
             ),
-            "driven": over([s.driven for s in states], "s", "time driven in designed records"),
-            "status": over([_status(s) for s in states], "1", "verdict on all records so far"),
-            "names": over([_names(s) for s in states], "1", "effects of that verdict"),
+            "driven": over([s.driven for s in steps], "s", "time driven in designed records"),
+            "status": over([_status(s) for s in steps], "1", "verdict on all records so far"),
+            "names": over([_names(s) for s in steps], "1", "effects of that verdict"),
             "gap_before": over(
-                [_gap(s, False) for s in states], unit, "error of the simulation alone"
+                [_gap(s, False) for s in steps], unit, "error of the simulation alone"
             ),
-            "gap_after": over(
-                [_gap(s, True) for s in states], unit, "error with the named effects"
-            ),
+            "gap_after": over([_gap(s, True) for s in steps], unit, "error with the named effects"),
             "form": over([d.form if d else "" for d in designs], "1", "form of the excitation"),
             "closest": over(
                 ["/".join(d.closest) if d else "" for d in designs],
@@ -67,7 +65,7 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
             ),
         },
         coords={
-            "round": ("round", np.arange(len(states)), {"units": "1", "long_name": "round"}),
+            "round": ("round", np.arange(len(steps)), {"units": "1", "long_name": "round"}),
             "hypothesis": (
                 "hypothesis",
                 np.array(names, dtype=object),
@@ -89,17 +87,17 @@ def resolution_dataset(found: Resolution, level: float) -> "xr.Dataset":
     return dataset
 
 
-def _status(state: State) -> str:
-    verdict = state.verdict
+def _status(known: Knowledge) -> str:
+    verdict = known.verdict
     return verdict.status if verdict.whole else f"{verdict.status} in part"
 
 
-def _names(state: State) -> str:
-    verdict = state.verdict
+def _names(known: Knowledge) -> str:
+    verdict = known.verdict
     return " or ".join("+".join(each) for each in (verdict.names, *verdict.rivals) if each)
 
 
-def _gap(state: State, named: bool) -> float:
-    found = state.diagnosis
-    fitted = found.extended if named and not state.withdrawn else found.nominal
+def _gap(known: Knowledge, named: bool) -> float:
+    found = known.diagnosis
+    fitted = found.extended if named and not known.withdrawn else found.nominal
     return found.problem.seen_rmse(fitted.residual)

@@ -102,7 +102,7 @@ class Options:
 
 
 @dataclass(frozen=True)
-class State:
+class Knowledge:
     """What is known after some records.
 
     ``explanations`` hold a hypothesis each by its name; ``posterior`` also holds ``another``.
@@ -149,13 +149,13 @@ class State:
 
 @dataclass(frozen=True)
 class Round:
-    """A designed record, what it changed, and the state after it."""
+    """A designed record, what it changed, and what was known before and after."""
 
     number: int
     design: Design
     log_densities: Mapping[str, float]
-    before: State
-    after: State
+    before: Knowledge
+    after: Knowledge
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ class Resolution:
     record that was still wanted could not be designed.
     """
 
-    first: State
+    first: Knowledge
     rounds: tuple[Round, ...]
     outcome: Outcome
     certificate: Certified | None = None
@@ -175,8 +175,8 @@ class Resolution:
     halted: str = ""
 
     @property
-    def last(self) -> State:
-        """The state after all records."""
+    def last(self) -> Knowledge:
+        """What is known after all records."""
         return self.rounds[-1].after if self.rounds else self.first
 
 
@@ -210,15 +210,15 @@ def resolve(
     """
     settings, options = settings or Settings(), options or Options()
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
-    state = first = begun(records, own, settings, options, workers)
+    known = first = begun(records, own, settings, options, workers)
     rounds: list[Round] = []
     halted = ""
     undecided = (Outcome.OPEN, Outcome.PART)
-    while state.outcome(options.level) in undecided and len(rounds) < options.records:
-        if not rounds and state.verdict.status == Status.NONE:
+    while known.outcome(options.level) in undecided and len(rounds) < options.records:
+        if not rounds and known.verdict.status == Status.NONE:
             break
         number = len(rounds) + 1
-        design = desk.design(number, partial(next_design, state, limits, settings, options, number))
+        design = desk.design(number, partial(next_design, known, limits, settings, options, number))
         if design is None:
             halted = f"Record {number} is not driven: {_NOWHERE}"
             break
@@ -226,11 +226,11 @@ def resolve(
         if record is None:
             return Resolution(first, tuple(rounds), Outcome.OPEN, pending=number)
         with part_of(f"record {number}"):
-            after, log_densities = learnt(state, record, own, settings, options, workers)
-        rounds.append(Round(number, design, log_densities, state, after))
+            after, log_densities = learnt(known, record, own, settings, options, workers)
+        rounds.append(Round(number, design, log_densities, known, after))
         desk.keep(rounds[-1])
-        state = after
-    outcome = state.outcome(options.level)
+        known = after
+    outcome = known.outcome(options.level)
     found = Resolution(first, tuple(rounds), outcome, halted=halted)
     if outcome not in (Outcome.DECIDED, Outcome.PART) or not rounds:
         return found
@@ -243,8 +243,8 @@ def begun(
     settings: Settings,
     options: Options,
     workers: int,
-) -> State:
-    """Return the state before any designed record: the diagnosis gives hypotheses and prior.
+) -> Knowledge:
+    """Return what is known before any designed record: the diagnosis gives hypotheses and prior.
 
     Raises
     ------
@@ -267,7 +267,7 @@ def begun(
         * ((1.0 - _EQUAL) * shares.get(name, 0.0) + _EQUAL / len(explanations))
         for name in explanations
     }
-    return State(
+    return Knowledge(
         tuple(records),
         found,
         explanations,
@@ -277,43 +277,43 @@ def begun(
 
 
 def next_design(
-    state: State, limits: Limits, settings: Settings, options: Options, number: int
+    known: Knowledge, limits: Limits, settings: Settings, options: Options, number: int
 ) -> Design | None:
     """Return the excitation that best tells apart the hypotheses that are left."""
     tell(f"record {number}: designing it")
-    left = state.posterior.left(options.level) - {ANOTHER}
-    logs = state.posterior.log_now
-    asked = likeliest([state.explanations[name] for name in sorted(left)], logs)
+    left = known.posterior.left(options.level) - {ANOTHER}
+    logs = known.posterior.log_now
+    asked = likeliest([known.explanations[name] for name in sorted(left)], logs)
     weights = np.array([logs[each.name] for each in asked])
     if len(asked) < 2:
         # Of those that are rejected nothing is open: the one that is left is tested against each.
-        asked = likeliest(list(state.explanations.values()), logs)
+        asked = likeliest(list(known.explanations.values()), logs)
         weights = np.zeros(len(asked))
-    question = _question(state, asked, weights, limits)
-    shortest = _shortest(state, settings, options)
+    question = _question(known, asked, weights, limits)
+    shortest = _shortest(known, settings, options)
     durations = shortest, options.duration
     rng = _generator(settings, number)
     return designed(question, durations, options.level, rng, options.forms)
 
 
 def _question(
-    state: State, asked: Sequence[Explanation], weights: np.ndarray, limits: Limits
+    known: Knowledge, asked: Sequence[Explanation], weights: np.ndarray, limits: Limits
 ) -> Question:
     """Return the question of these explanations, with the logarithms of their weights."""
     return Question(
         asked,
         np.exp(weights - np.logaddexp.reduce(weights)).tolist(),
-        state.explanations[NONE],
-        state.error,
+        known.explanations[NONE],
+        known.error,
         limits,
-        float(np.clip(np.mean(state.diagnosis.problem.u), limits.low, limits.high)),
+        float(np.clip(np.mean(known.diagnosis.problem.u), limits.low, limits.high)),
     )
 
 
-def _shortest(state: State, settings: Settings, options: Options) -> float:
+def _shortest(known: Knowledge, settings: Settings, options: Options) -> float:
     """Return the duration (s) of the shortest record that a diagnosis can split."""
-    interval = state.diagnosis.problem.interval
-    samples = shortest_record(state.diagnosis.split.gap) * _SPARE
+    interval = known.diagnosis.problem.interval
+    samples = shortest_record(known.diagnosis.split.spacing) * _SPARE
     needed = samples * interval + settings.warm_up
     if needed > options.duration:
         raise InputError(
@@ -326,22 +326,22 @@ def _shortest(state: State, settings: Settings, options: Options) -> float:
 
 
 def learnt(
-    state: State,
+    known: Knowledge,
     record: "Record | xr.Dataset",
     simulation: Simulation,
     settings: Settings,
     options: Options,
     workers: int,
-) -> tuple[State, dict[str, float]]:
-    """Return the state after a further record, and the density that each hypothesis gave it."""
+) -> tuple[Knowledge, dict[str, float]]:
+    """Return what is known after a further record, and the density that each hypothesis gave it."""
     samples = signals_of(record, simulation)
-    error, beyond = _errors_on(state, samples)
-    told = {name: predicted(each, samples, error) for name, each in state.explanations.items()}
+    error, beyond = _errors_on(known, samples)
+    told = {name: predicted(each, samples, error) for name, each in known.explanations.items()}
     log_densities = {name: each.log_density for name, each in told.items()}
-    log_densities[ANOTHER] = _not_offered(state, samples, log_densities, beyond)
-    posterior = state.posterior.after(log_densities)
-    records = (*state.records, record)
-    offered = replace(settings, effects=_offered(state, posterior, settings, options))
+    log_densities[ANOTHER] = _not_offered(known, samples, log_densities, beyond)
+    posterior = known.posterior.after(log_densities)
+    records = (*known.records, record)
+    offered = replace(settings, effects=_offered(known, posterior, settings, options))
     found = diagnose(records, simulation, settings=offered, workers=workers)
     now = _law_error(found)
     fitted = _explanations(found, now.seen)
@@ -351,8 +351,8 @@ def learnt(
     explanations = {name: each.informed for name, each in told.items()} | {
         name: each for name, each in fitted.items() if name in posterior.now
     }
-    driven = state.driven + samples.u.size * samples.interval
-    after = State(records, found, explanations, posterior, now, driven)
+    driven = known.driven + samples.u.size * samples.interval
+    after = Knowledge(records, found, explanations, posterior, now, driven)
     outcome = after.outcome(options.level)
     withdrawn = outcome if outcome in _WITHOUT_NAME else None
     return replace(after, withdrawn=withdrawn), log_densities
@@ -367,7 +367,10 @@ def _parts(shares: Mapping[str, float]) -> dict[str, float]:
 
 
 def _not_offered(
-    state: State, samples: Samples, log_densities: Mapping[str, float], errors: Sequence[Error]
+    known: Knowledge,
+    samples: Samples,
+    log_densities: Mapping[str, float],
+    errors: Sequence[Error],
 ) -> float:
     """Return the density that an explanation which is not offered gives a record, as a logarithm.
 
@@ -375,13 +378,13 @@ def _not_offered(
     ``errors``. Of this sum the terms of the leading one and of the one that predicted best are
     taken, which are most of it. One that diverges on the record says nothing.
     """
-    before = state.posterior.log_now
+    before = known.posterior.log_now
     finite = [name for name, value in log_densities.items() if np.isfinite(value)]
     shown = finite or list(log_densities)
     whole = np.logaddexp.reduce([before[name] for name in shown])
     near = {max(shown, key=before.__getitem__), max(shown, key=log_densities.__getitem__)}
     terms = [
-        before[name] - whole + predicted(state.explanations[name], samples, error).log_density
+        before[name] - whole + predicted(known.explanations[name], samples, error).log_density
         for name in sorted(near)  # in the same order in every process, whose sums then agree
         for error in errors
     ]
@@ -389,7 +392,7 @@ def _not_offered(
 
 
 def _offered(
-    state: State, posterior: Posterior, settings: Settings, options: Options
+    known: Knowledge, posterior: Posterior, settings: Settings, options: Options
 ) -> tuple[str, ...]:
     """Return the effects of the hypotheses that are left; all while another one may be right.
 
@@ -397,10 +400,10 @@ def _offered(
     than a right one would.
     """
     left = posterior.left(options.level)
-    verdict = state.verdict
+    verdict = known.verdict
     if ANOTHER in left or verdict.status == Status.UNKNOWN or not verdict.whole:
         return settings.effects
-    effects = frozenset[str]().union(*(state.explanations[name].effects for name in left))
+    effects = frozenset[str]().union(*(known.explanations[name].effects for name in left))
     return tuple(sorted(effects)) or settings.effects
 
 
@@ -428,16 +431,16 @@ def _certified(
 
 
 def fresh_design(
-    state: State, limits: Limits, settings: Settings, options: Options
+    known: Knowledge, limits: Limits, settings: Settings, options: Options
 ) -> Design | None:
     """Return an excitation drawn at random, of which the hypotheses that are left expect no harm.
 
     Nothing where none of a few draws keeps their outputs in range.
     """
     rng = _generator(settings, CERTIFICATE)
-    left = sorted(state.posterior.left(options.level) - {ANOTHER})
-    asked = [state.explanations[name] for name in left]
-    question = _question(state, asked, np.zeros(len(asked)), limits)
+    left = sorted(known.posterior.left(options.level) - {ANOTHER})
+    asked = [known.explanations[name] for name in left]
+    question = _question(known, asked, np.zeros(len(asked)), limits)
     for _ in range(_DRAWS):
         u = express(rng.random(genes()), 0.5 * options.duration, limits)
         design = question.judged(u, "free")
@@ -492,12 +495,12 @@ def _law_error(found: Diagnosis) -> LawError:
     return LawError(seen, motion, found.rules.law_error, unexplained, found.rules.misfit)
 
 
-def _errors_on(state: State, samples: Samples) -> Errors:
+def _errors_on(known: Knowledge, samples: Samples) -> Errors:
     """Return the errors on a record, from its excitation and what was known before it."""
-    names = list(state.explanations)
-    outputs = [state.explanations[n].simulated(samples.u, samples.interval) for n in names]
+    names = list(known.explanations)
+    outputs = [known.explanations[n].simulated(samples.u, samples.interval) for n in names]
     without = outputs[names.index(NONE)]
-    return state.error.on(outputs, [state.posterior.now[n] for n in names], without)
+    return known.error.on(outputs, [known.posterior.now[n] for n in names], without)
 
 
 def _generator(settings: Settings, number: int) -> np.random.Generator:

@@ -11,21 +11,21 @@ from dea.inputs import by_input
 
 # Blocks to fit on and to choose by alternate, so that both see changes with time and rare events.
 # Each pattern is the number of such blocks, the length of the certified block in theirs, and the
-# least length of a block in gaps; the first pattern that the record is long enough for is used.
+# least length of a block in spacings; the first pattern that the record is long enough for is used.
 _PATTERNS = ((18, 3.0, 3.0), (8, 1.5, 1.0), (3, 0.75, 1.0))
-_GAP_IN_TIME_CONSTANTS = 3.0
+_SPACING_IN_TIME_CONSTANTS = 3.0
 # Part of the input's range by which the certified block may go beyond the others.
 _BEYOND = 0.02
 
 
 @dataclass(frozen=True)
 class Split:
-    """Masks over the samples of a record, and the gap (samples) between blocks."""
+    """Masks over the samples of a record, and the spacing (samples) between blocks."""
 
     fit: np.ndarray
     select: np.ndarray
     certify: np.ndarray
-    gap: int
+    spacing: int
 
     def blocks(self, mask: np.ndarray, length: float) -> list[slice]:
         """Cut the contiguous runs of ``mask`` into blocks of about ``length`` samples."""
@@ -44,7 +44,7 @@ def runs(mask: np.ndarray) -> list[slice]:
 
 
 def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) -> Split:
-    """Split a record of input ``u`` (n,) with gaps of three of the ``slowest`` times (s).
+    """Split a record of input ``u`` (n,) with spacings of three of the ``slowest`` times (s).
 
     Several inputs are columns.
 
@@ -55,21 +55,21 @@ def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) 
     Raises
     ------
     InputError
-        If the record is too short for three blocks with such gaps.
+        If the record is too short for three blocks with such spacings.
     """
-    gap = max(1, int(np.ceil(_GAP_IN_TIME_CONSTANTS * slowest / interval)))
+    spacing = max(1, int(np.ceil(_SPACING_IN_TIME_CONSTANTS * slowest / interval)))
     skipped, size = int(np.ceil(warm_up / interval)), len(u)
-    for count, certified, in_gaps in _PATTERNS:
-        usable = size - skipped - gap * count
-        if usable / (count + certified) * min(1.0, certified) < max(in_gaps * gap, 10):
+    for count, certified, in_spacings in _PATTERNS:
+        usable = size - skipped - spacing * count
+        if usable / (count + certified) * min(1.0, certified) < max(in_spacings * spacing, 10):
             continue
-        candidates = _placed(size, skipped, gap, usable, count, certified)
+        candidates = _placed(size, skipped, spacing, usable, count, certified)
         inputs = by_input(u)
         return min(
             candidates,
             key=lambda found: max(max(_beyond(each, found) for each in inputs) - _BEYOND, 0.0),
         )
-    needed = shortest_record(gap, skipped) * interval
+    needed = shortest_record(spacing, skipped) * interval
     raise InputError(
         f"the record holds {size * interval:g} s; with a slowest time constant of "
         f"{slowest:g} s the split needs {needed:g} s",
@@ -78,15 +78,15 @@ def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) 
     )
 
 
-def shortest_record(gap: int, skipped: int = 0) -> float:
-    """Return the samples of the shortest record that a split with this ``gap`` can be made of."""
-    count, certified, in_gaps = _PATTERNS[-1]
-    shortest = (count + certified) / min(1.0, certified) * max(in_gaps * gap, 10)
-    return skipped + gap * count + shortest
+def shortest_record(spacing: int, skipped: int = 0) -> float:
+    """Return the samples of the shortest record that can be split with this ``spacing``."""
+    count, certified, in_spacings = _PATTERNS[-1]
+    shortest = (count + certified) / min(1.0, certified) * max(in_spacings * spacing, 10)
+    return skipped + spacing * count + shortest
 
 
 def _placed(
-    samples: int, skipped: int, gap: int, usable: int, count: int, certified: float
+    samples: int, skipped: int, spacing: int, usable: int, count: int, certified: float
 ) -> Iterator[Split]:
     """Yield the splits with the certified block at each place inside, the middle first."""
     for place in sorted(range(1, count), key=lambda place: abs(2 * place - count)):
@@ -97,8 +97,8 @@ def _placed(
         for role in roles:
             length = usable / (count + certified) * (certified if role == "certify" else 1.0)
             masks[role][round(position) : round(position + length)] = True
-            position += length + gap
-        yield Split(**masks, gap=gap)
+            position += length + spacing
+        yield Split(**masks, spacing=spacing)
 
 
 def _beyond(u: np.ndarray, found: Split) -> float:

@@ -106,7 +106,10 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
         "role": (
             "time",
             role.astype(np.int8),
-            {**_attributes("1", "use of the sample"), "flag_meanings": "gap fit select certify"},
+            {
+                **_attributes("1", "use of the sample"),
+                "flag_meanings": "spacing fit select certify",
+            },
         ),
         "noise_floor": ((), diagnosis.floor, _attributes(unit, "noise floor")),
     }
