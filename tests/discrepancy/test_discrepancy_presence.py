@@ -93,7 +93,7 @@ def test_of_many_effects_offered_each_is_less_likely():
 
 
 @pytest.mark.parametrize("true", [0.0, 0.8, 20.0])
-@pytest.mark.parametrize("reach", [0.0, 1e-3, 1.0, 30.0])
+@pytest.mark.parametrize("reach", [0.0, 1e-3, 5.0, 30.0])
 def test_the_volume_left_makes_the_evidence_of_a_linear_law(true, reach):
     """The oracle integrates the likelihood over a Cauchy prior (scipy): told nothing, or much."""
     rng = np.random.default_rng(7)
@@ -114,8 +114,8 @@ def test_the_volume_left_makes_the_evidence_of_a_linear_law(true, reach):
         lambda rank: np.exp(likelihood(cauchy.ppf(rank)) - likelihood(x)),
         *(0.0, 1.0), points=around, limit=500,
     )  # fmt: skip
-    # Cauchy's density at its mode is 0.8 of that of the normal one whose curvature counts.
-    assert found == pytest.approx(likelihood(x) + np.log(exact), abs=0.3)
+    # A direction that is told a little lies between the limits in which it is exact.
+    assert found == pytest.approx(likelihood(x) + np.log(exact), abs=0.1)
 
 
 def test_directions_that_a_record_tells_together_count_once():
