@@ -78,7 +78,7 @@ def test_a_disturbance_promises_most_at_its_frequency_whatever_its_phase(phase):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("name", ["baseline_drift", "gain_drift", "step_fault"])
-def test_a_course_in_time_promises_as_much_whether_it_rises_or_falls(name, sign):
+def test_a_course_in_time_promises_much_whether_it_rises_or_falls(name, sign):
     problem, extended = hidden()
     nominal = fit(problem, extended, np.zeros(extended.free.size))
     simulated = problem.y - nominal.residual
@@ -475,21 +475,23 @@ def test_what_leaves_noise_alone_need_not_predict_unless_readings_drift(name, le
     assert (found.answer is course) == named
 
 
-def test_a_part_that_a_law_does_without_is_no_parameter_at_its_bound():
+@pytest.mark.parametrize(
+    ("effect", "values", "at_bounds"),
+    [
+        ("cyclic_softening", {"softening": 0.2}, ()),  # and none by the stroke
+        ("cyclic_softening", {"softening": 0.9}, ("cyclic_softening.softening",)),
+        ("transport_delay", {"delay": 0.0}, ("transport_delay.delay",)),  # all of the law
+    ],
+)
+def test_a_part_that_a_law_does_without_is_no_parameter_at_its_bound(effect, values, at_bounds):
     problem, extended = hidden()
     told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
-    attached = extended.attach(catalogue()["cyclic_softening"], told)
-    usual = attached.values(np.zeros(attached.free.size))
-    where = attached.names.index("cyclic_softening.softening")
-    pushed = np.where(np.arange(usual.size) == where, 0.9, usual)
-
-    def at_bounds(values):
-        found = Fit(attached, attached.coordinates(values), problem.y, problem.y[:, None], 0.0)
-        return Candidate(found, 1.0, 1.0, 1.0).at_bounds
-
-    assert usual[attached.names.index("cyclic_softening.stroke_softening")] == 0.0
-    assert at_bounds(usual) == ()
-    assert at_bounds(pushed) == ("cyclic_softening.softening",)
+    attached = extended.attach(catalogue()[effect], told)
+    found = attached.values(np.zeros(attached.free.size))
+    for name, value in values.items():
+        found[attached.names.index(f"{effect}.{name}")] = value
+    fitted = Fit(attached, attached.coordinates(found), problem.y, problem.y[:, None], 0.0)
+    assert Candidate(fitted, 1.0, 1.0, 1.0).at_bounds == at_bounds
 
 
 def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_ones():

@@ -54,17 +54,22 @@ class Candidate:
     def at_bounds(self) -> tuple[str, ...]:
         """Parameters of the effects that the record would have beyond their bounds.
 
-        Those that only shape a law, or belong to the start, do not count, nor those whose usual
-        value is the bound: many laws have bounds at which one part of them vanishes.
+        Those that only shape a law, or belong to the start, do not count: many laws have bounds at
+        which one part of them vanishes. Nor does a part whose usual value is the bound, if the law
+        has another that is there.
         """
         extended = self.fit.extended
         low, high = extended.bounds
-        first = min((part.start for part in extended.effect_slices), default=len(extended.names))
-        own = (extended.free >= first) & ~extended.shapes & ~extended.at_start
+        own = ~extended.shapes & ~extended.at_start
         found = self.fit.coordinates
         near = (found <= low + _NEAR) | (found >= high - _NEAR)
-        unusual = np.abs(found) > _NEAR
-        return tuple(extended.names[i] for i in extended.free[own & near & unusual])
+        moved = np.abs(found) > _NEAR
+        counted: list[int] = []
+        for part in extended.effect_slices:
+            of_law = own & (extended.free >= part.start) & (extended.free < part.stop)
+            there = (of_law & moved).any()
+            counted += extended.free[of_law & near & (moved | ~there)].tolist()
+        return tuple(extended.names[i] for i in counted)
 
     @cached_property
     def effects(self) -> EffectSet:
