@@ -25,12 +25,14 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
 
     ``spread`` (k,) is their standard deviation from fits to parts of the record. The larger of it
     and of what the curvature of the cost gives counts, where the autocorrelation of the residual
-    takes part in the variance; correlations are those of the curvature. The ``error`` of the law
-    may be of one sign over the whole record: a law of another form differs from this one by a shift
-    of what defines both, such as a limit, more than by what either leaves.
+    takes part in the variance; correlations are those of the curvature. The ``error`` of the law,
+    and that stated for the simulation, may be of one sign over the whole record: a law of another
+    form differs from this one by a shift of what defines both, such as a limit, more than by what
+    either leaves.
     """
     residual = fit.residual[problem.seen]
-    of_law = error.white**2 + residual.size * error.coloured**2
+    of_one_sign = error.coloured**2 + fit.extended.simulation.accuracy**2
+    of_law = error.white**2 + residual.size * of_one_sign
     variance = max(float(np.mean(residual**2)) * memory_of(residual), of_law)
     covariance = fit.covariance(problem.seen, variance)
     curved = np.sqrt(np.diag(covariance))
