@@ -21,16 +21,31 @@ def measured(folder: Path) -> dict[str, Any]:
     of those of each device, and the mean time of a core for each step of a trial, in s.
     """
     scores = store.read(folder / "scores.nc")
-    count, names = scores.sizes["trial"], sorted(scores["trial"].values)
-    batches = sorted(path for path in folder.glob("*-*") if path.name.partition("-")[0] in names)
+    count, numbers = scores.sizes["trial"], scores["trial"].values.astype(int)
+    first, last = int(numbers.min()), int(numbers.max())
+    batches = _batches(folder, first, last)
     return {
-        "first": int(names[0]),
-        "last": int(names[-1]),
+        "first": first,
+        "last": last,
         "count": count,
         "devices": pd.Series(scores["device"].values).value_counts().to_dict(),
         "table": rates(scores).shown.to_markdown(index=False, disable_numparse=True).splitlines(),
         "seconds": {step: _seconds(batches, step) / count for step in ("draw", "diagnose")},
     }
+
+
+def _batches(folder: Path, first: int, last: int) -> list[Path]:
+    """Return the folders that hold trials ``first`` to ``last``, each once.
+
+    A folder may also hold batches of campaigns that began or ended elsewhere.
+    """
+    found: list[Path] = []
+    while first <= last:
+        ends = (int(path.name.partition("-")[2]) for path in folder.glob(f"{first:04d}-*"))
+        end = max(end for end in ends if end <= last)
+        found.append(folder / f"{first:04d}-{end:04d}")
+        first = end + 1
+    return found
 
 
 def _seconds(batches: list[Path], step: str) -> float:
