@@ -239,7 +239,7 @@ def test_blocks_are_apart_and_the_certified_one_lies_inside(seed, samples, slowe
     assert (masks.sum(0) <= 1).all()
     assert masks.any(1).all()
     assert not masks[:, : int(warm_up / INTERVAL)].any()
-    # Where the role changes, a gap lies between.
+    # Where the role changes, blocks are apart.
     used = np.flatnonzero(masks.any(0))
     role = masks[:, used].argmax(0)
     change = np.flatnonzero(np.diff(role))

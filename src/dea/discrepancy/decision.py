@@ -208,7 +208,7 @@ def _stands_alone(
 
     if any(stands_against(c) for c in pool if c.finished):
         return False
-    # Readings drift of themselves: a course in time that they follow must be predicted.
+    # Readings drift and hum of themselves: their course in time must be predicted.
     laws = [a.effect for a in surest.fit.extended.attached]
     of_readings = any(law.only_reads and not law.transferable for law in laws)
     complete = surest.rmse <= rules.clean * floor and evidence.nominal_error > rules.grow * floor

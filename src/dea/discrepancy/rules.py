@@ -28,7 +28,8 @@ class Rules:
         right leaves a small structured residual, part of which almost any second law removes.
     rival_margin
         A rival of another class is beaten if its misfit is larger by this factor, and the
-        difference is significant; or if its error is, and the evidence leaves it no weight.
+        difference is significant. A rival to which the evidence leaves hardly any weight is beaten
+        if its error is larger by this factor.
     predictable
         A flexible model that lowers the remaining error below this part of it shows that
         something else is missing.

@@ -108,7 +108,7 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             role.astype(np.int8),
             {
                 **_attributes("1", "use of the sample"),
-                "flag_meanings": "spacing fit select certify",
+                "flag_meanings": "unused fit select certify",
             },
         ),
         "noise_floor": ((), diagnosis.floor, _attributes(unit, "noise floor")),

@@ -14,7 +14,8 @@ class Budget:
     finished
         Candidates of a round that are fitted to the end; the rest are only screened.
     beam
-        Best candidates that the next round extends.
+        Best candidates that the next round extends; of single effects also the best that acts at
+        another port than these.
     effects
         Effects attached at most.
     offered
