@@ -57,6 +57,14 @@ def test_the_diagnosis_reads_records_and_its_own_code_alone(planned_jobs, unstar
             assert secret not in command
 
 
+def test_a_campaign_may_begin_at_any_number(unstarted):
+    campaign = ["--config", "trials={first: 7, count: 5, batch: 2, set: tuning}"]
+    run = unstarted.snakemake(SCORES, "--dry-run", "--quiet", "host", *campaign, small=False)
+    assert run.returncode == 0, run.stdout
+    batches = set(re.findall(r"tuning/(\d{4}-\d{4})/verdicts", run.stdout))
+    assert batches == {"0007-0008", "0009-0010", "0011-0011"}
+
+
 def test_the_seals_are_opened_after_every_verdict_and_by_one_rule(planned_jobs):
     readers = {
         rule

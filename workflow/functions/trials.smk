@@ -2,8 +2,9 @@ def every_batch(pattern):
     """The file ``pattern`` of each batch of a set's campaign."""
 
     def resolve(wildcards):
-        starts = range(FIRST, FIRST + COUNT, BATCH)
-        ends = [min(first + BATCH, FIRST + COUNT) - 1 for first in starts]
+        batch = TRIALS["batch"]
+        starts = NUMBERS[::batch]
+        ends = [min(first + batch, NUMBERS.stop) - 1 for first in starts]
         return expand(
             f"results/trials/{{set}}/{{first:04d}}-{{last:04d}}/{pattern}",
             zip,

@@ -6,7 +6,7 @@ include: "../functions/trials.smk"
 # data loggers of their own. A job runs a batch of trials: for a single one, starting Python would
 # take longer than the work.
 TRIALS = config["trials"]
-FIRST, COUNT, BATCH = TRIALS["first"], TRIALS["count"], TRIALS["batch"]
+NUMBERS = range(TRIALS["first"], TRIALS["first"] + TRIALS["count"])
 # What the devices with loggers are compared with, as a user of theirs would write it.
 SIMULATIONS_OF_TRIALS = sorted(
     str(path) for path in Path("config/simulations").glob("*.py")
