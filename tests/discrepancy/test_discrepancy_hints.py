@@ -14,6 +14,7 @@ from dea.discrepancy.search.hints import foreign_lines, jumps, lines
 
 INTERVAL, SAMPLES = 0.02, 3000
 T = np.arange(SAMPLES) * INTERVAL  # 60 s: bins of 1/60 Hz
+WHOLE = [slice(0, SAMPLES)]
 
 
 def recorded(u, y, seen=None):
@@ -58,16 +59,27 @@ def test_a_line_is_weighed_by_what_the_input_has_around_it():
 def test_a_jump_of_the_mean_is_found_where_it_is(at):
     rng = np.random.default_rng(3)
     residual = np.where(np.arange(SAMPLES) < at, 0.0, 1.0) + 0.05 * rng.standard_normal(SAMPLES)
-    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual)
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, WHOLE)
     assert found[0] == pytest.approx(at * INTERVAL, abs=1.01 * INTERVAL)
     assert len(found) == 2 * 3 + 8
     np.testing.assert_allclose(found[-8:], 60.0 * np.arange(1, 16, 2) / 16)
 
 
+def test_a_jump_counts_from_the_start_of_its_own_record():
+    """The mean of the second record differs from that of the first, which is no jump."""
+    second = np.arange(SAMPLES) >= 2000
+    residual = 4.0 * second + (np.arange(SAMPLES) >= 2400)
+    residual = residual + 0.05 * np.random.default_rng(3).standard_normal(SAMPLES)
+    records = [slice(0, 2000), slice(2000, SAMPLES)]
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, records)
+    assert found[6] == pytest.approx(400 * INTERVAL, abs=1.01 * INTERVAL)
+    assert max(found) <= 2000 * INTERVAL
+
+
 def test_a_jump_shortly_before_the_end_is_found_among_noise():
     noise = np.random.default_rng(5).standard_normal(SAMPLES)
     residual = noise + np.where(np.arange(SAMPLES) < 2985, 0.0, 2.5)
-    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual)
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, WHOLE)
     assert found[0] == pytest.approx(2985 * INTERVAL, abs=3 * INTERVAL)
 
 
@@ -76,7 +88,7 @@ def test_a_jump_of_the_coupling_to_the_output_is_found_where_it_is():
     simulated = 3.0 + np.sin(2 * np.pi * 1.7 * T)
     after = np.arange(SAMPLES) >= 1900
     residual = 0.3 * after * (simulated - 3.0) + 0.01 * rng.standard_normal(SAMPLES)
-    found = jumps(recorded(np.zeros(SAMPLES), simulated + residual), residual)
+    found = jumps(recorded(np.zeros(SAMPLES), simulated + residual), residual, WHOLE)
     assert found[3] == pytest.approx(1900 * INTERVAL, abs=0.6)
 
 

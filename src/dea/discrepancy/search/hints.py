@@ -1,5 +1,7 @@
 """Starting values for laws whose cost has many minima: lines and jumps of the residual."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from dea.discrepancy.problem import Problem
@@ -76,20 +78,24 @@ def _offset(power: np.ndarray, peak: int) -> float:
     return float(np.clip(0.5 * (left - right) / curvature, -0.5, 0.5)) if curvature < 0 else 0.0
 
 
-def jumps(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
+def jumps(problem: Problem, residual: np.ndarray, records: Sequence[slice]) -> tuple[float, ...]:
     """Return instants (s) at which mean, or coupling to the output, of the residual changes most.
 
-    Cumulative sums find them (Page 1954); a coarse grid catches what they miss.
+    They count from the start of the record that each is found in. Cumulative sums find them (Page
+    1954); a coarse grid over the longest record catches what they miss.
     """
     simulated = problem.y - residual
     found: list[float] = []
-    for weighted in (residual, residual * (simulated - simulated.mean())):
-        n = weighted.size
-        k = np.arange(1, n)
-        score = np.abs(np.cumsum(weighted - weighted.mean())[:-1]) / np.sqrt(k * (n - k) / n)
-        for _ in range(_JUMPS):
-            at = int(np.argmax(score))
-            found.append(at * problem.interval)
-            score[max(0, at - n // 20) : at + n // 20] = 0.0
-    grid = (np.arange(_GRID) + 0.5) / _GRID * residual.size * problem.interval
+    for own in records:
+        left, driven = residual[own], simulated[own] - simulated[own].mean()
+        for weighted in (left, left * driven):
+            n = weighted.size
+            k = np.arange(1, n)
+            score = np.abs(np.cumsum(weighted - weighted.mean())[:-1]) / np.sqrt(k * (n - k) / n)
+            for _ in range(_JUMPS):
+                at = int(np.argmax(score))
+                found.append(at * problem.interval)
+                score[max(0, at - n // 20) : at + n // 20] = 0.0
+    longest = max(own.stop - own.start for own in records)
+    grid = (np.arange(_GRID) + 0.5) / _GRID * longest * problem.interval
     return (*found, *(float(instant) for instant in grid))

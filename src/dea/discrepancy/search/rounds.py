@@ -184,7 +184,7 @@ def _offers(
     extended = before.extended
     residual = before.residual
     frequencies, foreign = lines(problem, residual), foreign_lines(problem, residual)
-    instants = jumps(problem, residual)
+    instants = jumps(problem, residual, before.records)
 
     @cache
     def scales(force_port: int, at_input: int) -> Scales:
