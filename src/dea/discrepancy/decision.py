@@ -79,12 +79,10 @@ def sure_alone(evidence: Evidence, rounds: Sequence[Round], weighed: Presence) -
     The gain of an effect that acts rarely, such as a limit that is seldom reached, varies so much
     between blocks that it is not proven by their resampling.
     """
-    rules, floor = evidence.rules, evidence.floor
-    if evidence.nominal_error <= rules.grow * floor:
-        return []
+    rules, floor, before = evidence.rules, evidence.floor, evidence.nominal_error
     sure = weighed.sure(rules.certain)
     singles = (c for c in rounds[0].candidates if c.finished and c.effects <= sure)
-    return [c for c in singles if c.rmse <= rules.clean * floor]
+    return [c for c in singles if rules.completes(c.rmse, before, floor)]
 
 
 def best_extension(
@@ -113,7 +111,7 @@ def best_extension(
         # What leaves noise alone is right, though a course in time that few blocks show may be
         # extrapolated badly.
         left = evidence.problem.seen_rmse(before.residual)
-        complete = best.rmse <= rules.clean * floor and left > rules.grow * floor
+        complete = rules.completes(best.rmse, left, floor)
         if not complete and held_out.rmse(best.fit) >= held_out.rmse(before):
             continue
         if chosen is None:
@@ -211,7 +209,7 @@ def _stands_alone(
     # Readings drift and hum of themselves: their course in time must be predicted.
     laws = [a.effect for a in surest.fit.extended.attached]
     of_readings = any(law.only_reads and not law.transferable for law in laws)
-    complete = surest.rmse <= rules.clean * floor and evidence.nominal_error > rules.grow * floor
+    complete = rules.completes(surest.rmse, evidence.nominal_error, floor)
     return (complete and not of_readings) or _share_of(evidence, surest).low >= rules.part
 
 

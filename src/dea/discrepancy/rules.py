@@ -87,6 +87,10 @@ class Rules:
         """Gain (log ratio of errors) that removes ``margin`` of the error."""
         return -float(np.log1p(-self.margin))
 
+    def completes(self, error: float, before: float, floor: float) -> bool:
+        """Return whether noise alone is left where there was more ``before``."""
+        return error <= self.clean * floor and before > self.grow * floor
+
     def leaves_room(self, error: float, nominal_error: float, floor: float) -> bool:
         """Return whether an error leaves room for a further effect."""
         if error <= self.clean * floor:
