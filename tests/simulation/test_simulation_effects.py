@@ -6,9 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
+from scipy.signal import lti
 
 from dea.simulation import Port, Scales, catalogue
 from dea.simulation.effects._laws import DRIFT_MODES, drift_modes
+from dea.simulation.effects.sensor_nonlinearity import MODES, curve_modes
 from dea.simulation.signatures import MEMORY, SLOTS, no_force, no_update
 
 DT = 0.02
@@ -135,7 +137,8 @@ def test_transport_delay_is_linear_interpolation():
 
 def test_electrode_lag_solves_its_differential_equation():
     tau, fine = 0.13, 200
-    q = values("electrode_lag", time_constant=tau, near_part=0.0)
+    # With a near part of the ratio of its lags it is a single lag.
+    q = values("electrode_lag", time_constant=tau, fast_ratio=1e-3, near_part=1e-3)
     law = catalogue()["electrode_lag"].shape_input
     mean = law(U, q, DT)
     v, expected = U[0], []
@@ -147,13 +150,27 @@ def test_electrode_lag_solves_its_differential_equation():
             total += 0.5 * (before + v)
         expected.append(total / fine)
     assert np.allclose(mean[:300], expected, atol=2e-3)
-    quick = law(U, values("electrode_lag", time_constant=0.3 * tau, near_part=0.0), DT)
-    both = law(U, values("electrode_lag", time_constant=tau, fast_ratio=0.3, near_part=0.4), DT)
-    assert np.allclose(both, 0.6 * mean + 0.4 * quick)
     held = np.full(100, 2.0)
     charged = law(held, values("electrode_lag", time_constant=tau, start_charge=-0.5), DT)
     t = (np.arange(100) + 0.5) * DT
     assert np.allclose(charged, 2.0 - 0.9 * 0.5 * np.exp(-t / tau), atol=2e-3)
+
+
+@pytest.mark.parametrize("part", [0.0, 0.3, 0.5])
+def test_electrode_lag_is_a_ladder_of_two_lags(part):
+    slow, fast, step = 0.9, 0.36, np.ones(1000)
+    step[0] = 0.0
+    q = values("electrode_lag", time_constant=slow, fast_ratio=fast / slow, near_part=part)
+    found = catalogue()["electrode_lag"].shape_input(step, q, DT)
+    t = (np.arange(1000) - 0.5) * DT
+    system = lti(np.trim_zeros([part * slow, 1.0], "f"), np.polymul([slow, 1.0], [fast, 1.0]))
+    _, expected = system.step(T=np.arange(0.0, 20.0, 0.1 * DT))
+    expected = np.interp(t, np.arange(0.0, 20.0, 0.1 * DT), expected)
+    assert np.abs(found - expected)[2:].max() < 0.01
+    if part == 0.5:
+        # More of a near part than the lags' ratio: two lags in parallel.
+        parallel = 1.0 - (5 / 6) * np.exp(-t / slow) - (1 / 6) * np.exp(-t / fast)
+        assert np.abs(expected - parallel)[2:].max() < 1e-3
 
 
 @pytest.mark.parametrize("damping", [0.3, 1.0, 5.0])
@@ -173,13 +190,16 @@ def test_a_sensor_that_lags_is_at_rest_before_the_record():
     assert np.allclose(smooth, 0.8, rtol=1e-9)
 
 
-@pytest.mark.parametrize("growth", [0.0, 2.0])
-def test_charge_leakage_solves_its_differential_equation(growth):
+@pytest.mark.parametrize(("growth", "quickening"), [(0.0, 0.0), (2.0, 0.0), (2.0, 1.5)])
+def test_charge_leakage_solves_its_differential_equation(growth, quickening):
     loss, tau, part, fine = 0.3, 2.0, 0.4, 200
     q = values(
         "charge_leakage", loss=loss, field_growth=growth, time_constant=tau, start_part=part,
-        full_field=4.0,
+        full_field=4.0, quickening=quickening,
     )  # fmt: skip
+
+    def speed(field):
+        return np.exp(quickening * (abs(field) / 4.0 - 1.0)) / tau
 
     def target(field):
         return loss * np.exp(growth * (abs(field) / 4.0 - 1.0)) * field
@@ -189,7 +209,7 @@ def test_charge_leakage_solves_its_differential_equation(growth):
         total = 0.0
         for _ in range(fine):
             before = lost
-            lost += DT / fine * (target(u - lost) - lost) / tau
+            lost += DT / fine * (target(u - lost) - lost) * speed(u - lost)
             total += u - 0.5 * (before + lost)
         expected.append(total / fine)
     assert np.allclose(catalogue()["charge_leakage"].shape_input(U, q, DT), expected, atol=5e-3)
@@ -299,6 +319,15 @@ def test_coulomb_friction_opposes_the_motion_with_one_force():
     found, velocity = forces("coulomb_friction", q, z)[100:], np.diff(z)[100:]
     fast = np.abs(velocity) > 0.3 * np.abs(velocity).max()
     assert np.allclose(found[fast], -0.1 * np.sign(velocity[fast]))
+
+
+def test_friction_may_be_larger_one_way():
+    q = values("coulomb_friction", force=0.1, slip_deflection=0.005, asymmetry=0.3)
+    slipped = np.zeros(MEMORY)
+    law = catalogue()["coulomb_friction"].force
+    for part, expected in ((1.0, -0.13), (-1.0, 0.07), (0.5, -0.0575)):
+        slipped[:2] = part, 0.7
+        assert law(0.7, 0.1, slipped, q) == pytest.approx(expected)
 
 
 def test_friction_is_larger_the_slower_the_motion():
@@ -577,8 +606,9 @@ def test_sensor_nonlinearity_bends_and_folds():
         q = values("sensor_nonlinearity", fold=place, corner_width=1e-9)
         signed = Y - 0.8 + place
         assert np.allclose(law(signed, T, q, DT), place + np.abs(signed - place))
-    weights = np.random.default_rng(3).uniform(-0.1, 0.1, 12)
-    q = values("sensor_nonlinearity", **{f"bend_{n + 1}": w for n, w in enumerate(weights)})
+    modes = np.random.default_rng(3).uniform(-0.05, 0.05, MODES)
+    weights = curve_modes()[0] @ modes
+    q = values("sensor_nonlinearity", **{f"mode_{n + 1}": m for n, m in enumerate(modes)})
     knots = np.linspace(-1 - 6 / 9, 1 + 6 / 9, 16)
     bend = BSpline(knots, weights, 3)((Y - 0.8) / 0.4)
     assert np.allclose(law(Y, T, q, DT), Y + 0.4 * bend)

@@ -136,28 +136,31 @@ def _refused(before: Fit, offers: Sequence[Offer], reason: Obstacle) -> list[Not
 
 
 def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
-    """Fit with every column anew, and from perturbed starts if much of the residual is left.
+    """Fit with every column anew, and from other starts.
 
-    Laws with corners give the cost kinks at which a fit can stop early. A second or third effect
-    has been fitted from enough starts already.
+    One has the simulation's parameters at their prior means, since they may have moved far to make
+    up for the effect. If much of the residual is left, others have a perturbed law: its corners
+    give the cost kinks at which a fit can stop early. A second or third effect has been fitted
+    from enough starts already.
     """
     whole = [slice(0, problem.size)]
     steps, tolerance = budget.last_steps, budget.tolerance
-    best = fit(problem, fitted.extended, fitted.coordinates, iterations=steps, tolerance=tolerance)
+
+    def fitted_from(start: np.ndarray) -> Fit:
+        return fit(problem, fitted.extended, start, iterations=steps, tolerance=tolerance)
+
+    best = fitted_from(fitted.coordinates)
+    if len(fitted.extended.attached) > 1 or not budget.shakes:
+        return best
     own = fitted.extended.free >= fitted.extended.effect_slices[-1].start
-    count = budget.shakes if len(fitted.extended.attached) == 1 else 0
-    for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
+    best = min(best, fitted_from(np.where(own, best.coordinates, 0.0)), key=lambda each: each.cost)
+    rng = np.random.default_rng(0)
+    for push in budget.shake_size * rng.standard_normal((budget.shakes, own.size)):
         noise = white_level(best.residual, whole)
         if problem.seen_rmse(best.residual) <= budget.shake_above * noise:
             break
         shaken = best.coordinates + np.where(own, push, 0.0)
-        best = min(
-            (
-                best,
-                fit(problem, fitted.extended, shaken, iterations=steps, tolerance=tolerance),
-            ),
-            key=lambda each: each.cost,
-        )
+        best = min(best, fitted_from(shaken), key=lambda each: each.cost)
     return best
 
 

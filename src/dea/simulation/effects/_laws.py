@@ -94,6 +94,22 @@ def spline(place: float, weights: np.ndarray) -> float:
     return float(found / 6.0)
 
 
+@cache
+def smooth_modes(pieces: int, bend: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the weights of a spline (pieces + 3, m) of each mode, the smoothest first.
+
+    And the prior deviations (m,) of the modes, by which the weights' second difference deviates by
+    ``bend``, and their slope by hardly more than a straight line needs. A constant is no mode
+    (P-splines: Eilers and Marx 1996, Statistical Science 11:89).
+    """
+    size = pieces + 3
+    slope, curvature = (np.diff(np.eye(size), degree, axis=0) for degree in (1, 2))
+    precision = np.eye(size) / size + 1e-3 * slope.T @ slope + curvature.T @ curvature / bend**2
+    eigenvalues, modes = np.linalg.eigh(precision)
+    modes = np.sqrt(size) * modes * np.sign(modes[-1])
+    return np.ascontiguousarray(modes[:, 1:]), 1.0 / np.sqrt(size * eigenvalues[1:])
+
+
 # Pieces of a drift, and the prior deviation of the second difference of its weights.
 _PIECES, _BEND = 10, 0.06
 DRIFT_MODES = _PIECES + 2
@@ -111,8 +127,7 @@ def drift(t: np.ndarray, duration: float, modes: np.ndarray) -> np.ndarray:
     """Return a smooth course over the record: a cubic spline, given by its modes.
 
     The prior of the modes is that of an integrated random walk, so that the course is interpolated
-    where no sample tells it, and goes on straight at its ends (P-splines: Eilers and Marx 1996,
-    Statistical Science 11:89).
+    where no sample tells it, and goes on straight at its ends.
     """
     result: np.ndarray = _course(t, duration, drift_modes()[0] @ modes)
     return result
@@ -130,15 +145,6 @@ def drift_starts(size: float, duration: float) -> tuple[tuple[float, ...], ...]:
     )
 
 
-@cache
 def drift_modes() -> tuple[np.ndarray, np.ndarray]:
-    """Return the spline weights (k, m) of each mode, the smoothest first, and prior deviations.
-
-    A constant is no drift.
-    """
-    size = _PIECES + 3
-    slope, bend = (np.diff(np.eye(size), degree, axis=0) for degree in (1, 2))
-    precision = np.eye(size) / size + 1e-3 * slope.T @ slope + bend.T @ bend / _BEND**2
-    eigenvalues, modes = np.linalg.eigh(precision)
-    modes = np.sqrt(size) * modes * np.sign(modes[-1])
-    return np.ascontiguousarray(modes[:, 1:]), 1.0 / np.sqrt(size * eigenvalues[1:])
+    """Return the modes of a drift, and their prior deviations."""
+    return smooth_modes(_PIECES, _BEND)

@@ -12,14 +12,17 @@ from dea.simulation.scales import Scales
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Lose a part of the field that grows with its size and builds up with a time constant.
 
-    The field is the input less the loss. The loss at the start of the record is unknown.
+    That may be shorter at a higher field, which lowers the resistance. The field is the input less
+    the loss. The loss at the start of the record is unknown.
     """
-    loss, growth, tau, peak, started = q[0], q[1], q[2], q[3], q[4]
+    loss, growth, tau, peak, started, quickening = q[0], q[1], q[2], q[3], q[4], q[5]
     decay = np.exp(-interval / tau)
     result = np.empty(u.size)
     lost = started * loss * np.exp(growth * (abs(u[0]) / peak - 1.0)) * u[0]
     for k in range(u.size):
         field = u[k] - lost
+        if quickening > 0.0:
+            decay = np.exp(-interval / tau * np.exp(quickening * (abs(field) / peak - 1.0)))
         target = loss * np.exp(growth * (abs(field) / peak - 1.0)) * field
         following = target + (lost - target) * decay
         result[k] = u[k] - 0.5 * (lost + following)
@@ -28,7 +31,10 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the loss at full field, its growth, its time constant, and its part at the start."""
+    """Return the loss at full field, its growth, its time constant there, its part at the start.
+
+    And how much faster it builds up at full field than at none, as a logarithm.
+    """
     dt, peak = scales.interval, scales.u_peak
     return (
         Parameter("loss", "1", 0.1, 1.0, 1e-4, 0.9, log=True),
@@ -36,6 +42,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("time_constant", "s", 30 * dt, 2.0, 10 * dt, scales.duration, log=True),
         Parameter("full_field", scales.u_unit, peak, 0.0),
         Parameter("start_part", "1", 0.7, 0.4, 0.0, 2.0, at_start=True),
+        Parameter("quickening", "1", 0.0, 1.0, 0.0, 8.0, shape=True),
     )
 
 
@@ -43,7 +50,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return slow and fast losses, the faster the more they grow with the field."""
     peak = scales.u_peak
     return tuple(
-        (0.1, growth, max(part * scales.duration, 15 * scales.interval), peak, 0.7)
+        (0.1, growth, max(part * scales.duration, 15 * scales.interval), peak, 0.7, 0.0)
         for part, growth in ((0.1, 0.5), (0.02, 0.5), (0.005, 3.0), (1e-3, 6.0))
     )
 

@@ -33,7 +33,7 @@ def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``."""
     part = _strained(memory[0], (z - memory[1]) / q[1], q[5])
     excess = q[2] / (1.0 + (w / q[3]) ** 2)
-    return float(-q[0] * part * (1.0 + excess))
+    return float(-q[0] * part * (1.0 + excess) * (1.0 + q[6] * part))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
@@ -53,7 +53,8 @@ def memory(q: np.ndarray) -> np.ndarray:
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the force, deflection before slip, excess of stiction, Stribeck rate, and rest.
 
-    And the part of the largest deflection up to which the contact is elastic.
+    And the part of the largest deflection up to which the contact is elastic, and by which part the
+    friction is larger on the way up, and smaller on the way down.
     """
     span = scales.z_span
     return (
@@ -67,6 +68,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         ),
         Parameter("rest_position", "1", 0.0, 0.0),
         Parameter("elastic_part", "1", 1.0, 0.5, -1.0, 1.0, shape=True),
+        Parameter("asymmetry", "1", 0.0, 0.15, -0.9, 0.9, shape=True),
     )
 
 
@@ -74,7 +76,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return weak to strong friction, with a soft and a hard contact."""
     span = scales.z_span
     return tuple(
-        (part * span, slip * span, 0.0, 0.1 * span, 0.0, 1.0)
+        (part * span, slip * span, 0.0, 0.1 * span, 0.0, 1.0, 0.0)
         for part in (0.02, 0.08, 0.2)
         for slip in (0.015, 0.002)
     )

@@ -11,14 +11,16 @@ from dea.simulation.scales import Scales
 
 @njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Charge the far part of the electrodes through a slow lag, the near part through a fast one.
+    """Charge the near part of the electrodes through a fast lag, the far part through both lags.
 
-    The two lags approximate the ladder of resistances and capacitances of an electrode. Its
-    charge at the start of the record is unknown.
+    That is a ladder of two resistances and capacitances: without a near part a cascade, and from a
+    near part of the lags' ratio on what two lags in parallel are. Its charge at the start of the
+    record is unknown.
     """
-    slow, ratio, near, start = q[0], q[1], q[2], q[3]
-    far = held_lag(u, u[0] + start, slow, interval)
-    result: np.ndarray = (1.0 - near) * far + near * held_lag(u, u[0], slow * ratio, interval)
+    slow, ratio, part, start = q[0], q[1], q[2], q[3]
+    near = held_lag(u, u[0], slow * ratio, interval)
+    far = held_lag(near, u[0] + start, slow, interval)
+    result: np.ndarray = (1.0 - part) * far + part * near
     return result
 
 

@@ -4,35 +4,52 @@ import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import knee, spline
+from dea.simulation.effects._laws import knee, smooth_modes, spline
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
-INTERVALS = 9
-# Cubic B-splines that are not zero somewhere in the range.
-WEIGHTS = INTERVALS + 3
+# Pieces of the curve, the prior deviation of the second difference of its weights, and that of its
+# slope: the simulation's own gain has taken most of it.
+_PIECES, _BEND, _SLOPE = 9, 0.05, 0.1
+MODES = _PIECES + 2
 
 
 @njit(cache=True, error_model="numpy")
-def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Fold the output at a place, and bend it by cubic B-splines.
-
-    Splines act locally: where a fit has seen no data the curve stays unchanged.
-    """
-    fold, corner, middle, half = q[WEIGHTS], q[WEIGHTS + 1], q[WEIGHTS + 2], q[WEIGHTS + 3]
+def _read(
+    y: np.ndarray, weights: np.ndarray, fold: float, corner: float, middle: float, half: float
+) -> np.ndarray:
     result = np.empty(y.size)
     for k in range(y.size):
         read = y[k] + 2.0 * knee(fold - y[k], corner)
-        place = 0.5 * INTERVALS * (1.0 + min(max((read - middle) / half, -1.0), 1.0))
-        result[k] = read + half * spline(place, q[:WEIGHTS])
+        place = 0.5 * _PIECES * (1.0 + min(max((read - middle) / half, -1.0), 1.0))
+        result[k] = read + half * spline(place, weights)
+    return result
+
+
+def curve_modes() -> tuple[np.ndarray, np.ndarray]:
+    """Return the weights (k, m) of each mode of the curve, and the modes' prior deviations.
+
+    A smooth curve is more usual than a rough one, and goes on straight where no data tell it.
+    """
+    modes, deviations = smooth_modes(_PIECES, _BEND)
+    return modes, np.minimum(deviations, _SLOPE)
+
+
+def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+    """Fold the output at a place, and bend it by a smooth curve."""
+    fold, corner, middle, half = q[MODES:]
+    result: np.ndarray = _read(y, curve_modes()[0] @ q[:MODES], fold, corner, middle, half)
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the curve's weights, place and corner of the fold, middle and half of the range."""
+    """Return the curve's modes, place and corner of the fold, middle and half of the range."""
     low, high, span, unit = scales.y_low, scales.y_high, scales.y_span, scales.y_unit
     return (
-        *(Parameter(f"bend_{n}", "1", 0.0, 0.1, -2.0, 2.0) for n in range(1, WEIGHTS + 1)),
+        *(
+            Parameter(f"mode_{n}", "1", 0.0, spread, -2.0, 2.0)
+            for n, spread in enumerate(curve_modes()[1], 1)
+        ),
         Parameter("fold", unit, low - span, span, low - 3.0 * span, high),
         Parameter(
             "corner_width", unit, 0.01 * span, 1.0, 1e-4 * span, 0.3 * span, log=True, shape=True
@@ -46,9 +63,12 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return curves bent either way without a fold, and folds at and above the least reading."""
     low, span = scales.y_low, scales.y_span
     rest = (0.01 * span, 0.5 * (low + scales.y_high), 0.5 * span)
-    parabola = np.linspace(-1.0, 1.0, WEIGHTS) ** 2 - 1.0 / 3.0
-    bent = tuple((*size * parabola, low - span, *rest) for size in (0.075, -0.075))
-    folded = tuple((*(0.0,) * WEIGHTS, low + part * span, *rest) for part in (0.01, 0.1))
+    bent = tuple(
+        (*(size * float(n == mode) for n in range(MODES)), low - span, *rest)
+        for mode in (1, 2)
+        for size in (0.05, -0.05)
+    )
+    folded = tuple((*(0.0,) * MODES, low + part * span, *rest) for part in (0.01, 0.1))
     return (*bent, *folded)
 
 
