@@ -135,12 +135,13 @@ def test_of_each_set_the_candidate_of_least_error_is_kept():
 def test_a_long_record_gets_half_of_the_fits():
     budget = Budget(
         starts=5, finished=6, beam=1, kept=3, screening=4, shakes=4, exchanges=3,
-        effects=3, last_steps=21, long_record=1000,
+        restarted=9, effects=3, last_steps=21, long_record=1000,
     )  # fmt: skip
     assert budget.of(1000) is budget
     long = budget.of(1001)
     halved = (long.starts, long.finished, long.beam, long.kept, long.screening)
     assert halved == (2, 3, 1, 1, 2)
-    assert (long.shakes, long.exchanges, long.effects, long.last_steps) == (1, 0, 3, 21)
+    assert (long.shakes, long.exchanges, long.restarted) == (1, 0, 4)
+    assert (long.effects, long.last_steps) == (3, 21)
     assert long.tolerance == pytest.approx(10 * budget.tolerance)
     assert Budget(shakes=0, long_record=10).of(11).shakes == 0

@@ -495,6 +495,33 @@ def test_a_part_that_a_law_does_without_is_no_parameter_at_its_bound(effect, val
     assert Candidate(fitted, 1.0, 1.0, 1.0).at_bounds == at_bounds
 
 
+def test_a_leading_fit_whose_simulation_was_led_astray_is_made_again():
+    problem, extended = hidden("dead_zone")
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    told = measured_scales(extended, nominal.values, problem)
+    attached = extended.attach(catalogue()["dead_zone"], told)
+    start = dict(
+        zip((p.name for p in catalogue()["dead_zone"].parameters(told)),
+            catalogue()["dead_zone"].starts(told)[1], strict=True)
+    )  # fmt: skip
+    law = attached.attached[-1].started(tuple((start | PRESENT["dead_zone"]).values()))
+    astray = extended.values(np.full(extended.free.size, 1.5))
+    stuck = judged(problem, at(problem, attached, attached.coordinates(np.r_[astray, law])))
+
+    class Stuck(Search):
+        @property
+        def singles(self):
+            return Round(nominal, (stuck,))
+
+    def best(restarted):
+        budget = Budget(effects=1, restarted=restarted)
+        return Stuck(problem, [nominal], [], budget, Rules()).rounds()[0].candidates[0]
+
+    assert best(restarted=0) is stuck
+    assert stuck.rmse > 2 * NOISE
+    assert best(restarted=1).rmse < 1.1 * NOISE
+
+
 def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_ones():
     problem, extended = hidden("dead_zone", "sensor_lag")
     names = "dead_zone", "input_saturation", "sensor_lag"

@@ -52,6 +52,11 @@ class Budget(Section):
         "part of the best single effect's misfit up to which it does", default=0.8
     )
     exchange_gain: Share = key("factor by which an exchange must lower the error", default=0.9)
+    restarted: WholeNotNegative = key(
+        "leading candidates that are fitted once more from the prior means of the simulation, "
+        "where the best one leaves more than ``exchange_above``",
+        default=8,
+    )
     long_record: Count = key(
         "record length above which all this is halved", unit="samples", default=30_000
     )

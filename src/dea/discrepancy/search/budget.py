@@ -41,6 +41,9 @@ class Budget:
     exchange_above, exchange_misfit
         A pair is exchanged if it leaves more than this many noise floors, but no more than this
         part of the best single effect's misfit: one of its effects may stand for another.
+    restarted
+        Leading candidates that are fitted once more, with the simulation's parameters at their
+        prior means, where the best one leaves more than ``exchange_above`` floors.
     exchange_gain
         Factor by which an exchange must lower the error of the best pair for another one.
     long_record
@@ -66,6 +69,7 @@ class Budget:
     exchange_above: float = 1.05
     exchange_misfit: float = 0.8
     exchange_gain: float = 0.9
+    restarted: int = 8
     long_record: int = 30_000
 
     def of(self, samples: int) -> "Budget":
@@ -84,6 +88,7 @@ class Budget:
             kept=half(self.kept),
             screening=half(self.screening),
             shakes=min(1, self.shakes),
+            restarted=half(self.restarted),
             exchanges=0,
             tolerance=10.0 * self.tolerance,
         )

@@ -138,10 +138,8 @@ def _refused(before: Fit, offers: Sequence[Offer], reason: Obstacle) -> list[Not
 def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     """Fit with every column anew, and from other starts.
 
-    One has the simulation's parameters at their prior means, since they may have moved far to make
-    up for the effect. If much of the residual is left, others have a perturbed law: its corners
-    give the cost kinks at which a fit can stop early. A second or third effect has been fitted
-    from enough starts already.
+    If much of the residual is left, some have a perturbed law: its corners give the cost kinks at
+    which a fit can stop early. A second or third effect has been fitted from enough starts already.
     """
     whole = [slice(0, problem.size)]
     steps, tolerance = budget.last_steps, budget.tolerance
@@ -153,7 +151,7 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     if len(fitted.extended.attached) > 1 or not budget.shakes:
         return best
     own = fitted.extended.free >= fitted.extended.effect_slices[-1].start
-    best = min(best, fitted_from(np.where(own, best.coordinates, 0.0)), key=lambda each: each.cost)
+    best = min(best, from_prior_means(problem, best, budget), key=lambda each: each.cost)
     rng = np.random.default_rng(0)
     for push in budget.shake_size * rng.standard_normal((budget.shakes, own.size)):
         noise = white_level(best.residual, whole)
@@ -162,6 +160,21 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
         shaken = best.coordinates + np.where(own, push, 0.0)
         best = min(best, fitted_from(shaken), key=lambda each: each.cost)
     return best
+
+
+def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
+    """Return a fit from the same laws, with the simulation's parameters at their prior means.
+
+    These may have moved far to make up for the effects, and find no way back along a narrow valley.
+    """
+    laws = fitted.extended.free >= fitted.extended.effect_slices[0].start
+    return fit(
+        problem,
+        fitted.extended,
+        np.where(laws, fitted.coordinates, 0.0),
+        iterations=budget.last_steps,
+        tolerance=budget.tolerance,
+    )
 
 
 def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:

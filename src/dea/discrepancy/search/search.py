@@ -13,11 +13,12 @@ from itertools import islice
 
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.fit import Fit, fit, without
+from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, best_of_each_set, judged
-from dea.discrepancy.search.rounds import Round, extend_by_each
+from dea.discrepancy.search.rounds import Round, extend_by_each, from_prior_means
 from dea.simulation import Effect, Port
 
 
@@ -45,7 +46,7 @@ class Search:
             grown = self._pairs_from(beam) if size == 2 else self._extended(beam)
             rounds += grown
             beam = self._leading(grown)
-        return [self._reduced(rounds), *rounds[1:]]
+        return self._restarted([self._reduced(rounds), *rounds[1:]])
 
     @cached_property
     def singles(self) -> Round:
@@ -126,6 +127,26 @@ class Search:
             [*self.singles.candidates, *(judged(self.problem, each) for each in again)]
         )
         return replace(self.singles, candidates=tuple(candidates))
+
+    def _restarted(self, rounds: Sequence[Round]) -> list[Round]:
+        """Return the rounds with the leading candidates fitted once more, unless one is right."""
+        leading = [c for c in pool_of(rounds) if c.finished][: self.budget.restarted]
+        if not leading or leading[0].rmse <= self.budget.exchange_above * _lowest_level(leading):
+            return list(rounds)
+        again = in_parallel(
+            lambda c: judged(self.problem, from_prior_means(self.problem, c.fit, self.budget)),
+            leading,
+            self.workers,
+            "leading candidates from the prior means of the simulation",
+        )
+        pairs = zip(leading, again, strict=True)
+        better = {id(old): new for old, new in pairs if new.fit.stable and new.error < old.error}
+
+        def kept(each: Round) -> tuple[Candidate, ...]:
+            found = (better.get(id(c), c) for c in each.candidates)
+            return tuple(sorted(found, key=lambda c: c.error))
+
+        return [replace(each, candidates=kept(each)) for each in rounds]
 
     def _lacking(self, candidates: Sequence[Candidate]) -> bool:
         nominal_error = self.problem.seen_rmse(self.nominals[0].residual)
