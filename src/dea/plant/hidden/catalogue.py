@@ -8,6 +8,7 @@ from dea.plant.hidden.forms import (
     drifts,
     faults,
     foreign,
+    foreign_motion,
     lags,
     leakage,
     mechanics,
@@ -19,7 +20,7 @@ from dea.plant.hidden.forms import (
 # A set's seed draws among the effects in this order: further ones come last.
 _MODULES = (
     command_curves, reading_curves, slewing, delays, lags, leakage, memory, mechanics, drifts,
-    faults, disturbances, foreign,
+    faults, disturbances, foreign_motion, foreign,
 )  # fmt: skip
 
 EFFECTS: dict[str, EffectKind] = {

@@ -53,6 +53,63 @@ def supply_ripple(size: float, conditions: Conditions, rng: Generator) -> Built:
 
 
 @njit(cache=True)
+def _sawtooth(c: Array, m: Array, u: Array) -> None:
+    """c: height, frequency and phase (of 1) of a wave that falls in a line and jumps up."""
+    for k in range(u.shape[0]):
+        u[k] += c[0] * (1.0 - 2.0 * ((c[1] * m[0] + c[2]) % 1.0))
+        m[0] += SUBSTEP
+
+
+@tuning("Sedra and Smith, Microelectronic Circuits (2004): ripple of a capacitor after a rectifier")
+def capacitor_ripple(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A sawtooth on the command."""
+    frequency = _frequency(conditions, rng)
+    law = SignalLaw(_sawtooth, [size * conditions.span, frequency, rng.random()])
+    return Built(law, {"frequency": frequency})
+
+
+@njit(cache=True)
+def _modulated(c: Array, m: Array, y: Array) -> None:
+    """c: height, frequency and phase of a sine, depth, frequency and phase of its modulation."""
+    for k in range(y.shape[0]):
+        envelope = c[0] * (1.0 + c[3] * np.sin(2.0 * np.pi * c[4] * m[0] + c[5]))
+        y[k] += envelope * np.sin(2.0 * np.pi * c[1] * m[0] + c[2])
+        m[0] += SUBSTEP
+
+
+@tuning("McFadden, J. Vib. Acoust. 108 (1986) 165: the meshing of a gear, modulated by its turns")
+def gear_meshing(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A sine on the reading with an amplitude that swings several times more slowly."""
+    frequency, phases = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi, 2)
+    constants = [
+        size * conditions.travel, frequency, phases[0], rng.uniform(0.4, 1.0),
+        frequency * rng.uniform(0.05, 0.2), phases[1],
+    ]  # fmt: skip
+    return Built(SignalLaw(_modulated, constants, output=True), {"frequency": frequency})
+
+
+@njit(cache=True)
+def _tones(c: Array, m: Array, y: Array) -> None:
+    """c: (height, frequency, phase) of every tone."""
+    for k in range(y.shape[0]):
+        for i in range(c.shape[0] // 3):
+            y[k] += c[3 * i] * np.sin(2.0 * np.pi * c[3 * i + 1] * m[0] + c[3 * i + 2])
+        m[0] += SUBSTEP
+
+
+@tuning("Muszynska, J. Sound Vib. 110 (1986) 443: the whirl of oil, slower than half the speed")
+def oil_whirl(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A sine on the reading and a weaker one at 0.42 to 0.48 of its frequency."""
+    frequency, phases = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi, 2)
+    height = size * conditions.travel
+    constants = [
+        height, frequency, phases[0],
+        height * rng.uniform(0.4, 0.8), frequency * rng.uniform(0.42, 0.48), phases[1],
+    ]  # fmt: skip
+    return Built(SignalLaw(_tones, constants, output=True), {"frequency": frequency})
+
+
+@njit(cache=True)
 def _beat(c: Array, m: Array, y: Array) -> None:
     """Two lines of slightly different frequency."""
     height, first, second, share, phase = c
@@ -104,6 +161,7 @@ def rectified_sine(size: float, conditions: Conditions, rng: Generator) -> Built
 EFFECTS = (
     EffectKind(
         "periodic_disturbance", Port.OUTPUT, 0.002, 1.0, "travels",
-        (machine_harmonics, supply_ripple, beating_machines, cogging, rectified_sine),
+        (machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing, oil_whirl,
+         beating_machines, cogging, rectified_sine),
     ),
 )  # fmt: skip

@@ -26,6 +26,47 @@ def _root(conditions: Conditions, rng: Generator) -> Course:
     return lambda t: np.sqrt(t / conditions.duration)
 
 
+def _line(conditions: Conditions, rng: Generator) -> Course:
+    """Rise in a straight line, to 1 at the end."""
+    return lambda t: t / conditions.duration
+
+
+def _logistic(conditions: Conditions, rng: Generator) -> Course:
+    """Rise from 0 to nearly 1 along a logistic curve a third to a half of the record long."""
+    middle = rng.uniform(0.35, 0.65) * conditions.duration
+    width = rng.uniform(0.06, 0.12) * conditions.duration
+
+    def course(t: Array) -> Array:
+        value: Array = 1.0 / (1.0 + np.exp((middle - t) / width))
+        rise: Array = value - value[0]
+        return rise
+
+    return course
+
+
+def _passing(conditions: Conditions, rng: Generator) -> Course:
+    """Come with one time constant and go with another; the highest value is 1."""
+    come, go = conditions.duration * np.array([rng.uniform(0.05, 0.15), rng.uniform(0.3, 0.7)])
+    top = np.log(go / come) / (1.0 / come - 1.0 / go)
+    highest = np.exp(-top / go) - np.exp(-top / come)
+    return lambda t: (np.exp(-t / go) - np.exp(-t / come)) / highest
+
+
+def _primary_and_secondary(conditions: Conditions, rng: Generator) -> Course:
+    """Rise with the cube root of time and in a straight line besides, to 1 at the end."""
+    share = rng.uniform(0.3, 0.8)
+    return lambda t: (
+        share * np.cbrt(t / conditions.duration) + (1 - share) * t / conditions.duration
+    )
+
+
+def _two_parts(conditions: Conditions, rng: Generator) -> Course:
+    """Approach 1 quickly, and from there a value between -0.5 and 0.3 slowly."""
+    quick, slow = conditions.duration * np.array([rng.uniform(0.03, 0.1), rng.uniform(0.3, 0.6)])
+    back = rng.uniform(0.7, 1.5)
+    return lambda t: back * np.expm1(-t / slow) - np.expm1(-t / quick)
+
+
 def _logarithm(conditions: Conditions, rng: Generator) -> Course:
     """Rise with the logarithm of time, to 1 at the end."""
     time = rng.uniform(0.01, 0.1) * conditions.duration
@@ -72,6 +113,24 @@ def diffusing_gain(size: float, conditions: Conditions, rng: Generator) -> Built
     return _gain(size, conditions, rng, _root(conditions, rng))
 
 
+@tuning("Pallás-Areny and Webster, Sensors and Signal Conditioning (2001): a linear drift")
+def linear_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes in a straight line."""
+    return _gain(size, conditions, rng, _line(conditions, rng))
+
+
+@tuning("Prout and Tompkins, Trans. Faraday Soc. 40 (1944) 488: an autocatalytic change")
+def autocatalytic_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes along a long logistic curve."""
+    return _gain(size, conditions, rng, _logistic(conditions, rng))
+
+
+@tuning("Bateman, Proc. Camb. Philos. Soc. 15 (1910) 423: what forms and decays")
+def passing_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes and returns more slowly."""
+    return _gain(size, conditions, rng, _passing(conditions, rng))
+
+
 @reporting("Struik, Physical Aging in Amorphous Polymers (1978): ageing with the logarithm of time")
 def logarithmic_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The gain changes with the logarithm of time."""
@@ -105,6 +164,24 @@ def swelling_mount(size: float, conditions: Conditions, rng: Generator) -> Built
     return _added(size, conditions, rng, _root(conditions, rng))
 
 
+@tuning("Beckwith et al., Mechanical Measurements (1993): a zero that drifts steadily")
+def steady_zero(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves in a straight line."""
+    return _added(size, conditions, rng, _line(conditions, rng))
+
+
+@tuning("Andrade, Proc. R. Soc. A 84 (1910) 1: primary and secondary creep of a metal")
+def creeping_mount(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves with the cube root of time and in a straight line."""
+    return _added(size, conditions, rng, _primary_and_secondary(conditions, rng))
+
+
+@tuning("Slocum, Precision Machine Design (1992): parts that warm up one after the other")
+def differential_expansion(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves one way quickly, and back slowly."""
+    return _added(size, conditions, rng, _two_parts(conditions, rng))
+
+
 @reporting("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
 def wandering_baseline(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The reading's baseline wanders smoothly."""
@@ -129,10 +206,12 @@ def settling_load(size: float, conditions: Conditions, rng: Generator) -> Built:
 EFFECTS = (
     EffectKind(
         "gain_drift", Port.TIME, 0.002, 1.0, "1",
-        (ageing_gain, diffusing_gain, logarithmic_gain, wandering_gain),
+        (ageing_gain, diffusing_gain, linear_gain, autocatalytic_gain, passing_gain,
+         logarithmic_gain, wandering_gain),
     ),
     EffectKind(
         "baseline_drift", Port.TIME, 0.005, 2.0, "travels",
-        (warming_mount, swelling_mount, wandering_baseline, daily_swing, settling_load),
+        (warming_mount, swelling_mount, steady_zero, creeping_mount, differential_expansion,
+         wandering_baseline, daily_swing, settling_load),
     ),
 )  # fmt: skip
