@@ -15,7 +15,15 @@ def slope(values, grid):
 
 
 @pytest.mark.parametrize(
-    "form", ["rounded_threshold", "overlapped_valve", "diode_drop", "square_law_foot"]
+    "form",
+    [
+        "rounded_threshold",
+        "overlapped_valve",
+        "yield_stress",
+        "jumping_threshold",
+        "diode_drop",
+        "square_law_foot",
+    ],
 )
 @pytest.mark.parametrize("seed", range(3))
 def test_a_dead_zone_passes_little_below_and_everything_at_the_top(form, seed):
@@ -48,6 +56,26 @@ def test_the_overlapped_valve_has_two_slopes():
     away = np.abs(U - defining["threshold"]) > 0.01
     assert np.unique(np.round(gain[away], 6)).size == 2
     assert 0.0 < gain[5] < 0.1
+
+
+def test_the_flow_above_a_yield_stress_is_a_power():
+    law, defining = built("dead_zone", "yield_stress", 0.3)
+    passed = through(law, U)
+    assert (passed[defining["threshold"] - 1e-3 > U] == 0.0).all()
+    over = U - defining["threshold"]
+    inside = over > 0.05
+    logarithms = np.log(over[inside]), np.log(passed[inside])
+    assert 1.15 <= np.polyfit(*logarithms, 1)[0] <= 1.6
+    assert _bend(logarithms[0], logarithms[1] + 5.0) < 1e-3
+
+
+def test_the_threshold_jumps_to_a_line():
+    law, defining = built("dead_zone", "jumping_threshold", 0.3)
+    passed = through(law, U)
+    below, above = defining["threshold"] - 2e-3 > U, defining["threshold"] + 2e-3 < U
+    assert (passed[below] == 0.0).all()
+    assert 0.3 < passed[above][0] / defining["threshold"] < 0.81
+    np.testing.assert_allclose(np.diff(passed[above], 2), 0.0, atol=1e-9)
 
 
 def test_the_diode_and_its_load_share_the_voltage():
@@ -106,6 +134,33 @@ def test_the_residual_gain_is_kept_beyond_the_limit():
     assert 0.02 <= beyond[-1] <= 0.12
 
 
+def test_the_solid_state_amplifier_bends_as_rapp_s_model():
+    law, defining = built("input_saturation", "solid_state_amplifier", 0.3)
+    passed, limit = through(law, U), defining["limit"]
+    assert limit == pytest.approx(HIGH - 0.3 * SPAN)
+    # 1/v^2p is the sum of 1/u^2p and 1/limit^2p, so that the two meet at 2^(-1/2p) of the limit.
+    order = -np.log(2.0) / np.log(np.interp(limit, U, passed) / limit)
+    assert 4.0 <= order <= 12.0
+    inside = U > 0.5
+    np.testing.assert_allclose(
+        passed[inside] ** -order, U[inside] ** -order + limit**-order, rtol=1e-3
+    )
+
+
+def test_the_rail_sags_to_its_limit_and_recovers():
+    law = built("input_saturation", "sagging_rail", 0.3)[0]
+    limit = HIGH - 0.3 * SPAN
+    passed = through(law, np.repeat([1.0, HIGH, 1.0, HIGH], [10, 40_000, 40_000, 40_000]))
+    assert passed[39_990] == pytest.approx(limit, rel=1e-3)
+    assert passed[10] > 1.05 * limit
+    assert passed[80_010] == pytest.approx(passed[10], rel=1e-3)
+    left = passed[10:8000] - limit
+    assert (np.diff(left) <= 0.0).all()
+    rate = np.diff(np.log(left[:2000:100]))
+    np.testing.assert_allclose(rate, rate[0], rtol=1e-6)
+    np.testing.assert_array_equal(passed[40_010:80_010], 1.0)
+
+
 def test_the_error_integral_has_a_gaussian_slope():
     law, defining = built("input_saturation", "error_integral", 0.3)
     wide = np.linspace(0.0, 2.0 * HIGH, 8001)
@@ -127,7 +182,15 @@ def test_the_tube_falls_beyond_its_crest():
 
 
 @pytest.mark.parametrize(
-    "form", ["hyperbolic_rail", "leaking_rail", "exponential_rail", "arctangent_rail"]
+    "form",
+    [
+        "hyperbolic_rail",
+        "leaking_rail",
+        "overloaded_converter",
+        "overload_recovery",
+        "exponential_rail",
+        "arctangent_rail",
+    ],
 )
 @pytest.mark.parametrize("seed", range(3))
 def test_a_reading_ends_near_its_limit(form, seed):
@@ -136,7 +199,7 @@ def test_a_reading_ends_near_its_limit(form, seed):
     limit = CONDITIONS.top - 0.4 * TRAVEL
     assert defining["limit"] == pytest.approx(limit)
     assert read[-1] == pytest.approx(limit, abs=0.03 * TRAVEL)
-    true = limit - 0.15 * TRAVEL > Y
+    true = (limit - 0.15 * TRAVEL > Y) & (CONDITIONS.bottom + 0.1 * TRAVEL < Y)
     np.testing.assert_allclose(read[true], Y[true], atol=1e-6)
     assert (np.diff(read) >= -1e-12).all()
 
@@ -161,60 +224,34 @@ def test_a_rail_is_approached_as_its_name_says(form, straight):
     assert np.abs(values - line).max() < 0.06 * np.ptp(values)
 
 
-CURVES = [
-    "calibration_polynomial", "interpolation_error", "unbalanced_bridge", "lever_angle",
-    "exponential_element",
-]  # fmt: skip
+def test_the_converter_clips_at_both_ends():
+    read = through(built("output_saturation", "overloaded_converter", 0.4, 1)[0], Y)
+    inside = (read > read.min() + 0.02) & (read < read.max() - 0.02)
+    np.testing.assert_allclose(read[inside], Y[inside], atol=1e-9)
+    assert read.max() == pytest.approx(CONDITIONS.top - 0.4 * TRAVEL)
+    assert 0.0 < read.min() - CONDITIONS.bottom < 0.08 * TRAVEL
 
 
-@pytest.mark.parametrize("form", CURVES)
-@pytest.mark.parametrize("seed", range(3))
-def test_a_bent_sensor_errs_as_a_function_of_the_place_alone(form, seed):
-    law = built("sensor_nonlinearity", form, 0.5, seed)[0]
-    there, back = through(law, Y), through(law, Y[::-1])
-    np.testing.assert_array_equal(there, back[::-1])
-    line = np.polyval(np.polyfit(Y, there, 1), Y)
-    assert np.abs(there - line).max() > 0.01 * TRAVEL
+def test_the_paralysed_counter_loses_exponentially_more():
+    read = through(built("output_saturation", "paralysed_counter", 0.4)[0], Y)
+    knee = CONDITIONS.top - 0.4 * TRAVEL
+    np.testing.assert_allclose(read[knee > Y], Y[knee > Y], atol=1e-6)
+    over = Y - knee > 0.01
+    share = np.log((read[over] - knee) / (Y[over] - knee))
+    assert _bend(Y[over], share - share.min()) < 1e-3
+    assert knee < read[-1] < read.max()
 
 
-def test_the_calibration_error_is_a_cubic_without_offset_or_gain():
-    error = through(built("sensor_nonlinearity", "calibration_polynomial", 0.5)[0], Y) - Y
-    cubic = np.polyval(np.polyfit(Y, error, 3), Y)
-    np.testing.assert_allclose(error, cubic, atol=1e-5 * TRAVEL)
-    assert abs(np.polyfit(Y, error, 1)[0]) < 0.01
-    assert abs(error.mean()) < 0.01 * np.abs(error).max()
-
-
-def test_the_interpolation_error_repeats_within_the_scale():
-    wide = np.linspace(CONDITIONS.bottom - TRAVEL, CONDITIONS.top + TRAVEL, 30_000)
-    error = through(built("sensor_nonlinearity", "interpolation_error", 0.5)[0], wide) - wide
-    lags = np.arange(1, 12_000)
-    misfit = [np.abs(error[lag:] - error[:-lag]).max() for lag in lags]
-    period = lags[int(np.argmin(misfit[3000:])) + 3000] * (wide[1] - wide[0])
-    assert 0.4 * TRAVEL < period < 0.95 * TRAVEL
-    assert min(misfit[3000:]) < 0.02 * np.ptp(error)
-
-
-def test_the_bridge_is_a_hyperbola_through_both_ends():
-    read = through(built("sensor_nonlinearity", "unbalanced_bridge", 0.5)[0], Y)
-    assert read[[0, -1]] == pytest.approx([CONDITIONS.bottom, CONDITIONS.top], rel=1e-5)
-    # Of y = (1 + b) x/(1 + b x), the quotient x/y is a straight line in x.
-    x, y = (Y[10:] - Y[0]) / TRAVEL, (read[10:] - Y[0]) / TRAVEL
-    line = np.polyval(np.polyfit(x, x / y, 1), x)
-    np.testing.assert_allclose(x / y, line, atol=1e-4)
-
-
-def test_the_lever_s_tangent_is_straight():
-    read = through(built("sensor_nonlinearity", "lever_angle", 0.5)[0], Y)
-    steep = 2.5 * 0.5
-    tangent = np.tan(steep * (read - CONDITIONS.median) / (0.5 * TRAVEL))
-    line = np.polyval(np.polyfit(Y, tangent, 1), Y)
-    np.testing.assert_allclose(tangent, line, atol=1e-4)
-
-
-def test_the_element_s_slope_is_exponential():
-    read = through(built("sensor_nonlinearity", "exponential_element", 0.5)[0], Y)
-    assert read[[0, -1]] == pytest.approx([CONDITIONS.bottom, CONDITIONS.top], rel=1e-5)
-    logarithm = np.log(slope(read, Y))[2:-2]
-    line = np.polyval(np.polyfit(Y[2:-2], logarithm, 1), Y[2:-2])
-    np.testing.assert_allclose(logarithm, line, atol=2e-3)
+def test_an_overload_is_worked_off_before_the_reading_returns():
+    law, defining = built("output_saturation", "overload_recovery", 0.4)
+    limit = defining["limit"]
+    late = {}
+    for over in (0.01, 0.02, 3.0):
+        law = built("output_saturation", "overload_recovery", 0.4)[0]
+        path = np.repeat([limit - 1.0, limit + over, limit - 1.0], [10, 1000, 2000])
+        read = through(law, path)
+        np.testing.assert_array_equal(read[:10], path[:10])
+        np.testing.assert_array_equal(read[10:1010], limit)
+        late[over] = np.count_nonzero(read[1010:] == limit)
+    assert late[0.02] == pytest.approx(2 * late[0.01], abs=2)
+    assert 20 < late[3.0] < 130

@@ -36,6 +36,8 @@ def test_a_lag_settles_and_its_mean_delay_is_as_stated(effect, form, seed):
         assert 0.1 < mean < 0.3  # depends on the level
     elif form == "jittered_delay":
         assert mean == pytest.approx(defining["delay"], rel=0.21)
+    elif form == "sampled_and_held":
+        assert mean == pytest.approx(defining["delay"], rel=0.34)  # depends on when it samples
     elif defining:
         assert mean == pytest.approx(next(iter(defining.values())), rel=0.02, abs=2e-3)
 
@@ -55,6 +57,38 @@ def test_the_pure_delay_shifts(milliseconds):
     signal = np.random.default_rng(2).random(2000)
     passed = through(built("transport_delay", "pure_delay", milliseconds * SUBSTEP)[0], signal)
     np.testing.assert_array_equal(passed[milliseconds:], signal[:-milliseconds])
+
+
+def test_the_held_sample_is_between_one_period_and_two_late():
+    ramp = np.arange(5000) * SUBSTEP
+    law, defining = built("transport_delay", "sampled_and_held", 0.3)
+    passed = through(law, ramp)
+    assert np.unique(np.diff(np.flatnonzero(np.diff(passed)))).size == 1
+    late = (ramp - passed)[1000:]
+    period = 0.2
+    assert [late.min(), late.max()] == pytest.approx([period, 2 * period], abs=2 * SUBSTEP)
+    assert late.mean() == pytest.approx(defining["delay"], abs=2 * SUBSTEP)
+
+
+def test_the_laminar_stream_arrives_as_danckwerts_says():
+    taken, defining = response("transport_delay", "laminar_tube", 0.3)
+    np.testing.assert_allclose(taken[:130], 0.0, atol=1e-12)
+    # A share 1 - (T/2t)² has arrived by t: its root is a straight line in 1/t.
+    time = np.arange(1, taken.size + 1) * SUBSTEP
+    between = (taken > 0.15) & (taken < 0.9)
+    line = np.polyfit(1.0 / time[between], np.sqrt(1.0 - taken[between]), 1)
+    assert line[0] == pytest.approx(0.5 * defining["delay"], rel=0.15)
+    assert line[1] == pytest.approx(0.0, abs=0.06)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_a_line_reflects_arrives_at_odd_multiples(seed):
+    taken, _ = response("transport_delay", "reflecting_line", 0.3, seed)
+    moments = np.flatnonzero(np.abs(np.diff(taken, prepend=0.0)) > 1e-3)
+    np.testing.assert_allclose(moments / moments[0], np.arange(moments.size) * 2 + 1, rtol=0.02)
+    heights = np.diff(taken, prepend=0.0)[moments]
+    np.testing.assert_allclose(heights[1:] / heights[:-1], heights[1] / heights[0], rtol=1e-6)
+    assert 0.05 < abs(heights[1] / heights[0]) < 0.4
 
 
 def test_the_jittered_delay_varies_within_a_fifth_of_its_mean():
@@ -94,6 +128,56 @@ def test_two_stages_have_two_real_poles():
     times = -SUBSTEP / np.log(np.real(roots))
     assert times.sum() == pytest.approx(0.2, rel=0.03)
     assert residual.max() < 1e-12
+
+
+def test_the_lead_s_inductance_makes_it_overshoot_as_scipy_says():
+    from scipy.signal import TransferFunction, step
+
+    taken, defining = response("electrode_lag", "lead_inductance", 0.2)
+    over = np.log(taken.max() - 1.0)
+    damping = -over / np.hypot(np.pi, over)
+    assert 0.4 < damping < 0.9
+    angular = 2.0 * damping / defining["lag"]
+    time = np.arange(1500) * SUBSTEP
+    circuit = TransferFunction([angular**2], [1.0, 2.0 * damping * angular, angular**2])
+    np.testing.assert_allclose(taken[:1499], step(circuit, T=time)[1][1:], atol=5e-3)
+
+
+def test_the_rectifier_discharges_more_slowly():
+    law = built("electrode_lag", "peak_rectifier", 0.2)[0]
+    passed = through(law, np.repeat([1.0, 2.0, 1.0], [10, 5000, 5000]))
+    up = (2.0 - passed[10:5010]).sum() * SUBSTEP
+    down = (passed[5010:] - 1.0).sum() * SUBSTEP
+    assert 2.0 < down / up < 5.05
+    assert 0.5 * (up + down) == pytest.approx(0.2, rel=0.02)
+
+
+def test_the_thermometer_has_one_pole():
+    left = 1.0 - response("sensor_lag", "bare_thermometer", 0.2)[0][:1000]
+    np.testing.assert_allclose(left[1:] / left[:-1], np.exp(-SUBSTEP / 0.2), rtol=1e-4)
+
+
+def test_the_insulated_face_warms_as_the_series_of_carslaw_and_jaeger():
+    taken, defining = response("sensor_lag", "buried_sensor", 0.4)
+    # The mean delay of a slab of thickness L and diffusivity a is L²/2a.
+    seconds = 2.0 * defining["lag"]
+    time = np.arange(100, 2000, 50) * SUBSTEP
+    order = 2 * np.arange(60)[:, None] + 1
+    signs = (-1.0) ** np.arange(60)[:, None]
+    series = signs / order * np.exp(-((order * np.pi / 2.0) ** 2) * time / seconds)
+    expected = 1.0 - 4.0 / np.pi * series.sum(axis=0)
+    np.testing.assert_allclose(taken[99:1999:50], expected, atol=0.012)
+
+
+def test_the_running_median_delays_a_ramp_and_drops_what_is_short():
+    ramp = np.arange(3000) * SUBSTEP
+    law, defining = built("sensor_lag", "running_median", 0.1)
+    np.testing.assert_allclose((ramp - through(law, ramp))[1000:], defining["lag"], rtol=1e-9)
+    pulses = np.zeros(3000)
+    pulses[1000:1080], pulses[2000:2120] = 1.0, 1.0
+    passed = through(built("sensor_lag", "running_median", 0.1)[0], pulses)
+    assert (passed[:2000] == 0.0).all()
+    assert set(np.unique(passed[2000:])) == {0.0, 1.0}
 
 
 def test_cole_and_cole_decay_as_a_power_in_the_wings():
@@ -142,7 +226,12 @@ def test_the_probe_responds_quickly_in_part():
     assert rate[5] > 3.0 * rate[2000]
 
 
-@pytest.mark.parametrize("form", [form.name for form in EFFECTS["slew_limit"].forms])
+UNEVEN = {"class_a_follower", "stepping_motor"}  # quick upwards, or in steps
+
+
+@pytest.mark.parametrize(
+    "form", [form.name for form in EFFECTS["slew_limit"].forms if form.name not in UNEVEN]
+)
 @pytest.mark.parametrize("seed", range(3))
 def test_the_rate_is_limited_and_the_target_reached(form, seed):
     law, defining = built("slew_limit", form, 2.0, seed)
@@ -166,6 +255,41 @@ def test_the_trapezoid_bounds_the_acceleration():
     assert passed.max() < 4.0 + 1e-5
 
 
+def test_the_follower_falls_at_its_rate_and_rises_at_once():
+    law, defining = built("slew_limit", "class_a_follower", 2.0)
+    passed = through(law, np.repeat([1.0, 4.0, 1.0], [10, 3000, 3000]))
+    assert passed[40] == pytest.approx(4.0, abs=0.01)
+    falling = np.diff(passed[3010:])
+    np.testing.assert_allclose(falling[:1900], -defining["rate"] * SUBSTEP, rtol=1e-9)
+    assert passed[-1] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_the_servo_moves_at_its_rate_and_ends_exponentially():
+    law, defining = built("slew_limit", "rate_limited_servo", 2.0)
+    passed = through(law, np.repeat([1.0, 4.0], [10, 6000]))
+    speeds, error = np.diff(passed[10:]) / SUBSTEP, 4.0 - passed[10:-1]
+    full = speeds > (1.0 - 1e-6) * defining["rate"]
+    assert full[:1500].all()
+    ending = ~full & (error > 1e-6)
+    np.testing.assert_allclose(
+        speeds[ending] / error[ending], speeds[ending][-1] / error[ending][-1]
+    )
+    assert 0.08 < 1.0 / (speeds[ending] / error[ending])[0] < 0.31
+
+
+@pytest.mark.parametrize("size", [0.1, 2.0])
+def test_the_motor_steps_so_many_times_a_second(size):
+    law, defining = built("slew_limit", "stepping_motor", size)
+    passed = through(law, np.repeat([1.0, 4.0, 1.0], [10, 6000, 6000]))
+    steps = np.abs(np.diff(passed))
+    step = law._constants[0]
+    np.testing.assert_allclose(steps / step, np.rint(steps / step), atol=1e-9)
+    middle = (passed > 1.5) & (passed < 3.5)
+    line = np.polyfit(np.flatnonzero(middle[:6000]) * SUBSTEP, passed[:6000][middle[:6000]], 1)
+    assert line[0] == pytest.approx(defining["rate"], rel=0.03)
+    assert np.abs(passed[[6000, -1]] - [4.0, 1.0]).max() <= 0.5 * step + 1e-9
+
+
 def test_the_orifice_slows_as_a_root_near_the_target():
     law, defining = built("slew_limit", "orifice_flow", 2.0)
     passed = through(law, np.repeat([1.0, 4.0], [10, 6000]))
@@ -186,7 +310,9 @@ def test_the_foldback_tilts_the_rate_with_the_level():
     np.testing.assert_allclose(rate[moving][:-2], np.polyval(line, level[moving][:-2]), rtol=1e-6)
 
 
-@pytest.mark.parametrize("form", ["space_charge", "schottky_emission", "poole_frenkel"])
+@pytest.mark.parametrize(
+    "form", ["space_charge", "schottky_emission", "hopping", "tunnelling", "poole_frenkel"]
+)
 def test_what_is_trapped_depends_on_the_field_as_the_law_says(form):
     lost = {}
     for level in (1.0, 2.0, 4.0):
@@ -197,6 +323,14 @@ def test_what_is_trapped_depends_on_the_field_as_the_law_says(form):
     first, second = np.log(lost[2.0] / lost[1.0]), np.log(lost[4.0] / lost[2.0])
     if form == "space_charge":  # the square of the field
         assert [first, second] == pytest.approx([2 * np.log(2)] * 2, rel=0.01)
+    elif form == "hopping":  # sinh 2x = 2 sinh x cosh x
+        steep = np.arccosh(0.5 * np.exp(second))
+        assert 1.0 < steep < 2.5
+        assert np.exp(first) == pytest.approx(2.0 * np.cosh(0.5 * steep), rel=0.01)
+    elif form == "tunnelling":  # ln(I/E²) is a straight line in 1/E: Fowler and Nordheim's plot
+        slopes = (np.array([first, second]) - 2 * np.log(2)) / [0.5, 0.25]
+        assert slopes[0] == pytest.approx(slopes[1], rel=0.02)
+        assert slopes[0] > 2.0
     else:  # exponential in its root: ever steeper
         linear = np.log(2) if form == "poole_frenkel" else 0.0
         roots = (np.sqrt(2.0) - 1.0) * np.array([1.0, np.sqrt(2.0)])
@@ -216,3 +350,21 @@ def test_absorption_falls_as_a_power_of_time():
     orders = -np.diff(np.log(at)) / np.diff(np.log(times))
     assert (orders > 0.4).all()
     assert (orders < 1.2).all()
+
+
+def test_interfaces_polarise_with_two_times():
+    law = built("charge_leakage", "interfacial_polarisation", 0.3)[0]
+    kept = through(law, np.full(200_000, 2.0))
+    assert kept[0] == pytest.approx(2.0, rel=2e-3)
+    assert kept[-1] == pytest.approx(2.0 * (1.0 - 0.3), rel=1e-2)
+    double = through(
+        built("charge_leakage", "interfacial_polarisation", 0.3)[0], np.full(9000, 4.0)
+    )
+    np.testing.assert_allclose(double, 2.0 * kept[:9000], rtol=1e-9)
+    # Equally spaced values of two exponentials obey a recursion of second order about their end.
+    left = np.diff(kept[:60_000:500])
+    design = np.column_stack([left[1:-1], left[:-2]])
+    recursion, residual, *_ = np.linalg.lstsq(design, left[2:], rcond=None)
+    times = -0.5 / np.log(np.roots([1.0, *-recursion]))
+    assert residual.max() < 1e-12
+    assert 5.0 < times.max() / times.min() < 25.1

@@ -15,25 +15,37 @@ from numpy.typing import NDArray
 from dea.plant.array import Array
 from dea.plant.force_laws.contact import (
     air_cushion,
+    disc_stop,
     hertz_stop,
     padded_stop,
     rubber_stop,
+    stepped_stop,
 )
 from dea.plant.force_laws.damage import (
+    carry_crack,
     count_reversals,
+    crack_loss,
     cycle_damage,
+    largest_stroke_loss,
     pseudo_elastic_loss,
     work_damage,
 )
+from dea.plant.force_laws.damping import drag_force, pumped_force
 from dea.plant.force_laws.elastic import (
+    cable_force,
     chain_force,
+    fibre_force,
     fung_force,
     gent_force,
+    hart_smith_force,
     power_force,
     snap_force,
 )
 from dea.plant.force_laws.friction import (
+    ageing_friction,
+    bearing_friction,
     bristle_force,
+    carry_age,
     carry_bristle,
     carry_dahl,
     composite_friction,
@@ -42,15 +54,28 @@ from dea.plant.force_laws.friction import (
 from dea.plant.force_laws.hysteresis import (
     carry_bouc_wen,
     carry_duhem,
+    carry_ring_spring,
+    carry_stops,
     masing_force,
     note_reversals,
     preisach_force,
+    stops_force,
 )
 from dea.plant.force_laws.in_time import force_in_time, pulse_train, stiffness_in_time
-from dea.plant.force_laws.mode import carry_mode, mode_force
+from dea.plant.force_laws.mode import (
+    carry_column,
+    carry_mode,
+    carry_twins,
+    column_force,
+    mode_force,
+    twin_force,
+)
 from dea.plant.force_laws.viscoelastic import (
     carry_eyring,
+    carry_norton,
+    carry_quasi_linear,
     carry_spectrum,
+    quasi_linear_force,
     spectrum_force,
 )
 
@@ -83,7 +108,24 @@ WIDTH = 64  # length of a row of constants or memory
     FORCE_COURSE,
     PULSES,
     SNAP_THROUGH,
-) = range(26)
+    STOPS,
+    RING_SPRING,
+    NORTON,
+    QUASI_LINEAR,
+    AGEING,
+    BEARING,
+    FIBRES,
+    CABLES,
+    HART_SMITH,
+    CRACK,
+    LARGEST_STROKE,
+    COLUMN,
+    TWINS,
+    STEPPED,
+    DISC,
+    DRAG,
+    PUMPED,
+) = range(43)
 
 
 class Forces(NamedTuple):
@@ -119,7 +161,7 @@ def total_force(forces: Forces, y: float, v: float) -> float:
         kind, c, m = forces.kind[row], forces.constants[row], forces.memory[row]
         if kind == SPECTRUM:
             total += spectrum_force(c, m, y)
-        elif kind == EYRING:
+        elif kind in (EYRING, NORTON):
             total += c[0] * (y - m[0])
         elif kind == MASING:
             total += masing_force(c, m, y)
@@ -127,7 +169,7 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += preisach_force(c, m, y)
         elif kind == BOUC_WEN:
             total += c[0] * m[0]
-        elif kind in (DUHEM, DAHL):
+        elif kind in (DUHEM, DAHL, RING_SPRING):
             total += m[0]
         elif kind == LUGRE:
             total += bristle_force(c, m, v)
@@ -167,6 +209,36 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += pulse_train(c, m)
         elif kind == SNAP_THROUGH:
             total += snap_force(c, y)
+        elif kind == STOPS:
+            total += stops_force(c, m)
+        elif kind == QUASI_LINEAR:
+            total += quasi_linear_force(c, m, y)
+        elif kind == AGEING:
+            total += ageing_friction(c, m, v)
+        elif kind == BEARING:
+            total += bearing_friction(c, y, v)
+        elif kind == FIBRES:
+            total += fibre_force(c, y)
+        elif kind == CABLES:
+            total += cable_force(c, y)
+        elif kind == HART_SMITH:
+            total += hart_smith_force(c, y)
+        elif kind == CRACK:
+            total -= c[0] * y * crack_loss(c, m)
+        elif kind == LARGEST_STROKE:
+            total -= c[0] * (y - c[3]) * largest_stroke_loss(c, m, y)
+        elif kind == COLUMN:
+            total += column_force(c, m, y, v)
+        elif kind == TWINS:
+            total += twin_force(c, m, y, v)
+        elif kind == STEPPED:
+            total += stepped_stop(c, y)
+        elif kind == DISC:
+            total += disc_stop(c, y)
+        elif kind == DRAG:
+            total += drag_force(c, v)
+        elif kind == PUMPED:
+            total += pumped_force(c, m, y)
     return total
 
 
@@ -197,5 +269,23 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             m[0] += c[0] * abs((y - c[3]) * v) * dt
         elif kind == MODE:
             carry_mode(c, m, y, v, dt)
-        elif kind in (STIFFNESS_COURSE, FORCE_COURSE, PULSES):
+        elif kind in (STIFFNESS_COURSE, FORCE_COURSE, PULSES, PUMPED):
             m[0] += dt
+        elif kind == STOPS:
+            carry_stops(c, m, y)
+        elif kind == RING_SPRING:
+            carry_ring_spring(c, m, y)
+        elif kind == NORTON:
+            carry_norton(c, m, y, dt)
+        elif kind == QUASI_LINEAR:
+            carry_quasi_linear(c, m, y)
+        elif kind == AGEING:
+            carry_age(c, m, v, dt)
+        elif kind == CRACK:
+            carry_crack(c, m, y)
+        elif kind == LARGEST_STROKE:
+            m[0] = max(m[0], abs(y - c[3]))
+        elif kind == COLUMN:
+            carry_column(c, m, y, v, dt)
+        elif kind == TWINS:
+            carry_twins(c, m, y, v, dt)

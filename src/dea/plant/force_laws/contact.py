@@ -49,3 +49,28 @@ def air_cushion(c: Array, y: float) -> float:
     force: float = ((1.0 - inside) ** -1.4 - 1.0) / 1.4 + (d - inside) * (1.0 - inside) ** -2.4
     value: float = c[0] * c[2] * force
     return value
+
+
+@njit(cache=True, error_model="numpy")
+def stepped_stop(c: Array, y: float) -> float:
+    """Return a pad of stiffness c[0] and thickness c[2] on a stop of stiffness c[3].
+
+    S. W. Shaw and P. J. Holmes, J. Sound Vib. 90 (1983) 129: a piecewise linear spring.
+    """
+    depth = max(y - c[1], 0.0)
+    value: float = c[0] * min(depth, c[2]) + c[3] * max(depth - c[2], 0.0)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def disc_stop(c: Array, y: float) -> float:
+    """Return a disc spring of height c[2] and thickness c[3], with c[4] added once it is flat.
+
+    J. O. Almen and A. László, Trans. ASME 58 (1936) 305: d ((h - d)(h - d/2) + t²), of initial
+    stiffness c[0].
+    """
+    depth = max(y - c[1], 0.0)
+    d, square = min(depth, c[2]), c[3] * c[3]
+    bent = ((c[2] - d) * (c[2] - 0.5 * d) + square) / (c[2] * c[2] + square)
+    value: float = c[0] * d * bent + c[4] * (depth - d)
+    return value

@@ -1,5 +1,7 @@
 """Elastic forces that are functions of the place alone."""
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -57,4 +59,41 @@ def snap_force(c: Array, y: float) -> float:
     """Return the bistable force of a buckled strip around place c[1], of width c[2]."""
     place = (y - c[1]) / c[2]
     force: float = c[0] * np.sin(2.0 * np.pi * place) * np.exp(-place * place)
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def hart_smith_force(c: Array, y: float) -> float:
+    """Return c[0] x (exp(x²) - 1) for x = (y - c[2])/c[1] > 0.
+
+    L. J. Hart-Smith, Z. Angew. Math. Phys. 17 (1966) 608: a modulus exponential in the squared
+    strain.
+    """
+    x = min(max(y - c[2], 0.0) / c[1], 6.0)
+    force: float = c[0] * x * np.expm1(x * x)
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def fibre_force(c: Array, y: float) -> float:
+    """Return the force of fibres c[0] that become taut one after the other.
+
+    Y. Lanir, J. Biomech. 16 (1983) 1. The places where they do have the mean c[1] and the standard
+    deviation c[2] of a Gaussian.
+    """
+    x = (y - c[1]) / c[2]
+    taut = 0.5 * (1.0 + math.erf(x / np.sqrt(2.0)))
+    force: float = c[0] * c[2] * (x * taut + np.exp(-0.5 * x * x) / np.sqrt(2.0 * np.pi))
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def cable_force(c: Array, y: float) -> float:
+    """Return the pull of cables across the motion, straight and without tension at place c[2].
+
+    c[0] d (1 - h/√(d² + h²)), d = y - c[2] > 0, h = c[1] the half span: H. M. Irvine, Cable
+    Structures, 1981.
+    """
+    d = max(y - c[2], 0.0)
+    force: float = c[0] * d * (1.0 - c[1] / np.hypot(d, c[1]))
     return force

@@ -62,3 +62,31 @@ def composite_friction(c: Array, v: float) -> float:
     force = c[0] * (np.tanh(c[1] * v) - np.tanh(c[2] * v)) + c[3] * np.tanh(c[4] * v)
     value: float = force * (1.0 + c[5] * np.tanh(c[4] * v))
     return value
+
+
+@njit(cache=True, error_model="numpy")
+def ageing_friction(c: Array, m: Array, v: float) -> float:
+    """Return friction that grows with the logarithm of the age m[0] of the contacts.
+
+    J. H. Dieterich, J. Geophys. Res. 84 (1979) 2161. c: force of new contacts, growth, time of the
+    logarithm, length of slip that renews the contacts, speed of regularisation.
+    """
+    force: float = c[0] * (1.0 + c[1] * np.log1p(m[0] / c[2])) * v / np.hypot(v, c[4])
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_age(c: Array, m: Array, v: float, dt: float) -> None:
+    """Carry the age, which grows with time and falls with slip: a' = 1 - |v| a/c[3], implicitly."""
+    m[0] = (m[0] + dt) / (1.0 + abs(v) * dt / c[3])
+
+
+@njit(cache=True, error_model="numpy")
+def bearing_friction(c: Array, y: float, v: float) -> float:
+    """Return friction in proportion to a load that grows with the place.
+
+    T. A. Harris, Rolling Bearing Analysis, 2001. c: force at the place c[2], its growth with the
+    place beyond, speed of regularisation.
+    """
+    force: float = max(c[0] + c[1] * (y - c[2]), 0.0) * v / np.hypot(v, c[3])
+    return force

@@ -95,3 +95,36 @@ def carry_duhem(c: Array, m: Array, y: float) -> None:
     line = c[1] * (0.5 * (y + m[1]) - c[3])
     m[0] += share * (line - m[0]) + c[2] * step
     m[1] = y
+
+
+@njit(cache=True, error_model="numpy")
+def stops_force(c: Array, m: Array) -> float:
+    """Return the force of c[0] stops: springs that yield; (stiffness, yield stretch) follow.
+
+    M. A. Krasnosel'skii and A. V. Pokrovskii, Systems with Hysteresis, 1989. m: latest place, then
+    the stretch of every spring.
+    """
+    force = 0.0
+    for i in range(int(c[0])):
+        force += c[1 + 2 * i] * m[1 + i]
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_stops(c: Array, m: Array, y: float) -> None:
+    """Stretch every spring until it yields."""
+    step = y - m[0]
+    for i in range(int(c[0])):
+        m[1 + i] = min(max(m[1 + i] + step, -c[2 + 2 * i]), c[2 + 2 * i])
+    m[0] = y
+
+
+@njit(cache=True, error_model="numpy")
+def carry_ring_spring(c: Array, m: Array, y: float) -> None:
+    """Carry the friction of wedged rings: stiffness c[0], at most c[1] times the way past c[2].
+
+    A. M. Wahl, Mechanical Springs, 1963. m: force and latest place.
+    """
+    most = c[1] * max(y - c[2], 0.0)
+    m[0] = min(max(m[0] + c[0] * (y - m[1]), -most), most)
+    m[1] = y

@@ -5,7 +5,9 @@ from numba import njit
 
 from dea.plant.array import Array
 
-POWER, EXPONENTIALS, LOGARITHM, PELEG, SIGMOID, SETTLING, INSTANT = range(7)
+POWER, EXPONENTIALS, LOGARITHM, PELEG, SIGMOID, SETTLING, INSTANT, DRAINING, AVRAMI, RAMP = range(
+    10
+)
 
 
 @njit(cache=True, error_model="numpy")
@@ -15,7 +17,9 @@ def course(shape: float, a: float, b: float, t: float) -> float:
     POWER: 1 - (1 + t/a)^-b; EXPONENTIALS: of time constants a and b, equal shares; LOGARITHM:
     ln(1 + t/a)/ln(1 + b/a), 1 at time b; PELEG: t/(a + t) (M. Peleg, J. Food Sci. 44 (1979) 277);
     SIGMOID: logistic at a of width b; SETTLING: exponential after a with time constant b;
-    INSTANT: at a.
+    INSTANT: at a; DRAINING: with two exponentials of the root of t/a (Y. Hu et al., Appl. Phys.
+    Lett. 96 (2010) 121904, a sphere); AVRAMI: 1 - exp(-(t/a)^b) (M. Avrami, J. Chem. Phys. 7 (1939)
+    1103); RAMP: a straight line from a over b.
     """
     value: float = 0.0
     if shape == POWER:
@@ -32,6 +36,13 @@ def course(shape: float, a: float, b: float, t: float) -> float:
         value = -np.expm1(-max(t - a, 0.0) / b)
     elif shape == INSTANT:
         value = 1.0 if t >= a else 0.0
+    elif shape == DRAINING:
+        root = np.sqrt(t / a)
+        value = 1.0 - 0.491 * np.exp(-0.908 * root) - 0.509 * np.exp(-1.679 * root)
+    elif shape == AVRAMI:
+        value = -np.expm1(-((t / a) ** b))
+    elif shape == RAMP:
+        value = min(max((t - a) / b, 0.0), 1.0)
     return value
 
 

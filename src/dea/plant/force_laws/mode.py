@@ -33,3 +33,43 @@ def carry_mode(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry the second mass over a sub-step, by the symplectic Euler rule."""
     m[1] += dt / c[0] * (mode_force(c, m, y, v) - c[3] * m[1])
     m[0] += dt * m[1]
+
+
+@njit(cache=True, error_model="numpy")
+def column_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force of a mass c[0] on a spring c[1], damped by c[2] w + c[3] w |w|.
+
+    w is the speed against it, m its place and velocity: F. Sakai et al., Proc. Int. Conf. Highrise
+    Buildings (1989) 926.
+    """
+    w = v - m[1]
+    value: float = c[1] * (y - m[0]) + c[2] * w + c[3] * w * abs(w)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_column(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry the mass over a sub-step, by the symplectic Euler rule."""
+    m[1] += dt / c[0] * column_force(c, m, y, v)
+    m[0] += dt * m[1]
+
+
+@njit(cache=True, error_model="numpy")
+def twin_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force of two masses side by side; mass, spring and dashpot of each in c.
+
+    T. Igusa and K. Xu, J. Sound Vib. 175 (1994) 491. m: place and velocity of each.
+    """
+    value = 0.0
+    for i in range(2):
+        value += c[3 * i + 1] * (y - m[2 * i]) + c[3 * i + 2] * (v - m[2 * i + 1])
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_twins(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry both masses over a sub-step, by the symplectic Euler rule."""
+    for i in range(2):
+        force = c[3 * i + 1] * (y - m[2 * i]) + c[3 * i + 2] * (v - m[2 * i + 1])
+        m[2 * i + 1] += dt / c[3 * i] * force
+        m[2 * i] += dt * m[2 * i + 1]

@@ -35,3 +35,42 @@ def carry_eyring(c: Array, m: Array, y: float, dt: float) -> None:
     z = (y - m[0]) / c[2]
     z = 2.0 * np.arctanh(np.tanh(0.5 * min(max(z, -30.0), 30.0)) * np.exp(-c[1] / c[2] * dt))
     m[0] = y - c[2] * z
+
+
+@njit(cache=True, error_model="numpy")
+def carry_norton(c: Array, m: Array, y: float, dt: float) -> None:
+    """Carry a dashpot whose rate is c[1] (stretch/c[2])^c[3], exactly at a held place.
+
+    F. H. Norton, The Creep of Steel at High Temperatures, 1929. With z the stretch over c[2],
+    z' = -(c[1]/c[2]) z^n has the solution z = z0 (1 + (n - 1) z0^(n - 1) c[1] t/c[2])^(-1/(n - 1)).
+    """
+    stretch, order = y - m[0], c[3] - 1.0
+    fluid = order * (abs(stretch) / c[2]) ** order * c[1] / c[2] * dt
+    m[0] = y - stretch * (1.0 + fluid) ** (-1.0 / order)
+
+
+@njit(cache=True, error_model="numpy")
+def _elastic(c: Array, y: float) -> float:
+    """Return the exponential response c[1] (exp(d/c[1]) - 1) to d = y - c[2]."""
+    response: float = c[1] * np.expm1((y - c[2]) / c[1])
+    return response
+
+
+@njit(cache=True, error_model="numpy")
+def quasi_linear_force(c: Array, m: Array, y: float) -> float:
+    """Return the force of c[0] elements that relax the elastic response, not the place.
+
+    Y. C. Fung, in Biomechanics: Its Foundations and Objectives, 1972. (Stiffness, share) pairs
+    follow the constants of the response; m: what every element has relaxed.
+    """
+    force = 0.0
+    for i in range(int(c[0])):
+        force += c[3 + 2 * i] * (_elastic(c, y) - m[i])
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_quasi_linear(c: Array, m: Array, y: float) -> None:
+    """Relax every element over a sub-step at a held place, exactly."""
+    for i in range(int(c[0])):
+        m[i] += c[4 + 2 * i] * (_elastic(c, y) - m[i])

@@ -1,10 +1,28 @@
 """Every effect that a blind trial may hide, by name."""
 
 from dea.plant.hidden.effect import EffectKind
-from dea.plant.hidden.forms import curves, foreign, in_time, lags, leakage, mechanics, memory
+from dea.plant.hidden.forms import (
+    command_curves,
+    delays,
+    disturbances,
+    drifts,
+    faults,
+    foreign,
+    foreign_motion,
+    lags,
+    leakage,
+    mechanics,
+    memory,
+    reading_curves,
+    slewing,
+)
+
+# A set's seed draws among the effects in this order: further ones come last.
+_MODULES = (
+    command_curves, reading_curves, slewing, delays, lags, leakage, memory, mechanics, drifts,
+    faults, disturbances, foreign_motion, foreign,
+)  # fmt: skip
 
 EFFECTS: dict[str, EffectKind] = {
-    effect.name: effect
-    for module in (curves, lags, leakage, memory, mechanics, in_time, foreign)
-    for effect in module.EFFECTS
+    effect.name: effect for module in _MODULES for effect in module.EFFECTS
 }

@@ -135,3 +135,8 @@ def tuning(source: str, *, moving: bool = False) -> Callable[[Builder], Form]:
 def reporting(source: str, *, moving: bool = False) -> Callable[[Builder], Form]:
     """Make a builder a form for reporting; its function's name is the form's."""
     return lambda build: Form(build.__name__, source, Use.REPORTING, build, moving)
+
+
+def foreign(form: Form, smallest: float, largest: float, unit: str = "1") -> EffectKind:
+    """Return the effect, not of the catalogue, that has this form alone and its name."""
+    return EffectKind(form.name, Port.OUTSIDE, smallest, largest, unit, (form,))

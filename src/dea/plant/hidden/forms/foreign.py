@@ -1,4 +1,4 @@
-"""Effects that a catalogue of common effects does not hold."""
+"""Effects on command and reading that a catalogue of common effects does not hold."""
 
 from collections.abc import Callable, Sequence
 
@@ -6,11 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.random import Generator
 
-from dea.plant import forces
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.forces import ForceLaw
-from dea.plant.hidden.effect import Built, Conditions, EffectKind, Form, Port, reporting, tuning
+from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tuning
 from dea.plant.signal_law import SignalLaw
 
 Kernel = Callable[[Array, Array, Array], None]
@@ -168,15 +166,40 @@ def peak_memory(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _input(_last_peak, [change, conditions.low, conditions.high], np.zeros(4))
 
 
-@reporting(
-    "Virgin, Introduction to Experimental Nonlinear Dynamics (2000): snap-through", moving=True
-)
-def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A buckled strip whose bistable force reaches about ``size`` device forces."""
-    force = size * conditions.stiffness * conditions.travel
-    place = conditions.bottom + rng.uniform(0.3, 0.6) * conditions.travel
-    constants = np.array([force, place, rng.uniform(0.15, 0.35) * conditions.travel])
-    return Built(ForceLaw(forces.SNAP_THROUGH, constants, np.zeros(1)), {})
+@njit(cache=True)
+def _coarse(c: Array, m: Array, u: Array) -> None:
+    for k in range(u.shape[0]):
+        u[k] = c[0] * np.rint((u[k] - c[1]) / c[0]) + c[1]
+
+
+@tuning("Widrow and Kollár, Quantization Noise (2008): a converter of few levels")
+def coarse_commands(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Commands rounded to levels that are ``size`` times their range apart."""
+    step = size * conditions.span
+    return _input(_coarse, [step, conditions.low + rng.random() * step])
+
+
+@njit(cache=True)
+def _added_noise(c: Array, m: Array, u: Array) -> None:
+    """Add a table c[1:] of values c[0] seconds apart, with straight pieces between; it repeats."""
+    values = c.shape[0] - 1
+    for k in range(u.shape[0]):
+        place = m[0] * SUBSTEP / c[0]
+        i = int(place)
+        here, ahead = c[1 + i % values], c[1 + (i + 1) % values]
+        u[k] += here + (place - i) * (ahead - here)
+        m[0] += 1.0
+
+
+@tuning("Uhlenbeck and Ornstein, Phys. Rev. 36 (1930) 823: coloured noise, here on the command")
+def unsteady_supply(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Noise of RMS ``size`` times the range, correlated over 0.2 to 1.5 band periods."""
+    apart, correlation = 0.02, rng.uniform(0.2, 1.5)
+    kept = np.exp(-apart / correlation)
+    values = rng.standard_normal(2 + int(1.2 * conditions.duration / (apart * conditions.time)))
+    for k in range(1, values.size):
+        values[k] = kept * values[k - 1] + np.sqrt(1.0 - kept**2) * values[k]
+    return _input(_added_noise, np.append(apart * conditions.time, size * conditions.span * values))
 
 
 @njit(cache=True)
@@ -295,23 +318,20 @@ def speckle(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _output(_speckle, np.concatenate([[size, conditions.bottom, hold], noise]))
 
 
-def _foreign(form: Form, smallest: float, largest: float, unit: str = "1") -> EffectKind:
-    return EffectKind(form.name, Port.OUTSIDE, smallest, largest, unit, (form,))
-
-
 EFFECTS = (
-    _foreign(thermal_feedback, 0.005, 1.5),
-    _foreign(send_on_delta, 0.005, 0.7),
-    _foreign(telegraph_contact, 0.002, 0.9),
-    _foreign(input_dependent_delay, 0.01, 1.5, "band periods"),
-    _foreign(held_readings, 0.05, 4.0, "band periods"),
-    _foreign(modulated_gain, 0.002, 0.9),
-    _foreign(peak_memory, 0.005, 1.5),
-    _foreign(bistable_snap, 0.005, 0.4),
-    _foreign(outliers, 0.002, 0.5),
-    _foreign(lost_commands, 0.05, 4.0, "band periods"),
-    _foreign(unmeasured_input, 0.002, 0.6),
-    _foreign(direction_gain, 0.002, 0.8),
-    _foreign(drifting_clock, 0.01, 1.5, "band periods"),
-    _foreign(speckle, 0.002, 0.8),
+    foreign(thermal_feedback, 0.005, 1.5),
+    foreign(send_on_delta, 0.005, 0.7),
+    foreign(telegraph_contact, 0.002, 0.9),
+    foreign(input_dependent_delay, 0.01, 1.5, "band periods"),
+    foreign(held_readings, 0.05, 4.0, "band periods"),
+    foreign(modulated_gain, 0.002, 0.9),
+    foreign(peak_memory, 0.005, 1.5),
+    foreign(coarse_commands, 0.01, 0.7),
+    foreign(unsteady_supply, 0.001, 0.4),
+    foreign(outliers, 0.002, 0.5),
+    foreign(lost_commands, 0.05, 4.0, "band periods"),
+    foreign(unmeasured_input, 0.002, 0.6),
+    foreign(direction_gain, 0.002, 0.8),
+    foreign(drifting_clock, 0.01, 1.5, "band periods"),
+    foreign(speckle, 0.002, 0.8),
 )

@@ -4,9 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 from numba import njit
+from numpy.random import Generator
 
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
+from dea.plant.hidden.effect import Conditions
 from dea.plant.signal_law import SignalLaw
 
 _CURVE_POINTS, _COURSE_POINTS = 8001, 4001
@@ -35,6 +37,22 @@ def curve(
     places = np.linspace(low, high, _CURVE_POINTS)
     constants = np.concatenate([[low, places[1] - places[0]], function(places)])
     return SignalLaw(_mapped, constants, output=output)
+
+
+def command_curve(function: Callable[[Array], Array], conditions: Conditions) -> SignalLaw:
+    """Return the law on the command, tabulated from 0 V to twice the highest command."""
+    return curve(function, 0.0, 2.0 * conditions.high)
+
+
+def reading_curve(function: Callable[[Array], Array], conditions: Conditions) -> SignalLaw:
+    """Return the law on the reading, from four travels below its plain range to four above."""
+    reach = 4.0 * conditions.travel
+    return curve(function, conditions.bottom - reach, conditions.top + reach, output=True)
+
+
+def sign(size: float, rng: Generator) -> float:
+    """Return -1 or 1, down or up; 1 for a large change, since no gain would leave no response."""
+    return float(rng.choice([-1.0, 1.0])) if size < 0.5 else 1.0
 
 
 @njit(cache=True)

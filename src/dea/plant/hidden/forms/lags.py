@@ -1,4 +1,4 @@
-"""Laws that act later: slew limits, delays and lags of the input and of the sensor."""
+"""Lags of the electrode and of the sensor."""
 
 import numpy as np
 from numba import njit
@@ -7,157 +7,8 @@ from numpy.random import Generator
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
-from dea.plant.hidden.forms.kernels import cascade, delay, parallel
+from dea.plant.hidden.forms.kernels import cascade, parallel
 from dea.plant.signal_law import SignalLaw
-
-
-@njit(cache=True)
-def _differential_pair(c: Array, m: Array, u: Array) -> None:
-    """Follow at a rate that saturates as a tanh; rising and falling have limits of their own."""
-    rise, fall, quick = c
-    if m[0] == 0.0:
-        m[0], m[1] = 1.0, u[0]
-    for k in range(u.shape[0]):
-        error = u[k] - m[1]
-        limit = rise if error > 0.0 else fall
-        m[1] += SUBSTEP * limit * np.tanh(error / (limit * quick))
-        u[k] = m[1]
-
-
-def _rate(size: float, conditions: Conditions) -> float:
-    """Return the rate, V/s, that takes ``size`` periods of the band for the whole range."""
-    return conditions.span / (size * conditions.time)
-
-
-@tuning("Solomon, IEEE J. Solid-State Circuits 9 (1974) 314: slewing of a differential pair")
-def differential_pair(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A rate that is a tanh of the error, with different limits up and down."""
-    rate = _rate(size, conditions)
-    asymmetry = rng.uniform(0.85, 1.2)
-    constants = [rate * asymmetry, rate / asymmetry, 4.0 * SUBSTEP]
-    return Built(SignalLaw(_differential_pair, constants, [0.0, 0.0]), {"rate": rate})
-
-
-@njit(cache=True)
-def _limited_acceleration(c: Array, m: Array, u: Array) -> None:
-    """Follow with bounded speed and acceleration: m holds whether started, place and speed."""
-    rate, acceleration = c
-    if m[0] == 0.0:
-        m[0], m[1] = 1.0, u[0]
-    most = acceleration * SUBSTEP
-    for k in range(u.shape[0]):
-        error = u[k] - m[1]
-        # The speed from which the place stops just at the target, in whole sub-steps.
-        wanted = np.sqrt(0.25 * most * most + 2.0 * acceleration * abs(error)) - 0.5 * most
-        wanted = min(wanted, rate, abs(error) / SUBSTEP) * np.sign(error)
-        m[2] += min(max(wanted - m[2], -most), most)
-        m[1] += SUBSTEP * m[2]
-        u[k] = m[1]
-
-
-@tuning("Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines (2008): trapezoid")
-def trapezoidal_speed(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A bounded rate that is itself reached at a bounded acceleration."""
-    rate = _rate(size, conditions)
-    rise = rng.uniform(0.02, 0.08) * size * conditions.time + 4.0 * SUBSTEP
-    law = SignalLaw(_limited_acceleration, [rate, rate / rise], np.zeros(3))
-    return Built(law, {"rate": rate})
-
-
-@njit(cache=True)
-def _orifice(c: Array, m: Array, u: Array) -> None:
-    """A rate that is a root of the error up to c[1], and constant beyond."""
-    rate, opening = c
-    if m[0] == 0.0:
-        m[0], m[1] = 1.0, u[0]
-    for k in range(u.shape[0]):
-        error = u[k] - m[1]
-        share = np.sqrt(min(abs(error) / opening, 1.0))
-        step = min(SUBSTEP * rate * share, abs(error))
-        m[1] += step * np.sign(error)
-        u[k] = m[1]
-
-
-@reporting("Merritt, Hydraulic Control Systems (1967): flow through an orifice, valve fully open")
-def orifice_flow(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A rate that falls with the root of the error near the target."""
-    rate = _rate(size, conditions)
-    opening = rng.uniform(0.01, 0.06) * conditions.span
-    return Built(SignalLaw(_orifice, [rate, opening], [0.0, 0.0]), {"rate": rate})
-
-
-@njit(cache=True)
-def _foldback(c: Array, m: Array, u: Array) -> None:
-    """A rate that falls (rising) or grows (falling) in a straight line with the output's level."""
-    rate, tilt, middle, half = c
-    if m[0] == 0.0:
-        m[0], m[1] = 1.0, u[0]
-    for k in range(u.shape[0]):
-        error = u[k] - m[1]
-        level = min(max((m[1] - middle) / half, -1.0), 1.0)
-        limit = SUBSTEP * rate * (1.0 - tilt * level * np.sign(error))
-        m[1] += min(max(error, -limit), limit)
-        u[k] = m[1]
-
-
-@reporting("Horowitz and Hill, The Art of Electronics (2015): charging by a current with foldback")
-def foldback_current(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """The nearer the output to the end it moves to, the slower the rate."""
-    rate = _rate(size, conditions)
-    middle, half = 0.5 * (conditions.low + conditions.high), 0.5 * conditions.span
-    constants = [rate, rng.uniform(0.15, 0.4), middle, half]
-    return Built(SignalLaw(_foldback, constants, [0.0, 0.0]), {"rate": rate})
-
-
-@tuning("a pure delay: Smith, Chem. Eng. Prog. 53 (1957) 217")
-def pure_delay(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A delay of ``size`` periods of the band, to a millisecond."""
-    seconds = size * conditions.time
-    return Built(delay(seconds), {"delay": max(round(seconds / SUBSTEP), 1) * SUBSTEP})
-
-
-@njit(cache=True)
-def _jittered(c: Array, m: Array, u: Array) -> None:
-    """c: mean, depth (s), (frequency, phase) of every sine of the delay.
-
-    m: count, delay in sub-steps, which is updated every tenth one, and a ring of past values.
-    """
-    length, sines = m.shape[0] - 2, (c.shape[0] - 2) // 2
-    if m[0] == 0.0:
-        m[2:] = u[0]
-    for k in range(u.shape[0]):
-        place = int(m[0])
-        m[2 + place % length] = u[k]
-        if place % 10 == 0:
-            wander = 0.0
-            for i in range(sines):
-                wander += np.sin(2.0 * np.pi * c[2 + 2 * i] * m[0] * SUBSTEP + c[3 + 2 * i])
-            m[1] = (c[0] + c[1] * wander / sines) / SUBSTEP
-        late = m[1]
-        whole = int(late)
-        near, far = m[2 + (place - whole) % length], m[2 + (place - whole - 1) % length]
-        u[k] = near + (late - whole) * (far - near)
-        m[0] += 1.0
-
-
-@reporting("Nilsson, Real-Time Control Systems with Delays (1998): a network's varying delay")
-def jittered_delay(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A delay that wanders by up to a fifth around its mean, faster than the band and slower."""
-    mean = size * conditions.time
-    depth = rng.uniform(0.05, 0.2) * mean
-    frequencies = np.exp(rng.uniform(np.log(0.05), np.log(3.0), 6)) / conditions.time
-    sines = np.column_stack([frequencies, rng.uniform(0.0, 2.0 * np.pi, 6)]).ravel()
-    ring = np.zeros(3 + int(np.ceil((mean + depth) / SUBSTEP)))
-    law = SignalLaw(_jittered, np.concatenate([[mean, depth], sines]), np.append([0.0, 0.0], ring))
-    return Built(law, {"delay": mean})
-
-
-@reporting("Levenspiel, Chemical Reaction Engineering (1999): plug flow as many tanks in series")
-def dispersed_plug_flow(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Twenty-five to sixty equal lags in series: a delay whose edge is slightly blurred."""
-    tanks = int(rng.integers(25, 61))
-    mean = size * conditions.time
-    return Built(cascade(np.full(tanks, mean / tanks)), {"delay": mean})
 
 
 @njit(cache=True)
@@ -199,6 +50,54 @@ def two_stages(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Two lags in series of together ``size`` band periods."""
     mean, share = size * conditions.time, rng.uniform(0.55, 0.8)
     return Built(cascade(mean * np.array([share, 1.0 - share])), {"lag": mean})
+
+
+@njit(cache=True)
+def _complex_poles(c: Array, m: Array, y: Array) -> None:
+    """Sum complex first-order filters; c: (pole decay, turn, weights), m: started and states."""
+    poles = c.shape[0] // 4
+    if m[0] == 0.0:
+        m[0] = 1.0
+        for i in range(poles):
+            m[1 + 2 * i], m[2 + 2 * i] = y[0], 0.0
+    for k in range(y.shape[0]):
+        value = 0.0
+        for i in range(poles):
+            a, b, p, q = c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]
+            x, z = m[1 + 2 * i] - y[k], m[2 + 2 * i]
+            m[1 + 2 * i], m[2 + 2 * i] = a * x - b * z + y[k], b * x + a * z
+            value += p * m[1 + 2 * i] - q * m[2 + 2 * i]
+        y[k] = value
+
+
+@tuning("Nilsson and Riedel, Electric Circuits (2011): a series circuit of R, L and C")
+def lead_inductance(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A lag of second order that overshoots a little; its mean delay is ``size`` band periods."""
+    damping, mean = rng.uniform(0.45, 0.85), size * conditions.time
+    angular = 2.0 * damping / mean
+    pole = angular * complex(-damping, np.sqrt(1.0 - damping**2))
+    step, weight = np.exp(pole * SUBSTEP), angular**2 / (1j * pole.imag * -pole)
+    constants = [step.real, step.imag, weight.real, weight.imag]
+    return Built(SignalLaw(_complex_poles, constants, np.zeros(3)), {"lag": mean})
+
+
+@njit(cache=True)
+def _unequal(c: Array, m: Array, u: Array) -> None:
+    """A first-order lag that passes a share c[0] upwards and c[1] downwards in a sub-step."""
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, u[0]
+    for k in range(u.shape[0]):
+        error = u[k] - m[1]
+        m[1] += (c[0] if error > 0.0 else c[1]) * error
+        u[k] = m[1]
+
+
+@tuning("Sedra and Smith, Microelectronic Circuits (2004): a peak rectifier and its load")
+def peak_rectifier(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A lag that is two to five times as long downwards; the mean is ``size`` band periods."""
+    ratio = rng.uniform(2.0, 5.0)
+    times = 2.0 * size * conditions.time / (1.0 + ratio) * np.array([1.0, ratio])
+    return Built(SignalLaw(_unequal, -np.expm1(-SUBSTEP / times), [0.0, 0.0]), {})
 
 
 @reporting("Cole and Cole, J. Chem. Phys. 9 (1941) 341: a distribution of relaxation times")
@@ -277,22 +176,48 @@ def seismic_element(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(SignalLaw(_second_order, constants, np.zeros(4), output=True), {"lag": mean})
 
 
+@tuning("Doebelin, Measurement Systems (2003): a thermometer, an instrument of first order")
+def bare_thermometer(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A single lag of ``size`` band periods."""
+    mean = size * conditions.time
+    return Built(cascade(np.array([mean]), output=True), {"lag": mean})
+
+
+@tuning("Carslaw and Jaeger, Conduction of Heat in Solids (1959): the insulated face of a slab")
+def buried_sensor(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """1/cosh of the root of s, by its first twelve poles, of together ``size`` band periods."""
+    mean = size * conditions.time
+    times = 1.0 / (np.arange(12) + 0.5) ** 2
+    return Built(cascade(mean * times / times.sum(), output=True), {"lag": mean})
+
+
 @njit(cache=True)
-def _complex_poles(c: Array, m: Array, y: Array) -> None:
-    """Sum complex first-order filters; c: (pole decay, turn, weights), m: started and states."""
-    poles = c.shape[0] // 4
-    if m[0] == 0.0:
-        m[0] = 1.0
-        for i in range(poles):
-            m[1 + 2 * i], m[2 + 2 * i] = y[0], 0.0
+def _median(c: Array, m: Array, y: Array) -> None:
+    """The median of c[0] values c[1] sub-steps apart; m holds place, whether filled and a ring."""
+    taps, apart, length = int(c[0]), int(c[1]), m.shape[0] - 2
+    if m[1] == 0.0:
+        m[1] = 1.0
+        m[2:] = y[0]
+    place, ordered = int(m[0]), np.empty(taps)
     for k in range(y.shape[0]):
-        value = 0.0
-        for i in range(poles):
-            a, b, p, q = c[4 * i], c[4 * i + 1], c[4 * i + 2], c[4 * i + 3]
-            x, z = m[1 + 2 * i] - y[k], m[2 + 2 * i]
-            m[1 + 2 * i], m[2 + 2 * i] = a * x - b * z + y[k], b * x + a * z
-            value += p * m[1 + 2 * i] - q * m[2 + 2 * i]
-        y[k] = value
+        m[2 + place] = y[k]
+        for i in range(taps):
+            value, j = m[2 + (place - i * apart) % length], i
+            while j > 0 and ordered[j - 1] > value:
+                ordered[j] = ordered[j - 1]
+                j -= 1
+            ordered[j] = value
+        y[k] = ordered[taps // 2]
+        place = (place + 1) % length
+    m[0] = place
+
+
+@tuning("Tukey, Exploratory Data Analysis (1977): a running median")
+def running_median(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The median of fifteen values over a window of two ``size`` band periods."""
+    apart = max(round(size * conditions.time / 7.0 / SUBSTEP), 1)
+    law = SignalLaw(_median, [15.0, apart], np.zeros(3 + 14 * apart), output=True)
+    return Built(law, {"lag": 7.0 * apart * SUBSTEP})
 
 
 @reporting("Thomson, Proc. IEE 96 (1949) 487: a Bessel filter of fourth order")
@@ -324,19 +249,13 @@ def sheathed_probe(size: float, conditions: Conditions, rng: Generator) -> Built
 
 EFFECTS = (
     EffectKind(
-        "slew_limit", Port.INPUT, 0.05, 6.0, "band periods per range",
-        (differential_pair, trapezoidal_speed, orifice_flow, foldback_current),
-    ),
-    EffectKind(
-        "transport_delay", Port.INPUT, 0.004, 0.6, "band periods",
-        (pure_delay, jittered_delay, dispersed_plug_flow),
-    ),
-    EffectKind(
         "electrode_lag", Port.INPUT, 0.01, 1.0, "band periods",
-        (cable_diffusion, two_stages, cole_cole, stretched_electrode),
+        (cable_diffusion, two_stages, lead_inductance, peak_rectifier, cole_cole,
+         stretched_electrode),
     ),
     EffectKind(
         "sensor_lag", Port.OUTPUT, 0.01, 1.0, "band periods",
-        (seismic_element, integrating_converter, bessel_filter, sheathed_probe),
+        (seismic_element, integrating_converter, bare_thermometer, buried_sensor, running_median,
+         bessel_filter, sheathed_probe),
     ),
 )  # fmt: skip

@@ -10,7 +10,7 @@ from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporti
 from dea.plant.hidden.forms.kernels import parallel
 from dea.plant.signal_law import SignalLaw
 
-OHMIC, SPACE_CHARGE, POOLE_FRENKEL, SCHOTTKY = range(4)
+SPACE_CHARGE, POOLE_FRENKEL, SCHOTTKY, HOPPING, TUNNELLING = range(5)
 
 
 @njit(cache=True)
@@ -33,6 +33,10 @@ def _trapped(c: Array, m: Array, u: Array) -> None:
             current = x * np.exp(steep * (np.sqrt(x) - 1.0))
         elif law == SCHOTTKY:
             current = np.expm1(steep * np.sqrt(x)) / np.expm1(steep)
+        elif law == HOPPING:
+            current = np.sinh(steep * x) / np.sinh(steep)
+        elif law == TUNNELLING:
+            current = x * x * np.exp(steep * (1.0 - 1.0 / max(x, 1e-3)))
         m[1] += SUBSTEP / time * (size * ceiling * current - m[1])
         u[k] = field
 
@@ -55,6 +59,27 @@ def schottky_emission(size: float, conditions: Conditions, rng: Generator) -> Bu
     return _trap(size, conditions, rng, SCHOTTKY, rng.uniform(3.0, 6.0))
 
 
+@tuning("Mott and Davis, Electronic Processes in Non-Crystalline Materials (1979): hopping")
+def hopping(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Traps filled by a current that is a hyperbolic sine of the field."""
+    return _trap(size, conditions, rng, HOPPING, rng.uniform(2.0, 5.0))
+
+
+@tuning("Fowler and Nordheim, Proc. R. Soc. A 119 (1928) 173: tunnelling out of the electrode")
+def tunnelling(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Traps filled by a current E² exp(-b/E) of the field."""
+    return _trap(size, conditions, rng, TUNNELLING, rng.uniform(0.7, 2.5))
+
+
+@tuning("Wagner, Arch. Elektrotech. 2 (1914) 371: charge that gathers at interfaces")
+def interfacial_polarisation(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Two linear polarisations, their times five to twenty-five times apart."""
+    short = conditions.time * rng.uniform(0.4, 2.0)
+    times, share = np.array([short, short * rng.uniform(5.0, 25.0)]), rng.uniform(0.3, 0.7)
+    weights = -size * np.array([share, 1.0 - share])
+    return Built(parallel(1.0, weights, times, settled=False), {})
+
+
 @reporting("Frenkel, Phys. Rev. 54 (1938) 647: conduction out of traps that the field lowers")
 def poole_frenkel(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Traps filled by a current proportional to the field times an exponential of its root."""
@@ -74,6 +99,7 @@ def curie_von_schweidler(size: float, conditions: Conditions, rng: Generator) ->
 EFFECTS = (
     EffectKind(
         "charge_leakage", Port.INPUT, 0.005, 0.7, "1",
-        (space_charge, schottky_emission, poole_frenkel, curie_von_schweidler),
+        (space_charge, schottky_emission, hopping, tunnelling, interfacial_polarisation,
+         poole_frenkel, curie_von_schweidler),
     ),
 )  # fmt: skip

@@ -5,6 +5,7 @@ from numpy.random import Generator
 
 from dea.plant import forces
 from dea.plant.force_laws import mode
+from dea.plant.force_laws.elastic import fibre_force
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 
@@ -29,6 +30,33 @@ def ogden_term(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _static(
         forces.POWER, [force, rng.uniform(3.5, 6.0), conditions.bottom, conditions.travel]
     )
+
+
+@tuning("Hart-Smith, Z. Angew. Math. Phys. 17 (1966) 608: a modulus exponential in squared strain")
+def hart_smith(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A force x (exp(x²) - 1), at the top ``size`` times the largest device force."""
+    length = rng.uniform(0.5, 1.0) * conditions.travel
+    x = conditions.travel / length
+    force = size * conditions.stiffness * conditions.travel / (x * np.expm1(x * x))
+    return _static(forces.HART_SMITH, [force, length, conditions.bottom])
+
+
+@tuning("Lanir, J. Biomech. 16 (1983) 1: wavy fibres that become taut one after the other")
+def recruited_fibres(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Fibres that are straight at places with a Gaussian distribution; then they are linear."""
+    mean = conditions.bottom + rng.uniform(0.5, 0.75) * conditions.travel
+    width = rng.uniform(0.06, 0.2) * conditions.travel
+    whole = fibre_force(np.array([1.0, mean, width]), conditions.top)
+    stiffness = size * conditions.stiffness * conditions.travel / whole
+    return _static(forces.FIBRES, [stiffness, mean, width])
+
+
+@tuning("Irvine, Cable Structures (1981): cables across the motion")
+def taut_cables(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A force that begins as a cube and ends as a line, of cables 0.5 to 1.2 travels long."""
+    span = rng.uniform(0.5, 1.2)
+    stiffness = size * conditions.stiffness / (1.0 - span / np.hypot(1.0, span))
+    return _static(forces.CABLES, [stiffness, span * conditions.travel, conditions.bottom])
 
 
 @reporting("Gent, Rubber Chem. Technol. 69 (1996) 59: limited extensibility")
@@ -76,6 +104,32 @@ def ogden_roxburgh(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(ForceLaw(forces.PSEUDO_ELASTIC, np.array(constants), np.zeros(1)), {})
 
 
+@tuning("Lemaitre and Chaboche, Mechanics of Solid Materials (1990): softening that saturates")
+def saturating_cycles(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The stiffness lost approaches its end exponentially with the number of cycles."""
+    return _cycling(size, conditions, -rng.uniform(2.0, 6.0))
+
+
+@tuning("Paris and Erdogan, J. Basic Eng. 85 (1963) 528: a crack that grows ever faster")
+def paris_crack(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The stiffness lost to a crack, which grows with a power of 3 to 4.5 of the swing."""
+    constants = [
+        conditions.stiffness, size, 0.5 * max(conditions.cycles, 2.0), rng.uniform(0.6, 0.9),
+        0.1 * conditions.travel, conditions.travel, rng.uniform(3.0, 4.5),
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.CRACK, np.array(constants), np.zeros(5)), {})
+
+
+@tuning("Simo, Comput. Methods Appl. Mech. Eng. 60 (1987) 153: damage by the largest strain")
+def largest_stroke(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The stiffness lost is a function of the largest stroke so far, and is lost for good."""
+    constants = [
+        conditions.stiffness, min(2.0 * size, 0.95), rng.uniform(0.2, 0.6) * conditions.travel,
+        conditions.rest,
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.LARGEST_STROKE, np.array(constants), np.zeros(1)), {})
+
+
 @reporting("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
 def damage_by_work(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The stiffness lost is a hyperbola of the work done on the film."""
@@ -116,6 +170,41 @@ def hardening_absorber(size: float, conditions: Conditions, rng: Generator) -> B
 def shared_damping(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A second mass whose damping is shared between the first mass and the ground."""
     return _second(size, conditions, rng, mode.HARDENING, rng.uniform(0.3, 0.7))
+
+
+def _mass(
+    size: float, conditions: Conditions, rng: Generator, frequency: float
+) -> tuple[float, float, float]:
+    """Return mass, spring and a weak dashpot of an attached mass."""
+    angular, spring = 2.0 * np.pi * frequency, size * conditions.stiffness
+    mass = spring / angular**2
+    return mass, spring, 2.0 * rng.uniform(0.02, 0.06) * mass * angular
+
+
+@tuning("Sakai et al., Proc. Int. Conf. Highrise Buildings (1989) 926: a tuned column of liquid")
+def liquid_column(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A second mass on a linear spring, damped by the square of the speed besides."""
+    frequency = rng.uniform(0.6, 2.0) / conditions.time
+    mass, spring, dashpot = _mass(size, conditions, rng, frequency)
+    # As a dashpot of so many times the critical one at an amplitude of 0.3 travels.
+    share = rng.uniform(0.1, 0.4)
+    drag = 2.0 * share * mass * 3.0 * np.pi / (8.0 * 0.3 * conditions.travel)
+    constants = np.array([mass, spring, dashpot, drag])
+    law = ForceLaw(forces.COLUMN, constants, np.array([conditions.rest, 0.0]))
+    return Built(law, {"frequency": frequency})
+
+
+@tuning("Igusa and Xu, J. Sound Vib. 175 (1994) 491: several tuned masses")
+def twin_masses(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Two masses on linear springs; the second is weaker and 1.3 to 1.8 times as quick."""
+    frequency = rng.uniform(0.6, 1.6) / conditions.time
+    second = frequency * rng.uniform(1.3, 1.8)
+    first = _mass(size, conditions, rng, frequency)
+    other = _mass(size * rng.uniform(0.3, 0.6), conditions, rng, second)
+    memory = np.array([conditions.rest, 0.0, conditions.rest, 0.0])
+    return Built(
+        ForceLaw(forces.TWINS, np.array([*first, *other]), memory), {"frequency": frequency}
+    )
 
 
 @reporting("Ren, J. Sound Vib. 245 (2001) 762: an absorber damped to the ground")
@@ -160,6 +249,25 @@ def sprung_contact(size: float, conditions: Conditions, rng: Generator) -> Built
     return _stopped(forces.PADDED, _stop(size, conditions), [stiffness, dashpot])
 
 
+@tuning("Shaw and Holmes, J. Sound Vib. 90 (1983) 129: a piecewise linear stop")
+def stepped_pad(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A pad two to six times as stiff as the device, and behind it a stop of fifteen to forty."""
+    soft, hard = conditions.stiffness * np.array([rng.uniform(2.0, 6.0), rng.uniform(15.0, 40.0)])
+    thickness = rng.uniform(0.02, 0.06) * conditions.travel
+    return _stopped(forces.STEPPED, _stop(size, conditions), [soft, thickness, hard])
+
+
+@tuning("Almen and László, Trans. ASME 58 (1936) 305: disc springs, softer before they are flat")
+def disc_springs(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A stop whose stiffness falls to nearly nothing until the discs are flat."""
+    height = rng.uniform(0.02, 0.06) * conditions.travel
+    thickness = height / rng.uniform(0.9, 1.35)
+    stiffness = rng.uniform(10.0, 30.0) * conditions.stiffness
+    return _stopped(
+        forces.DISC, _stop(size, conditions), [stiffness, height, thickness, 2.0 * stiffness]
+    )
+
+
 @reporting("Lindley, Engineering Design with Natural Rubber (1974): a bumper")
 def rubber_bumper(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A soft bumper that stiffens exponentially within a few hundredths of the travel."""
@@ -179,18 +287,20 @@ def air_cushion(size: float, conditions: Conditions, rng: Generator) -> Built:
 EFFECTS = (
     EffectKind(
         "strain_stiffening", Port.FORCE, 0.01, 20.0, "device forces",
-        (fung, ogden_term, gent, langevin_chain),
+        (fung, ogden_term, hart_smith, recruited_fibres, taut_cables, gent, langevin_chain),
     ),
     EffectKind(
         "cyclic_softening", Port.FORCE, 0.002, 0.8, "1",
-        (power_of_cycles, ogden_roxburgh, damage_by_work, logarithm_of_cycles),
+        (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, largest_stroke,
+         damage_by_work, logarithm_of_cycles),
     ),
     EffectKind(
         "second_mode", Port.FORCE, 0.002, 2.0, "stiffnesses",
-        (hardening_absorber, shared_damping, grounded_damper, sloshing_pendulum),
+        (hardening_absorber, shared_damping, liquid_column, twin_masses, grounded_damper,
+         sloshing_pendulum),
     ),
     EffectKind(
         "end_stop", Port.FORCE, 0.02, 0.7, "travels",
-        (hertz_contact, sprung_contact, rubber_bumper, air_cushion),
+        (hertz_contact, sprung_contact, stepped_pad, disc_springs, rubber_bumper, air_cushion),
     ),
 )  # fmt: skip

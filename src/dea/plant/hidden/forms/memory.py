@@ -41,6 +41,44 @@ def stretched_exponential(size: float, conditions: Conditions, rng: Generator) -
     return _spectrum(stiffnesses, conditions, size)
 
 
+@tuning("Zener, Elasticity and Anelasticity of Metals (1948): the standard linear solid")
+def standard_linear_solid(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """One Maxwell element whose force one band period after a step is ``size`` stiffnesses."""
+    time = float(np.exp(rng.uniform(np.log(1.5), np.log(20.0))))
+    stiffness = size * conditions.stiffness * np.exp(1.0 / time)
+    share = -np.expm1(-SUBSTEP / (time * conditions.time))
+    law = ForceLaw(forces.SPECTRUM, np.array([1.0, stiffness, share]), np.array([conditions.rest]))
+    return Built(law, {})
+
+
+@tuning(
+    "Norton, The Creep of Steel at High Temperatures (1929): a dashpot's rate a power of stress"
+)
+def norton_dashpot(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A spring of three ``size`` stiffnesses on a dashpot whose rate is a power of its stretch."""
+    length = rng.uniform(0.1, 0.4) * conditions.travel
+    time = conditions.time * np.exp(rng.uniform(np.log(1.0), np.log(8.0)))
+    constants = np.array(
+        [3.0 * size * conditions.stiffness, length / time, length, rng.uniform(2.0, 5.0)]
+    )
+    return Built(ForceLaw(forces.NORTON, constants, np.array([conditions.rest])), {})
+
+
+@tuning(
+    "Fung, in Biomechanics: Its Foundations and Objectives (1972): quasi-linear viscoelasticity"
+)
+def quasi_linear(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Two times at which the exponential of the stretch relaxes, of secant ``size`` stiffnesses."""
+    times = np.array([rng.uniform(0.4, 2.0), rng.uniform(8.0, 40.0)])
+    length, far = rng.uniform(0.5, 1.2) * conditions.travel, conditions.top - conditions.rest
+    secant = length * np.expm1(far / length) / far
+    shares = rng.uniform(0.3, 0.7) * np.array([1.0, -1.0]) + np.array([0.0, 1.0])
+    stiffnesses = shares * size * conditions.stiffness / secant / (shares @ np.exp(-1.0 / times))
+    pairs = np.column_stack([stiffnesses, -np.expm1(-SUBSTEP / (times * conditions.time))])
+    constants = np.concatenate([[2.0, length, conditions.rest], pairs.ravel()])
+    return Built(ForceLaw(forces.QUASI_LINEAR, constants, np.zeros(2)), {})
+
+
 @reporting("Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896: creep with the logarithm of time")
 def logarithmic_creep(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Relaxation with the logarithm of time: equal elements over two to three decades."""
@@ -81,6 +119,27 @@ def two_times(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _relaxing(
         size, conditions, in_time.EXPONENTIALS, *(conditions.duration * np.array([short, long]))
     )
+
+
+@tuning("Maxwell, Phil. Trans. R. Soc. 157 (1867) 49: one time of relaxation")
+def maxwell_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The prestress relaxes exponentially."""
+    time = rng.uniform(0.1, 0.6) * conditions.duration
+    return _relaxing(size, conditions, in_time.SETTLING, 0.0, time)
+
+
+@tuning("Hu et al., Appl. Phys. Lett. 96 (2010) 121904: a gel that drains")
+def draining_gel(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The prestress relaxes with the root of time at first, as a solvent diffuses."""
+    time = rng.uniform(0.1, 0.5) * conditions.duration
+    return _relaxing(size, conditions, in_time.DRAINING, time, 1.0)
+
+
+@tuning("Gent, Trans. Faraday Soc. 50 (1954) 521: rubber that crystallises while it is stretched")
+def crystallising_rubber(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The prestress relaxes late, as 1 - exp(-(t/T)^n) with n from 2 to 3.5."""
+    time = rng.uniform(0.3, 0.6) * conditions.duration
+    return _relaxing(size, conditions, in_time.AVRAMI, time, rng.uniform(2.0, 3.5))
 
 
 @reporting("Kubát, Nature 205 (1965) 378: stress relaxation with the logarithm of time")
@@ -130,6 +189,29 @@ def bouc_wen(size: float, conditions: Conditions, rng: Generator) -> Built:
         ]
     )
     return Built(ForceLaw(forces.BOUC_WEN, constants, np.array([0.0, conditions.rest])), {})
+
+
+def _stops(stiffnesses: Array, yields: Array, conditions: Conditions) -> Built:
+    pairs = np.column_stack([stiffnesses, yields]).ravel()
+    constants, memory = np.append(float(yields.size), pairs), np.zeros(1 + yields.size)
+    memory[0] = conditions.rest
+    return Built(ForceLaw(forces.STOPS, constants, memory), {})
+
+
+@tuning("Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989): Prandtl's model of stops")
+def prandtl_stops(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Six springs of together ``size`` stiffnesses that yield one after the other."""
+    shares = rng.uniform(0.3, 1.0, 6)
+    yields = np.linspace(0.03, rng.uniform(0.25, 0.5), 6) * conditions.travel
+    return _stops(size * conditions.stiffness * shares / shares.sum(), yields, conditions)
+
+
+@tuning("Wahl, Mechanical Springs (1963): a ring spring, whose friction grows with its load")
+def ring_spring(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that turns with ``size`` stiffnesses, and is at most a share of them."""
+    turning = size * conditions.stiffness
+    constants = np.array([turning, rng.uniform(0.05, 0.25) * turning, conditions.rest])
+    return Built(ForceLaw(forces.RING_SPRING, constants, np.array([0.0, conditions.rest])), {})
 
 
 @reporting("Biorci and Pescetti, Nuovo Cimento 7 (1958) 829: Preisach's model, density a product")
@@ -183,6 +265,36 @@ def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(ForceLaw(forces.STRIBECK, constants, np.zeros(1)), {})
 
 
+@tuning("Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip")
+def maxwell_slip(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Four blocks on springs that slip after 0.3 to 3 hundredths of the travel."""
+    sliding, _ = _sliding(size, conditions)
+    shares = rng.uniform(0.4, 1.0, 4)
+    yields = np.geomspace(0.003, 0.03, 4) * conditions.travel
+    return _stops(sliding * shares / shares.sum() / yields, yields, conditions)
+
+
+@tuning("Dieterich, J. Geophys. Res. 84 (1979) 2161: contacts that strengthen as they age")
+def ageing_contacts(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that grows with the logarithm of the time of rest, and falls with the speed."""
+    sliding, speed = _sliding(size, conditions)
+    slip = rng.uniform(0.005, 0.02) * conditions.travel
+    constants = np.array([sliding, rng.uniform(0.05, 0.12), slip / speed, slip, 0.03 * speed])
+    return Built(ForceLaw(forces.AGEING, constants, np.zeros(1)), {})
+
+
+@tuning("Harris, Rolling Bearing Analysis (2001): friction in proportion to the load")
+def loaded_bearing(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that grows with the place, for the load does."""
+    sliding, speed = _sliding(size, conditions)
+    growth = rng.uniform(0.6, 1.1)
+    low = sliding * (1.0 - 0.5 * growth)
+    constants = np.array(
+        [low, sliding * growth / conditions.travel, conditions.bottom, 0.03 * speed]
+    )
+    return Built(ForceLaw(forces.BEARING, constants, np.zeros(1)), {})
+
+
 @reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
 def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Dahl's friction, which saturates within about two hundredths of the travel."""
@@ -206,18 +318,20 @@ def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
 EFFECTS = (
     EffectKind(
         "viscoelastic_creep", Port.FORCE, 0.005, 1.5, "stiffnesses",
-        (spring_pot, stretched_exponential, logarithmic_creep, activated_dashpot),
+        (spring_pot, stretched_exponential, standard_linear_solid, norton_dashpot, quasi_linear,
+         logarithmic_creep, activated_dashpot),
     ),
     EffectKind(
         "stress_relaxation", Port.FORCE, 0.001, 0.5, "1",
-        (power_relaxation, two_times, logarithmic_relaxation, hyperbolic_relaxation),
+        (power_relaxation, two_times, maxwell_relaxation, draining_gel, crystallising_rubber,
+         logarithmic_relaxation, hyperbolic_relaxation),
     ),
     EffectKind(
         "rate_independent_hysteresis", Port.FORCE, 0.005, 4.0, "stiffnesses",
-        (masing_loops, bouc_wen, preisach_product, coleman_hodgdon),
+        (masing_loops, bouc_wen, prandtl_stops, ring_spring, preisach_product, coleman_hodgdon),
     ),
     EffectKind(
         "coulomb_friction", Port.FORCE, 0.002, 0.2, "device forces",
-        (lugre, stribeck_curve, dahl, makkar),
+        (lugre, stribeck_curve, maxwell_slip, ageing_contacts, loaded_bearing, dahl, makkar),
     ),
 )  # fmt: skip

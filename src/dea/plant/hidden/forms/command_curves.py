@@ -1,0 +1,214 @@
+"""Curves of the command: dead zones and saturations of the input."""
+
+import numpy as np
+from numba import njit
+from numpy.random import Generator
+
+from dea.plant.array import Array
+from dea.plant.film import SUBSTEP
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.kernels import command_curve
+from dea.plant.signal_law import SignalLaw
+
+
+def _softplus(x: Array) -> Array:
+    value: Array = np.logaddexp(0.0, x)
+    return value
+
+
+def _threshold(size: float, conditions: Conditions) -> tuple[float, float]:
+    """Return the threshold and the gain above it that leaves the highest command unchanged."""
+    threshold = conditions.low + size * conditions.span
+    return threshold, conditions.high / (conditions.high - threshold)
+
+
+@tuning("Tao and Kokotović, IEEE Trans. Autom. Control 39 (1994) 59, with a rounded knee")
+def rounded_threshold(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A threshold whose knee is a softplus."""
+    threshold, gain = _threshold(size, conditions)
+    knee = rng.uniform(0.01, 0.04) * conditions.high
+    law = command_curve(lambda u: gain * knee * _softplus((u - threshold) / knee), conditions)
+    return Built(law, {"threshold": threshold})
+
+
+@tuning("Merritt, Hydraulic Control Systems (1967), overlapped spool with leakage")
+def overlapped_valve(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A little flow leaks within the overlap; beyond it the orifice opens in full."""
+    threshold, _ = _threshold(size, conditions)
+    leak = rng.uniform(0.02, 0.08)
+    leaked = leak * threshold
+    gain = (conditions.high - leaked) / (conditions.high - threshold)
+
+    def flow(u: Array) -> Array:
+        value: Array = np.where(u < threshold, leak * u, leaked + gain * (u - threshold))
+        return value
+
+    return Built(command_curve(flow, conditions), {"threshold": threshold})
+
+
+@tuning("Herschel and Bulkley, Kolloid-Z. 39 (1926) 291: flow above a yield stress, as a power")
+def yield_stress(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Nothing below the threshold, above it a power of what is over."""
+    threshold, gain = _threshold(size, conditions)
+    power, room = 1.0 + size * rng.uniform(0.5, 2.0), conditions.high - threshold
+
+    def flow(u: Array) -> Array:
+        value: Array = gain * room * (np.maximum(u - threshold, 0.0) / room) ** power
+        return value
+
+    return Built(command_curve(flow, conditions), {"threshold": threshold})
+
+
+@tuning("Gelb and Vander Velde, Multiple-Input Describing Functions (1968): a line with a jump")
+def jumping_threshold(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Nothing below the threshold; at it the output jumps to 0.3 to 0.8 times the command."""
+    threshold, _ = _threshold(size, conditions)
+    jump = rng.uniform(0.3, 0.8) * threshold
+    gain = (conditions.high - jump) / (conditions.high - threshold)
+    law = command_curve(
+        lambda u: np.where(u < threshold, 0.0, jump + gain * (u - threshold)), conditions
+    )
+    return Built(law, {"threshold": threshold})
+
+
+@reporting("Banwell and Jayakumar, Electron. Lett. 36 (2000) 291: a diode in series with a load")
+def diode_drop(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The load's voltage v solves v + n ln(1 + v/s) = u, by Lambert's function."""
+    from scipy.special import lambertw
+
+    threshold, _ = _threshold(size, conditions)
+    knee = threshold / rng.uniform(5.0, 9.0)
+    small = conditions.high * np.exp(-threshold / knee)
+
+    def load(u: Array) -> Array:
+        # (v + s)/n e^((v + s)/n) = s/n e^((u + s)/n)
+        exponent = np.log(small / knee) + (u + small) / knee
+        large = exponent > 500.0
+        solved = np.real(lambertw(np.exp(np.where(large, 0.0, exponent))))
+        asymptote = exponent - np.log(np.maximum(exponent, 1.0))
+        value: Array = knee * np.where(large, asymptote, solved) - small
+        return value
+
+    top = float(load(np.array([conditions.high]))[0])
+    law = command_curve(lambda u: np.maximum(load(u), 0.0) * conditions.high / top, conditions)
+    return Built(law, {})
+
+
+@reporting("Sedra and Smith, Microelectronic Circuits (2004): a square-law stage above threshold")
+def square_law_foot(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Nothing below the threshold, a parabola above it that becomes a straight line."""
+    threshold, _ = _threshold(size, conditions)
+    foot = rng.uniform(0.15, 0.4) * (conditions.high - threshold)
+
+    def drawn(u: Array) -> Array:
+        over = np.maximum(u - threshold, 0.0)
+        value: Array = np.where(over < foot, over * over / (2.0 * foot), over - 0.5 * foot)
+        return value
+
+    top = float(drawn(np.array([conditions.high]))[0])
+    law = command_curve(lambda u: drawn(u) * conditions.high / top, conditions)
+    return Built(law, {"threshold": threshold})
+
+
+def _ceiling(size: float, conditions: Conditions) -> float:
+    return conditions.high - size * conditions.span
+
+
+@tuning("Schetzen's overdrive in Zölzer, DAFX (2011): a parabola between line and limit")
+def parabolic_shoulder(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A straight line, a parabola over the shoulder, then constant."""
+    limit = _ceiling(size, conditions)
+    width = rng.uniform(0.05, 0.2) * limit
+
+    def clipped(u: Array) -> Array:
+        x = np.clip(u - (limit - width), 0.0, 2.0 * width)
+        value: Array = np.minimum(u, limit - width) + x - x * x / (4.0 * width)
+        return value
+
+    return Built(command_curve(clipped, conditions), {"limit": limit})
+
+
+@tuning("Gelb and Vander Velde, Multiple-Input Describing Functions (1968): two gains")
+def residual_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Above the limit a small share of the gain remains."""
+    limit, share = _ceiling(size, conditions), rng.uniform(0.02, 0.12)
+    law = command_curve(lambda u: np.where(u < limit, u, limit + share * (u - limit)), conditions)
+    return Built(law, {"limit": limit})
+
+
+@tuning("Rapp, Proc. 2nd European Conf. Satellite Commun. (1991) 179: a solid-state amplifier")
+def solid_state_amplifier(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """u/(1 + (u/limit)^2p)^(1/2p): curved over the whole range, without a knee."""
+    limit, order = _ceiling(size, conditions), 2.0 * rng.uniform(2.0, 6.0)
+
+    def amplified(u: Array) -> Array:
+        value: Array = u / (1.0 + (np.maximum(u, 0.0) / limit) ** order) ** (1.0 / order)
+        return value
+
+    return Built(command_curve(amplified, conditions), {"limit": limit})
+
+
+@njit(cache=True)
+def _sagging(c: Array, m: Array, u: Array) -> None:
+    """Clip at a rail that falls with the load; m holds whether started and the mean load."""
+    rail, sag, share = c
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, min(u[0], rail / (1.0 + sag))
+    for k in range(u.shape[0]):
+        u[k] = min(u[k], rail - sag * m[1])
+        m[1] += share * (u[k] - m[1])
+
+
+@tuning("Horowitz and Hill, The Art of Electronics (2015): an unregulated supply that sags")
+def sagging_rail(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A rail that sags to its limit under a lasting load and recovers in between."""
+    limit, sag = _ceiling(size, conditions), rng.uniform(0.1, 0.4)
+    time = conditions.time * rng.uniform(0.5, 4.0)
+    constants = [limit * (1.0 + sag), sag, -np.expm1(-SUBSTEP / time)]
+    return Built(SignalLaw(_sagging, constants, [0.0, 0.0]), {})
+
+
+@reporting("Baum, IRE Trans. Inf. Theory 3 (1957) 193: the smooth limiter of an error integral")
+def error_integral(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A straight line up to a knee, and an error integral from there to the limit."""
+    from scipy.special import erf
+
+    limit = _ceiling(size, conditions)
+    knee = limit * rng.uniform(0.75, 0.92)
+    room = limit - knee
+
+    def limited(u: Array) -> Array:
+        over = np.maximum(u - knee, 0.0) / room
+        value: Array = np.minimum(u, knee) + room * erf(0.5 * np.sqrt(np.pi) * over)
+        return value
+
+    return Built(command_curve(limited, conditions), {"limit": limit})
+
+
+@reporting("Saleh, IEEE Trans. Commun. 29 (1981) 1715: a tube that saturates and falls again")
+def falling_tube(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Linear to a knee, then Saleh's quotient x/(1 + x²/4): its crest lies at x = 2."""
+    knee = conditions.high - 2.0 * size * conditions.span
+    knee = max(knee, 0.35 * conditions.high)
+    room = rng.uniform(0.25, 0.45) * (conditions.high - knee) / 0.5
+
+    def tube(u: Array) -> Array:
+        x = np.maximum(u - knee, 0.0) / room
+        value: Array = np.minimum(u, knee) + room * x / (1.0 + 0.25 * x * x)
+        return value
+
+    return Built(command_curve(tube, conditions), {})
+
+
+EFFECTS = (
+    EffectKind(
+        "dead_zone", Port.INPUT, 0.04, 0.5, "1",
+        (rounded_threshold, overlapped_valve, yield_stress, jumping_threshold, diode_drop,
+         square_law_foot),
+    ),
+    EffectKind(
+        "input_saturation", Port.INPUT, 0.02, 0.45, "1",
+        (parabolic_shoulder, residual_gain, solid_state_amplifier, sagging_rail, error_integral,
+         falling_tube),
+    ),
+)  # fmt: skip

@@ -1,0 +1,132 @@
+"""Delays of the command."""
+
+import numpy as np
+from numba import njit
+from numpy.random import Generator
+
+from dea.plant.array import Array
+from dea.plant.film import SUBSTEP
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.kernels import cascade, delay
+from dea.plant.signal_law import SignalLaw
+
+
+@tuning("a pure delay: Smith, Chem. Eng. Prog. 53 (1957) 217")
+def pure_delay(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A delay of ``size`` periods of the band, to a millisecond."""
+    seconds = size * conditions.time
+    return Built(delay(seconds), {"delay": max(round(seconds / SUBSTEP), 1) * SUBSTEP})
+
+
+@njit(cache=True)
+def _sampled(c: Array, m: Array, u: Array) -> None:
+    """Sample every c[0] sub-steps and hold one period later; m: count, held and next value."""
+    if m[0] == 0.0:
+        m[1] = m[2] = u[0]
+    for k in range(u.shape[0]):
+        if m[0] % c[0] == 0.0:
+            m[1], m[2] = m[2], u[k]
+        u[k] = m[1]
+        m[0] += 1.0
+
+
+@tuning("Åström and Wittenmark, Computer-Controlled Systems (1997): sampled, computed and held")
+def sampled_and_held(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Commands that are sampled, leave one period later and are held for a period."""
+    period = max(round(size * conditions.time / 1.5 / SUBSTEP), 1)
+    law = SignalLaw(_sampled, [period], np.zeros(3))
+    return Built(law, {"delay": 0.5 * (3 * period - 1) * SUBSTEP})
+
+
+@njit(cache=True)
+def _arrivals(c: Array, m: Array, u: Array) -> None:
+    """c: (weight, sub-steps of delay) of every path; m: count and a ring of past values."""
+    length, paths = m.shape[0] - 1, c.shape[0] // 2
+    if m[0] == 0.0:
+        m[1:] = u[0]
+    for k in range(u.shape[0]):
+        place = int(m[0])
+        m[1 + place % length] = u[k]
+        arrived = 0.0
+        for i in range(paths):
+            arrived += c[2 * i] * m[1 + (place - int(c[2 * i + 1])) % length]
+        u[k] = arrived
+        m[0] += 1.0
+
+
+def _spread(weights: Array, times: Array) -> Built:
+    """Return paths of delays ``times`` (s), side by side, and their mean delay."""
+    steps = np.maximum(np.rint(times / SUBSTEP), 1.0)
+    weights = weights / weights.sum()
+    constants = np.column_stack([weights, steps]).ravel()
+    law = SignalLaw(_arrivals, constants, np.zeros(2 + int(steps.max())))
+    return Built(law, {"delay": float(weights @ steps) * SUBSTEP})
+
+
+@tuning("Danckwerts, Chem. Eng. Sci. 2 (1953) 1: laminar flow, whose middle arrives first")
+def laminar_tube(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Twenty-four equal streams; a share 1 - (T/2t)² of a flow of mean time T arrives by t."""
+    late = 0.5 / np.sqrt(1.0 - (np.arange(24) + 0.5) / 24.0)
+    return _spread(np.ones(24), size * conditions.time * late / late.mean())
+
+
+@tuning("Wylie and Streeter, Fluid Transients (1978): a line that reflects at both ends")
+def reflecting_line(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A wave that arrives at T, and what is left after two reflections at 3T, 5T, and so on."""
+    kept = rng.uniform(0.1, 0.35) * rng.choice([-1.0, 1.0])
+    order = np.arange(10)
+    once = size * conditions.time * (1.0 - kept) / (1.0 + kept)
+    return _spread(kept**order, (2.0 * order + 1.0) * once)
+
+
+@njit(cache=True)
+def _jittered(c: Array, m: Array, u: Array) -> None:
+    """c: mean, depth (s), (frequency, phase) of every sine of the delay.
+
+    m: count, delay in sub-steps, which is updated every tenth one, and a ring of past values.
+    """
+    length, sines = m.shape[0] - 2, (c.shape[0] - 2) // 2
+    if m[0] == 0.0:
+        m[2:] = u[0]
+    for k in range(u.shape[0]):
+        place = int(m[0])
+        m[2 + place % length] = u[k]
+        if place % 10 == 0:
+            wander = 0.0
+            for i in range(sines):
+                wander += np.sin(2.0 * np.pi * c[2 + 2 * i] * m[0] * SUBSTEP + c[3 + 2 * i])
+            m[1] = (c[0] + c[1] * wander / sines) / SUBSTEP
+        late = m[1]
+        whole = int(late)
+        near, far = m[2 + (place - whole) % length], m[2 + (place - whole - 1) % length]
+        u[k] = near + (late - whole) * (far - near)
+        m[0] += 1.0
+
+
+@reporting("Nilsson, Real-Time Control Systems with Delays (1998): a network's varying delay")
+def jittered_delay(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A delay that wanders by up to a fifth around its mean, faster than the band and slower."""
+    mean = size * conditions.time
+    depth = rng.uniform(0.05, 0.2) * mean
+    frequencies = np.exp(rng.uniform(np.log(0.05), np.log(3.0), 6)) / conditions.time
+    sines = np.column_stack([frequencies, rng.uniform(0.0, 2.0 * np.pi, 6)]).ravel()
+    ring = np.zeros(3 + int(np.ceil((mean + depth) / SUBSTEP)))
+    law = SignalLaw(_jittered, np.concatenate([[mean, depth], sines]), np.append([0.0, 0.0], ring))
+    return Built(law, {"delay": mean})
+
+
+@reporting("Levenspiel, Chemical Reaction Engineering (1999): plug flow as many tanks in series")
+def dispersed_plug_flow(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Twenty-five to sixty equal lags in series: a delay whose edge is slightly blurred."""
+    tanks = int(rng.integers(25, 61))
+    mean = size * conditions.time
+    return Built(cascade(np.full(tanks, mean / tanks)), {"delay": mean})
+
+
+EFFECTS = (
+    EffectKind(
+        "transport_delay", Port.INPUT, 0.004, 0.6, "band periods",
+        (pure_delay, sampled_and_held, laminar_tube, reflecting_line, jittered_delay,
+         dispersed_plug_flow),
+    ),
+)  # fmt: skip

@@ -1,0 +1,167 @@
+"""Periodic disturbances of the reading, the command and the mass."""
+
+import numpy as np
+from numba import njit
+from numpy.random import Generator
+
+from dea.plant import forces
+from dea.plant.array import Array
+from dea.plant.film import SUBSTEP
+from dea.plant.forces import ForceLaw
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.signal_law import SignalLaw
+
+
+@njit(cache=True)
+def _harmonics(c: Array, m: Array, y: Array) -> None:
+    """c: frequency, then (height, phase) of every harmonic; added to the signal."""
+    count = (c.shape[0] - 1) // 2
+    for k in range(y.shape[0]):
+        angle = 2.0 * np.pi * c[0] * m[0]
+        for i in range(count):
+            y[k] += c[1 + 2 * i] * np.sin((i + 1) * angle + c[2 + 2 * i])
+        m[0] += SUBSTEP
+
+
+def _frequency(conditions: Conditions, rng: Generator) -> float:
+    """Return a frequency from a fifth of the band to six times it."""
+    return float(10.0 ** rng.uniform(-0.7, 0.8) / conditions.time)
+
+
+def _wave(
+    size: float, conditions: Conditions, rng: Generator, heights: Array, *, output: bool = True
+) -> Built:
+    frequency = _frequency(conditions, rng)
+    heights = np.asarray(heights) * size * (conditions.travel if output else conditions.span)
+    phases = rng.uniform(0.0, 2.0 * np.pi, heights.size)
+    pairs = np.column_stack([heights, phases]).ravel()
+    law = SignalLaw(_harmonics, np.concatenate([[frequency], pairs]), output=output)
+    return Built(law, {"frequency": frequency})
+
+
+@tuning("Den Hartog, Mechanical Vibrations (1956): the harmonics of a reciprocating machine")
+def machine_harmonics(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A fundamental and two harmonics on the reading."""
+    return _wave(size, conditions, rng, np.array([1.0, rng.uniform(0, 0.5), rng.uniform(0, 0.3)]))
+
+
+@tuning("Mohan, Power Electronics (2003): ripple of a supply on the command")
+def supply_ripple(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A fundamental and its second harmonic added to the command."""
+    heights = np.array([1.0, rng.uniform(0.0, 0.5)])
+    return _wave(size, conditions, rng, heights, output=False)
+
+
+@njit(cache=True)
+def _sawtooth(c: Array, m: Array, u: Array) -> None:
+    """c: height, frequency and phase (of 1) of a wave that falls in a line and jumps up."""
+    for k in range(u.shape[0]):
+        u[k] += c[0] * (1.0 - 2.0 * ((c[1] * m[0] + c[2]) % 1.0))
+        m[0] += SUBSTEP
+
+
+@tuning("Sedra and Smith, Microelectronic Circuits (2004): ripple of a capacitor after a rectifier")
+def capacitor_ripple(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A sawtooth on the command."""
+    frequency = _frequency(conditions, rng)
+    law = SignalLaw(_sawtooth, [size * conditions.span, frequency, rng.random()])
+    return Built(law, {"frequency": frequency})
+
+
+@njit(cache=True)
+def _modulated(c: Array, m: Array, y: Array) -> None:
+    """c: height, frequency and phase of a sine, depth, frequency and phase of its modulation."""
+    for k in range(y.shape[0]):
+        envelope = c[0] * (1.0 + c[3] * np.sin(2.0 * np.pi * c[4] * m[0] + c[5]))
+        y[k] += envelope * np.sin(2.0 * np.pi * c[1] * m[0] + c[2])
+        m[0] += SUBSTEP
+
+
+@tuning("McFadden, J. Vib. Acoust. 108 (1986) 165: the meshing of a gear, modulated by its turns")
+def gear_meshing(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A sine on the reading with an amplitude that swings several times more slowly."""
+    frequency, phases = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi, 2)
+    constants = [
+        size * conditions.travel, frequency, phases[0], rng.uniform(0.4, 1.0),
+        frequency * rng.uniform(0.05, 0.2), phases[1],
+    ]  # fmt: skip
+    return Built(SignalLaw(_modulated, constants, output=True), {"frequency": frequency})
+
+
+@njit(cache=True)
+def _tones(c: Array, m: Array, y: Array) -> None:
+    """c: (height, frequency, phase) of every tone."""
+    for k in range(y.shape[0]):
+        for i in range(c.shape[0] // 3):
+            y[k] += c[3 * i] * np.sin(2.0 * np.pi * c[3 * i + 1] * m[0] + c[3 * i + 2])
+        m[0] += SUBSTEP
+
+
+@tuning("Muszynska, J. Sound Vib. 110 (1986) 443: the whirl of oil, slower than half the speed")
+def oil_whirl(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A sine on the reading and a weaker one at 0.42 to 0.48 of its frequency."""
+    frequency, phases = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi, 2)
+    height = size * conditions.travel
+    constants = [
+        height, frequency, phases[0],
+        height * rng.uniform(0.4, 0.8), frequency * rng.uniform(0.42, 0.48), phases[1],
+    ]  # fmt: skip
+    return Built(SignalLaw(_tones, constants, output=True), {"frequency": frequency})
+
+
+@njit(cache=True)
+def _beat(c: Array, m: Array, y: Array) -> None:
+    """Two lines of slightly different frequency."""
+    height, first, second, share, phase = c
+    for k in range(y.shape[0]):
+        y[k] += height * (
+            np.sin(2.0 * np.pi * first * m[0] + phase) + share * np.sin(2.0 * np.pi * second * m[0])
+        )
+        m[0] += SUBSTEP
+
+
+@reporting("Randall, Vibration-based Condition Monitoring (2011): two machines that beat")
+def beating_machines(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A line and a weaker one two to six beats a record away."""
+    first = _frequency(conditions, rng)
+    second = first + rng.uniform(2.0, 6.0) / conditions.duration
+    constants = [
+        size * conditions.travel, first, second, rng.uniform(0.2, 0.6), rng.uniform(0, 2 * np.pi)
+    ]  # fmt: skip
+    return Built(SignalLaw(_beat, constants, output=True), {"frequency": first})
+
+
+@reporting("Hanselman, Brushless Permanent Magnet Motor Design (2003): cogging", moving=True)
+def cogging(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Equal pulses of force, many harmonics of one frequency."""
+    from scipy.special import i0e
+
+    frequency = 10.0 ** rng.uniform(-0.7, 0.2) / conditions.time
+    narrow = rng.uniform(2.0, 6.0)
+    height = size * conditions.stiffness * conditions.travel
+    phase = rng.uniform(0.0, 2.0 * np.pi)
+    constants = np.array([height, frequency, phase, narrow, i0e(narrow)])
+    return Built(ForceLaw(forces.PULSES, constants, np.zeros(1)), {"frequency": frequency})
+
+
+@reporting("Rao, Mechanical Vibrations (2017): the rectified sine of a loose contact")
+def rectified_sine(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The positive half of a sine on the reading, by its first six harmonics."""
+    frequency, phase = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi)
+    order = np.arange(1, 7)
+    # max(sin, 0) = 1/π + sin/2 - (2/π) Σ cos(2k x)/(4k² - 1)
+    even = np.where(order % 2 == 0, -2.0 / np.pi / (order**2 - 1.0 + (order == 1)), 0.0)
+    heights = 2.0 * size * conditions.travel * np.where(order == 1, 0.5, even)
+    phases = order * phase + np.where(order == 1, 0.0, 0.5 * np.pi)
+    pairs = np.column_stack([heights, phases]).ravel()
+    law = SignalLaw(_harmonics, np.concatenate([[frequency], pairs]), output=True)
+    return Built(law, {"frequency": frequency})
+
+
+EFFECTS = (
+    EffectKind(
+        "periodic_disturbance", Port.OUTPUT, 0.002, 1.0, "travels",
+        (machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing, oil_whirl,
+         beating_machines, cogging, rectified_sine),
+    ),
+)  # fmt: skip

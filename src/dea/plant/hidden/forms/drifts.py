@@ -1,0 +1,217 @@
+"""Drifts of gain and baseline while the experiment runs."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.random import Generator
+
+from dea.plant import forces
+from dea.plant.array import Array
+from dea.plant.force_laws import in_time
+from dea.plant.forces import ForceLaw
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.kernels import added_course, gain_course, sign
+
+Course = Callable[[Array], Array]
+
+
+def _exponential(conditions: Conditions, rng: Generator) -> Course:
+    """Approach 1 with a time constant of 0.2 to 0.6 durations."""
+    time = rng.uniform(0.2, 0.6) * conditions.duration
+    return lambda t: -np.expm1(-t / time)
+
+
+def _root(conditions: Conditions, rng: Generator) -> Course:
+    """Rise with the root of time, as diffusion does, to 1 at the end."""
+    return lambda t: np.sqrt(t / conditions.duration)
+
+
+def _line(conditions: Conditions, rng: Generator) -> Course:
+    """Rise in a straight line, to 1 at the end."""
+    return lambda t: t / conditions.duration
+
+
+def _logistic(conditions: Conditions, rng: Generator) -> Course:
+    """Rise from 0 to nearly 1 along a logistic curve a third to a half of the record long."""
+    middle = rng.uniform(0.35, 0.65) * conditions.duration
+    width = rng.uniform(0.06, 0.12) * conditions.duration
+
+    def course(t: Array) -> Array:
+        value: Array = 1.0 / (1.0 + np.exp((middle - t) / width))
+        rise: Array = value - value[0]
+        return rise
+
+    return course
+
+
+def _passing(conditions: Conditions, rng: Generator) -> Course:
+    """Come with one time constant and go with another; the highest value is 1."""
+    come, go = conditions.duration * np.array([rng.uniform(0.05, 0.15), rng.uniform(0.3, 0.7)])
+    top = np.log(go / come) / (1.0 / come - 1.0 / go)
+    highest = np.exp(-top / go) - np.exp(-top / come)
+    return lambda t: (np.exp(-t / go) - np.exp(-t / come)) / highest
+
+
+def _primary_and_secondary(conditions: Conditions, rng: Generator) -> Course:
+    """Rise with the cube root of time and in a straight line besides, to 1 at the end."""
+    share = rng.uniform(0.3, 0.8)
+    return lambda t: (
+        share * np.cbrt(t / conditions.duration) + (1 - share) * t / conditions.duration
+    )
+
+
+def _two_parts(conditions: Conditions, rng: Generator) -> Course:
+    """Approach 1 quickly, and from there a value between -0.5 and 0.3 slowly."""
+    quick, slow = conditions.duration * np.array([rng.uniform(0.03, 0.1), rng.uniform(0.3, 0.6)])
+    back = rng.uniform(0.7, 1.5)
+    return lambda t: back * np.expm1(-t / slow) - np.expm1(-t / quick)
+
+
+def _logarithm(conditions: Conditions, rng: Generator) -> Course:
+    """Rise with the logarithm of time, to 1 at the end."""
+    time = rng.uniform(0.01, 0.1) * conditions.duration
+    return lambda t: np.log1p(t / time) / np.log1p(conditions.duration / time)
+
+
+def _wandering(conditions: Conditions, rng: Generator) -> Course:
+    """Wander as an integrated Ornstein-Uhlenbeck process; the farthest place is 1 away."""
+    points = 4001
+    correlation = rng.uniform(0.1, 0.3) * points
+    speed, steps = 0.0, rng.standard_normal(points)
+    speeds = np.zeros(points)
+    for k in range(1, points):
+        speed += (steps[k] - speed) / correlation
+        speeds[k] = speed
+    path = np.cumsum(speeds)
+    path /= np.abs(path).max()
+    times = np.linspace(0.0, conditions.duration, points)
+    return lambda t: np.interp(t, times, path)
+
+
+def _tide(conditions: Conditions, rng: Generator) -> Course:
+    """Swing as a day does: a sine with a period of 1.2 to 3 durations."""
+    period = rng.uniform(1.2, 3.0) * conditions.duration
+    phase = rng.uniform(0.0, 2.0 * np.pi)
+    return lambda t: 0.5 * (np.sin(2.0 * np.pi * t / period + phase) - np.sin(phase))
+
+
+def _gain(size: float, conditions: Conditions, rng: Generator, course: Course) -> Built:
+    height = size * sign(size, rng)
+    law = gain_course(lambda t: height * course(t), conditions.duration, conditions.power)
+    return Built(law, {})
+
+
+@tuning("Dissado and Fothergill, Electrical Degradation in Polymers (1992): exponential ageing")
+def ageing_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain approaches another value exponentially."""
+    return _gain(size, conditions, rng, _exponential(conditions, rng))
+
+
+@tuning("Crank, The Mathematics of Diffusion (1975): uptake with the root of time")
+def diffusing_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes with the root of time."""
+    return _gain(size, conditions, rng, _root(conditions, rng))
+
+
+@tuning("Pallás-Areny and Webster, Sensors and Signal Conditioning (2001): a linear drift")
+def linear_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes in a straight line."""
+    return _gain(size, conditions, rng, _line(conditions, rng))
+
+
+@tuning("Prout and Tompkins, Trans. Faraday Soc. 40 (1944) 488: an autocatalytic change")
+def autocatalytic_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes along a long logistic curve."""
+    return _gain(size, conditions, rng, _logistic(conditions, rng))
+
+
+@tuning("Bateman, Proc. Camb. Philos. Soc. 15 (1910) 423: what forms and decays")
+def passing_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes and returns more slowly."""
+    return _gain(size, conditions, rng, _passing(conditions, rng))
+
+
+@reporting("Struik, Physical Aging in Amorphous Polymers (1978): ageing with the logarithm of time")
+def logarithmic_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes with the logarithm of time."""
+    return _gain(size, conditions, rng, _logarithm(conditions, rng))
+
+
+@reporting("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
+def wandering_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain wanders smoothly."""
+    return _gain(size, conditions, rng, _wandering(conditions, rng))
+
+
+def _added(
+    size: float, conditions: Conditions, rng: Generator, course: Course, *, output: bool = True
+) -> Built:
+    reach = conditions.travel if output else conditions.span
+    height = size * reach * rng.choice([-1.0, 1.0])
+    law = added_course(lambda t: height * course(t), conditions.duration, output=output)
+    return Built(law, {})
+
+
+@tuning("Incropera, Heat and Mass Transfer (2007): a mount that warms up exponentially")
+def warming_mount(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves exponentially to another baseline."""
+    return _added(size, conditions, rng, _exponential(conditions, rng))
+
+
+@tuning("Crank, The Mathematics of Diffusion (1975): swelling with the root of time")
+def swelling_mount(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves with the root of time."""
+    return _added(size, conditions, rng, _root(conditions, rng))
+
+
+@tuning("Beckwith et al., Mechanical Measurements (1993): a zero that drifts steadily")
+def steady_zero(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves in a straight line."""
+    return _added(size, conditions, rng, _line(conditions, rng))
+
+
+@tuning("Andrade, Proc. R. Soc. A 84 (1910) 1: primary and secondary creep of a metal")
+def creeping_mount(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves with the cube root of time and in a straight line."""
+    return _added(size, conditions, rng, _primary_and_secondary(conditions, rng))
+
+
+@tuning("Slocum, Precision Machine Design (1992): parts that warm up one after the other")
+def differential_expansion(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves one way quickly, and back slowly."""
+    return _added(size, conditions, rng, _two_parts(conditions, rng))
+
+
+@reporting("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
+def wandering_baseline(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading's baseline wanders smoothly."""
+    return _added(size, conditions, rng, _wandering(conditions, rng))
+
+
+@reporting("Carslaw and Jaeger, Conduction of Heat in Solids (1959): a part of a daily swing")
+def daily_swing(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading's baseline follows a part of a slow sine."""
+    return _added(size, conditions, rng, _tide(conditions, rng))
+
+
+@reporting("Lomnitz, J. Geol. 64 (1956) 473: a load that settles with log time", moving=True)
+def settling_load(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A constant force comes with the logarithm of time."""
+    height = size * conditions.stiffness * conditions.travel * rng.choice([-1.0, 1.0])
+    time = rng.uniform(0.01, 0.1) * conditions.duration
+    constants = np.array([height, in_time.LOGARITHM, time, conditions.duration])
+    return Built(ForceLaw(forces.FORCE_COURSE, constants, np.zeros(1)), {})
+
+
+EFFECTS = (
+    EffectKind(
+        "gain_drift", Port.TIME, 0.002, 1.0, "1",
+        (ageing_gain, diffusing_gain, linear_gain, autocatalytic_gain, passing_gain,
+         logarithmic_gain, wandering_gain),
+    ),
+    EffectKind(
+        "baseline_drift", Port.TIME, 0.005, 2.0, "travels",
+        (warming_mount, swelling_mount, steady_zero, creeping_mount, differential_expansion,
+         wandering_baseline, daily_swing, settling_load),
+    ),
+)  # fmt: skip

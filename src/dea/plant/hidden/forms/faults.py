@@ -1,0 +1,133 @@
+"""Sudden faults."""
+
+import numpy as np
+from numba import njit
+from numpy.random import Generator
+
+from dea.plant import forces
+from dea.plant.array import Array
+from dea.plant.film import SUBSTEP
+from dea.plant.force_laws import in_time
+from dea.plant.forces import ForceLaw
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.kernels import sign
+from dea.plant.signal_law import SignalLaw
+
+
+def _moment(conditions: Conditions, rng: Generator) -> float:
+    return float(rng.uniform(0.3, 0.7) * conditions.duration)
+
+
+@njit(cache=True)
+def _stepped(c: Array, m: Array, u: Array) -> None:
+    """c: height, shape, moment and width of the step, power of the command in the drive."""
+    for k in range(u.shape[0]):
+        share = in_time.course(c[1], c[2], c[3], m[0])
+        u[k] *= max(1.0 + c[0] * share, 0.0) ** (1.0 / c[4])
+        m[0] += SUBSTEP
+
+
+def _stepping(
+    size: float, conditions: Conditions, rng: Generator, shape: int, width: float
+) -> Built:
+    """Return a step of the gain."""
+    moment, height = _moment(conditions, rng), size * sign(size, rng)
+    law = SignalLaw(_stepped, [height, shape, moment, width, conditions.power])
+    return Built(law, {"time": moment})
+
+
+@tuning("Gertler, Fault Detection and Diagnosis (1998): an abrupt change, over a short rise")
+def abrupt_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes along a short logistic curve."""
+    width = rng.uniform(0.02, 0.15) * conditions.time
+    return _stepping(size, conditions, rng, in_time.SIGMOID, width)
+
+
+@tuning("Doebling et al., Shock Vib. Dig. 30 (1998) 91: a sudden loss of stiffness", moving=True)
+def cracked_spring(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A part of the stiffness goes, or comes, along a short logistic curve."""
+    moment, width = _moment(conditions, rng), rng.uniform(0.02, 0.15) * conditions.time
+    change = 0.5 * size * sign(size, rng) * conditions.stiffness
+    constants = np.array([change, in_time.SIGMOID, moment, width])
+    return Built(ForceLaw(forces.STIFFNESS_COURSE, constants, np.zeros(1)), {"time": moment})
+
+
+@tuning("Demetriou and Polycarpou, IEEE Trans. Autom. Control 43 (1998) 1612: an incipient fault")
+def ramped_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes in a straight line over half a band period to two."""
+    moment, height = _moment(conditions, rng), size * sign(size, rng)
+    width = rng.uniform(0.5, 2.0) * conditions.time
+    constants = [height, in_time.RAMP, moment - 0.5 * width, width, conditions.power]
+    return Built(SignalLaw(_stepped, constants), {"time": moment})
+
+
+@njit(cache=True)
+def _offset(c: Array, m: Array, u: Array) -> None:
+    """Add a height c[0] from the moment c[1] on, within c[2] seconds."""
+    for k in range(u.shape[0]):
+        u[k] += c[0] * in_time.course(in_time.RAMP, c[1], c[2], m[0])
+        m[0] += SUBSTEP
+
+
+def _biased(height: float, conditions: Conditions, rng: Generator, *, output: bool) -> Built:
+    moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
+    return Built(SignalLaw(_offset, [height, moment, width], output=output), {"time": moment})
+
+
+@tuning("Patton et al., Fault Diagnosis in Dynamic Systems (1989): a sensor with a bias")
+def biased_sensor(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves by ``size`` travels."""
+    height = size * conditions.travel * rng.choice([-1.0, 1.0])
+    return _biased(height, conditions, rng, output=True)
+
+
+@tuning("Chen and Patton, Robust Model-Based Fault Diagnosis (1999): an actuator with a bias")
+def biased_command(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The command moves by half of ``size`` times its range."""
+    height = 0.5 * size * conditions.span * sign(size, rng)
+    return _biased(height, conditions, rng, output=False)
+
+
+@njit(cache=True)
+def _clearing(c: Array, m: Array, u: Array) -> None:
+    """Lose c[0] of the gain at c[1] s; all but a share c[2] of it returns with c[3] s."""
+    for k in range(u.shape[0]):
+        if m[0] >= c[1]:
+            lost = c[0] * (c[2] + (1.0 - c[2]) * np.exp(-(m[0] - c[1]) / c[3]))
+            u[k] *= (1.0 - lost) ** (1.0 / c[4])
+        m[0] += SUBSTEP
+
+
+@tuning("Yuan et al., Adv. Mater. 20 (2008) 621: an electrode that clears a breakdown")
+def clearing_electrode(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain falls at once, and a part of it returns within about a band period."""
+    moment, time = _moment(conditions, rng), rng.uniform(0.3, 1.0) * conditions.time
+    constants = [min(size, 0.9), moment, rng.uniform(0.35, 0.7), time, conditions.power]
+    return Built(SignalLaw(_clearing, constants), {"time": moment})
+
+
+@reporting("Isermann, Fault-Diagnosis Systems (2006): a fault whose consequence settles")
+def settling_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain leaves its value at once and settles exponentially at another."""
+    width = rng.uniform(0.3, 1.0) * conditions.time
+    return _stepping(size, conditions, rng, in_time.SETTLING, width)
+
+
+@reporting("Basseville and Nikiforov, Detection of Abrupt Changes (1993): a mount that slips")
+def slipped_mount(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The stiffness, or where nothing moves the gain, changes within one sub-step."""
+    moment = _moment(conditions, rng)
+    change = 0.5 * size * sign(size, rng)
+    if conditions.force:
+        constants = np.array([change * conditions.stiffness, in_time.INSTANT, moment, 1.0])
+        return Built(ForceLaw(forces.STIFFNESS_COURSE, constants, np.zeros(1)), {"time": moment})
+    return _stepping(size, conditions, rng, in_time.INSTANT, 1.0)
+
+
+EFFECTS = (
+    EffectKind(
+        "step_fault", Port.TIME, 0.002, 1.0, "1",
+        (abrupt_gain, cracked_spring, ramped_gain, biased_sensor, biased_command,
+         clearing_electrode, settling_gain, slipped_mount),
+    ),
+)  # fmt: skip

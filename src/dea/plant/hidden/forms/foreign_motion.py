@@ -1,0 +1,47 @@
+"""Forces that a catalogue of common effects does not hold."""
+
+import numpy as np
+from numpy.random import Generator
+
+from dea.plant import forces
+from dea.plant.forces import ForceLaw
+from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tuning
+
+
+@tuning(
+    "Morison et al., J. Petrol. Technol. 2 (1950) 149: drag with the square of the speed",
+    moving=True,
+)
+def quadratic_drag(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Drag of ``size`` device forces at the mean speed of the motion."""
+    speed = conditions.path / conditions.duration
+    force = size * conditions.stiffness * conditions.travel
+    return Built(ForceLaw(forces.DRAG, np.array([force / speed**2]), np.zeros(1)), {})
+
+
+@tuning("Nayfeh and Mook, Nonlinear Oscillations (1979): a stiffness that is pumped", moving=True)
+def pumped_stiffness(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A share ``size`` of the stiffness that comes and goes at 0.3 to 5 times the band."""
+    frequency = 10.0 ** rng.uniform(-0.5, 0.7) / conditions.time
+    constants = [
+        size * conditions.stiffness, conditions.rest, frequency, rng.uniform(0.0, 2.0 * np.pi)
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.PUMPED, np.array(constants), np.zeros(1)), {})
+
+
+@reporting(
+    "Virgin, Introduction to Experimental Nonlinear Dynamics (2000): snap-through", moving=True
+)
+def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A buckled strip whose bistable force reaches about ``size`` device forces."""
+    force = size * conditions.stiffness * conditions.travel
+    place = conditions.bottom + rng.uniform(0.3, 0.6) * conditions.travel
+    constants = np.array([force, place, rng.uniform(0.15, 0.35) * conditions.travel])
+    return Built(ForceLaw(forces.SNAP_THROUGH, constants, np.zeros(1)), {})
+
+
+EFFECTS = (
+    foreign(quadratic_drag, 0.001, 0.3),
+    foreign(pumped_stiffness, 0.002, 0.8),
+    foreign(bistable_snap, 0.005, 0.4),
+)
