@@ -13,8 +13,9 @@ ROOT = Path(__file__).parents[2]
 FOUR_TRIALS = [
     "--config",
     "trials={count: 4, batch: 2, set: tuning}",
-    "discrepancy={effects: [coulomb_friction, dead_zone, gain_drift, sensor_lag,"
-    " viscoelastic_creep], budget: {finished: 2, beam: 1, effects: 1}}",
+    "discrepancy={effects: [coulomb_friction, gain_drift, sensor_lag],"
+    " budget: {starts: 1, finished: 2, beam: 1, effects: 1, shakes: 0}}",
+    "figures={resolution: 80}",
 ]
 PARTS = ["Snakefile", "config", "workflow", "pyproject.toml", "environment.txt"]
 
