@@ -53,12 +53,15 @@ class Project:
     def snakemake(
         self,
         *arguments: str,
-        cores: int = 2,
+        cores: int = 1,
         small: bool = True,
         fresh: bool = False,
         **variables: str,
     ) -> subprocess.CompletedProcess[str]:
         """Run Snakemake in the copy, with further ``variables`` of the environment.
+
+        On one core: other tests keep the others busy, and what two jobs call for the first time at
+        once, both compile.
 
         A dry run is a fork, unless it is to be a ``fresh`` process that imports Snakemake itself.
         """
