@@ -193,7 +193,8 @@ test: $(VENV)/installed ## the whole test suite
 	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync check compiled-tests
 	$(MAKE) --no-print-directory --jobs $(CORES) timed-tests other-tests
 
-# They wait for clocks more than they compute: one after another, beside all others.
+# They wait for clocks more than they compute: one after another, beside all others, which leave
+# them the processor when they want it.
 TIMED := tests/acquisition tests/bench tests/test_example_controller.py tests/test_fault_campaign.py
 
 timed-tests: $(VENV)/installed
@@ -201,7 +202,7 @@ timed-tests: $(VENV)/installed
 	pytest --quiet $(TIMED) > build/timed_tests.txt; status=$$?; cat build/timed_tests.txt; exit $$status
 
 other-tests: $(VENV)/installed
-	pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder $(TIMED:%=--ignore %)
+	nice pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder $(TIMED:%=--ignore %)
 
 compiled-tests: $(VENV)/installed
 	@mkdir -p build
