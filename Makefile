@@ -22,7 +22,7 @@ comma := ,
 .PHONY: help study record case cases report handover control control-robustness diagnose discrepancy resolve resolution-trials \
 	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
-	check test compiled-tests mutants benchmark benchmark-naming clean FORCE
+	check test compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 20
@@ -191,7 +191,18 @@ check: $(VENV)/installed ## linters, formatters, the type checker, import contra
 test: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/installed ## the whole test suite
 	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync check compiled-tests
-	pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+	$(MAKE) --no-print-directory --jobs $(CORES) timed-tests other-tests
+
+# They wait for clocks more than they compute: one after another, beside all others, which leave
+# them the processor when they want it.
+TIMED := tests/acquisition tests/bench tests/test_example_controller.py tests/test_fault_campaign.py
+
+timed-tests: $(VENV)/installed
+	@mkdir -p build
+	pytest --quiet $(TIMED) > build/timed_tests.txt; status=$$?; cat build/timed_tests.txt; exit $$status
+
+other-tests: $(VENV)/installed
+	nice pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder $(TIMED:%=--ignore %)
 
 compiled-tests: $(VENV)/installed
 	@mkdir -p build

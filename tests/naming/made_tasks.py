@@ -53,9 +53,10 @@ def posed(force=lambda x, v: 0.0, samples=2000, noise=2e-3, seed=1, kept_back=0.
     return pose(recorded(force, samples, noise, seed), kept_back)
 
 
-def pose(record, kept_back=0.2):
-    """Return the task of a record."""
-    return Posed.of("made", record, kept_back, SIMULATION, Settings(warm_up=0.5))
+def pose(record, kept_back=0.2, effects=()):
+    """Return the task of a record, in which a diagnosis is offered all effects or these."""
+    settings = Settings(warm_up=0.5, effects=effects)
+    return Posed.of("made", record, kept_back, SIMULATION, settings)
 
 
 def recorded(force=lambda x, v: 0.0, samples=2000, noise=2e-3, seed=1):

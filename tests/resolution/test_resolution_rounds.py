@@ -86,7 +86,7 @@ def test_designed_records_leave_the_effect_that_is_hidden(effect):
 
 
 def test_an_effect_that_is_not_offered_ends_without_a_name():
-    found, desk = solved(hidden("dead_zone", [0.2]), Options(records=1, duration=20.0))
+    found, desk = solved(hidden("dead_zone", [0.2]), Options(records=1, duration=10.0))
     assert found.outcome is not Outcome.DECIDED
     assert found.certificate is None
     assert CERTIFICATE not in desk.designs

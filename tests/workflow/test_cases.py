@@ -37,6 +37,13 @@ QUICK = {
     },
     "gfrf": {"tracker": "rls"},
 }
+# Pictures of few pixels, and a short search: what a search finds is tested elsewhere.
+COARSE = [
+    "--config",
+    "figures={resolution: 80}",
+    "discrepancy={effects: [dead_zone, gain_drift, sensor_lag],"
+    " budget: {starts: 1, finished: 2, beam: 1, effects: 1, shakes: 0}}",
+]
 
 
 @pytest.fixture
@@ -154,7 +161,7 @@ def test_a_measured_record_runs_from_end_to_end(project):
     case["identification"] |= quick
     case["orders"] |= {"dynamic": 2, "polynomial": 2}
     path.write_text(yaml.safe_dump(case))
-    run = project.snakemake("case_cascaded_tanks", small=False)
+    run = project.snakemake("case_cascaded_tanks", *COARSE, small=False)
     assert run.returncode == 0, run.stdout + run.stderr
     results = project.folder / "results"
     for name in ["fig2", "fig3", "fig4_h2", "tracked_parameters", "residual_tests"]:
@@ -213,7 +220,7 @@ def identified(case):
 @needs_records
 def test_a_record_with_two_inputs_runs_from_end_to_end(project):
     shutil.copytree(DATA / "two_heaters", project.folder / "data" / "two_heaters")
-    run = project.snakemake("case_two_heaters_1", small=False)
+    run = project.snakemake("case_two_heaters_1", *COARSE, small=False)
     assert run.returncode == 0, run.stdout + run.stderr
     results = project.folder / "results" / "two_heaters_1"
     responses = store.read(results / "gfrf.nc")

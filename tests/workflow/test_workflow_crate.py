@@ -19,7 +19,7 @@ def folder(finished, tmp_path_factory):
     """The crate, written by Snakemake's reporter."""
     folder = tmp_path_factory.mktemp("crate") / "crate"
     reporter = ["--reporter", "crate", "--report-crate-folder", str(folder)]
-    run = finished.snakemake(*reporter, "study", cores=1)
+    run = finished.snakemake(*reporter, "study")
     assert run.returncode == 0, run.stdout + run.stderr
     return folder
 

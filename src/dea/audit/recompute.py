@@ -64,7 +64,8 @@ def _run(manifest: Manifest, identity: str, folder: Path) -> str | None:
         provenance.RULE: job["rule"],
         provenance.CODE: " ".join(job["code"]),
         provenance.COMMIT: job["run"]["commit"],
-        "PYTHONPATH": str(folder / "src"),
+        # Not through the link: compiled functions are kept for one place of the source.
+        "PYTHONPATH": str(Path("src").resolve()),
     }
     done = subprocess.run(
         command, cwd=folder, env=environment, capture_output=True, text=True, check=False
