@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
-from scipy.signal import lti
+from scipy.signal import cont2discrete, lfilter, lfilter_zi, lti
 
 from dea.simulation import Port, Scales, catalogue
-from dea.simulation.effects._laws import DRIFT_MODES, drift_modes
+from dea.simulation.effects._laws import DRIFT_MODES, drift_modes, low_pass
 from dea.simulation.effects.sensor_nonlinearity import MODES, curve_modes
 from dea.simulation.signatures import MEMORY, SLOTS, no_force, no_update
 
@@ -171,6 +171,25 @@ def test_electrode_lag_is_a_ladder_of_two_lags(part):
         # More of a near part than the lags' ratio: two lags in parallel.
         parallel = 1.0 - (5 / 6) * np.exp(-t / slow) - (1 / 6) * np.exp(-t / fast)
         assert np.abs(expected - parallel)[2:].max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    "polynomial",
+    [
+        (3.0, 1.0),
+        (0.1, 1.0),
+        (4.0, 2.0, 1.0),
+        (0.25, 1.0, 1.0),
+        (100.0, 30.0, 1.0),
+        (50.0, 1.0, 1.0),
+    ],
+)
+def test_low_pass_is_that_of_a_signal_straight_between_samples(polynomial):
+    found = low_pass(Y, polynomial)
+    numerator, denominator, _ = cont2discrete(([1.0], polynomial), 1.0, method="foh")
+    start = Y[0] * lfilter_zi(numerator.ravel(), denominator)
+    expected, _ = lfilter(numerator.ravel(), denominator, Y, zi=start)
+    assert np.allclose(found, expected, rtol=1e-11)
 
 
 @pytest.mark.parametrize("damping", [0.3, 1.0, 5.0])

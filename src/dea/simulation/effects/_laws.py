@@ -70,16 +70,43 @@ def delayed(u: np.ndarray, delay: float, interval: float) -> np.ndarray:
 def low_pass(y: np.ndarray, polynomial: Sequence[float]) -> np.ndarray:
     """Return a signal (n,) behind 1/(polynomial in s), s in units of the sampling rate, exactly.
 
-    The signal is straight between samples, and at rest before the first.
+    The polynomial has one or two degrees, and ends with one. The signal is straight between
+    samples, and at rest before the first.
     """
-    from scipy.signal import cont2discrete, lfilter, lfilter_zi
+    from scipy.signal import lfilter
 
-    numerator, denominator, _ = cont2discrete(([1.0], polynomial), 1.0, method="foh")
-    weights = numerator.ravel()
-    smooth: np.ndarray = lfilter(
-        weights, denominator, y, zi=y[0] * lfilter_zi(weights, denominator)
-    )[0]
+    numerator, denominator = _held_straight(polynomial)
+    # At rest the output is the input: what the delays of the filter then hold.
+    held = np.cumsum((numerator - denominator)[:0:-1])[::-1]
+    smooth: np.ndarray = lfilter(numerator, denominator, y, zi=y[0] * held)[0]
     return smooth
+
+
+def _held_straight(polynomial: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the filter of a low pass for a signal that is straight between samples.
+
+    ``scipy.signal.cont2discrete`` finds the same coefficients in four times the time.
+    """
+    from scipy.linalg import expm
+
+    leading, *others = polynomial
+    order = len(others)
+    # States in companion form, the signal, and its slope.
+    whole = np.zeros((order + 2, order + 2))
+    whole[: order - 1, 1:order] = np.eye(order - 1)
+    whole[order - 1, :order] = -np.array(others[::-1]) / leading
+    whole[order - 1, order] = 1.0 / leading
+    whole[order, order + 1] = 1.0
+    step = expm(whole)
+    states, level, slope = step[:order, :order], step[:order, order], step[:order, order + 1]
+    gained = level + states @ slope - slope
+    trace = float(np.trace(states))
+    if order == 1:
+        denominator = np.array([1.0, -trace])
+        return slope[0] * denominator + np.array([0.0, gained[0]]), denominator
+    denominator = np.array([1.0, -trace, float(np.linalg.det(states))])
+    passed = states[0, 1] * gained[1] - states[1, 1] * gained[0]
+    return slope[0] * denominator + np.array([0.0, gained[0], passed]), denominator
 
 
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
