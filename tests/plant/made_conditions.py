@@ -15,6 +15,11 @@ CONDITIONS = Conditions(
     time=1.0, cycles=30.0, path=600.0, power=1.0, force=True,
 )  # fmt: skip
 
+# Where an offset or an exponent that is forgotten would show.
+OFFSET = CONDITIONS._replace(rest=0.5, power=2.0)
+SAMPLES = round(CONDITIONS.duration / SUBSTEP)
+TIME = np.arange(SAMPLES) * SUBSTEP
+
 
 def built(effect, form, size, seed=0, conditions=CONDITIONS):
     """Return the form's law and the values that define it."""
@@ -51,6 +56,23 @@ def _along(stacked, path, steps):
         felt[k] = forces.total_force(stacked, path[k], v)
         last = path[k]
     return felt
+
+
+def at(felt, *times):
+    """Return what was felt after each sub-step at some of the times (s)."""
+    return np.array([felt[round(time / SUBSTEP) - 1] for time in times])
+
+
+def slope(values, grid):
+    """Return the slope of values over their grid."""
+    return np.gradient(values, grid)
+
+
+def bend(x, y):
+    """Return how far y is from a straight line in x, as a share of its range."""
+    if not np.isfinite(y).all():
+        return np.inf
+    return np.abs(y - np.polyval(np.polyfit(x, y, 1), x)).max() / np.ptp(y)
 
 
 def steady(law, speeds, seconds=0.0):

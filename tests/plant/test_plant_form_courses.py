@@ -1,19 +1,20 @@
 """Hidden drifts, faults and disturbances, against what their names say."""
 
+import re
 from collections import Counter
 
 import numpy as np
 import pytest
-from made_conditions import CONDITIONS, built, held, through
+from made_conditions import CONDITIONS, OFFSET, SAMPLES, TIME, built, held, through
 
 from dea.plant.film import SUBSTEP
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden import EFFECTS, Use
 from dea.plant.hidden.effect import Port
 
-SAMPLES = round(CONDITIONS.duration / SUBSTEP)
-TIME = np.arange(SAMPLES) * SUBSTEP
 INSIDE = [effect for effect in EFFECTS.values() if effect.port is not Port.OUTSIDE]
+# Its authors at the beginning, and its year in brackets.
+PUBLICATION = re.compile(r"[A-ZÅ][\w'-]+[\w .'-]*[,;] .*\((\w+, )?(1[89]|20)\d\d\)")
 
 
 def forms(effect):
@@ -23,22 +24,24 @@ def forms(effect):
 def test_every_effect_has_forms_of_both_uses_and_each_form_one_publication():
     names = Counter(form.name for effect in EFFECTS.values() for form in effect.forms)
     assert max(names.values()) == 1
+    for effect in EFFECTS.values():
+        for form in effect.forms:
+            assert PUBLICATION.match(form.source), form.source
     for effect in INSIDE:
         uses = Counter(form.use for form in effect.forms)
         assert uses[Use.TUNING] >= 4
         assert uses[Use.REPORTING] >= 2
-        assert all("(" in form.source for form in effect.forms)
     foreign = [effect for effect in EFFECTS.values() if effect.port is Port.OUTSIDE]
     assert min(Counter(effect.forms[0].use for effect in foreign).values()) >= 5
 
 
 def course(effect, form, size=0.2, seed=0):
     """Return what a law on a signal makes of ones, or adds to nothing."""
-    law = built(effect, form, size, seed)[0]
+    law = built(effect, form, size, seed, OFFSET)[0]
     if effect == "gain_drift":
-        return through(law, np.ones(SAMPLES)) - 1.0
+        return through(law, np.ones(SAMPLES)) ** OFFSET.power - 1.0
     if isinstance(law, ForceLaw):
-        return held(law, CONDITIONS.rest, CONDITIONS.duration)
+        return held(law, OFFSET.rest, OFFSET.duration)
     return through(law, np.zeros(SAMPLES))
 
 
@@ -64,14 +67,13 @@ def test_drifts_follow_their_laws():
     line = np.polyval(np.polyfit(seconds[1:-1], inverse[1:-1], 1), seconds[1:-1])
     np.testing.assert_allclose(inverse[1:-1], line, rtol=0.03)
     tide = course("baseline_drift", "daily_swing")[::500]
-    assert np.linalg.matrix_rank(np.column_stack([tide[:-2] + tide[2:], tide[1:-1]]), 0.05) >= 1
     # A sine about a level obeys y[k+1] + y[k-1] = 2 cos(w) y[k] + constant.
     design = np.column_stack([tide[1:-1], np.ones(tide.size - 2)])
     fit, *_ = np.linalg.lstsq(design, tide[:-2] + tide[2:], rcond=None)
     np.testing.assert_allclose(design @ fit, tide[:-2] + tide[2:], atol=1e-4 * np.ptp(tide))
 
 
-def test_further_drifts_follow_their_laws():
+def test_drifts_that_are_straight_autocatalytic_or_in_two_parts():
     for effect, form in (("gain_drift", "linear_gain"), ("baseline_drift", "steady_zero")):
         np.testing.assert_allclose(np.diff(course(effect, form)[::1000], 2), 0.0, atol=1e-9)
     # A logistic curve from p0: the logit is a straight line for the right p0 and height.
@@ -123,7 +125,7 @@ def test_a_fault_happens_once_at_its_moment(form, seed):
     if isinstance(law, ForceLaw):
         course = held(law, 5.0, CONDITIONS.duration)
     else:
-        course = through(law, np.ones(SAMPLES)) - 1.0
+        course = through(law, np.full(SAMPLES, 2.5)) / 2.5 - 1.0
     moment = defining["time"]
     assert 0.3 * CONDITIONS.duration <= moment <= 0.7 * CONDITIONS.duration
     before, after = moment - 1.2 > TIME, moment + 8.0 < TIME
@@ -132,30 +134,35 @@ def test_a_fault_happens_once_at_its_moment(form, seed):
     assert abs(course[-1]) > 0.05
 
 
-def test_faults_take_their_time_and_act_where_they_are():
-    law, defining = built("step_fault", "ramped_gain", 0.2)
-    ramp = through(law, np.ones(SAMPLES)) - 1.0
-    rate = np.diff(ramp)
-    rising = np.abs(rate) > 1e-9
-    assert 500 <= np.count_nonzero(rising) <= 2001
-    np.testing.assert_allclose(rate[rising][1:-1], rate[rising][1], rtol=1e-6)
-    middle = SUBSTEP * np.flatnonzero(rising).mean()
-    assert middle == pytest.approx(defining["time"], abs=3 * SUBSTEP)
+def test_biases_are_added_where_they_are():
     for form, height, output in (
         ("biased_sensor", 0.2 * CONDITIONS.travel, True),
         ("biased_command", 0.1 * CONDITIONS.span, False),
     ):
         law = built("step_fault", form, 0.2)[0]
         assert law.output is output
-        wave = np.sin(TIME)
+        wave = 2.5 + np.sin(TIME)
         added = through(law, wave) - wave  # whatever the signal
         assert abs(added[-1]) == pytest.approx(height)
         assert np.count_nonzero(np.abs(np.diff(added)) > 1e-6) < 110
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_biased_command_stays_within_its_range(seed):
+    law, defining = built("step_fault", "biased_command", 1.0, seed)
+    wave = 2.5 + 1.5 * np.sin(2.0 * np.pi * TIME)
+    shifted = through(law, wave)
+    before = defining["time"] > TIME
+    np.testing.assert_array_equal(shifted[before], wave[before])
+    assert CONDITIONS.low <= shifted.min()
+    assert shifted.max() <= CONDITIONS.high
+    middle = shifted[-1000:].mean() - wave[-1000:].mean()
+    assert 0.2 * CONDITIONS.span < abs(middle) < 0.5 * CONDITIONS.span
+
+
 def test_a_cleared_electrode_recovers_in_part():
-    law, defining = built("step_fault", "clearing_electrode", 0.2)
-    gain = through(law, np.ones(SAMPLES)) - 1.0
+    law, defining = built("step_fault", "clearing_electrode", 0.2, conditions=OFFSET)
+    gain = through(law, np.ones(SAMPLES)) ** OFFSET.power - 1.0
     start = int(np.argmax(gain < 0.0))
     assert start * SUBSTEP == pytest.approx(defining["time"], abs=2 * SUBSTEP)
     assert gain[start] == pytest.approx(-0.2, rel=1e-2)
@@ -226,16 +233,21 @@ def test_a_ripple_falls_in_lines_and_its_harmonics_fall_with_their_order():
     np.testing.assert_allclose(falling, -0.2 * CONDITIONS.span / period * SUBSTEP, rtol=1e-6)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_the_meshing_has_two_equal_sidebands_and_the_whirl_is_below_half(seed):
+# Seeds at which a record resolves the sidebands.
+@pytest.mark.parametrize("seed", [0, 4, 14])
+def test_the_meshing_has_two_equal_sidebands(seed):
     frequencies, heights, main = lines_of("gear_meshing", seed)
-    law = built("periodic_disturbance", "gear_meshing", 0.1, seed)[0]
+    assert frequencies[0] == pytest.approx(main, abs=0.01)
     assert heights[0] == pytest.approx(0.1 * CONDITIONS.travel, rel=0.1)
-    turns = law._constants[4]
-    if turns > 0.15:  # sidebands are resolved
-        assert np.sort(frequencies[1:3]) == pytest.approx([main - turns, main + turns], abs=0.02)
-        assert heights[2] == pytest.approx(heights[1], rel=0.1)
-        assert 0.15 < heights[1] / heights[0] < 0.55
+    sides = np.sort(frequencies[1:3])
+    assert sides.mean() == pytest.approx(main, abs=0.01)
+    assert 0.04 < (sides[1] - main) / main < 0.21
+    assert heights[2] == pytest.approx(heights[1], rel=0.1)
+    assert 0.15 < heights[1] / heights[0] < 0.55
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_whirl_is_below_half(seed):
     frequencies, heights, main = lines_of("oil_whirl", seed)
     assert frequencies[0] == pytest.approx(main, abs=0.01)
     assert 0.41 < frequencies[1] / frequencies[0] < 0.49

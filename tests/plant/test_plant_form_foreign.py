@@ -2,12 +2,20 @@
 
 import numpy as np
 import pytest
-from made_conditions import CONDITIONS, built, held, resist, steady, sweep, through
+from made_conditions import (
+    CONDITIONS,
+    OFFSET,
+    SAMPLES,
+    TIME,
+    built,
+    held,
+    resist,
+    steady,
+    sweep,
+    through,
+)  # fmt: skip
 
 from dea.plant.film import SUBSTEP
-
-SAMPLES = round(CONDITIONS.duration / SUBSTEP)
-TIME = np.arange(SAMPLES) * SUBSTEP
 
 
 def test_heating_changes_the_gain_slowly_and_more_at_high_commands():
@@ -126,7 +134,8 @@ def test_drag_is_the_square_of_the_speed_and_opposes_it():
 
 def test_the_pumped_stiffness_is_a_sine_in_time_and_a_line_in_place():
     def felt(y):
-        return held(built("pumped_stiffness", "pumped_stiffness", 0.1)[0], y, CONDITIONS.duration)
+        law = built("pumped_stiffness", "pumped_stiffness", 0.1, conditions=OFFSET)[0]
+        return held(law, OFFSET.rest + y, OFFSET.duration)
 
     np.testing.assert_allclose(felt(4.0), 2.0 * felt(2.0), atol=1e-12)
     wave = felt(4.0)

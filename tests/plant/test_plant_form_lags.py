@@ -6,6 +6,8 @@ from made_conditions import CONDITIONS, built, through
 
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden import EFFECTS
+from dea.plant.hidden.effect import Port
+from dea.plant.signal_law import SignalLaw
 
 STEP = np.repeat([1.0, 2.0], [1000, 20_000])
 
@@ -38,18 +40,32 @@ def test_a_lag_settles_and_its_mean_delay_is_as_stated(effect, form, seed):
         assert mean == pytest.approx(defining["delay"], rel=0.21)
     elif form == "sampled_and_held":
         assert mean == pytest.approx(defining["delay"], rel=0.34)  # depends on when it samples
+    elif form == "reflecting_line":  # its delay is the first arrival
+        assert mean == pytest.approx(defining["delay"], rel=0.25)
+        assert int(np.argmax(taken > 0.5)) == pytest.approx(defining["delay"] / SUBSTEP, abs=1)
+    elif form == "laminar_tube":
+        assert mean == pytest.approx(0.2, rel=0.02)
     elif defining:
         assert mean == pytest.approx(next(iter(defining.values())), rel=0.02, abs=2e-3)
 
 
-@pytest.mark.parametrize("cut", [1, 7, 500])
-@pytest.mark.parametrize(("effect", "form"), [*LAGS, ("slew_limit", "trapezoidal_speed")])
-def test_a_law_does_not_depend_on_how_the_signal_is_cut(effect, form, cut):
-    signal = np.random.default_rng(1).random(2000)
+SIGNAL_FORMS = [
+    (effect.name, form.name)
+    for effect in EFFECTS.values()
+    if effect.port is not Port.FORCE
+    for form in effect.forms
+    if isinstance(built(effect.name, form.name, 0.2)[0], SignalLaw)
+]
+
+
+@pytest.mark.parametrize(("effect", "form"), SIGNAL_FORMS)
+def test_a_law_does_not_depend_on_how_the_signal_is_cut(effect, form):
+    signal = np.random.default_rng(1).uniform(0.5, 12.0, 2000)
     whole = through(built(effect, form, 0.2)[0], signal)
-    law = built(effect, form, 0.2)[0]
-    pieces = [through(law, signal[k : k + cut]) for k in range(0, signal.size, cut)]
-    np.testing.assert_array_equal(whole, np.concatenate(pieces))
+    for cut in (1, 7, 500):
+        law = built(effect, form, 0.2)[0]
+        pieces = [through(law, signal[k : k + cut]) for k in range(0, signal.size, cut)]
+        np.testing.assert_array_equal(whole, np.concatenate(pieces))
 
 
 @pytest.mark.parametrize("milliseconds", [1, 37, 200])
@@ -72,23 +88,26 @@ def test_the_held_sample_is_between_one_period_and_two_late():
 
 def test_the_laminar_stream_arrives_as_danckwerts_says():
     taken, defining = response("transport_delay", "laminar_tube", 0.3)
+    assert not defining  # neither its first arrival nor its mean is a delay
     np.testing.assert_allclose(taken[:130], 0.0, atol=1e-12)
     # A share 1 - (T/2t)² has arrived by t: its root is a straight line in 1/t.
     time = np.arange(1, taken.size + 1) * SUBSTEP
     between = (taken > 0.15) & (taken < 0.9)
     line = np.polyfit(1.0 / time[between], np.sqrt(1.0 - taken[between]), 1)
-    assert line[0] == pytest.approx(0.5 * defining["delay"], rel=0.15)
+    assert line[0] == pytest.approx(0.5 * 0.3, rel=0.15)
     assert line[1] == pytest.approx(0.0, abs=0.06)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_what_a_line_reflects_arrives_at_odd_multiples(seed):
-    taken, _ = response("transport_delay", "reflecting_line", 0.3, seed)
-    moments = np.flatnonzero(np.abs(np.diff(taken, prepend=0.0)) > 1e-3)
-    np.testing.assert_allclose(moments / moments[0], np.arange(moments.size) * 2 + 1, rtol=0.02)
+    taken, defining = response("transport_delay", "reflecting_line", 0.3, seed)
+    assert defining["delay"] == pytest.approx(0.3)
+    moments = np.flatnonzero(np.abs(np.diff(taken, prepend=0.0)) > 1e-6)
+    np.testing.assert_allclose(moments + 1, 300 * (2 * np.arange(moments.size) + 1), atol=1)
     heights = np.diff(taken, prepend=0.0)[moments]
     np.testing.assert_allclose(heights[1:] / heights[:-1], heights[1] / heights[0], rtol=1e-6)
-    assert 0.05 < abs(heights[1] / heights[0]) < 0.4
+    assert 0.03 <= abs(heights[1] / heights[0]) <= 0.1
+    assert heights[0] >= 0.9
 
 
 def test_the_jittered_delay_varies_within_a_fifth_of_its_mean():
@@ -130,26 +149,54 @@ def test_two_stages_have_two_real_poles():
     assert residual.max() < 1e-12
 
 
-def test_the_lead_s_inductance_makes_it_overshoot_as_scipy_says():
+@pytest.mark.parametrize("seed", range(3))
+def test_the_lead_s_inductance_hardly_overshoots_and_does_as_scipy_says(seed):
     from scipy.signal import TransferFunction, step
 
-    taken, defining = response("electrode_lag", "lead_inductance", 0.2)
+    taken, defining = response("electrode_lag", "lead_inductance", 0.2, seed)
     over = np.log(taken.max() - 1.0)
     damping = -over / np.hypot(np.pi, over)
-    assert 0.4 < damping < 0.9
+    assert 0.79 < damping < 0.96
     angular = 2.0 * damping / defining["lag"]
     time = np.arange(1500) * SUBSTEP
     circuit = TransferFunction([angular**2], [1.0, 2.0 * damping * angular, angular**2])
     np.testing.assert_allclose(taken[:1499], step(circuit, T=time)[1][1:], atol=5e-3)
 
 
-def test_the_rectifier_discharges_more_slowly():
-    law = built("electrode_lag", "peak_rectifier", 0.2)[0]
-    passed = through(law, np.repeat([1.0, 2.0, 1.0], [10, 5000, 5000]))
-    up = (2.0 - passed[10:5010]).sum() * SUBSTEP
-    down = (passed[5010:] - 1.0).sum() * SUBSTEP
-    assert 2.0 < down / up < 5.05
-    assert 0.5 * (up + down) == pytest.approx(0.2, rel=0.02)
+DISC_STEPS = np.arange(20, 2000, 40)
+
+
+@pytest.fixture(scope="module")
+def charged_discs():
+    """Return the mean charge at ``DISC_STEPS`` of discs with a mean delay of 0.4 s.
+
+    Of rings that pass charge to each other, the outermost through its contact, which has from half
+    to a twentieth of the disc's resistance.
+    """
+    rings = 40
+    edges = np.linspace(0.0, 1.0, rings + 1)
+    areas, step = np.diff(edges**2), 1.0 / rings
+    between = 2.0 * edges[1:-1] / step  # circumference over distance, as twice the area without pi
+    inside = np.diag(between, 1) + np.diag(between, -1)
+    inside -= np.diag(inside.sum(axis=1))
+    charged = []
+    for ratio in np.geomspace(2.0, 20.0, 24):
+        flow = inside.copy()
+        flow[-1, -1] -= 2.0 / (1.0 / ratio + 0.5 * step)
+        rates, shapes = np.linalg.eigh(flow / np.sqrt(np.outer(areas, areas)))
+        weights = (np.sqrt(areas) @ shapes) ** 2
+        pace = weights @ (-1.0 / rates) * SUBSTEP / 0.4
+        charged.append(1.0 - np.exp(np.outer(DISC_STEPS, rates * pace)) @ weights)
+    return np.array(charged)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_disc_is_charged_as_rings_of_a_circle_are(seed, charged_discs):
+    taken, defining = response("electrode_lag", "rim_contact", 0.4, seed)
+    assert defining["lag"] == pytest.approx(0.4)
+    misfits = np.abs(charged_discs - taken[DISC_STEPS - 1]).max(axis=1)
+    assert misfits.min() < 3e-3
+    assert misfits.max() > 1.5e-2
 
 
 def test_the_thermometer_has_one_pole():
@@ -167,17 +214,6 @@ def test_the_insulated_face_warms_as_the_series_of_carslaw_and_jaeger():
     series = signs / order * np.exp(-((order * np.pi / 2.0) ** 2) * time / seconds)
     expected = 1.0 - 4.0 / np.pi * series.sum(axis=0)
     np.testing.assert_allclose(taken[99:1999:50], expected, atol=0.012)
-
-
-def test_the_running_median_delays_a_ramp_and_drops_what_is_short():
-    ramp = np.arange(3000) * SUBSTEP
-    law, defining = built("sensor_lag", "running_median", 0.1)
-    np.testing.assert_allclose((ramp - through(law, ramp))[1000:], defining["lag"], rtol=1e-9)
-    pulses = np.zeros(3000)
-    pulses[1000:1080], pulses[2000:2120] = 1.0, 1.0
-    passed = through(built("sensor_lag", "running_median", 0.1)[0], pulses)
-    assert (passed[:2000] == 0.0).all()
-    assert set(np.unique(passed[2000:])) == {0.0, 1.0}
 
 
 def test_cole_and_cole_decay_as_a_power_in_the_wings():
@@ -283,7 +319,8 @@ def test_the_motor_steps_so_many_times_a_second(size):
     passed = through(law, np.repeat([1.0, 4.0, 1.0], [10, 6000, 6000]))
     steps = np.abs(np.diff(passed))
     step = law._constants[0]
-    np.testing.assert_allclose(steps / step, np.rint(steps / step), atol=1e-9)
+    assert 0.0003 * CONDITIONS.span <= step <= 0.001 * CONDITIONS.span
+    np.testing.assert_allclose(steps / step, np.rint(steps / step), atol=1e-6)
     middle = (passed > 1.5) & (passed < 3.5)
     line = np.polyfit(np.flatnonzero(middle[:6000]) * SUBSTEP, passed[:6000][middle[:6000]], 1)
     assert line[0] == pytest.approx(defining["rate"], rel=0.03)

@@ -1,8 +1,8 @@
-"""Further hidden forces, against what the literature says of their laws."""
+"""Hidden forces in motion: relaxation, loops, friction, stiffening, softening and contact."""
 
 import numpy as np
 import pytest
-from made_conditions import CONDITIONS, built, held, resist, steady, sweep
+from made_conditions import CONDITIONS, OFFSET, at, bend, built, held, resist, steady, sweep
 from scipy.integrate import solve_ivp
 from scipy.stats import norm
 
@@ -14,19 +14,16 @@ K, TRAVEL, BOTTOM, TOP = (
 )  # fmt: skip
 
 
-def at(felt, *times):
-    return np.array([felt[round(time / SUBSTEP) - 1] for time in times])
-
-
 def test_the_linear_solid_relaxes_at_one_rate():
-    felt = held(built("viscoelastic_creep", "standard_linear_solid", 0.3)[0], 1.0, 20.0)[::500]
+    law = built("viscoelastic_creep", "standard_linear_solid", 0.3, conditions=OFFSET)[0]
+    felt = held(law, OFFSET.rest + 1.0, 20.0)[::500]
     np.testing.assert_allclose(felt[1:] / felt[:-1], felt[1] / felt[0], rtol=1e-9)
     assert 1.5 <= -0.5 / np.log(felt[1] / felt[0]) <= 20.0
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_power_dashpot_is_the_solution_of_norton_s_equation(seed):
-    law = built("viscoelastic_creep", "norton_dashpot", 0.3, seed)[0]
+    law = built("viscoelastic_creep", "norton_dashpot", 0.3, seed, OFFSET)[0]
     stiffness, rate, length, order = law.constants
     solved = solve_ivp(
         lambda t, x: rate * ((5.0 - x) / length) ** order, (0.0, 3.0), [0.0], rtol=1e-9,
@@ -34,21 +31,23 @@ def test_the_power_dashpot_is_the_solution_of_norton_s_equation(seed):
     )  # fmt: skip
     times = np.array([0.01, 0.1, 1.0, 3.0])
     expected = stiffness * (5.0 - solved.sol(times)[0])
-    np.testing.assert_allclose(at(held(law, 5.0, 3.0), *times), expected, rtol=1e-3)
-    law = built("viscoelastic_creep", "norton_dashpot", 0.3, seed)[0]
-    np.testing.assert_allclose(at(held(law, -5.0, 3.0), *times), -expected, rtol=1e-3)
+    np.testing.assert_allclose(at(held(law, OFFSET.rest + 5.0, 3.0), *times), expected, rtol=1e-3)
+    law = built("viscoelastic_creep", "norton_dashpot", 0.3, seed, OFFSET)[0]
+    np.testing.assert_allclose(at(held(law, OFFSET.rest - 5.0, 3.0), *times), -expected, rtol=1e-3)
 
 
 def test_quasi_linear_relaxation_is_a_product_of_stretch_and_time():
-    felt = {
-        y: held(built("viscoelastic_creep", "quasi_linear", 0.3)[0], y, 20.0) for y in (2, 4, 8)
-    }
+    def relaxed(stretch):
+        law = built("viscoelastic_creep", "quasi_linear", 0.3, conditions=OFFSET)[0]
+        return held(law, OFFSET.rest + stretch, 20.0)
+
+    felt = {stretch: relaxed(stretch) for stretch in (2, 4, 8)}
     np.testing.assert_allclose(felt[4] / felt[4][0], felt[2] / felt[2][0], rtol=1e-9)
     # Of an exponential, f(2d)/f(d) - 2 = f(d)/length: it doubles with f(d).
     excess = [felt[4][0] / felt[2][0] - 2.0, felt[8][0] / felt[4][0] - 2.0]
     assert excess[1] / excess[0] == pytest.approx(felt[4][0] / felt[2][0], rel=1e-6)
-    top = held(built("viscoelastic_creep", "quasi_linear", 0.3)[0], TOP, 1.0)
-    assert top[-1] == pytest.approx(0.3 * K * TOP, rel=2e-3)
+    far = TOP - OFFSET.rest
+    assert relaxed(far)[999] == pytest.approx(0.3 * K * far, rel=2e-3)
     left = felt[4][::500]
     roots = np.roots(
         [1.0, *-np.linalg.lstsq(np.column_stack([left[1:-1], left[:-2]]), left[2:])[0]]
@@ -62,30 +61,34 @@ def lost(form):
     return -held(built("stress_relaxation", form, 0.1)[0], 1.0, CONDITIONS.duration)
 
 
-def test_further_courses_of_relaxation_are_what_their_names_say():
-    times = np.arange(1, 61) - SUBSTEP
-    seconds = slice(999, None, 1000)
-    rate = np.diff(lost("maxwell_relaxation")[seconds])
+def test_maxwell_s_loss_is_an_exponential_of_time():
+    rate = np.diff(lost("maxwell_relaxation")[999::1000])
     np.testing.assert_allclose(rate[1:] / rate[:-1], rate[1] / rate[0], rtol=1e-6)
-    # A draining gel begins with the root of time.
-    early = lost("draining_gel")[10:60]
-    order = np.polyfit(np.log(np.arange(10, 60) + 1.0), np.log(early), 1)[0]
-    assert order == pytest.approx(0.5, abs=0.02)
-    # Avrami: ln(-ln(1 - share)) is a straight line in the logarithm of time, for the right whole.
-    crystal = lost("crystallising_rubber")[seconds]
-    bends = []
-    for whole in crystal[-1] * np.geomspace(1.0 + 1e-6, 1.5, 400):
-        plotted = np.log(-np.log1p(-crystal[5:-1] / whole))
-        line = np.polyfit(np.log(times[5:-1]), plotted, 1)
-        bends.append((np.abs(plotted - np.polyval(line, np.log(times[5:-1]))).max(), line[0]))
-    bend, order = min(bends)
-    assert bend < 0.02
-    assert 1.95 <= order <= 3.55
 
 
-def test_stops_obey_masing_s_rule_and_close_their_loops():
-    path = sweep(9, 3, 9, points=600)
-    felt = resist(built("rate_independent_hysteresis", "prandtl_stops", 1.0)[0], path)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_draining_gel_relaxes_as_hu_et_al_found_for_a_sphere(seed):
+    """Of their curve 0.491 exp(-0.908 √τ) + 0.509 exp(-1.679 τ), over the whole record."""
+    law = built("stress_relaxation", "draining_gel", 0.1, seed)[0]
+    felt = -held(law, 1.0, CONDITIONS.duration)[99::100]
+    times = np.arange(1, felt.size + 1) * 100 * SUBSTEP
+    misfits = []
+    for scale in np.geomspace(0.08, 0.6, 300) * CONDITIONS.duration:
+        tau = times / scale
+        left = 0.491 * np.exp(-0.908 * np.sqrt(tau)) + 0.509 * np.exp(-1.679 * tau)
+        misfits.append(np.abs((1.0 - left) / (1.0 - left[-1]) - felt / felt[-1]).max())
+    assert min(misfits) < 2e-3
+    # With the root of time at first.
+    early = -held(built("stress_relaxation", "draining_gel", 0.1, seed)[0], 1.0, 0.06)[10:]
+    order = np.polyfit(np.log(np.arange(11, 11 + early.size)), np.log(early), 1)[0]
+    assert order == pytest.approx(0.5, abs=0.05)
+
+
+def test_sliders_obey_masing_s_rule_and_close_their_loops():
+    law = built("rate_independent_hysteresis", "prandtl_sliders", 1.0, conditions=OFFSET)[0]
+    path = sweep(9.5, 3.5, 9.5, points=600, start=OFFSET.rest)
+    felt = resist(law, path)
+    path -= OFFSET.rest
     virgin, down, up = felt[:600], felt[600:1201], felt[1200:1801]
     # A branch is the virgin curve at twice its size (G. Masing, 1926): from rest, 0 to 3 doubles.
     along = np.linspace(0.0, 3.0, 200, endpoint=False)
@@ -94,19 +97,31 @@ def test_stops_obey_masing_s_rule_and_close_their_loops():
     np.testing.assert_allclose(branch, doubled, atol=1e-2 * doubled.max())
     assert up[-1] == pytest.approx(down[0], rel=1e-9)
     assert virgin[5] / path[5] == pytest.approx(K, rel=1e-6)
-    kinks = np.count_nonzero(np.abs(np.diff(felt[:500], 2)) > 1e-4 * K)
-    assert 5 <= kinks <= 12
+    kinks = np.flatnonzero(np.abs(np.diff(felt[:500], 2)) > 1e-4 * K)
+    assert 5 <= kinks.size <= 12
+    # Where friction's blocks have long slipped, none of these springs has.
+    assert path[kinks[0] + 1] == pytest.approx(0.1 * TRAVEL, abs=0.02)
 
 
-def test_the_ring_spring_s_loop_is_a_triangle():
-    path = sweep(9, 1, 9, points=4000)
-    felt = resist(built("rate_independent_hysteresis", "ring_spring", 1.0)[0], path)
-    up, down = felt[2000:4000] / path[2000:4000], felt[6500:8000] / path[6500:8000]
-    np.testing.assert_allclose(up, up[0], rtol=1e-9)
-    np.testing.assert_allclose(down, -up[0], rtol=1e-9)
-    assert 0.05 * K <= up[0] <= 0.25 * K
-    turning = np.gradient(felt, path)[4002:4100]
-    np.testing.assert_allclose(turning, K, rtol=1e-6)
+def test_a_branch_bends_into_a_less_steep_line():
+    law = built("rate_independent_hysteresis", "menegotto_pinto", 1.0, conditions=OFFSET)[0]
+    path = sweep(60, -60, points=6000, start=OFFSET.rest)
+    felt = resist(law, path)
+    up = np.gradient(felt[:6000], path[:6000])
+    down = np.gradient(felt[6001:], path[6001:])
+    assert up[3] == pytest.approx(K, rel=1e-3)
+    assert down[3] == pytest.approx(K, rel=1e-3)
+    assert 0.02 * K <= up[-2] <= 0.21 * K
+    assert (np.diff(up[2:-2]) < 1e-9).all()
+    # The first and the last line meet after 0.15 to 0.5 travels, and twice as far after a reversal.
+    corner = np.array(
+        [
+            (felt[5998] - up[5998] * (path[5998] - OFFSET.rest)) / (K - up[5998]),
+            (felt[6000] - felt[-2] - down[-2] * (60.0 - path[-2])) / (K - down[-2]),
+        ]
+    )
+    assert 0.14 * TRAVEL <= corner[0] <= 0.51 * TRAVEL
+    assert corner[1] == pytest.approx(2.0 * corner[0], rel=0.02)
 
 
 def test_blocks_slip_one_after_the_other():
@@ -132,12 +147,15 @@ def test_contacts_strengthen_with_the_logarithm_of_rest_and_renew_by_slip():
     rises = np.diff([start(seconds) for seconds in (1.0, 4.0, 16.0)])
     assert rises[1] == pytest.approx(rises[0], rel=0.02)
     assert rises[0] > 0.05 * 0.05 * K * TRAVEL
+    # In steady sliding the age is a length of slip over the speed, so that friction falls with the
+    # logarithm of the speed as fast as it rises with that of the time of rest.
     law = built("coulomb_friction", "ageing_contacts", 0.05)[0]
-    speeds = np.array([20.0, 200.0])
-    sliding, growth, time, slip, fine = law.constants
-    expected = sliding * (1.0 + growth * np.log1p(slip / speeds / time))
-    expected *= speeds / np.hypot(speeds, fine)
-    np.testing.assert_allclose(steady(law, speeds, 1.0), expected, rtol=0.01)
+    slow, quick, new = steady(law, [4.0, 40.0, 1e5], 1.0)
+    assert new == pytest.approx(0.05 * K * TRAVEL, rel=0.01)
+    growth = rises[0] / np.log(4.0)
+    ages = np.expm1((np.array([slow, quick]) - new) / growth)
+    assert ages[0] / ages[1] == pytest.approx(10.0, rel=0.1)
+    assert 1.0 < ages[0] < 4.0  # the mean speed of the motion, 10, over the speed
 
 
 def test_the_bearing_s_friction_grows_with_the_place_alone():
@@ -156,15 +174,17 @@ def stiffening(form, path):
     return resist(built("strain_stiffening", form, 0.5)[0], path)
 
 
-def test_further_stiffening_follows_its_publication():
+def test_stiffening_of_tissue_fibres_and_cables_follows_its_publication():
     d = np.linspace(0.0, TRAVEL, 401)[1:]
-    # Hart-Smith: ln(1 + F/(c d)) is a parabola in d without a constant.
-    felt = stiffening("hart_smith", BOTTOM + d)
-    cubes = felt / d**3  # c (1 + x²/2 + x⁴/6 + ...): its start is c
-    scale = np.polyval(np.polyfit(d[20:120] ** 2, np.log(cubes[20:120]), 3), 0.0)
-    length = np.sqrt(0.5 / np.polyfit(d[20:120] ** 2, np.log(cubes[20:120]), 3)[-2])
-    expected = np.exp(scale) * length**2 * d * np.expm1((d / length) ** 2)
-    np.testing.assert_allclose(felt[20:200], expected[20:200], rtol=0.02)
+    # Demiray: with the linear spring at rest, the energy is exponential in the squared stretch.
+    felt = stiffening("demiray", BOTTOM + d)
+    force, length, _ = built("strain_stiffening", "demiray", 0.5)[0].constants
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (felt[1:] + felt[:-1])) * (d[1] - d[0])])
+    energy = work + 0.5 * force / length * d**2
+    exponent = np.log1p(2.0 * energy / (force * length))
+    np.testing.assert_allclose(exponent[20:], (d[20:] / length) ** 2, rtol=2e-3)
+    assert 0.5 * TRAVEL <= length <= TRAVEL
+    assert np.polyfit(np.log(d[4:20]), np.log(felt[4:20]), 1)[0] == pytest.approx(3.0, abs=0.02)
     # Fibres: the second derivative of the force is the Gaussian of where they become taut.
     felt = stiffening("recruited_fibres", BOTTOM + d)
     density = np.diff(felt, 2)
@@ -186,51 +206,52 @@ def test_further_stiffening_follows_its_publication():
     )
 
 
-def softened(form, turns, size=0.2):
-    """Return the share of the stiffness that is lost at each passage upwards."""
-    felt = resist(
-        built("cyclic_softening", form, size)[0], sweep(*[11, 1] * turns, start=1.0, points=50)
-    )
-    return -felt[110::100][: turns - 1] / (K * sweep(11, start=1.0, points=50)[10])
+def softened(form, turns, size=0.2, seed=0, reach=1.0):
+    """Return the share of the stiffness that is lost at each passage upwards, at one place."""
+    low, high = 6.0 - 5.0 * reach, 6.0 + 5.0 * reach
+    law = built("cyclic_softening", form, size, seed, OFFSET)[0]
+    path = sweep(*[high, low] * turns, start=low, points=50)
+    places = slice(125, None, 100)
+    return -(resist(law, path)[places] / (K * path[places]))[: turns - 1]
 
 
-def test_cycles_saturate_exponentially_and_a_crack_grows_ever_faster():
+def test_cycles_saturate_exponentially():
     share = softened("saturating_cycles", 30)
     rate = np.diff(share)
     np.testing.assert_allclose(rate[1:] / rate[:-1], rate[1] / rate[0], rtol=1e-6)
     assert share[-1] == pytest.approx(0.2, rel=0.06)
-    law = built("cyclic_softening", "paris_crack", 0.2)[0]
-    crack = softened("paris_crack", 15)
-    assert (np.diff(crack, 2) > 0.0).all()
-    # Against Paris' equation da/dN = a^(m/2), whose end is where the share is 0.2.
-    _, _, whole, share, _, _, order = law.constants
-    rate = 2.0 * share / (order - 2.0) / whole
-    solved = solve_ivp(
-        lambda n, a: rate * a ** (0.5 * order), (0.0, whole), [1.0], rtol=1e-9, dense_output=True
-    )
-    grown = solved.sol(np.append(np.arange(1, crack.size + 1), whole))[0] - 1.0
-    np.testing.assert_allclose(crack, 0.2 * grown[:-1] / grown[-1], rtol=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_crack_grows_ever_faster_over_all_cycles(seed):
+    crack = softened("paris_crack", 32, 0.2, seed)  # 30 are expected
+    assert crack[29] == pytest.approx(0.2, rel=1e-6)
+    rate = np.diff(crack)
+    assert (rate > 0.0).all()
+    assert (np.diff(rate)[:-1] > 0.0).all()
+    assert rate.max() < 0.3 * 0.2  # no step
+    # Against Paris' equation: the rate is a power of the length, which is the loss and a constant.
+    middle = 0.5 * (crack[1:30] + crack[:29])
+    bends = []
+    for start in 0.2 / np.linspace(2.0, 7.0, 200):
+        logarithms = np.log(middle + start), np.log(rate[:29])
+        bends.append((bend(*logarithms), np.polyfit(*logarithms, 1)[0]))
+    best = min(bends)
+    assert best[0] < 5e-3
+    assert 1.2 <= best[1] <= 2.1  # half the power of the swing
+
+
+def test_a_crack_goes_on_at_its_rate_after_more_cycles_than_expected():
+    crack = softened("paris_crack", 60, 0.05)
+    np.testing.assert_allclose(np.diff(crack[31:]), crack[32] - crack[31], rtol=1e-6)
+    assert crack[32] - crack[31] == pytest.approx(crack[29] - crack[28], rel=0.2)
 
 
 def test_a_smaller_swing_cracks_as_a_power_less():
-    law = built("cyclic_softening", "paris_crack", 0.01)[0]
-    small = -resist(law, sweep(*[8.5, 3.5] * 3, start=3.5, points=50))[120] / (K * 5.5)
-    large = softened("paris_crack", 3, 0.01)[0]
-    assert large / small == pytest.approx(2.0 ** law.constants[6], rel=0.1)
-
-
-def test_what_the_largest_stroke_took_stays_lost():
-    law = built("cyclic_softening", "largest_stroke", 0.2)[0]
-    path = sweep(6, 0, 6, 10, 5, points=300)
-    felt = resist(law, path)
-    with np.errstate(invalid="ignore"):
-        share = -felt / (K * path)
-    np.testing.assert_allclose(share[301:590], share[300], rtol=1e-9)
-    np.testing.assert_allclose(share[610:900], share[300], rtol=1e-9)
-    assert (np.diff(share[901:1200]) > 0.0).all()
-    _, most, stroke, _ = law.constants
-    x = 10.0 / stroke
-    assert share[-1] == pytest.approx(most * (1.0 - (1.0 - np.exp(-x)) / x))
+    order = built("cyclic_softening", "paris_crack", 0.01)[0].constants[6]
+    small, large = (softened("paris_crack", 3, 0.01, reach=reach)[0] for reach in (0.5, 1.0))
+    assert 2.5 <= order <= 4.0
+    assert large / small == pytest.approx(2.0**order, rel=0.1)
 
 
 def test_the_column_is_damped_by_the_square_of_the_speed():
@@ -241,22 +262,25 @@ def test_the_column_is_damped_by_the_square_of_the_speed():
     square = push[[2, 3]] - push[1] * np.array([2.0, 4.0])
     assert square[1] / square[0] == pytest.approx(6.0)  # v² - v at 4 and at 2
 
-    mass, spring, dashpot, drag = law.constants
 
-    def motion(t, s):
-        w = -s[1]
-        return [s[1], (spring * (3.0 - s[0]) + dashpot * w + drag * w * abs(w)) / mass]
-
-    times = np.arange(0.5, 5.0, 0.5)
-    solved = solve_ivp(motion, (0.0, 5.0), [0.0, 0.0], rtol=1e-9, atol=1e-9, t_eval=times)
-    expected = -mass * np.array([motion(0.0, s)[1] for s in solved.y.T]) * -1.0
-    felt = at(held(law, 3.0, 5.0), *times)
-    np.testing.assert_allclose(felt, expected, atol=0.03 * np.abs(expected).max())
+@pytest.mark.parametrize("seed", range(3))
+def test_the_column_s_oscillation_dies_the_faster_the_larger_it_is(seed):
+    law, defining = built("second_mode", "liquid_column", 0.1, seed, OFFSET)
+    period = 1.0 / defining["frequency"]
+    felt = held(law, OFFSET.rest + 3.0, 40.0 * period)
+    # The force is the spring's, the way of the mass its place: a peak is an amplitude.
+    swings = np.abs(felt[1:-1])[(np.diff(felt)[:-1] * np.diff(felt)[1:]) < 0.0]
+    decrements = np.log(swings[:-1] / swings[1:])  # of half a period
+    large = slice(1, np.argmax(swings < 0.02 * swings[0]))
+    assert (np.diff(decrements[large]) < 1e-4).all()
+    # Then a weak dashpot is left.
+    assert 0.02 * np.pi <= decrements[-1] <= 0.066 * np.pi
+    assert decrements[1] > 1.5 * decrements[-1]
 
 
 def test_the_twin_masses_ring_at_two_frequencies():
-    law, defining = built("second_mode", "twin_masses", 0.1)
-    felt = held(law, CONDITIONS.rest + 1e-3, 40.0)
+    law, defining = built("second_mode", "twin_masses", 0.1, conditions=OFFSET)
+    felt = held(law, OFFSET.rest + 1e-3, 40.0)
     lines = np.abs(np.fft.rfft((felt - felt[-5000:].mean()) * np.hanning(felt.size), 8 * felt.size))
     peaks = np.flatnonzero((lines[1:-1] > lines[:-2]) & (lines[1:-1] > lines[2:])) + 1
     strongest = np.sort(peaks[np.argsort(lines[peaks])[-2:]])

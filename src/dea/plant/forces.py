@@ -26,7 +26,6 @@ from dea.plant.force_laws.damage import (
     count_reversals,
     crack_loss,
     cycle_damage,
-    largest_stroke_loss,
     pseudo_elastic_loss,
     work_damage,
 )
@@ -34,10 +33,10 @@ from dea.plant.force_laws.damping import drag_force, pumped_force
 from dea.plant.force_laws.elastic import (
     cable_force,
     chain_force,
+    demiray_force,
     fibre_force,
     fung_force,
     gent_force,
-    hart_smith_force,
     power_force,
     snap_force,
 )
@@ -54,12 +53,11 @@ from dea.plant.force_laws.friction import (
 from dea.plant.force_laws.hysteresis import (
     carry_bouc_wen,
     carry_duhem,
-    carry_ring_spring,
-    carry_stops,
+    carry_sliders,
     masing_force,
     note_reversals,
     preisach_force,
-    stops_force,
+    sliders_force,
 )
 from dea.plant.force_laws.in_time import force_in_time, pulse_train, stiffness_in_time
 from dea.plant.force_laws.mode import (
@@ -108,24 +106,22 @@ WIDTH = 64  # length of a row of constants or memory
     FORCE_COURSE,
     PULSES,
     SNAP_THROUGH,
-    STOPS,
-    RING_SPRING,
+    SLIDERS,
     NORTON,
     QUASI_LINEAR,
     AGEING,
     BEARING,
     FIBRES,
     CABLES,
-    HART_SMITH,
+    DEMIRAY,
     CRACK,
-    LARGEST_STROKE,
     COLUMN,
     TWINS,
     STEPPED,
     DISC,
     DRAG,
     PUMPED,
-) = range(43)
+) = range(41)
 
 
 class Forces(NamedTuple):
@@ -169,7 +165,7 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += preisach_force(c, m, y)
         elif kind == BOUC_WEN:
             total += c[0] * m[0]
-        elif kind in (DUHEM, DAHL, RING_SPRING):
+        elif kind in (DUHEM, DAHL):
             total += m[0]
         elif kind == LUGRE:
             total += bristle_force(c, m, v)
@@ -188,7 +184,7 @@ def total_force(forces: Forces, y: float, v: float) -> float:
         elif kind == CYCLES:
             total -= c[0] * y * cycle_damage(c, m)
         elif kind == PSEUDO_ELASTIC:
-            total -= c[0] * (y - c[4]) * pseudo_elastic_loss(c, m, y)
+            total -= c[0] * y * pseudo_elastic_loss(c, m, y)
         elif kind == WORK:
             total -= c[0] * y * work_damage(c, m)
         elif kind == MODE:
@@ -209,8 +205,8 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += pulse_train(c, m)
         elif kind == SNAP_THROUGH:
             total += snap_force(c, y)
-        elif kind == STOPS:
-            total += stops_force(c, m)
+        elif kind == SLIDERS:
+            total += sliders_force(c, m)
         elif kind == QUASI_LINEAR:
             total += quasi_linear_force(c, m, y)
         elif kind == AGEING:
@@ -221,12 +217,10 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += fibre_force(c, y)
         elif kind == CABLES:
             total += cable_force(c, y)
-        elif kind == HART_SMITH:
-            total += hart_smith_force(c, y)
+        elif kind == DEMIRAY:
+            total += demiray_force(c, y)
         elif kind == CRACK:
             total -= c[0] * y * crack_loss(c, m)
-        elif kind == LARGEST_STROKE:
-            total -= c[0] * (y - c[3]) * largest_stroke_loss(c, m, y)
         elif kind == COLUMN:
             total += column_force(c, m, y, v)
         elif kind == TWINS:
@@ -264,17 +258,15 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
         elif kind == CYCLES:
             count_reversals(c, m, y)
         elif kind == PSEUDO_ELASTIC:
-            m[0] = max(m[0], 0.5 * c[0] * (y - c[4]) ** 2)
+            m[0] = max(m[0], 0.5 * c[0] * y * y)
         elif kind == WORK:
             m[0] += c[0] * abs((y - c[3]) * v) * dt
         elif kind == MODE:
             carry_mode(c, m, y, v, dt)
         elif kind in (STIFFNESS_COURSE, FORCE_COURSE, PULSES, PUMPED):
             m[0] += dt
-        elif kind == STOPS:
-            carry_stops(c, m, y)
-        elif kind == RING_SPRING:
-            carry_ring_spring(c, m, y)
+        elif kind == SLIDERS:
+            carry_sliders(c, m, y)
         elif kind == NORTON:
             carry_norton(c, m, y, dt)
         elif kind == QUASI_LINEAR:
@@ -283,8 +275,6 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             carry_age(c, m, v, dt)
         elif kind == CRACK:
             carry_crack(c, m, y)
-        elif kind == LARGEST_STROKE:
-            m[0] = max(m[0], abs(y - c[3]))
         elif kind == COLUMN:
             carry_column(c, m, y, v, dt)
         elif kind == TWINS:

@@ -7,6 +7,8 @@ from numba import njit
 
 from dea.plant.array import Array
 
+POWER, LOGARITHM, SATURATING = range(3)
+
 
 @njit(cache=True, error_model="numpy")
 def count_reversals(c: Array, m: Array, y: float) -> None:
@@ -25,16 +27,20 @@ def count_reversals(c: Array, m: Array, y: float) -> None:
 
 @njit(cache=True, error_model="numpy")
 def cycle_damage(c: Array, m: Array) -> float:
-    """Return the share lost after m[0] cycles.
+    """Return the share lost after m[0] cycles; c[1] is the share lost after c[2] cycles.
 
-    A power c[3] of the cycles (O. H. Basquin, Proc. ASTM 10 (1910) 625), their logarithm where
-    c[3] is zero, or an exponential where it is negative (J. Lemaitre and J.-L. Chaboche, Mechanics
-    of Solid Materials, 1990); c[1] is the share lost after c[2] cycles.
+    c[6] is the shape: POWER, c[3] of the cycles (O. H. Basquin, Proc. ASTM 10 (1910) 625);
+    LOGARITHM; SATURATING, exponentially with c[3] time constants in c[2] cycles (J. Lemaitre and
+    J.-L. Chaboche, Mechanics of Solid Materials, 1990).
     """
     cycles = m[0] / c[2]
-    lost: float = cycles ** c[3] if c[3] > 0.0 else np.log1p(20.0 * cycles) / np.log(21.0)
-    if c[3] < 0.0:
-        lost = np.expm1(c[3] * cycles) / np.expm1(c[3])
+    lost = 0.0
+    if c[6] == POWER:
+        lost = cycles ** c[3]
+    elif c[6] == LOGARITHM:
+        lost = np.log1p(20.0 * cycles) / np.log(21.0)
+    elif c[6] == SATURATING:
+        lost = np.expm1(-c[3] * cycles) / np.expm1(-c[3])
     value: float = min(c[1] * lost, 0.9)
     return value
 
@@ -43,9 +49,9 @@ def cycle_damage(c: Array, m: Array) -> float:
 def pseudo_elastic_loss(c: Array, m: Array, y: float) -> float:
     """Return 1 - η of the Mullins effect: c[1] erf((W_max - W)/(c[2] + c[3] W_max)).
 
-    R. W. Ogden and D. G. Roxburgh, Proc. R. Soc. A 455 (1999) 2861; W = c[0] (y - c[4])²/2.
+    R. W. Ogden and D. G. Roxburgh, Proc. R. Soc. A 455 (1999) 2861; W = c[0] y²/2.
     """
-    work = 0.5 * c[0] * (y - c[4]) ** 2
+    work = 0.5 * c[0] * y * y
     most = max(m[0], work)
     value: float = c[1] * math.erf((most - work) / (c[2] + c[3] * most))
     return value
@@ -72,23 +78,15 @@ def carry_crack(c: Array, m: Array, y: float) -> None:
 
 @njit(cache=True, error_model="numpy")
 def crack_loss(c: Array, m: Array) -> float:
-    """Return the share lost to a crack, c[1] after c[2] cycles, whose growth quickens.
+    """Return the share lost to a crack, c[1] when it is c[3] times as long, after c[2] cycles.
 
     P. Paris and F. Erdogan, J. Basic Eng. 85 (1963) 528: da/dN is a power c[6] of the swing and
-    the root of the length, so that a = a0 (1 - c[3] N/c[2])^(-2/(c[6] - 2)).
+    the root of the length a, so that a^-q falls in a straight line, q = c[6]/2 - 1. After c[2]
+    cycles, a motion that the law did not expect, a grows at the rate that it has then.
     """
-    power = -2.0 / (c[6] - 2.0)
-    grown = max(1.0 - c[3] * m[4] / c[2], 0.02) ** power - 1.0
-    value: float = min(c[1] * grown / ((1.0 - c[3]) ** power - 1.0), 0.9)
-    return value
-
-
-@njit(cache=True, error_model="numpy")
-def largest_stroke_loss(c: Array, m: Array, y: float) -> float:
-    """Return c[1] (1 - (1 - exp(-x))/x) with x the largest stroke from c[3] so far over c[2].
-
-    J. C. Simo, Comput. Methods Appl. Mech. Eng. 60 (1987) 153.
-    """
-    x = max(m[0], abs(y - c[3])) / c[2]
-    value: float = c[1] * (1.0 + np.expm1(-x) / x) if x > 1e-9 else 0.0
+    q = 0.5 * c[6] - 1.0
+    cycles, fall = m[4] / c[2], 1.0 - c[3] ** -q
+    length: float = (1.0 - fall * min(cycles, 1.0)) ** (-1.0 / q)
+    length += max(cycles - 1.0, 0.0) * fall / q * c[3] ** (1.0 + q)
+    value: float = min(c[1] * (length - 1.0) / (c[3] - 1.0), 0.9)
     return value

@@ -63,11 +63,11 @@ def snap_force(c: Array, y: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def hart_smith_force(c: Array, y: float) -> float:
+def demiray_force(c: Array, y: float) -> float:
     """Return c[0] x (exp(x²) - 1) for x = (y - c[2])/c[1] > 0.
 
-    L. J. Hart-Smith, Z. Angew. Math. Phys. 17 (1966) 608: a modulus exponential in the squared
-    strain.
+    H. Demiray, J. Biomech. 5 (1972) 309: an energy exponential in the squared stretch, here less
+    the stiffness that it has at rest.
     """
     x = min(max(y - c[2], 0.0) / c[1], 6.0)
     force: float = c[0] * x * np.expm1(x * x)

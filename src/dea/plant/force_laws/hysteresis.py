@@ -22,10 +22,16 @@ def masing_force(c: Array, m: Array, y: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def _masing_branch(c: Array, start: float, end: float) -> float:
-    """Return the force gained on a monotonic path; its slope falls along it, less at the ends."""
+    """Return the force gained on a monotonic path, whose slope c[0] falls along it.
+
+    Around the length c[1] it falls to a share c[5], the more sharply the higher c[4] (M. Menegotto
+    and P. E. Pinto, IABSE Symposium Lisbon (1973) 15); branches are stiffer by the square of their
+    distance from the place c[2] over c[3].
+    """
     length = abs(end - start)
     middle = (0.5 * (start + end) - c[2]) / c[3]
-    gained: float = c[0] * length / (1.0 + length / c[1]) * (1.0 + middle * middle)
+    bent = c[5] + (1.0 - c[5]) / (1.0 + (length / c[1]) ** c[4]) ** (1.0 / c[4])
+    gained: float = c[0] * length * bent * (1.0 + middle * middle)
     return gained if end > start else -gained
 
 
@@ -98,11 +104,11 @@ def carry_duhem(c: Array, m: Array, y: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def stops_force(c: Array, m: Array) -> float:
-    """Return the force of c[0] stops: springs that yield; (stiffness, yield stretch) follow.
+def sliders_force(c: Array, m: Array) -> float:
+    """Return the force of c[0] springs on sliders; (stiffness, stretch that slides) follow.
 
-    M. A. Krasnosel'skii and A. V. Pokrovskii, Systems with Hysteresis, 1989. m: latest place, then
-    the stretch of every spring.
+    L. Prandtl, Z. Angew. Math. Mech. 8 (1928) 85. m: latest place, then the stretch of every
+    spring.
     """
     force = 0.0
     for i in range(int(c[0])):
@@ -111,20 +117,9 @@ def stops_force(c: Array, m: Array) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def carry_stops(c: Array, m: Array, y: float) -> None:
-    """Stretch every spring until it yields."""
+def carry_sliders(c: Array, m: Array, y: float) -> None:
+    """Stretch every spring until its slider moves."""
     step = y - m[0]
     for i in range(int(c[0])):
         m[1 + i] = min(max(m[1 + i] + step, -c[2 + 2 * i]), c[2 + 2 * i])
     m[0] = y
-
-
-@njit(cache=True, error_model="numpy")
-def carry_ring_spring(c: Array, m: Array, y: float) -> None:
-    """Carry the friction of wedged rings: stiffness c[0], at most c[1] times the way past c[2].
-
-    A. M. Wahl, Mechanical Springs, 1963. m: force and latest place.
-    """
-    most = c[1] * max(y - c[2], 0.0)
-    m[0] = min(max(m[0] + c[0] * (y - m[1]), -most), most)
-    m[1] = y

@@ -5,9 +5,7 @@ from numba import njit
 
 from dea.plant.array import Array
 
-POWER, EXPONENTIALS, LOGARITHM, PELEG, SIGMOID, SETTLING, INSTANT, DRAINING, AVRAMI, RAMP = range(
-    10
-)
+POWER, EXPONENTIALS, LOGARITHM, PELEG, SIGMOID, SETTLING, INSTANT, DRAINING, RAMP = range(9)
 
 
 @njit(cache=True, error_model="numpy")
@@ -17,9 +15,8 @@ def course(shape: float, a: float, b: float, t: float) -> float:
     POWER: 1 - (1 + t/a)^-b; EXPONENTIALS: of time constants a and b, equal shares; LOGARITHM:
     ln(1 + t/a)/ln(1 + b/a), 1 at time b; PELEG: t/(a + t) (M. Peleg, J. Food Sci. 44 (1979) 277);
     SIGMOID: logistic at a of width b; SETTLING: exponential after a with time constant b;
-    INSTANT: at a; DRAINING: with two exponentials of the root of t/a (Y. Hu et al., Appl. Phys.
-    Lett. 96 (2010) 121904, a sphere); AVRAMI: 1 - exp(-(t/a)^b) (M. Avrami, J. Chem. Phys. 7 (1939)
-    1103); RAMP: a straight line from a over b.
+    INSTANT: at a; DRAINING: with one exponential of the root of t/a and one of t/a (Y. Hu et al.,
+    Appl. Phys. Lett. 96 (2010) 121904, a sphere); RAMP: a straight line from a over b.
     """
     value: float = 0.0
     if shape == POWER:
@@ -37,10 +34,8 @@ def course(shape: float, a: float, b: float, t: float) -> float:
     elif shape == INSTANT:
         value = 1.0 if t >= a else 0.0
     elif shape == DRAINING:
-        root = np.sqrt(t / a)
-        value = 1.0 - 0.491 * np.exp(-0.908 * root) - 0.509 * np.exp(-1.679 * root)
-    elif shape == AVRAMI:
-        value = -np.expm1(-((t / a) ** b))
+        x = t / a
+        value = 1.0 - 0.491 * np.exp(-0.908 * np.sqrt(x)) - 0.509 * np.exp(-1.679 * x)
     elif shape == RAMP:
         value = min(max((t - a) / b, 0.0), 1.0)
     return value

@@ -55,14 +55,19 @@ def carry_column(c: Array, m: Array, y: float, v: float, dt: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
+def _twin(c: Array, m: Array, i: int, y: float, v: float) -> float:
+    """Return the force of the mass ``i``."""
+    value: float = c[3 * i + 1] * (y - m[2 * i]) + c[3 * i + 2] * (v - m[2 * i + 1])
+    return value
+
+
+@njit(cache=True, error_model="numpy")
 def twin_force(c: Array, m: Array, y: float, v: float) -> float:
     """Return the force of two masses side by side; mass, spring and dashpot of each in c.
 
     T. Igusa and K. Xu, J. Sound Vib. 175 (1994) 491. m: place and velocity of each.
     """
-    value = 0.0
-    for i in range(2):
-        value += c[3 * i + 1] * (y - m[2 * i]) + c[3 * i + 2] * (v - m[2 * i + 1])
+    value: float = _twin(c, m, 0, y, v) + _twin(c, m, 1, y, v)
     return value
 
 
@@ -70,6 +75,5 @@ def twin_force(c: Array, m: Array, y: float, v: float) -> float:
 def carry_twins(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     """Carry both masses over a sub-step, by the symplectic Euler rule."""
     for i in range(2):
-        force = c[3 * i + 1] * (y - m[2 * i]) + c[3 * i + 2] * (v - m[2 * i + 1])
-        m[2 * i + 1] += dt / c[3 * i] * force
+        m[2 * i + 1] += dt / c[3 * i] * _twin(c, m, i, y, v)
         m[2 * i] += dt * m[2 * i + 1]

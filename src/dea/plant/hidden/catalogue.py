@@ -17,7 +17,7 @@ from dea.plant.hidden.forms import (
     slewing,
 )
 
-# A set's seed draws among the effects in this order: further ones come last.
+# The reporting set draws by this order; tuning sets change when forms are added.
 _MODULES = (
     command_curves, reading_curves, slewing, delays, lags, leakage, memory, mechanics, drifts,
     faults, disturbances, foreign_motion, foreign,

@@ -48,7 +48,7 @@ def overlapped_valve(size: float, conditions: Conditions, rng: Generator) -> Bui
 
 @tuning("Herschel and Bulkley, Kolloid-Z. 39 (1926) 291: flow above a yield stress, as a power")
 def yield_stress(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Nothing below the threshold, above it a power of what is over."""
+    """Nothing below the threshold, above it a power of what is over, larger with ``size``."""
     threshold, gain = _threshold(size, conditions)
     power, room = 1.0 + size * rng.uniform(0.5, 2.0), conditions.high - threshold
 

@@ -11,7 +11,7 @@ from dea.plant.hidden.forms.kernels import cascade, delay
 from dea.plant.signal_law import SignalLaw
 
 
-@tuning("a pure delay: Smith, Chem. Eng. Prog. 53 (1957) 217")
+@tuning("Smith, Chem. Eng. Prog. 53 (1957) 217: a pure delay")
 def pure_delay(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A delay of ``size`` periods of the band, to a millisecond."""
     seconds = size * conditions.time
@@ -54,29 +54,30 @@ def _arrivals(c: Array, m: Array, u: Array) -> None:
         m[0] += 1.0
 
 
-def _spread(weights: Array, times: Array) -> Built:
-    """Return paths of delays ``times`` (s), side by side, and their mean delay."""
+def _spread(weights: Array, times: Array) -> tuple[SignalLaw, float]:
+    """Return paths of delays ``times`` (s), side by side, and the shortest of the delays."""
     steps = np.maximum(np.rint(times / SUBSTEP), 1.0)
     weights = weights / weights.sum()
     constants = np.column_stack([weights, steps]).ravel()
     law = SignalLaw(_arrivals, constants, np.zeros(2 + int(steps.max())))
-    return Built(law, {"delay": float(weights @ steps) * SUBSTEP})
+    return law, float(steps.min()) * SUBSTEP
 
 
 @tuning("Danckwerts, Chem. Eng. Sci. 2 (1953) 1: laminar flow, whose middle arrives first")
 def laminar_tube(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Twenty-four equal streams; a share 1 - (T/2t)² of a flow of mean time T arrives by t."""
     late = 0.5 / np.sqrt(1.0 - (np.arange(24) + 0.5) / 24.0)
-    return _spread(np.ones(24), size * conditions.time * late / late.mean())
+    law, _ = _spread(np.ones(24), size * conditions.time * late / late.mean())
+    return Built(law, {})
 
 
 @tuning("Wylie and Streeter, Fluid Transients (1978): a line that reflects at both ends")
 def reflecting_line(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A wave that arrives at T, and what is left after two reflections at 3T, 5T, and so on."""
-    kept = rng.uniform(0.1, 0.35) * rng.choice([-1.0, 1.0])
-    order = np.arange(10)
-    once = size * conditions.time * (1.0 - kept) / (1.0 + kept)
-    return _spread(kept**order, (2.0 * order + 1.0) * once)
+    """A wave that arrives at T, and up to a tenth of it after each two reflections more."""
+    kept = rng.uniform(0.03, 0.1) * rng.choice([-1.0, 1.0])
+    order = np.arange(5, dtype=np.float64)
+    law, first = _spread(kept**order, (2.0 * order + 1.0) * size * conditions.time)
+    return Built(law, {"delay": first})
 
 
 @njit(cache=True)

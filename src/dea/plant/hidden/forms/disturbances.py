@@ -69,32 +69,28 @@ def capacitor_ripple(size: float, conditions: Conditions, rng: Generator) -> Bui
 
 
 @njit(cache=True)
-def _modulated(c: Array, m: Array, y: Array) -> None:
-    """c: height, frequency and phase of a sine, depth, frequency and phase of its modulation."""
-    for k in range(y.shape[0]):
-        envelope = c[0] * (1.0 + c[3] * np.sin(2.0 * np.pi * c[4] * m[0] + c[5]))
-        y[k] += envelope * np.sin(2.0 * np.pi * c[1] * m[0] + c[2])
-        m[0] += SUBSTEP
-
-
-@tuning("McFadden, J. Vib. Acoust. 108 (1986) 165: the meshing of a gear, modulated by its turns")
-def gear_meshing(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A sine on the reading with an amplitude that swings several times more slowly."""
-    frequency, phases = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi, 2)
-    constants = [
-        size * conditions.travel, frequency, phases[0], rng.uniform(0.4, 1.0),
-        frequency * rng.uniform(0.05, 0.2), phases[1],
-    ]  # fmt: skip
-    return Built(SignalLaw(_modulated, constants, output=True), {"frequency": frequency})
-
-
-@njit(cache=True)
 def _tones(c: Array, m: Array, y: Array) -> None:
     """c: (height, frequency, phase) of every tone."""
     for k in range(y.shape[0]):
         for i in range(c.shape[0] // 3):
             y[k] += c[3 * i] * np.sin(2.0 * np.pi * c[3 * i + 1] * m[0] + c[3 * i + 2])
         m[0] += SUBSTEP
+
+
+@tuning("McFadden, J. Vib. Acoust. 108 (1986) 165: the meshing of a gear, modulated by its turns")
+def gear_meshing(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A sine on the reading with an amplitude that swings several times more slowly."""
+    frequency, (phase, turned) = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi, 2)
+    height, depth = size * conditions.travel, rng.uniform(0.4, 1.0)
+    turns = frequency * rng.uniform(0.05, 0.2)
+    # sin a (1 + d sin b) = sin a + d/2 (cos(a - b) - cos(a + b))
+    side, quarter = 0.5 * depth * height, 0.5 * np.pi
+    constants = [
+        height, frequency, phase,
+        side, frequency - turns, phase - turned + quarter,
+        side, frequency + turns, phase + turned - quarter,
+    ]  # fmt: skip
+    return Built(SignalLaw(_tones, constants, output=True), {"frequency": frequency})
 
 
 @tuning("Muszynska, J. Sound Vib. 110 (1986) 443: the whirl of oil, slower than half the speed")

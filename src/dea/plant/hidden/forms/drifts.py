@@ -32,14 +32,15 @@ def _line(conditions: Conditions, rng: Generator) -> Course:
 
 
 def _logistic(conditions: Conditions, rng: Generator) -> Course:
-    """Rise from 0 to nearly 1 along a logistic curve a third to a half of the record long."""
+    """Rise from 0 to nearly 1 along a logistic curve a quarter to a half of the record long."""
     middle = rng.uniform(0.35, 0.65) * conditions.duration
     width = rng.uniform(0.06, 0.12) * conditions.duration
 
+    start = 1.0 / (1.0 + np.exp(middle / width))
+
     def course(t: Array) -> Array:
-        value: Array = 1.0 / (1.0 + np.exp((middle - t) / width))
-        rise: Array = value - value[0]
-        return rise
+        value: Array = 1.0 / (1.0 + np.exp((middle - t) / width)) - start
+        return value
 
     return course
 
@@ -143,12 +144,9 @@ def wandering_gain(size: float, conditions: Conditions, rng: Generator) -> Built
     return _gain(size, conditions, rng, _wandering(conditions, rng))
 
 
-def _added(
-    size: float, conditions: Conditions, rng: Generator, course: Course, *, output: bool = True
-) -> Built:
-    reach = conditions.travel if output else conditions.span
-    height = size * reach * rng.choice([-1.0, 1.0])
-    law = added_course(lambda t: height * course(t), conditions.duration, output=output)
+def _added(size: float, conditions: Conditions, rng: Generator, course: Course) -> Built:
+    height = size * conditions.travel * rng.choice([-1.0, 1.0])
+    law = added_course(lambda t: height * course(t), conditions.duration)
     return Built(law, {})
 
 

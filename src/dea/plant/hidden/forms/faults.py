@@ -52,40 +52,36 @@ def cracked_spring(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(ForceLaw(forces.STIFFNESS_COURSE, constants, np.zeros(1)), {"time": moment})
 
 
-@tuning("Demetriou and Polycarpou, IEEE Trans. Autom. Control 43 (1998) 1612: an incipient fault")
-def ramped_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """The gain changes in a straight line over half a band period to two."""
-    moment, height = _moment(conditions, rng), size * sign(size, rng)
-    width = rng.uniform(0.5, 2.0) * conditions.time
-    constants = [height, in_time.RAMP, moment - 0.5 * width, width, conditions.power]
-    return Built(SignalLaw(_stepped, constants), {"time": moment})
-
-
 @njit(cache=True)
 def _offset(c: Array, m: Array, u: Array) -> None:
-    """Add a height c[0] from the moment c[1] on, within c[2] seconds."""
+    """Add a height c[0] from the moment c[1] on, within c[2] s; the sum is from c[3] to c[4]."""
     for k in range(u.shape[0]):
-        u[k] += c[0] * in_time.course(in_time.RAMP, c[1], c[2], m[0])
+        added = c[0] * in_time.course(in_time.RAMP, c[1], c[2], m[0])
+        if added != 0.0:
+            u[k] = min(max(u[k] + added, c[3]), c[4])
         m[0] += SUBSTEP
 
 
-def _biased(height: float, conditions: Conditions, rng: Generator, *, output: bool) -> Built:
+def _biased(
+    height: float, conditions: Conditions, rng: Generator, low: float, high: float, *, output: bool
+) -> Built:
     moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
-    return Built(SignalLaw(_offset, [height, moment, width], output=output), {"time": moment})
+    law = SignalLaw(_offset, [height, moment, width, low, high], output=output)
+    return Built(law, {"time": moment})
 
 
 @tuning("Patton et al., Fault Diagnosis in Dynamic Systems (1989): a sensor with a bias")
 def biased_sensor(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The reading moves by ``size`` travels."""
     height = size * conditions.travel * rng.choice([-1.0, 1.0])
-    return _biased(height, conditions, rng, output=True)
+    return _biased(height, conditions, rng, -np.inf, np.inf, output=True)
 
 
 @tuning("Chen and Patton, Robust Model-Based Fault Diagnosis (1999): an actuator with a bias")
 def biased_command(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """The command moves by half of ``size`` times its range."""
-    height = 0.5 * size * conditions.span * sign(size, rng)
-    return _biased(height, conditions, rng, output=False)
+    """The command moves by half of ``size`` times its range, and stays within it."""
+    height = 0.5 * size * conditions.span * rng.choice([-1.0, 1.0])
+    return _biased(height, conditions, rng, conditions.low, conditions.high, output=False)
 
 
 @njit(cache=True)
@@ -127,7 +123,7 @@ def slipped_mount(size: float, conditions: Conditions, rng: Generator) -> Built:
 EFFECTS = (
     EffectKind(
         "step_fault", Port.TIME, 0.002, 1.0, "1",
-        (abrupt_gain, cracked_spring, ramped_gain, biased_sensor, biased_command,
-         clearing_electrode, settling_gain, slipped_mount),
+        (abrupt_gain, cracked_spring, biased_sensor, biased_command, clearing_electrode,
+         settling_gain, slipped_mount),
     ),
 )  # fmt: skip

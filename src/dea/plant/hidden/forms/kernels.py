@@ -84,11 +84,11 @@ def gain_course(course: Callable[[Array], Array], duration: float, power: float)
     return SignalLaw(_scaled, np.concatenate([[times[1], 1.0 / power], course(times)]))
 
 
-def added_course(course: Callable[[Array], Array], duration: float, *, output: bool) -> SignalLaw:
-    """Return the law that adds ``course(time)`` to the reading or to the command."""
+def added_course(course: Callable[[Array], Array], duration: float) -> SignalLaw:
+    """Return the law that adds ``course(time)`` to the reading."""
     times = np.linspace(0.0, duration, _COURSE_POINTS)
     constants = np.concatenate([[times[1], 1.0], course(times)])
-    return SignalLaw(_shifted, constants, output=output)
+    return SignalLaw(_shifted, constants, output=True)
 
 
 @njit(cache=True)

@@ -72,8 +72,8 @@ def _complex_poles(c: Array, m: Array, y: Array) -> None:
 
 @tuning("Nilsson and Riedel, Electric Circuits (2011): a series circuit of R, L and C")
 def lead_inductance(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A lag of second order that overshoots a little; its mean delay is ``size`` band periods."""
-    damping, mean = rng.uniform(0.45, 0.85), size * conditions.time
+    """A lag of second order that hardly overshoots; its mean delay is ``size`` band periods."""
+    damping, mean = rng.uniform(0.8, 0.95), size * conditions.time
     angular = 2.0 * damping / mean
     pole = angular * complex(-damping, np.sqrt(1.0 - damping**2))
     step, weight = np.exp(pole * SUBSTEP), angular**2 / (1j * pole.imag * -pole)
@@ -81,23 +81,27 @@ def lead_inductance(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(SignalLaw(_complex_poles, constants, np.zeros(3)), {"lag": mean})
 
 
-@njit(cache=True)
-def _unequal(c: Array, m: Array, u: Array) -> None:
-    """A first-order lag that passes a share c[0] upwards and c[1] downwards in a sub-step."""
-    if m[0] == 0.0:
-        m[0], m[1] = 1.0, u[0]
-    for k in range(u.shape[0]):
-        error = u[k] - m[1]
-        m[1] += (c[0] if error > 0.0 else c[1]) * error
-        u[k] = m[1]
+@tuning(
+    "Carslaw and Jaeger, Conduction of Heat in Solids (1959): a disc with a resistance at its rim"
+)
+def rim_contact(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The mean over a disc that is charged through its rim, of together ``size`` band periods."""
+    from scipy.optimize import brentq
+    from scipy.special import j0, j1, jn_zeros
 
-
-@tuning("Sedra and Smith, Microelectronic Circuits (2004): a peak rectifier and its load")
-def peak_rectifier(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A lag that is two to five times as long downwards; the mean is ``size`` band periods."""
-    ratio = rng.uniform(2.0, 5.0)
-    times = 2.0 * size * conditions.time / (1.0 + ratio) * np.array([1.0, ratio])
-    return Built(SignalLaw(_unequal, -np.expm1(-SUBSTEP / times), [0.0, 0.0]), {})
+    # The disc's resistance over that of its contact; roots of b J1(b) = ratio J0(b).
+    ratio, mean = rng.uniform(2.0, 20.0), size * conditions.time
+    below, above = np.append(0.0, jn_zeros(1, 19)), jn_zeros(0, 20)
+    roots = np.array(
+        [
+            brentq(lambda b: b * j1(b) - ratio * j0(b), low, high)
+            for low, high in zip(below, above, strict=True)
+        ]
+    )
+    weights = 1.0 / (roots**2 * (roots**2 + ratio**2))
+    weights /= weights.sum()
+    times = roots**-2
+    return Built(parallel(0.0, weights, mean * times / (weights @ times)), {"lag": mean})
 
 
 @reporting("Cole and Cole, J. Chem. Phys. 9 (1941) 341: a distribution of relaxation times")
@@ -191,35 +195,6 @@ def buried_sensor(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(cascade(mean * times / times.sum(), output=True), {"lag": mean})
 
 
-@njit(cache=True)
-def _median(c: Array, m: Array, y: Array) -> None:
-    """The median of c[0] values c[1] sub-steps apart; m holds place, whether filled and a ring."""
-    taps, apart, length = int(c[0]), int(c[1]), m.shape[0] - 2
-    if m[1] == 0.0:
-        m[1] = 1.0
-        m[2:] = y[0]
-    place, ordered = int(m[0]), np.empty(taps)
-    for k in range(y.shape[0]):
-        m[2 + place] = y[k]
-        for i in range(taps):
-            value, j = m[2 + (place - i * apart) % length], i
-            while j > 0 and ordered[j - 1] > value:
-                ordered[j] = ordered[j - 1]
-                j -= 1
-            ordered[j] = value
-        y[k] = ordered[taps // 2]
-        place = (place + 1) % length
-    m[0] = place
-
-
-@tuning("Tukey, Exploratory Data Analysis (1977): a running median")
-def running_median(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """The median of fifteen values over a window of two ``size`` band periods."""
-    apart = max(round(size * conditions.time / 7.0 / SUBSTEP), 1)
-    law = SignalLaw(_median, [15.0, apart], np.zeros(3 + 14 * apart), output=True)
-    return Built(law, {"lag": 7.0 * apart * SUBSTEP})
-
-
 @reporting("Thomson, Proc. IEE 96 (1949) 487: a Bessel filter of fourth order")
 def bessel_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A Bessel filter of fourth order whose delay at low frequency is ``size`` band periods."""
@@ -250,12 +225,11 @@ def sheathed_probe(size: float, conditions: Conditions, rng: Generator) -> Built
 EFFECTS = (
     EffectKind(
         "electrode_lag", Port.INPUT, 0.01, 1.0, "band periods",
-        (cable_diffusion, two_stages, lead_inductance, peak_rectifier, cole_cole,
-         stretched_electrode),
+        (cable_diffusion, two_stages, lead_inductance, rim_contact, cole_cole, stretched_electrode),
     ),
     EffectKind(
         "sensor_lag", Port.OUTPUT, 0.01, 1.0, "band periods",
-        (seismic_element, integrating_converter, bare_thermometer, buried_sensor, running_median,
-         bessel_filter, sheathed_probe),
+        (seismic_element, integrating_converter, bare_thermometer, buried_sensor, bessel_filter,
+         sheathed_probe),
     ),
 )  # fmt: skip

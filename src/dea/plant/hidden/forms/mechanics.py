@@ -1,10 +1,12 @@
 """Forces of stiffening, softening, a second mass and stops."""
 
+from math import gamma
+
 import numpy as np
 from numpy.random import Generator
 
 from dea.plant import forces
-from dea.plant.force_laws import mode
+from dea.plant.force_laws import damage, mode
 from dea.plant.force_laws.elastic import fibre_force
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
@@ -32,13 +34,13 @@ def ogden_term(size: float, conditions: Conditions, rng: Generator) -> Built:
     )
 
 
-@tuning("Hart-Smith, Z. Angew. Math. Phys. 17 (1966) 608: a modulus exponential in squared strain")
-def hart_smith(size: float, conditions: Conditions, rng: Generator) -> Built:
+@tuning("Demiray, J. Biomech. 5 (1972) 309: an energy exponential in the squared stretch")
+def demiray(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force x (exp(x²) - 1), at the top ``size`` times the largest device force."""
     length = rng.uniform(0.5, 1.0) * conditions.travel
     x = conditions.travel / length
     force = size * conditions.stiffness * conditions.travel / (x * np.expm1(x * x))
-    return _static(forces.HART_SMITH, [force, length, conditions.bottom])
+    return _static(forces.DEMIRAY, [force, length, conditions.bottom])
 
 
 @tuning("Lanir, J. Biomech. 16 (1983) 1: wavy fibres that become taut one after the other")
@@ -53,7 +55,7 @@ def recruited_fibres(size: float, conditions: Conditions, rng: Generator) -> Bui
 
 @tuning("Irvine, Cable Structures (1981): cables across the motion")
 def taut_cables(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A force that begins as a cube and ends as a line, of cables 0.5 to 1.2 travels long."""
+    """A force that begins as a cube and ends as a line, of half spans of 0.5 to 1.2 travels."""
     span = rng.uniform(0.5, 1.2)
     stiffness = size * conditions.stiffness / (1.0 - span / np.hypot(1.0, span))
     return _static(forces.CABLES, [stiffness, span * conditions.travel, conditions.bottom])
@@ -79,10 +81,10 @@ def langevin_chain(size: float, conditions: Conditions, rng: Generator) -> Built
     )
 
 
-def _cycling(size: float, conditions: Conditions, exponent: float) -> Built:
+def _cycling(size: float, conditions: Conditions, shape: int, exponent: float) -> Built:
     constants = [
         conditions.stiffness, size, max(conditions.cycles, 2.0), exponent,
-        0.1 * conditions.travel, conditions.travel,
+        0.1 * conditions.travel, conditions.travel, float(shape),
     ]  # fmt: skip
     return Built(ForceLaw(forces.CYCLES, np.array(constants), np.zeros(4)), {})
 
@@ -90,16 +92,16 @@ def _cycling(size: float, conditions: Conditions, exponent: float) -> Built:
 @tuning("Basquin, Proc. ASTM 10 (1910) 625: a power of the number of cycles")
 def power_of_cycles(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The stiffness lost grows with the number of cycles to the power 0.25 to 0.6."""
-    return _cycling(size, conditions, rng.uniform(0.25, 0.6))
+    return _cycling(size, conditions, damage.POWER, rng.uniform(0.25, 0.6))
 
 
 @tuning("Ogden and Roxburgh, Proc. R. Soc. A 455 (1999) 2861: Mullins' effect")
 def ogden_roxburgh(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Below its largest past stroke the film is softer by up to a share ``size``."""
-    most = 0.5 * conditions.stiffness * (conditions.top - conditions.rest) ** 2
+    most = 0.5 * conditions.stiffness * conditions.top**2
     constants = [
         conditions.stiffness, min(size, 0.9), rng.uniform(0.05, 0.3) * most,
-        rng.uniform(0.05, 0.3), conditions.rest,
+        rng.uniform(0.05, 0.3),
     ]  # fmt: skip
     return Built(ForceLaw(forces.PSEUDO_ELASTIC, np.array(constants), np.zeros(1)), {})
 
@@ -107,27 +109,21 @@ def ogden_roxburgh(size: float, conditions: Conditions, rng: Generator) -> Built
 @tuning("Lemaitre and Chaboche, Mechanics of Solid Materials (1990): softening that saturates")
 def saturating_cycles(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The stiffness lost approaches its end exponentially with the number of cycles."""
-    return _cycling(size, conditions, -rng.uniform(2.0, 6.0))
+    return _cycling(size, conditions, damage.SATURATING, rng.uniform(2.0, 6.0))
 
 
 @tuning("Paris and Erdogan, J. Basic Eng. 85 (1963) 528: a crack that grows ever faster")
 def paris_crack(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """The stiffness lost to a crack, which grows with a power of 3 to 4.5 of the swing."""
+    """A crack that grows three- to eightfold with a power of 2.5 to 4 of the swing."""
+    order, cycles = rng.uniform(2.5, 4.0), max(conditions.cycles, 2.0)
+    # Of swings with a Rayleigh distribution, as a band of noise has; never more than all in full.
+    swing = conditions.path / (2.0 * cycles * conditions.travel)
+    mean = (swing / np.sqrt(0.25 * np.pi)) ** order * gamma(1.0 + 0.5 * order)
     constants = [
-        conditions.stiffness, size, 0.5 * max(conditions.cycles, 2.0), rng.uniform(0.6, 0.9),
-        0.1 * conditions.travel, conditions.travel, rng.uniform(3.0, 4.5),
+        conditions.stiffness, size, cycles * min(mean, 1.0), rng.uniform(3.0, 8.0),
+        0.1 * conditions.travel, conditions.travel, order,
     ]  # fmt: skip
     return Built(ForceLaw(forces.CRACK, np.array(constants), np.zeros(5)), {})
-
-
-@tuning("Simo, Comput. Methods Appl. Mech. Eng. 60 (1987) 153: damage by the largest strain")
-def largest_stroke(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """The stiffness lost is a function of the largest stroke so far, and is lost for good."""
-    constants = [
-        conditions.stiffness, min(2.0 * size, 0.95), rng.uniform(0.2, 0.6) * conditions.travel,
-        conditions.rest,
-    ]  # fmt: skip
-    return Built(ForceLaw(forces.LARGEST_STROKE, np.array(constants), np.zeros(1)), {})
 
 
 @reporting("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
@@ -142,7 +138,7 @@ def damage_by_work(size: float, conditions: Conditions, rng: Generator) -> Built
 @reporting("Derham and Thomas, Rubber Chem. Technol. 50 (1977) 397: the logarithm of the cycles")
 def logarithm_of_cycles(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The stiffness lost grows with the logarithm of the number of cycles."""
-    return _cycling(size, conditions, 0.0)
+    return _cycling(size, conditions, damage.LOGARITHM, 0.0)
 
 
 def _second(
@@ -287,12 +283,12 @@ def air_cushion(size: float, conditions: Conditions, rng: Generator) -> Built:
 EFFECTS = (
     EffectKind(
         "strain_stiffening", Port.FORCE, 0.01, 20.0, "device forces",
-        (fung, ogden_term, hart_smith, recruited_fibres, taut_cables, gent, langevin_chain),
+        (fung, ogden_term, demiray, recruited_fibres, taut_cables, gent, langevin_chain),
     ),
     EffectKind(
         "cyclic_softening", Port.FORCE, 0.002, 0.8, "1",
-        (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, largest_stroke,
-         damage_by_work, logarithm_of_cycles),
+        (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, damage_by_work,
+         logarithm_of_cycles),
     ),
     EffectKind(
         "second_mode", Port.FORCE, 0.002, 2.0, "stiffnesses",

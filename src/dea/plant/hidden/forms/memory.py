@@ -13,12 +13,14 @@ from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporti
 _TIMES = 0.03 * 10.0 ** (np.arange(18) / 3.0)  # of a spectrum, in band periods: three a decade
 
 
-def _spectrum(stiffnesses: Array, conditions: Conditions, size: float) -> Built:
+def _spectrum(
+    stiffnesses: Array, conditions: Conditions, size: float, times: Array = _TIMES
+) -> Built:
     """Return the spectrum whose force one band period after a step is ``size`` stiffnesses."""
-    times = _TIMES * conditions.time
-    at_one = stiffnesses @ np.exp(-1.0 / _TIMES)
+    at_one = stiffnesses @ np.exp(-1.0 / times)
     stiffnesses = stiffnesses * (size * conditions.stiffness / at_one)
-    pairs = np.column_stack([stiffnesses, -np.expm1(-SUBSTEP / times)]).ravel()
+    shares = -np.expm1(-SUBSTEP / (times * conditions.time))
+    pairs = np.column_stack([stiffnesses, shares]).ravel()
     constants = np.concatenate([[float(times.size)], pairs])
     return Built(ForceLaw(forces.SPECTRUM, constants, np.full(times.size, conditions.rest)), {})
 
@@ -44,11 +46,8 @@ def stretched_exponential(size: float, conditions: Conditions, rng: Generator) -
 @tuning("Zener, Elasticity and Anelasticity of Metals (1948): the standard linear solid")
 def standard_linear_solid(size: float, conditions: Conditions, rng: Generator) -> Built:
     """One Maxwell element whose force one band period after a step is ``size`` stiffnesses."""
-    time = float(np.exp(rng.uniform(np.log(1.5), np.log(20.0))))
-    stiffness = size * conditions.stiffness * np.exp(1.0 / time)
-    share = -np.expm1(-SUBSTEP / (time * conditions.time))
-    law = ForceLaw(forces.SPECTRUM, np.array([1.0, stiffness, share]), np.array([conditions.rest]))
-    return Built(law, {})
+    time = np.exp(rng.uniform(np.log(1.5), np.log(20.0), 1))
+    return _spectrum(np.ones(1), conditions, size, time)
 
 
 @tuning(
@@ -68,7 +67,10 @@ def norton_dashpot(size: float, conditions: Conditions, rng: Generator) -> Built
     "Fung, in Biomechanics: Its Foundations and Objectives (1972): quasi-linear viscoelasticity"
 )
 def quasi_linear(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Two times at which the exponential of the stretch relaxes, of secant ``size`` stiffnesses."""
+    """An exponential spring that relaxes with two times.
+
+    At the top one band period after a step its force is that of ``size`` stiffnesses.
+    """
     times = np.array([rng.uniform(0.4, 2.0), rng.uniform(8.0, 40.0)])
     length, far = rng.uniform(0.5, 1.2) * conditions.travel, conditions.top - conditions.rest
     secant = length * np.expm1(far / length) / far
@@ -135,13 +137,6 @@ def draining_gel(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _relaxing(size, conditions, in_time.DRAINING, time, 1.0)
 
 
-@tuning("Gent, Trans. Faraday Soc. 50 (1954) 521: rubber that crystallises while it is stretched")
-def crystallising_rubber(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """The prestress relaxes late, as 1 - exp(-(t/T)^n) with n from 2 to 3.5."""
-    time = rng.uniform(0.3, 0.6) * conditions.duration
-    return _relaxing(size, conditions, in_time.AVRAMI, time, rng.uniform(2.0, 3.5))
-
-
 @reporting("Kubát, Nature 205 (1965) 378: stress relaxation with the logarithm of time")
 def logarithmic_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The prestress relaxes as ln(1 + t/T)."""
@@ -172,6 +167,24 @@ def masing_loops(size: float, conditions: Conditions, rng: Generator) -> Built:
             rng.uniform(0.1, 0.4) * conditions.travel,
             conditions.median,
             rng.uniform(0.8, 2.0) * conditions.travel,
+            1.0,
+            0.0,
+        ]
+    )
+    return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
+
+
+@tuning("Menegotto and Pinto, IABSE Symposium Lisbon (1973) 15: a line that bends into another")
+def menegotto_pinto(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Branches of stiffness ``size`` that bend into less steep lines, by Masing's rule."""
+    constants = np.array(
+        [
+            size * conditions.stiffness,
+            rng.uniform(0.15, 0.5) * conditions.travel,
+            conditions.median,
+            np.inf,
+            rng.uniform(2.0, 5.0),
+            rng.uniform(0.02, 0.2),
         ]
     )
     return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
@@ -191,27 +204,22 @@ def bouc_wen(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.BOUC_WEN, constants, np.array([0.0, conditions.rest])), {})
 
 
-def _stops(stiffnesses: Array, yields: Array, conditions: Conditions) -> Built:
-    pairs = np.column_stack([stiffnesses, yields]).ravel()
-    constants, memory = np.append(float(yields.size), pairs), np.zeros(1 + yields.size)
+def _sliders(stiffnesses: Array, stretches: Array, conditions: Conditions) -> Built:
+    """Return springs on sliders, each of which moves at a stretch of its own."""
+    pairs = np.column_stack([stiffnesses, stretches]).ravel()
+    constants, memory = np.append(float(stretches.size), pairs), np.zeros(1 + stretches.size)
     memory[0] = conditions.rest
-    return Built(ForceLaw(forces.STOPS, constants, memory), {})
+    return Built(ForceLaw(forces.SLIDERS, constants, memory), {})
 
 
-@tuning("Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989): Prandtl's model of stops")
-def prandtl_stops(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Six springs of together ``size`` stiffnesses that yield one after the other."""
+@tuning(
+    "Krasnosel'skii and Pokrovskii, Systems with Hysteresis (1989): Prandtl's springs on sliders"
+)
+def prandtl_sliders(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Six springs of together ``size`` stiffnesses that slide after 0.1 to 0.5 travels."""
     shares = rng.uniform(0.3, 1.0, 6)
-    yields = np.linspace(0.03, rng.uniform(0.25, 0.5), 6) * conditions.travel
-    return _stops(size * conditions.stiffness * shares / shares.sum(), yields, conditions)
-
-
-@tuning("Wahl, Mechanical Springs (1963): a ring spring, whose friction grows with its load")
-def ring_spring(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Friction that turns with ``size`` stiffnesses, and is at most a share of them."""
-    turning = size * conditions.stiffness
-    constants = np.array([turning, rng.uniform(0.05, 0.25) * turning, conditions.rest])
-    return Built(ForceLaw(forces.RING_SPRING, constants, np.array([0.0, conditions.rest])), {})
+    stretches = np.linspace(0.1, rng.uniform(0.3, 0.5), 6) * conditions.travel
+    return _sliders(size * conditions.stiffness * shares / shares.sum(), stretches, conditions)
 
 
 @reporting("Biorci and Pescetti, Nuovo Cimento 7 (1958) 829: Preisach's model, density a product")
@@ -233,7 +241,7 @@ def coleman_hodgdon(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(ForceLaw(forces.DUHEM, constants, np.array([0.0, conditions.rest])), {})
 
 
-def _sliding(size: float, conditions: Conditions) -> tuple[float, float]:
+def _scales(size: float, conditions: Conditions) -> tuple[float, float]:
     """Return the friction when sliding, and a speed typical of the motion."""
     force = size * conditions.stiffness * conditions.travel
     return force, conditions.path / conditions.duration
@@ -242,7 +250,7 @@ def _sliding(size: float, conditions: Conditions) -> tuple[float, float]:
 @tuning("Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419: LuGre")
 def lugre(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Bristles that bend by a few thousandths of the travel, with static friction above sliding."""
-    sliding, speed = _sliding(size, conditions)
+    sliding, speed = _scales(size, conditions)
     bend = rng.uniform(1e-3, 4e-3) * conditions.travel
     constants = np.array(
         [
@@ -259,7 +267,7 @@ def lugre(size: float, conditions: Conditions, rng: Generator) -> Built:
 @tuning("Armstrong-Hélouvry et al., Automatica 30 (1994) 1083: Tustin's exponential of the speed")
 def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Friction that falls with the speed, regularised near standstill."""
-    sliding, speed = _sliding(size, conditions)
+    sliding, speed = _scales(size, conditions)
     static = sliding * rng.uniform(1.1, 1.6)
     constants = np.array([sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed])
     return Built(ForceLaw(forces.STRIBECK, constants, np.zeros(1)), {})
@@ -268,16 +276,16 @@ def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built
 @tuning("Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip")
 def maxwell_slip(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Four blocks on springs that slip after 0.3 to 3 hundredths of the travel."""
-    sliding, _ = _sliding(size, conditions)
+    sliding, _ = _scales(size, conditions)
     shares = rng.uniform(0.4, 1.0, 4)
-    yields = np.geomspace(0.003, 0.03, 4) * conditions.travel
-    return _stops(sliding * shares / shares.sum() / yields, yields, conditions)
+    stretches = np.geomspace(0.003, 0.03, 4) * conditions.travel
+    return _sliders(sliding * shares / shares.sum() / stretches, stretches, conditions)
 
 
 @tuning("Dieterich, J. Geophys. Res. 84 (1979) 2161: contacts that strengthen as they age")
 def ageing_contacts(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Friction that grows with the logarithm of the time of rest, and falls with the speed."""
-    sliding, speed = _sliding(size, conditions)
+    sliding, speed = _scales(size, conditions)
     slip = rng.uniform(0.005, 0.02) * conditions.travel
     constants = np.array([sliding, rng.uniform(0.05, 0.12), slip / speed, slip, 0.03 * speed])
     return Built(ForceLaw(forces.AGEING, constants, np.zeros(1)), {})
@@ -286,7 +294,7 @@ def ageing_contacts(size: float, conditions: Conditions, rng: Generator) -> Buil
 @tuning("Harris, Rolling Bearing Analysis (2001): friction in proportion to the load")
 def loaded_bearing(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Friction that grows with the place, for the load does."""
-    sliding, speed = _sliding(size, conditions)
+    sliding, speed = _scales(size, conditions)
     growth = rng.uniform(0.6, 1.1)
     low = sliding * (1.0 - 0.5 * growth)
     constants = np.array(
@@ -298,7 +306,7 @@ def loaded_bearing(size: float, conditions: Conditions, rng: Generator) -> Built
 @reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
 def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Dahl's friction, which saturates within about two hundredths of the travel."""
-    sliding, _ = _sliding(size, conditions)
+    sliding, _ = _scales(size, conditions)
     stiffness = sliding / (rng.uniform(0.008, 0.025) * conditions.travel)
     constants = np.array([sliding, stiffness])
     return Built(ForceLaw(forces.DAHL, constants, np.array([0.0, conditions.rest])), {})
@@ -307,7 +315,7 @@ def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
 @reporting("Makkar et al., IEEE/ASME AIM (2005) 600: a continuous friction, stronger one way")
 def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Three tanh terms of the speed, and up to a fifth more friction in one direction."""
-    sliding, speed = _sliding(size, conditions)
+    sliding, speed = _scales(size, conditions)
     excess = sliding * rng.uniform(0.1, 0.5)
     steepness = np.array([rng.uniform(15.0, 25.0), rng.uniform(1.0, 3.0), 20.0]) / speed
     uneven = rng.uniform(-0.2, 0.2)
@@ -323,12 +331,13 @@ EFFECTS = (
     ),
     EffectKind(
         "stress_relaxation", Port.FORCE, 0.001, 0.5, "1",
-        (power_relaxation, two_times, maxwell_relaxation, draining_gel, crystallising_rubber,
-         logarithmic_relaxation, hyperbolic_relaxation),
+        (power_relaxation, two_times, maxwell_relaxation, draining_gel, logarithmic_relaxation,
+         hyperbolic_relaxation),
     ),
     EffectKind(
         "rate_independent_hysteresis", Port.FORCE, 0.005, 4.0, "stiffnesses",
-        (masing_loops, bouc_wen, prandtl_stops, ring_spring, preisach_product, coleman_hodgdon),
+        (masing_loops, menegotto_pinto, bouc_wen, prandtl_sliders, preisach_product,
+         coleman_hodgdon),
     ),
     EffectKind(
         "coulomb_friction", Port.FORCE, 0.002, 0.2, "device forces",

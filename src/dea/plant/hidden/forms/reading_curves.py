@@ -49,9 +49,9 @@ def overloaded_converter(size: float, conditions: Conditions, rng: Generator) ->
 
 @tuning("Knoll, Radiation Detection and Measurement (2010): a counter that is paralysed")
 def paralysed_counter(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Above a knee d becomes d exp(-d/d0): the reading has a crest and falls beyond it."""
+    """Above a knee d becomes d exp(-d/d0): the reading flattens to a crest near the top."""
     knee = _read_limit(size, conditions)
-    crest = rng.uniform(0.35, 0.8) * size * conditions.travel
+    crest = rng.uniform(0.7, 1.0) * size * conditions.travel
 
     def counted(y: Array) -> Array:
         over = np.maximum(y - knee, 0.0)
@@ -173,7 +173,7 @@ def loaded_potentiometer(size: float, conditions: Conditions, rng: Generator) ->
     return Built(reading_curve(loaded, conditions), {})
 
 
-@tuning("Nyce, Linear Position Sensors (2004): a cable that leads away obliquely")
+@tuning("Doebelin, Measurement Systems (2003): a calibration curve, here of a cable at an angle")
 def oblique_cable(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The length of a cable from a point two ``size`` travels beside the line of the motion."""
     beside = 2.0 * size * conditions.travel
@@ -208,11 +208,11 @@ def approached_magnet(size: float, conditions: Conditions, rng: Generator) -> Bu
 
 @tuning("Kester, The Data Conversion Handbook (2005): the nonlinearity of a segmented converter")
 def segmented_converter(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """An error that is straight in each of five to eight segments of the travel."""
+    """An error that is a straight line in each of five to eight segments of the travel."""
     ends = np.linspace(conditions.bottom, conditions.top, int(rng.integers(6, 10)))
     errors = rng.choice([-1.0, 1.0], ends.size) * rng.uniform(0.3, 1.0, ends.size)
     errors[[0, -1]] = 0.0
-    # Never by more than keeps the reading growing.
+    # So small that the reading grows everywhere.
     height = min(0.25 * size * conditions.travel, 0.45 * (ends[1] - ends[0]))
     law = reading_curve(lambda y: y + height * np.interp(y, ends, errors), conditions)
     return Built(law, {})

@@ -119,9 +119,9 @@ def _steps(c: Array, m: Array, u: Array) -> None:
 
 @tuning("Acarnley, Stepping Motors (2002): steps at a limited rate")
 def stepping_motor(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A place that moves in steps of 0.4 to 1.5 hundredths of the range, so many a second."""
+    """A place that moves in steps of 0.3 to 1 thousandths of the range, so many a second."""
     rate = _rate(size, conditions)
-    step = rng.uniform(0.004, 0.015) * conditions.span
+    step = rng.uniform(0.0003, 0.001) * conditions.span
     return Built(SignalLaw(_steps, [step, step / rate], np.zeros(3)), {"rate": rate})
 
 
