@@ -66,10 +66,10 @@ def test_the_cubic_spring_of_the_silverbox_is_named_and_serves_beyond_what_was_s
     assert verdict.status == "named", verdict.sentence
     assert verdict.names == ("strain_stiffening",)
     found = verdict.effects[0].parameters
-    law = ("stiffening", "exponent", "even_part", "cubic_part")
-    q = np.array([found[name].value for name in law])
-    force = catalogue()["strain_stiffening"].force
-    odd = [force(z, 0.0, np.zeros(1), q) - force(-z, 0.0, np.zeros(1), q) for z in (0.5, 1.0)]
+    effect = catalogue()["strain_stiffening"]
+    q = np.array([each.value for each in found.values()])
+    curve = effect.memory(q)
+    odd = [effect.force(z, 0.0, curve, q) - effect.force(-z, 0.0, curve, q) for z in (0.5, 1.0)]
     assert abs(np.log2(odd[1] / odd[0]) - 3.0) < 0.2
     assert verdict.certified["records"]["arrow"]["after"] <= 1.12e-3
 

@@ -11,6 +11,8 @@ from scipy.signal import cont2discrete, lfilter, lfilter_zi, lti
 from dea.simulation import Port, Scales, catalogue
 from dea.simulation.effects._laws import DRIFT_MODES, drift_modes, low_pass
 from dea.simulation.effects.sensor_nonlinearity import MODES, curve_modes
+from dea.simulation.effects.strain_stiffening import MODES as STIFFNESS_MODES
+from dea.simulation.effects.strain_stiffening import curve_modes as stiffness_modes
 from dea.simulation.signatures import MEMORY, SLOTS, no_force, no_update
 
 DT = 0.02
@@ -363,15 +365,43 @@ def test_friction_is_larger_the_slower_the_motion():
     assert law(0.6975, 1e9, slipped, q) == pytest.approx(0.05)
 
 
-def test_stiffening_is_a_power_law():
-    q = values("strain_stiffening", stiffening=0.2, exponent=3.0, even_part=0.05)
-    z = np.linspace(-1, 1, 21)
-    law = catalogue()["strain_stiffening"].force
-    found = [law(v, 0.0, np.zeros(MEMORY), q) for v in z]
-    assert np.allclose(found, -0.2 * z**3 - 0.05 * z**2)
-    cubic = values("strain_stiffening", stiffening=0.2, exponent=1.5, cubic_part=0.3)
-    found = [law(v, 0.0, np.zeros(MEMORY), cubic) for v in (-1.0, 0.25, 1.0)]
-    assert np.allclose(found, [0.5, -0.2 * 0.125 - 0.3 / 64, -0.5])
+def test_stiffening_is_a_power_law_and_a_smooth_curve():
+    z = np.linspace(0.4, 1.0, 21)
+    effect = catalogue()["strain_stiffening"]
+
+    def found(z, **own):
+        q = values("strain_stiffening", **own)
+        return [effect.force(v, 0.0, effect.memory(q), q) for v in z]
+
+    both_ways = np.linspace(-1, 1, 21)
+    power = found(both_ways, stiffening=0.2, exponent=3.0)
+    assert np.allclose(power, -0.2 * both_ways**3)
+    modes = np.random.default_rng(3).uniform(-0.05, 0.05, STIFFNESS_MODES)
+    bent = {"stiffening": 0.0, **{f"mode_{n + 1}": m for n, m in enumerate(modes)}}
+    curve = found(z, **bent)
+    knots = np.linspace(-2.0, 2.0, 13)
+    weights = stiffness_modes()[0] @ modes
+    spline = BSpline(knots, weights, 3)
+    assert np.allclose(curve, -0.33 * spline((z - 0.7) / 0.33))
+    beyond = found(np.array([0.2, 1.3]), **bent)
+    ends = np.array([-1.0, 1.0])
+    straight = spline(ends) + spline(ends, 1) * ((np.array([0.2, 1.3]) - 0.7) / 0.33 - ends)
+    assert np.allclose(beyond, -0.33 * straight)
+
+
+def test_a_bilinear_spring_is_nearly_a_smooth_curve():
+    """A cable that goes taut within the motion: a power about rest fits it badly."""
+    z = np.linspace(0.4, 1.0, 201)
+    taut = -2.0 * np.maximum(z - 0.75, 0.0)
+    effect = catalogue()["strain_stiffening"]
+    own = [p for p in effect.parameters(SCALES) if p.name.startswith("mode_")]
+    columns = [z]
+    for p in own:
+        q = values("strain_stiffening", **{p.name: 1.0})
+        columns.append([effect.force(v, 0.0, effect.memory(q), q) for v in z])
+    X = np.column_stack(columns)
+    left = taut - X @ np.linalg.lstsq(X, taut, rcond=None)[0]
+    assert left.std() < 0.05 * taut.std()
 
 
 def test_friction_that_is_elastic_nowhere_is_that_of_bristles():
