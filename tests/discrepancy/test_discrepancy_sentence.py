@@ -90,8 +90,9 @@ def found(
 
 
 def named(name="dead_zone", unit="V"):
-    width = Estimate(0.4, unit, 0.3, 0.5)
-    return NamedEffect(name, "", "", {"threshold": width}, 0.2, 0.1, (0.7, 0.6, 0.8))
+    width, slope = Estimate(0.4, unit, 0.3, 0.5), Estimate(0.01, "1", -0.01, 0.03)
+    told = {"slope": slope, "threshold": width}
+    return NamedEffect(name, "", "", told, 0.2, 0.1, (0.7, 0.6, 0.8))
 
 
 def sentence(diagnosis):

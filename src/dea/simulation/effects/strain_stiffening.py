@@ -56,7 +56,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("stiffening", "1", 0.0, 0.3, -1.0, 50.0),
         Parameter("exponent", "1", 5.0, 0.4, 1.5, 15.0, log=True, shape=True),
         *(
-            Parameter(f"mode_{n}", "1", 0.0, spread, -2.0, 2.0)
+            Parameter(f"mode_{n}", "1", 0.0, spread, -2.0, 2.0, shape=n > 2)
             for n, spread in enumerate(curve_modes()[1], 1)
         ),
         Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
