@@ -191,7 +191,8 @@ check: $(VENV)/installed ## linters, formatters, the type checker, import contra
 test: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/installed ## the whole test suite
 	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync check compiled-tests
-	$(MAKE) --no-print-directory --jobs $(CORES) timed-tests other-tests
+	$(MAKE) --no-print-directory --keep-going --jobs $(CORES) timed-tests other-tests; \
+		status=$$?; cat build/timed_tests.txt; exit $$status
 
 # They wait for clocks more than they compute: one after another, beside all others, which leave
 # them the processor when they want it.
@@ -199,7 +200,7 @@ TIMED := tests/acquisition tests/bench tests/test_example_controller.py tests/te
 
 timed-tests: $(VENV)/installed
 	@mkdir -p build
-	pytest --quiet $(TIMED) > build/timed_tests.txt; status=$$?; cat build/timed_tests.txt; exit $$status
+	pytest --quiet $(TIMED) > build/timed_tests.txt
 
 other-tests: $(VENV)/installed
 	nice pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder $(TIMED:%=--ignore %)

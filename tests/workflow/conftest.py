@@ -14,7 +14,7 @@ FOUR_TRIALS = [
     "--config",
     "trials={count: 4, batch: 2, set: tuning}",
     "discrepancy={effects: [coulomb_friction, gain_drift, sensor_lag],"
-    " budget: {starts: 1, finished: 2, beam: 1, effects: 1, shakes: 0}}",
+    " budget: {starts: 1, finished: 2, beam: 1, effects: 1, shakes: 0, restarted: 0}}",
     "figures={resolution: 80}",
 ]
 PARTS = ["Snakefile", "config", "workflow", "pyproject.toml", "environment.txt"]

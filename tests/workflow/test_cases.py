@@ -42,7 +42,7 @@ COARSE = [
     "--config",
     "figures={resolution: 80}",
     "discrepancy={effects: [dead_zone, gain_drift, sensor_lag],"
-    " budget: {starts: 1, finished: 2, beam: 1, effects: 1, shakes: 0}}",
+    " budget: {starts: 1, finished: 2, beam: 1, effects: 1, shakes: 0, restarted: 0}}",
 ]
 
 
