@@ -186,9 +186,10 @@ def _at(extended: ExtendedSimulation, attached: Attached) -> str:
 
 def _main(effect: "NamedEffect") -> str:
     """Say the two parameters that the record determines best, but none that may as well be zero."""
-    told = {name: e for name, e in effect.parameters.items() if e.low > 0.0 or e.high < 0.0}
+    first = list(effect.parameters.items())[:2]
+    told = [(name, e) for name, e in first if e.low > 0.0 or e.high < 0.0]
     return ", ".join(
         f"{name.replace('_', ' ')} {e.value:.3g} ± {0.5 * (e.high - e.low):.2g}"
         + (f" {e.unit}" if e.unit != "1" else "")
-        for name, e in list((told or effect.parameters).items())[:2]
+        for name, e in (told or first)
     )

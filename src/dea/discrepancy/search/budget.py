@@ -41,11 +41,11 @@ class Budget:
     exchange_above, exchange_misfit
         A pair is exchanged if it leaves more than this many noise floors, but no more than this
         part of the best single effect's misfit: one of its effects may stand for another.
+    exchange_gain
+        Factor by which an exchange must lower the error of the best pair for another one.
     restarted
         Leading candidates that are fitted once more, with the simulation's parameters at their
         prior means, where the best one leaves more than ``exchange_above`` floors.
-    exchange_gain
-        Factor by which an exchange must lower the error of the best pair for another one.
     long_record
         A record of more samples gets half of the counts above but as many effects, one shake, and
         no exchange, and ten times the tolerance.
@@ -88,7 +88,7 @@ class Budget:
             kept=half(self.kept),
             screening=half(self.screening),
             shakes=min(1, self.shakes),
-            restarted=half(self.restarted),
+            restarted=self.restarted // 2,
             exchanges=0,
             tolerance=10.0 * self.tolerance,
         )

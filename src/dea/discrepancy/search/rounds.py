@@ -136,10 +136,11 @@ def _refused(before: Fit, offers: Sequence[Offer], reason: Obstacle) -> list[Not
 
 
 def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
-    """Fit with every column anew, and from other starts.
+    """Fit with every column anew, and from other starts if much of the residual is left.
 
-    If much of the residual is left, some have a perturbed law: its corners give the cost kinks at
-    which a fit can stop early. A second or third effect has been fitted from enough starts already.
+    One has the prior means of the simulation, others a perturbed law: its corners give the cost
+    kinks at which a fit can stop early. A second or third effect has been fitted from enough starts
+    already.
     """
     whole = [slice(0, problem.size)]
     steps, tolerance = budget.last_steps, budget.tolerance
@@ -147,17 +148,19 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     def fitted_from(start: np.ndarray) -> Fit:
         return fit(problem, fitted.extended, start, iterations=steps, tolerance=tolerance)
 
+    def leaves(best: Fit, floors: float) -> bool:
+        return problem.seen_rmse(best.residual) > floors * white_level(best.residual, whole)
+
     best = fitted_from(fitted.coordinates)
-    if len(fitted.extended.attached) > 1 or not budget.shakes:
+    if len(fitted.extended.attached) > 1:
         return best
-    own = fitted.extended.free >= fitted.extended.effect_slices[-1].start
-    best = min(best, from_prior_means(problem, best, budget), key=lambda each: each.cost)
-    rng = np.random.default_rng(0)
-    for push in budget.shake_size * rng.standard_normal((budget.shakes, own.size)):
-        noise = white_level(best.residual, whole)
-        if problem.seen_rmse(best.residual) <= budget.shake_above * noise:
+    if leaves(best, budget.exchange_above):
+        best = min(best, from_prior_means(problem, best, budget), key=lambda each: each.cost)
+    law, rng = _of_laws(fitted), np.random.default_rng(0)
+    for push in budget.shake_size * rng.standard_normal((budget.shakes, law.size)):
+        if not leaves(best, budget.shake_above):
             break
-        shaken = best.coordinates + np.where(own, push, 0.0)
+        shaken = best.coordinates + np.where(law, push, 0.0)
         best = min(best, fitted_from(shaken), key=lambda each: each.cost)
     return best
 
@@ -167,14 +170,19 @@ def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
 
     These may have moved far to make up for the effects, and find no way back along a narrow valley.
     """
-    laws = fitted.extended.free >= fitted.extended.effect_slices[0].start
     return fit(
         problem,
         fitted.extended,
-        np.where(laws, fitted.coordinates, 0.0),
+        np.where(_of_laws(fitted), fitted.coordinates, 0.0),
         iterations=budget.last_steps,
         tolerance=budget.tolerance,
     )
+
+
+def _of_laws(fitted: Fit) -> np.ndarray:
+    """Return which coordinates (k,) are the laws', and not the simulation's own."""
+    result: np.ndarray = fitted.extended.free >= fitted.extended.effect_slices[0].start
+    return result
 
 
 def _with_fine_steps(problem: Problem, fitted: Fit) -> Fit:

@@ -3,7 +3,8 @@
 Two effects may each explain little, and a third one may stand for both. The search therefore goes
 on from the best candidates and, where a pair explains much but not all, from the partners it has
 found and from each of its effects in turn (sequential replacement: Miller 2002, Subset Selection in
-Regression, ch. 3). In the end each effect of the leading pairs is fitted again on its own.
+Regression, ch. 3). In the end each effect of the leading pairs is fitted again on its own,
+and the leading candidates from the prior means of the simulation.
 """
 
 from collections.abc import Sequence
@@ -129,7 +130,7 @@ class Search:
         return replace(self.singles, candidates=tuple(candidates))
 
     def _restarted(self, rounds: Sequence[Round]) -> list[Round]:
-        """Return the rounds with the leading candidates fitted once more, unless one is right."""
+        """Return the rounds with the leading candidates fitted once more, unless noise is left."""
         leading = [c for c in pool_of(rounds) if c.finished][: self.budget.restarted]
         if not leading or leading[0].rmse <= self.budget.exchange_above * _lowest_level(leading):
             return list(rounds)
