@@ -125,9 +125,12 @@ def test_coordinates_are_as_sure_as_the_worse_of_curvature_and_folds():
     assert abs(correlation(found)[0, 1]) > 0.3
 
 
-@pytest.mark.parametrize("name", ["coulomb_friction", "rate_independent_hysteresis"])
+@pytest.mark.parametrize(
+    "name", ["coulomb_friction", "rate_independent_hysteresis", "strain_stiffening"]
+)
 def test_the_compiled_course_of_a_force_is_that_of_its_functions(name):
     fit = extended_by(name)
+    fit = replace(fit, coordinates=np.full(fit.coordinates.size, 0.3))
     [course] = courses_of(fit, fit.coordinates)
     effect = catalogue()[name]
     q = fit.values[fit.extended.effect_slices[0]]

@@ -91,6 +91,7 @@ def _held_straight(polynomial: Sequence[float]) -> tuple[np.ndarray, np.ndarray]
 
     leading, *others = polynomial
     order = len(others)
+    assert order in (1, 2)
     # States in companion form, the signal, and its slope.
     whole = np.zeros((order + 2, order + 2))
     whole[: order - 1, 1:order] = np.eye(order - 1)
@@ -122,11 +123,11 @@ def spline(place: float, weights: np.ndarray) -> float:
 
 
 @cache
-def smooth_modes(pieces: int, bend: float) -> tuple[np.ndarray, np.ndarray]:
+def smooth_modes(pieces: int, bend: float, most: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
     """Return the weights of a spline (pieces + 3, m) of each mode, the smoothest first.
 
-    And the prior deviations (m,) of the modes, by which the weights' second difference deviates by
-    ``bend``, and their slope by hardly more than a straight line needs. A constant is no mode
+    And the prior deviations (m,) of the modes: the weights' second difference deviates by ``bend``,
+    and no mode by more than ``most``. The first mode is straight, and a constant is no mode
     (P-splines: Eilers and Marx 1996, Statistical Science 11:89).
     """
     size = pieces + 3
@@ -134,7 +135,8 @@ def smooth_modes(pieces: int, bend: float) -> tuple[np.ndarray, np.ndarray]:
     precision = np.eye(size) / size + 1e-3 * slope.T @ slope + curvature.T @ curvature / bend**2
     eigenvalues, modes = np.linalg.eigh(precision)
     modes = np.sqrt(size) * modes * np.sign(modes[-1])
-    return np.ascontiguousarray(modes[:, 1:]), 1.0 / np.sqrt(size * eigenvalues[1:])
+    deviations = np.minimum(1.0 / np.sqrt(size * eigenvalues[1:]), most)
+    return np.ascontiguousarray(modes[:, 1:]), deviations
 
 
 # Pieces of a drift, and the prior deviation of the second difference of its weights.

@@ -12,7 +12,7 @@ from dea.simulation.scales import Scales
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Lose a part of the field that grows with its size and builds up with a time constant.
 
-    That may be shorter at a higher field, which lowers the resistance. The field is the input less
+    At a higher field, which lowers the resistance, that may be shorter. The field is the input less
     the loss. The loss at the start of the record is unknown.
     """
     loss, growth, tau, peak, started, quickening = q[0], q[1], q[2], q[3], q[4], q[5]
@@ -22,7 +22,7 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     for k in range(u.size):
         field = u[k] - lost
         if quickening > 0.0:
-            decay = np.exp(-interval / tau * np.exp(quickening * (abs(field) / peak - 1.0)))
+            decay = np.exp(-interval / tau * np.exp(quickening * abs(field) / peak))
         target = loss * np.exp(growth * (abs(field) / peak - 1.0)) * field
         following = target + (lost - target) * decay
         result[k] = u[k] - 0.5 * (lost + following)
@@ -31,9 +31,9 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the loss at full field, its growth, its time constant there, its part at the start.
+    """Return the loss at full field, its growth, its time constant at no field.
 
-    And how much faster it builds up at full field than at none, as a logarithm.
+    Then its part at the start, and the logarithm of how much faster it builds up at full field.
     """
     dt, peak = scales.interval, scales.u_peak
     return (

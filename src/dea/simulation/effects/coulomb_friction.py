@@ -68,7 +68,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         ),
         Parameter("rest_position", "1", 0.0, 0.0),
         Parameter("elastic_part", "1", 1.0, 0.5, -1.0, 1.0, shape=True),
-        Parameter("asymmetry", "1", 0.0, 0.15, -0.9, 0.9, shape=True),
+        Parameter("asymmetry", "1", 0.0, 0.15, -0.5, 0.5, shape=True),
     )
 
 

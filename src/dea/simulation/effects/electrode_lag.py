@@ -30,7 +30,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
         Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
-        Parameter("near_part", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
+        Parameter("near_weight", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
         Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span, at_start=True),
     )
 

@@ -8,9 +8,9 @@ from dea.simulation.effects._laws import knee, smooth_modes, spline
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
-# Pieces of the curve, the prior deviation of the second difference of its weights, and that of its
-# slope: the simulation's own gain has taken most of it.
-_PIECES, _BEND, _SLOPE = 9, 0.05, 0.1
+# Pieces of the curve, the prior deviation of the second difference of its weights, and the largest
+# of a mode, the straight one: the simulation's own gain has taken most of it.
+_PIECES, _BEND, _STRAIGHT = 9, 0.05, 0.1
 MODES = _PIECES + 2
 
 
@@ -31,8 +31,7 @@ def curve_modes() -> tuple[np.ndarray, np.ndarray]:
 
     A smooth curve is more usual than a rough one, and goes on straight where no data tell it.
     """
-    modes, deviations = smooth_modes(_PIECES, _BEND)
-    return modes, np.minimum(deviations, _SLOPE)
+    return smooth_modes(_PIECES, _BEND, _STRAIGHT)
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
@@ -60,7 +59,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return curves bent either way without a fold, and folds at and above the least reading."""
+    """Return bends of one sign and of two, either way, and folds at the least reading and above."""
     low, span = scales.y_low, scales.y_span
     rest = (0.01 * span, 0.5 * (low + scales.y_high), 0.5 * span)
     bent = tuple(

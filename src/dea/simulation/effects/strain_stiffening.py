@@ -10,9 +10,9 @@ from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY
 
 # Pieces of the curve beside the power, the prior deviation of the second difference of its weights,
-# and that of its slope: the simulation's own stiffness has taken most of it.
-_PIECES, _BEND, _SLOPE = 6, 0.03, 0.1
-MODES = _PIECES + 2
+# and its modes: all but the straight one, which is the simulation's own stiffness.
+_PIECES, _BEND = 6, 0.03
+MODES = _PIECES + 1
 # Places in the parameters: of the curve's modes, and of what follows.
 _CURVE, _MIDDLE, _HALF = 2, 2 + MODES, 3 + MODES
 # Part of the motion's range that the pieces of the curve cover.
@@ -47,7 +47,7 @@ def memory(q: np.ndarray) -> np.ndarray:
 def curve_modes() -> tuple[np.ndarray, np.ndarray]:
     """Return the weights (k, m) of each mode of the curve, and the modes' prior deviations."""
     modes, deviations = smooth_modes(_PIECES, _BEND)
-    return modes, np.minimum(deviations, _SLOPE)
+    return np.ascontiguousarray(modes[:, 1:]), deviations[1:]
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
@@ -56,7 +56,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("stiffening", "1", 0.0, 0.3, -1.0, 50.0),
         Parameter("exponent", "1", 5.0, 0.4, 1.5, 15.0, log=True, shape=True),
         *(
-            Parameter(f"mode_{n}", "1", 0.0, spread, -2.0, 2.0, shape=n > 2)
+            Parameter(f"mode_{n}", "1", 0.0, spread, -2.0, 2.0, shape=n > 1)
             for n, spread in enumerate(curve_modes()[1], 1)
         ),
         Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
@@ -69,7 +69,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     end = (0.5 * (scales.z_low + scales.z_high), 0.5 * _COVERED * scales.z_span)
 
     def bent(size: float) -> tuple[float, ...]:
-        return tuple(size * float(n == 1) for n in range(MODES))
+        return tuple(size * float(n == 0) for n in range(MODES))
 
     powers = ((0.05, 3.0), (0.2, 7.0), (-0.05, 3.0))
     return (
