@@ -90,9 +90,22 @@ def found(
 
 
 def named(name="dead_zone", unit="V"):
-    width, slope = Estimate(0.4, unit, 0.3, 0.5), Estimate(0.01, "1", -0.01, 0.03)
+    width, slope = Estimate(0.4, unit, 0.3, 0.5, 0.4), Estimate(0.01, "1", -0.01, 0.03, 0.0)
     told = {"slope": slope, "threshold": width}
     return NamedEffect(name, "", "", told, 0.2, 0.1, (0.7, 0.6, 0.8))
+
+
+@pytest.mark.parametrize(
+    ("estimate", "little"),
+    [
+        (Estimate(0.4, "V", 0.3, 0.5, 0.35), False),  # sure, and as expected
+        (Estimate(0.0, "V", -0.01, 0.01, -3.0), False),  # surely not where it is expected
+        (Estimate(0.01, "1", -0.01, 0.03, 0.0), True),
+        (Estimate(5.0, "1", 2.0, 11.0, 5.0), True),
+    ],
+)
+def test_what_the_record_hardly_tells_is_not_quoted(estimate, little):
+    assert estimate.says_little is little
 
 
 def sentence(diagnosis):

@@ -44,8 +44,8 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
 def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate]:
     """Return the free parameters of the attached effect ``index`` with 95 % intervals.
 
-    Those that the record determines best, as shares of their values, come first: one that may as
-    well be zero says little. Those that only shape the law, or say in which state a record finds
+    Those that the record determines best, as shares of their values or of their distances from
+    the prior mean, come first. Those that only shape the law, or say in which state a record finds
     it, come last. ``deviation`` (k,) is the standard deviation of all coordinates.
     """
     extended = fit.extended
@@ -62,8 +62,10 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
             for side in (-1.0, 1.0)
         ]
         value = float(values[i])
-        estimate = Estimate(value, parameter.unit, min(ends), max(ends))
-        unsure = (estimate.high - estimate.low) / max(abs(value), np.finfo(float).tiny)
+        usual = parameter.value(0.0)
+        estimate = Estimate(value, parameter.unit, min(ends), max(ends), usual)
+        size = max(abs(value), abs(value - usual), np.finfo(float).tiny)
+        unsure = (estimate.high - estimate.low) / size
         aside = extended.shapes[position] or extended.at_start[position]
         found.append(((aside, unsure), parameter.name, estimate))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}

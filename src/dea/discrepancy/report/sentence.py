@@ -185,9 +185,9 @@ def _at(extended: ExtendedSimulation, attached: Attached) -> str:
 
 
 def _main(effect: "NamedEffect") -> str:
-    """Say the two parameters that the record determines best, but none that may as well be zero."""
+    """Say the two parameters that the record determines best, but none that says little."""
     first = list(effect.parameters.items())[:2]
-    told = [(name, e) for name, e in first if e.low > 0.0 or e.high < 0.0]
+    told = [(name, e) for name, e in first if not e.says_little]
     return ", ".join(
         f"{name.replace('_', ' ')} {e.value:.3g} ± {0.5 * (e.high - e.low):.2g}"
         + (f" {e.unit}" if e.unit != "1" else "")

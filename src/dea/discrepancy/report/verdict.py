@@ -15,12 +15,18 @@ _JOINED = "+"
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter's value, unit, and 95 % interval."""
+    """A parameter's value, unit, 95 % interval, and its prior mean."""
 
     value: float
     unit: str
     low: float
     high: float
+    prior: float
+
+    @property
+    def says_little(self) -> bool:
+        """Whether its interval is wider than its value, and holds what is expected without it."""
+        return self.low <= self.prior <= self.high and self.high - self.low > abs(self.value)
 
 
 @dataclass(frozen=True)
