@@ -136,32 +136,28 @@ def _refused(before: Fit, offers: Sequence[Offer], reason: Obstacle) -> list[Not
 
 
 def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
-    """Fit with every column anew, and from other starts if much of the residual is left.
+    """Fit with every column anew, and from perturbed starts if much of the residual is left.
 
-    One has the prior means of the simulation, others a perturbed law: its corners give the cost
-    kinks at which a fit can stop early. A second or third effect has been fitted from enough starts
-    already.
+    Laws with corners give the cost kinks at which a fit can stop early. A second or third effect
+    has been fitted from enough starts already.
     """
     whole = [slice(0, problem.size)]
     steps, tolerance = budget.last_steps, budget.tolerance
-
-    def fitted_from(start: np.ndarray) -> Fit:
-        return fit(problem, fitted.extended, start, iterations=steps, tolerance=tolerance)
-
-    def leaves(best: Fit, floors: float) -> bool:
-        return problem.seen_rmse(best.residual) > floors * white_level(best.residual, whole)
-
-    best = fitted_from(fitted.coordinates)
-    if len(fitted.extended.attached) > 1:
-        return best
-    if leaves(best, budget.exchange_above):
-        best = min(best, from_prior_means(problem, best, budget), key=lambda each: each.cost)
-    law, rng = _of_laws(fitted), np.random.default_rng(0)
-    for push in budget.shake_size * rng.standard_normal((budget.shakes, law.size)):
-        if not leaves(best, budget.shake_above):
+    best = fit(problem, fitted.extended, fitted.coordinates, iterations=steps, tolerance=tolerance)
+    own = _of_laws(fitted)
+    count = budget.shakes if len(fitted.extended.attached) == 1 else 0
+    for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
+        noise = white_level(best.residual, whole)
+        if problem.seen_rmse(best.residual) <= budget.shake_above * noise:
             break
-        shaken = best.coordinates + np.where(law, push, 0.0)
-        best = min(best, fitted_from(shaken), key=lambda each: each.cost)
+        shaken = best.coordinates + np.where(own, push, 0.0)
+        best = min(
+            (
+                best,
+                fit(problem, fitted.extended, shaken, iterations=steps, tolerance=tolerance),
+            ),
+            key=lambda each: each.cost,
+        )
     return best
 
 
@@ -169,6 +165,8 @@ def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     """Return a fit from the same laws, with the simulation's parameters at their prior means.
 
     These may have moved far to make up for the effects, and find no way back along a narrow valley.
+    Another effect is better attached to the fit that was found without this: what is best alone may
+    make up for it.
     """
     return fit(
         problem,
