@@ -76,7 +76,7 @@ def test_the_cubic_spring_of_the_silverbox_is_named_and_serves_beyond_what_was_s
     X = np.column_stack([z, z**3])
     weights = np.linalg.lstsq(X, odd, rcond=None)[0]
     assert weights[1] < 0.0
-    assert (odd - X @ weights).std() < 0.02 * (weights[1] * z**3).std()
+    assert (odd - X @ weights).std() < 0.05 * (weights[1] * z**3).std()
     assert verdict.certified["records"]["arrow"]["after"] <= 1.12e-3
 
 
