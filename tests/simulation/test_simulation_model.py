@@ -145,6 +145,12 @@ def test_integrators_in_a_row_give_powers_of_time(states):
     assert np.allclose(found, expected, rtol=1e-6, atol=1e-8)
 
 
+def cubic(extended, stiffening):
+    """Return the parameters of an attached stiffening that is a cube."""
+    law = [p.nominal for p in extended.attached[0].parameters]
+    return [stiffening, 3.0, *law[2:]]
+
+
 def test_a_force_enters_at_its_port():
     simulation = replace(load_simulation("mass_spring_damper"), input_interpolation="zero")
     u = np.sin(2 * np.pi * 3 * T)
@@ -163,7 +169,7 @@ def test_a_force_enters_at_its_port():
         simulation.derivative(x, v, p, dx)
         dx[1] -= unit.unit_force * 0.4 * (x[0] / unit.scale) ** 3
 
-    found = stiffer.simulate(np.concatenate([values, [0.4, 3.0, 0.0, 0.0]]), u, DT)
+    found = stiffer.simulate(np.concatenate([values, cubic(stiffer, 0.4)]), u, DT)
     assert np.allclose(found, reference(simulation, u, DT, slopes), atol=2e-3)
 
 
@@ -316,7 +322,7 @@ def test_what_one_vessel_loses_the_next_receives():
         dx[0] -= flow
         dx[1] += flow
 
-    found = stopped.simulate(np.concatenate([values, [0.3, 3.0, 0.0]]), u, interval)
+    found = stopped.simulate(np.concatenate([values, cubic(stopped, 0.3)]), u, interval)
     assert np.allclose(found, reference(simulation, u, interval, slopes), atol=5e-3)
     assert stopped.label(stopped.attached[0]) == "strain_stiffening@upper_level>lower_level"
 
