@@ -320,28 +320,6 @@ def test_two_effects_are_certain_where_nothing_replaces_the_second(presence, wit
     assert (found.status, found.answer.names, found.whole) == ("named", named, False)
 
 
-@pytest.mark.parametrize(
-    ("left", "without", "presence", "named"),
-    [
-        (1.4, 4.0, 1.0, True),
-        (3.0, 8.0, 1.0, False),  # they leave a third of the misfit
-        (1.4, 1.6, 1.0, False),  # another effect does nearly as well beside one of them
-        (1.4, 4.0, 0.8, False),
-    ],
-)
-def test_two_effects_that_explain_little_alone_are_named_together(left, without, presence, named):
-    evidence, candidate = graded()
-    pair = candidate(left, "dead_zone", "sensor_lag")
-    rival = candidate(without, "dead_zone", "slew_limit")
-    alone = [candidate(8.5, name) for name in ("dead_zone", "sensor_lag", "slew_limit")]
-    weighed = Presence((pair, rival), np.array([presence, 1.0 - presence]))
-    found = decide(evidence, pair, [pair, rival, *alone], [], evidence.nominal.residual, weighed)
-    if named:
-        assert (found.status, found.answer, found.whole) == ("named", pair, False)
-    else:
-        assert found.status != "named"
-
-
 def test_of_three_effects_each_is_certain_only_where_nothing_replaces_it():
     evidence, candidate = graded()
     names = "dead_zone", "sensor_lag", "slew_limit"

@@ -100,9 +100,6 @@ class Rules(Section):
         " else remains",
         default=0.5,
     )
-    together: Share = key(
-        "the same of several effects of which none removes so much alone", default=0.85
-    )
     ahead: Share = key(
         "part by which such effects must leave less misfit than any explanation without them",
         default=0.35,

@@ -231,8 +231,7 @@ def _certain_part(
 ) -> Candidate | None:
     """Return the effect that is certain, if it explains most of the gap, or several that are.
 
-    Where none explains most of it alone, several must explain nearly all of it together. Whatever
-    else the answer holds, these effects are in it. The best explanation without one of
+    Whatever else the answer holds, these effects are in it. The best explanation without one of
     them must leave much more of the misfit than the best one with all, since an effect that the
     catalogue lacks is often half explained by several.
     """
@@ -249,9 +248,7 @@ def _certain_part(
     alone = (c for c in certain if len(c.names) == 1 and ahead(c, c.names[0]))
     part = next((c for c in alone if _share_of(evidence, c).low >= rules.part), None)
     if part is None:
-        several = (c for c in certain if len(c.names) > 1)
-        each = (c for c in several if all(ahead(c, name) for name in c.names))
-        return next((c for c in each if _share_of(evidence, c).low >= rules.together), None)
+        return None
     wider = (c for c in certain if c.effects > part.effects)
     beside = (c for c in wider if all(ahead(c, name) for name in c.effects - part.effects))
     return next(beside, part)

@@ -48,8 +48,6 @@ class Rules:
     part
         Part of the held-out misfit that certain effects must remove to be named where something
         else remains, at the lower end of its interval.
-    together
-        The same of several effects of which none removes so much alone.
     ahead
         Such effects must leave less misfit than any explanation without them by this part.
     at_bound
@@ -78,7 +76,6 @@ class Rules:
     law_error: float = 0.05
     certain: float = 0.9
     part: float = 0.5
-    together: float = 0.85
     ahead: float = 0.35
     at_bound: float = 3.0
     likely: float = 0.6
