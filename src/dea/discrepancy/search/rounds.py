@@ -142,22 +142,15 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     has been fitted from enough starts already.
     """
     whole = [slice(0, problem.size)]
-    steps, tolerance = budget.last_steps, budget.tolerance
-    best = fit(problem, fitted.extended, fitted.coordinates, iterations=steps, tolerance=tolerance)
+    best = fitted_again(problem, fitted, budget)
     own = _of_laws(fitted)
     count = budget.shakes if len(fitted.extended.attached) == 1 else 0
     for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
         noise = white_level(best.residual, whole)
         if problem.seen_rmse(best.residual) <= budget.shake_above * noise:
             break
-        shaken = best.coordinates + np.where(own, push, 0.0)
-        best = min(
-            (
-                best,
-                fit(problem, fitted.extended, shaken, iterations=steps, tolerance=tolerance),
-            ),
-            key=lambda each: each.cost,
-        )
+        shaken = replace(best, coordinates=best.coordinates + np.where(own, push, 0.0))
+        best = min(best, fitted_again(problem, shaken, budget), key=lambda each: each.cost)
     return best
 
 
@@ -168,10 +161,16 @@ def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     Another effect is better attached to the fit that was found without this: what is best alone may
     make up for it.
     """
+    start = np.where(_of_laws(fitted), fitted.coordinates, 0.0)
+    return fitted_again(problem, replace(fitted, coordinates=start), budget)
+
+
+def fitted_again(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
+    """Return the fit that the last steps reach from the coordinates of another."""
     return fit(
         problem,
         fitted.extended,
-        np.where(_of_laws(fitted), fitted.coordinates, 0.0),
+        fitted.coordinates,
         iterations=budget.last_steps,
         tolerance=budget.tolerance,
     )

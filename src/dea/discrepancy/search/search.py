@@ -13,13 +13,18 @@ from functools import cached_property
 from itertools import islice
 
 from dea.discrepancy.evidence.noise import white_level
-from dea.discrepancy.fit import Fit, fit, without
+from dea.discrepancy.fit import Fit, without
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, best_of_each_set, judged
-from dea.discrepancy.search.rounds import Round, extend_by_each, from_prior_means
+from dea.discrepancy.search.rounds import (
+    Round,
+    extend_by_each,
+    fitted_again,
+    from_prior_means,
+)
 from dea.simulation import Effect, Port
 
 
@@ -113,17 +118,7 @@ class Search:
             for i in range(len(pair.names))
             if len(pair.names) == 2
         ]
-        again = [
-            fit(
-                self.problem,
-                start.extended,
-                start.coordinates,
-                iterations=self.budget.last_steps,
-                tolerance=self.budget.tolerance,
-            )
-            for start in starts
-            if start.stable
-        ]
+        again = [fitted_again(self.problem, start, self.budget) for start in starts if start.stable]
         candidates = best_of_each_set(
             [*self.singles.candidates, *(judged(self.problem, each) for each in again)]
         )
