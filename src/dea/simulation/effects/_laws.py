@@ -70,8 +70,8 @@ def delayed(u: np.ndarray, delay: float, interval: float) -> np.ndarray:
 def low_pass(y: np.ndarray, polynomial: Sequence[float]) -> np.ndarray:
     """Return a signal (n,) behind 1/(polynomial in s), s in units of the sampling rate, exactly.
 
-    The polynomial has one or two degrees, and ends with one. The signal is straight between
-    samples, and at rest before the first.
+    The polynomial ends with one. The signal is straight between samples, and at rest before the
+    first.
     """
     from scipy.signal import lfilter
 
@@ -85,13 +85,12 @@ def low_pass(y: np.ndarray, polynomial: Sequence[float]) -> np.ndarray:
 def _held_straight(polynomial: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Return the filter of a low pass for a signal that is straight between samples.
 
-    ``scipy.signal.cont2discrete`` finds the same coefficients in four times the time.
+    ``scipy.signal.cont2discrete`` finds the same coefficients in three times the time.
     """
     from scipy.linalg import expm
 
     leading, *others = polynomial
     order = len(others)
-    assert order in (1, 2)
     # States in companion form, the signal, and its slope.
     whole = np.zeros((order + 2, order + 2))
     whole[: order - 1, 1:order] = np.eye(order - 1)
@@ -100,14 +99,12 @@ def _held_straight(polynomial: Sequence[float]) -> tuple[np.ndarray, np.ndarray]
     whole[order, order + 1] = 1.0
     step = expm(whole)
     states, level, slope = step[:order, :order], step[:order, order], step[:order, order + 1]
-    gained = level + states @ slope - slope
-    trace = float(np.trace(states))
-    if order == 1:
-        denominator = np.array([1.0, -trace])
-        return slope[0] * denominator + np.array([0.0, gained[0]]), denominator
-    denominator = np.array([1.0, -trace, float(np.linalg.det(states))])
-    passed = states[0, 1] * gained[1] - states[1, 1] * gained[0]
-    return slope[0] * denominator + np.array([0.0, gained[0], passed]), denominator
+    response, moved = [slope[0]], level + states @ slope - slope
+    for _ in range(order):
+        response.append(moved[0])
+        moved = states @ moved
+    denominator = np.poly(states)
+    return np.convolve(denominator, response)[: order + 1], denominator
 
 
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
