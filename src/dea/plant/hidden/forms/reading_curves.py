@@ -1,5 +1,7 @@
 """Curves of the reading: saturations of the output and bent sensors."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numba import njit
 from numpy.random import Generator
@@ -173,6 +175,13 @@ def loaded_potentiometer(size: float, conditions: Conditions, rng: Generator) ->
     return Built(reading_curve(loaded, conditions), {})
 
 
+def _true_at_ends(signal: Callable[[Array], Array], conditions: Conditions) -> SignalLaw:
+    """Return the reading of a sensor's signal, scaled to be true at both ends of the travel."""
+    low, high = signal(np.array([conditions.bottom, conditions.top]))
+    scale = conditions.travel / (high - low)
+    return reading_curve(lambda y: conditions.bottom + scale * (signal(y) - low), conditions)
+
+
 @tuning("Doebelin, Measurement Systems (2003): a calibration curve, here of a cable at an angle")
 def oblique_cable(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The length of a cable from a point two ``size`` travels beside the line of the motion."""
@@ -183,10 +192,7 @@ def oblique_cable(size: float, conditions: Conditions, rng: Generator) -> Built:
         value: Array = np.hypot(y - foot, beside)
         return value
 
-    low, high = length(np.array([conditions.bottom, conditions.top]))
-    scale = conditions.travel / (high - low)
-    law = reading_curve(lambda y: conditions.bottom + scale * (length(y) - low), conditions)
-    return Built(law, {})
+    return Built(_true_at_ends(length, conditions), {})
 
 
 @tuning("Furlani, Permanent Magnet and Electromechanical Devices (2001): a magnet's axial field")
@@ -200,10 +206,7 @@ def approached_magnet(size: float, conditions: Conditions, rng: Generator) -> Bu
         value: Array = (z + length) / np.hypot(z + length, radius) - z / np.hypot(z, radius)
         return value
 
-    low, high = field(np.array([conditions.bottom, conditions.top]))
-    scale = conditions.travel / (high - low)
-    law = reading_curve(lambda y: conditions.bottom + scale * (field(y) - low), conditions)
-    return Built(law, {})
+    return Built(_true_at_ends(field, conditions), {})
 
 
 @tuning("Kester, The Data Conversion Handbook (2005): the nonlinearity of a segmented converter")
