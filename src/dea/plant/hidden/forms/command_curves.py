@@ -7,7 +7,7 @@ from numpy.random import Generator
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
-from dea.plant.hidden.forms.kernels import command_curve
+from dea.plant.hidden.forms.kernels import bent_above, command_curve
 from dea.plant.signal_law import SignalLaw
 
 
@@ -176,12 +176,7 @@ def error_integral(size: float, conditions: Conditions, rng: Generator) -> Built
     limit = _ceiling(size, conditions)
     knee = limit * rng.uniform(0.75, 0.92)
     room = limit - knee
-
-    def limited(u: Array) -> Array:
-        over = np.maximum(u - knee, 0.0) / room
-        value: Array = np.minimum(u, knee) + room * erf(0.5 * np.sqrt(np.pi) * over)
-        return value
-
+    limited = bent_above(knee, lambda d: room * erf(0.5 * np.sqrt(np.pi) * (d / room)))
     return Built(command_curve(limited, conditions), {"limit": limit})
 
 
@@ -192,12 +187,12 @@ def falling_tube(size: float, conditions: Conditions, rng: Generator) -> Built:
     knee = max(knee, 0.35 * conditions.high)
     room = rng.uniform(0.25, 0.45) * (conditions.high - knee) / 0.5
 
-    def tube(u: Array) -> Array:
-        x = np.maximum(u - knee, 0.0) / room
-        value: Array = np.minimum(u, knee) + room * x / (1.0 + 0.25 * x * x)
+    def quotient(over: Array) -> Array:
+        x = over / room
+        value: Array = room * x / (1.0 + 0.25 * x * x)
         return value
 
-    return Built(command_curve(tube, conditions), {})
+    return Built(command_curve(bent_above(knee, quotient), conditions), {})
 
 
 EFFECTS = (

@@ -50,6 +50,11 @@ def reading_curve(function: Callable[[Array], Array], conditions: Conditions) ->
     return curve(function, conditions.bottom - reach, conditions.top + reach, output=True)
 
 
+def bent_above(knee: float, bend: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """Return the curve that changes nothing up to a knee, and is ``bend(d)`` above it at d over."""
+    return lambda x: np.minimum(x, knee) + bend(np.maximum(x - knee, 0.0))
+
+
 def sign(size: float, rng: Generator) -> float:
     """Return -1 or 1, down or up; 1 for a large change, since no gain would leave no response."""
     return float(rng.choice([-1.0, 1.0])) if size < 0.5 else 1.0

@@ -9,7 +9,7 @@ from numpy.random import Generator
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
-from dea.plant.hidden.forms.kernels import reading_curve
+from dea.plant.hidden.forms.kernels import bent_above, reading_curve
 from dea.plant.signal_law import SignalLaw
 
 
@@ -22,12 +22,7 @@ def hyperbolic_rail(size: float, conditions: Conditions, rng: Generator) -> Buil
     """Below a knee the reading is true; above, d becomes d/(1 + d/room)."""
     limit = _read_limit(size, conditions)
     room = rng.uniform(0.02, 0.08) * conditions.travel
-
-    def rail(y: Array) -> Array:
-        over = np.maximum(y - (limit - room), 0.0)
-        value: Array = np.minimum(y, limit - room) + over / (1.0 + over / room)
-        return value
-
+    rail = bent_above(limit - room, lambda d: d / (1.0 + d / room))
     return Built(reading_curve(rail, conditions), {"limit": limit})
 
 
@@ -54,12 +49,7 @@ def paralysed_counter(size: float, conditions: Conditions, rng: Generator) -> Bu
     """Above a knee d becomes d exp(-d/d0): the reading flattens to a crest near the top."""
     knee = _read_limit(size, conditions)
     crest = rng.uniform(0.7, 1.0) * size * conditions.travel
-
-    def counted(y: Array) -> Array:
-        over = np.maximum(y - knee, 0.0)
-        value: Array = np.minimum(y, knee) + over * np.exp(-over / crest)
-        return value
-
+    counted = bent_above(knee, lambda d: d * np.exp(-d / crest))
     return Built(reading_curve(counted, conditions), {})
 
 
@@ -94,13 +84,7 @@ def exponential_rail(size: float, conditions: Conditions, rng: Generator) -> Bui
     """Above a knee the reading approaches its limit exponentially."""
     limit = _read_limit(size, conditions)
     room = rng.uniform(0.03, 0.10) * conditions.travel
-    knee = limit - room
-
-    def rail(y: Array) -> Array:
-        over = np.maximum(y - knee, 0.0)
-        value: Array = np.minimum(y, knee) - room * np.expm1(-over / room)
-        return value
-
+    rail = bent_above(limit - room, lambda d: -room * np.expm1(-d / room))
     return Built(reading_curve(rail, conditions), {"limit": limit})
 
 
@@ -109,14 +93,8 @@ def arctangent_rail(size: float, conditions: Conditions, rng: Generator) -> Buil
     """Above a knee the reading approaches its limit as an arcus tangent."""
     limit = _read_limit(size, conditions)
     room = rng.uniform(0.02, 0.07) * conditions.travel
-    knee = limit - room
-
-    def rail(y: Array) -> Array:
-        over = np.maximum(y - knee, 0.0)
-        bend = 2.0 * room / np.pi
-        value: Array = np.minimum(y, knee) + bend * np.arctan(over / bend)
-        return value
-
+    bend = 2.0 * room / np.pi
+    rail = bent_above(limit - room, lambda d: bend * np.arctan(d / bend))
     return Built(reading_curve(rail, conditions), {"limit": limit})
 
 
