@@ -141,13 +141,11 @@ def loaded_potentiometer(size: float, conditions: Conditions, rng: Generator) ->
 
     def loaded(y: Array) -> Array:
         place = (y - conditions.bottom) / conditions.travel
-        x = np.clip(place, 0.0, 1.0)
-        x = 1.0 - x if turned else x
+        inside = np.clip(place, 0.0, 1.0)
+        x = 1.0 - inside if turned else inside
         share = x / (1.0 + ratio * x * (1.0 - x))
         share = 1.0 - share if turned else share
-        value: Array = conditions.bottom + conditions.travel * (
-            share + place - np.clip(place, 0, 1)
-        )
+        value: Array = conditions.bottom + conditions.travel * (share + place - inside)
         return value
 
     return Built(reading_curve(loaded, conditions), {})
@@ -205,10 +203,10 @@ def unbalanced_bridge(size: float, conditions: Conditions, rng: Generator) -> Bu
     bend = min(size, 0.8) * rng.choice([-0.5, 1.0])
 
     def bridge(y: Array) -> Array:
-        x = np.clip((y - conditions.bottom) / conditions.travel, -0.9, 2.5)
-        outside = (y - conditions.bottom) / conditions.travel - x
+        place = (y - conditions.bottom) / conditions.travel
+        x = np.clip(place, -0.9, 2.5)
         value: Array = conditions.bottom + conditions.travel * ((1.0 + bend) * x / (1.0 + bend * x))
-        return value + conditions.travel * outside
+        return value + conditions.travel * (place - x)
 
     return Built(reading_curve(bridge, conditions), {})
 
