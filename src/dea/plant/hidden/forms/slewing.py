@@ -64,13 +64,13 @@ def trapezoidal_speed(size: float, conditions: Conditions, rng: Generator) -> Bu
 
 
 @njit(cache=True)
-def _follower(c: Array, m: Array, u: Array) -> None:
-    """Follow quickly upwards, and downwards at a limited rate."""
-    fall, share = c
+def _clipped_lag(c: Array, m: Array, u: Array) -> None:
+    """Follow as a first-order lag whose rates upwards and downwards are clipped."""
+    rise, fall, share = c
     if m[0] == 0.0:
         m[0], m[1] = 1.0, u[0]
     for k in range(u.shape[0]):
-        m[1] += max(share * (u[k] - m[1]), -SUBSTEP * fall)
+        m[1] += min(max(share * (u[k] - m[1]), -SUBSTEP * fall), SUBSTEP * rise)
         u[k] = m[1]
 
 
@@ -79,19 +79,7 @@ def class_a_follower(size: float, conditions: Conditions, rng: Generator) -> Bui
     """An output that rises at once and falls at the rate of a constant bias current."""
     rate = _rate(size, conditions)
     share = -np.expm1(-SUBSTEP / (0.005 * conditions.time))
-    return Built(SignalLaw(_follower, [rate, share], [0.0, 0.0]), {"rate": rate})
-
-
-@njit(cache=True)
-def _servo(c: Array, m: Array, u: Array) -> None:
-    """Follow as a first-order lag whose rate is clipped."""
-    rate, share = c
-    if m[0] == 0.0:
-        m[0], m[1] = 1.0, u[0]
-    most = SUBSTEP * rate
-    for k in range(u.shape[0]):
-        m[1] += min(max(share * (u[k] - m[1]), -most), most)
-        u[k] = m[1]
+    return Built(SignalLaw(_clipped_lag, [np.inf, rate, share], [0.0, 0.0]), {"rate": rate})
 
 
 @tuning("Stevens and Lewis, Aircraft Control and Simulation (2003): a servo with a limited rate")
@@ -99,8 +87,8 @@ def rate_limited_servo(size: float, conditions: Conditions, rng: Generator) -> B
     """A first-order lag of 0.04 to 0.15 times the time for the range, its rate clipped."""
     rate = _rate(size, conditions)
     time = rng.uniform(0.04, 0.15) * size * conditions.time
-    law = SignalLaw(_servo, [rate, -np.expm1(-SUBSTEP / time)], [0.0, 0.0])
-    return Built(law, {"rate": rate})
+    constants = [rate, rate, -np.expm1(-SUBSTEP / time)]
+    return Built(SignalLaw(_clipped_lag, constants, [0.0, 0.0]), {"rate": rate})
 
 
 @njit(cache=True)
