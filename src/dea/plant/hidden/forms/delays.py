@@ -7,15 +7,23 @@ from numpy.random import Generator
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
-from dea.plant.hidden.forms.kernels import cascade, delay
+from dea.plant.hidden.forms.kernels import cascade, note, noted
 from dea.plant.signal_law import SignalLaw
+
+
+@njit(cache=True)
+def _delayed(c: Array, m: Array, u: Array) -> None:
+    """Come c[0] sub-steps later; m: count and a ring of past values."""
+    for k in range(u.shape[0]):
+        note(m, u[k])
+        u[k] = noted(m, int(c[0]))
 
 
 @tuning("Smith, Chem. Eng. Prog. 53 (1957) 217: a pure delay")
 def pure_delay(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A delay of ``size`` periods of the band, to a millisecond."""
-    seconds = size * conditions.time
-    return Built(delay(seconds), {"delay": max(round(seconds / SUBSTEP), 1) * SUBSTEP})
+    steps = max(round(size * conditions.time / SUBSTEP), 1)
+    return Built(SignalLaw(_delayed, [steps], np.zeros(2 + steps)), {"delay": steps * SUBSTEP})
 
 
 @njit(cache=True)
@@ -41,17 +49,12 @@ def sampled_and_held(size: float, conditions: Conditions, rng: Generator) -> Bui
 @njit(cache=True)
 def _arrivals(c: Array, m: Array, u: Array) -> None:
     """c: (weight, sub-steps of delay) of every path; m: count and a ring of past values."""
-    length, paths = m.shape[0] - 1, c.shape[0] // 2
-    if m[0] == 0.0:
-        m[1:] = u[0]
     for k in range(u.shape[0]):
-        place = int(m[0])
-        m[1 + place % length] = u[k]
+        note(m, u[k])
         arrived = 0.0
-        for i in range(paths):
-            arrived += c[2 * i] * m[1 + (place - int(c[2 * i + 1])) % length]
+        for i in range(c.shape[0] // 2):
+            arrived += c[2 * i] * noted(m, int(c[2 * i + 1]))
         u[k] = arrived
-        m[0] += 1.0
 
 
 def _spread(weights: Array, times: Array) -> tuple[SignalLaw, float]:
@@ -84,24 +87,19 @@ def reflecting_line(size: float, conditions: Conditions, rng: Generator) -> Buil
 def _jittered(c: Array, m: Array, u: Array) -> None:
     """c: mean, depth (s), (frequency, phase) of every sine of the delay.
 
-    m: count, delay in sub-steps, which is updated every tenth one, and a ring of past values.
+    m: delay in sub-steps, which is updated every tenth one; count and a ring of past values.
     """
-    length, sines = m.shape[0] - 2, (c.shape[0] - 2) // 2
-    if m[0] == 0.0:
-        m[2:] = u[0]
+    ring, sines = m[1:], (c.shape[0] - 2) // 2
     for k in range(u.shape[0]):
-        place = int(m[0])
-        m[2 + place % length] = u[k]
-        if place % 10 == 0:
+        if ring[0] % 10.0 == 0.0:
             wander = 0.0
             for i in range(sines):
-                wander += np.sin(2.0 * np.pi * c[2 + 2 * i] * m[0] * SUBSTEP + c[3 + 2 * i])
-            m[1] = (c[0] + c[1] * wander / sines) / SUBSTEP
-        late = m[1]
-        whole = int(late)
-        near, far = m[2 + (place - whole) % length], m[2 + (place - whole - 1) % length]
-        u[k] = near + (late - whole) * (far - near)
-        m[0] += 1.0
+                wander += np.sin(2.0 * np.pi * c[2 + 2 * i] * ring[0] * SUBSTEP + c[3 + 2 * i])
+            m[0] = (c[0] + c[1] * wander / sines) / SUBSTEP
+        note(ring, u[k])
+        whole = int(m[0])
+        near, far = noted(ring, whole), noted(ring, whole + 1)
+        u[k] = near + (m[0] - whole) * (far - near)
 
 
 @reporting("Nilsson, Real-Time Control Systems with Delays (1998): a network's varying delay")
@@ -111,8 +109,8 @@ def jittered_delay(size: float, conditions: Conditions, rng: Generator) -> Built
     depth = rng.uniform(0.05, 0.2) * mean
     frequencies = np.exp(rng.uniform(np.log(0.05), np.log(3.0), 6)) / conditions.time
     sines = np.column_stack([frequencies, rng.uniform(0.0, 2.0 * np.pi, 6)]).ravel()
-    ring = np.zeros(3 + int(np.ceil((mean + depth) / SUBSTEP)))
-    law = SignalLaw(_jittered, np.concatenate([[mean, depth], sines]), np.append([0.0, 0.0], ring))
+    memory = np.zeros(5 + int(np.ceil((mean + depth) / SUBSTEP)))
+    law = SignalLaw(_jittered, np.concatenate([[mean, depth], sines]), memory)
     return Built(law, {"delay": mean})
 
 

@@ -9,6 +9,7 @@ from numpy.random import Generator
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tuning
+from dea.plant.hidden.forms.kernels import note, noted
 from dea.plant.signal_law import SignalLaw
 
 Kernel = Callable[[Array, Array, Array], None]
@@ -79,15 +80,10 @@ def telegraph_contact(size: float, conditions: Conditions, rng: Generator) -> Bu
 def _loaded_delay(c: Array, m: Array, u: Array) -> None:
     """A delay that grows with the command: m holds the count and a ring of past values."""
     longest, low, high = c
-    length = m.shape[0] - 1
-    if m[0] == 0.0:
-        m[1:] = u[0]
     for k in range(u.shape[0]):
-        place = int(m[0])
-        m[1 + place % length] = u[k]
+        note(m, u[k])
         share = min(max((u[k] - low) / (high - low), 0.0), 1.0)
-        u[k] = m[1 + (place - int(longest * share / SUBSTEP)) % length]
-        m[0] += 1.0
+        u[k] = noted(m, int(longest * share / SUBSTEP))
 
 
 @tuning("Zenger and Niemi, J. Process Control 19 (2009) 1511: a delay that depends on the flow")
@@ -282,15 +278,10 @@ def direction_gain(size: float, conditions: Conditions, rng: Generator) -> Built
 def _slow_clock(c: Array, m: Array, u: Array) -> None:
     """A clock that is late by a growing time: m holds the count and a ring of past values."""
     latest, duration, power = c
-    length = m.shape[0] - 1
-    if m[0] == 0.0:
-        m[1:] = u[0]
     for k in range(u.shape[0]):
-        place = int(m[0])
-        m[1 + place % length] = u[k]
         share = min(m[0] * SUBSTEP / duration, 1.0) ** power
-        u[k] = m[1 + (place - int(latest * share / SUBSTEP)) % length]
-        m[0] += 1.0
+        note(m, u[k])
+        u[k] = noted(m, int(latest * share / SUBSTEP))
 
 
 @reporting("Allan, Proc. IEEE 54 (1966) 221: a clock that drifts")

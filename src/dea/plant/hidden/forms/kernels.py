@@ -97,23 +97,19 @@ def added_course(course: Callable[[Array], Array], duration: float) -> SignalLaw
 
 
 @njit(cache=True)
-def _delayed(c: Array, m: Array, signal: Array) -> None:
-    """m holds place, whether the ring is filled, and a ring of past values."""
-    length = m.shape[0] - 2
-    if m[1] == 0.0:
-        m[1] = 1.0
-        m[2:] = signal[0]
-    place = int(m[0])
-    for k in range(signal.shape[0]):
-        m[2 + place], signal[k] = signal[k], m[2 + place]
-        place = (place + 1) % length
-    m[0] = place
+def note(m: Array, value: float) -> None:
+    """Note a value in a memory that holds how many there have been and a ring of the latest."""
+    if m[0] == 0.0:
+        m[1:] = value
+    m[1 + int(m[0]) % (m.shape[0] - 1)] = value
+    m[0] += 1.0
 
 
-def delay(seconds: float, *, output: bool = False) -> SignalLaw:
-    """Return a pure delay, to a millisecond."""
-    ring = np.zeros(2 + max(round(seconds / SUBSTEP), 1))
-    return SignalLaw(_delayed, [0.0], ring, output=output)
+@njit(cache=True)
+def noted(m: Array, late: int) -> float:
+    """Return the value noted ``late`` values before the latest."""
+    value: float = m[1 + (int(m[0]) - 1 - late) % (m.shape[0] - 1)]
+    return value
 
 
 @njit(cache=True)
