@@ -25,12 +25,19 @@ def _output(kernel: Kernel, constants: Values, memory: Values = (0.0,)) -> Built
 
 
 @njit(cache=True)
+def _factor(change: float) -> float:
+    """Return the factor on a command whose square gains a share, or loses at most 0.95."""
+    value: float = np.sqrt(max(1.0 + change, 0.05))
+    return value
+
+
+@njit(cache=True)
 def _self_heating(c: Array, m: Array, u: Array) -> None:
     """A temperature that the square of the command drives changes the command's gain."""
     change, time, power, highest = c
     for k in range(u.shape[0]):
         drive = (u[k] / highest) ** 2
-        u[k] *= np.sqrt(max(1.0 + change * m[0] ** power, 0.05))
+        u[k] *= _factor(change * m[0] ** power)
         m[0] += SUBSTEP / time * (drive - m[0])
 
 
@@ -125,7 +132,7 @@ def _modulate(c: Array, m: Array, u: Array) -> None:
     height, frequency, phase, second = c
     for k in range(u.shape[0]):
         angle = 2.0 * np.pi * frequency * m[0] + phase
-        u[k] *= np.sqrt(max(1.0 + height * (np.sin(angle) + second * np.sin(2.0 * angle)), 0.05))
+        u[k] *= _factor(height * (np.sin(angle) + second * np.sin(2.0 * angle)))
         m[0] += SUBSTEP
 
 
@@ -152,7 +159,7 @@ def _last_peak(c: Array, m: Array, u: Array) -> None:
             m[2] = 0.0
         m[1] = now
         share = (m[3] - low) / (high - low)
-        u[k] = now * np.sqrt(max(1.0 + change * share, 0.05))
+        u[k] = now * _factor(change * share)
 
 
 @tuning("Brokate and Sprekels, Hysteresis and Phase Transitions (1996): a memory of local maxima")
@@ -237,7 +244,7 @@ def _lorenz(c: Array, m: Array, u: Array) -> None:
     dt = SUBSTEP * pace
     for k in range(u.shape[0]):
         x, y, z = m
-        u[k] *= np.sqrt(max(1.0 + size * x / 8.0, 0.05))
+        u[k] *= _factor(size * x / 8.0)
         m[0] = x + dt * 10.0 * (y - x)
         m[1] = y + dt * (x * (28.0 - z) - y)
         m[2] = z + dt * (x * y - 8.0 / 3.0 * z)
@@ -262,7 +269,7 @@ def _direction(c: Array, m: Array, u: Array) -> None:
             m[3] = np.sign(now - m[1])
         m[2] += share * (m[3] - m[2])
         m[1] = now
-        u[k] = now * np.sqrt(max(1.0 + size * m[2], 0.05))
+        u[k] = now * _factor(size * m[2])
 
 
 @reporting(
