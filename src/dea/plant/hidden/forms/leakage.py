@@ -17,14 +17,12 @@ SPACE_CHARGE, POOLE_FRENKEL, SCHOTTKY, HOPPING, TUNNELLING = range(5)
 def _trapped(c: Array, m: Array, u: Array) -> None:
     """A trapped charge screens the field: conduction fills the traps, and they empty again.
 
-    m[1] is the screening voltage, which approaches ``size`` times the voltage at the ceiling, by a
+    m is the screening voltage, which approaches ``size`` times the voltage at the ceiling, by a
     law of conduction c[3] with steepness c[4] relative to the field at the ceiling c[2].
     """
     size, time, ceiling, law, steep = c
-    if m[0] == 0.0:
-        m[0], m[1] = 1.0, 0.0
     for k in range(u.shape[0]):
-        field = max(u[k] - m[1], 0.0)
+        field = max(u[k] - m[0], 0.0)
         x = field / ceiling
         current = x
         if law == SPACE_CHARGE:
@@ -37,14 +35,14 @@ def _trapped(c: Array, m: Array, u: Array) -> None:
             current = np.sinh(steep * x) / np.sinh(steep)
         elif law == TUNNELLING:
             current = x * x * np.exp(steep * (1.0 - 1.0 / max(x, 1e-3)))
-        m[1] += SUBSTEP / time * (size * ceiling * current - m[1])
+        m[0] += SUBSTEP / time * (size * ceiling * current - m[0])
         u[k] = field
 
 
 def _trap(size: float, conditions: Conditions, rng: Generator, law: int, steep: float) -> Built:
     time = conditions.time * np.exp(rng.uniform(np.log(1.0), np.log(8.0)))
     constants = [size, time, conditions.high, law, steep]
-    return Built(SignalLaw(_trapped, constants, [0.0, 0.0]), {})
+    return Built(SignalLaw(_trapped, constants), {})
 
 
 @tuning("Lampert and Mark, Current Injection in Solids (1970): the square law of space charge")
