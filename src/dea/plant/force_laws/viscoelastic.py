@@ -63,14 +63,15 @@ def quasi_linear_force(c: Array, m: Array, y: float) -> float:
     Y. C. Fung, in Biomechanics: Its Foundations and Objectives, 1972. (Stiffness, share) pairs
     follow the constants of the response; m: what every element has relaxed.
     """
-    force = 0.0
+    force, response = 0.0, _elastic(c, y)
     for i in range(int(c[0])):
-        force += c[3 + 2 * i] * (_elastic(c, y) - m[i])
+        force += c[3 + 2 * i] * (response - m[i])
     return force
 
 
 @njit(cache=True, error_model="numpy")
 def carry_quasi_linear(c: Array, m: Array, y: float) -> None:
     """Relax every element over a sub-step at a held place, exactly."""
+    response = _elastic(c, y)
     for i in range(int(c[0])):
-        m[i] += c[4 + 2 * i] * (_elastic(c, y) - m[i])
+        m[i] += c[4 + 2 * i] * (response - m[i])
