@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from dea.plant.array import Array
+from dea.plant.array import Array, Values
 from dea.plant.force_laws.contact import (
     air_cushion,
     disc_stop,
@@ -133,19 +133,19 @@ class Forces(NamedTuple):
 
 
 class ForceLaw(NamedTuple):
-    """One law: its kind, its constants and its initial memory, each at most WIDTH long."""
+    """One law: its kind, and the beginnings of its rows of constants and memory; the rest is 0."""
 
     kind: int
-    constants: Array
-    memory: Array
+    constants: Values
+    memory: Values = ()
 
 
 def stack(laws: list[ForceLaw]) -> Forces:
     """Return the laws as the arrays that the equation of motion takes."""
     constants, memory = np.zeros((len(laws), WIDTH)), np.zeros((len(laws), WIDTH))
     for row, law in enumerate(laws):
-        constants[row, : law.constants.size] = law.constants
-        memory[row, : law.memory.size] = law.memory
+        constants[row, : len(law.constants)] = law.constants
+        memory[row, : len(law.memory)] = law.memory
     return Forces(np.array([law.kind for law in laws], dtype=np.int64), constants, memory)
 
 

@@ -1,10 +1,10 @@
 """The law of an effect on the input or output path."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
-from dea.plant.array import Array
+from dea.plant.array import Array, Values
 
 
 class SignalLaw:
@@ -26,8 +26,8 @@ class SignalLaw:
     def __init__(
         self,
         kernel: Callable[[Array, Array, Array], None],
-        constants: Sequence[float] | Array,
-        memory: Sequence[float] | Array = (0.0,),
+        constants: Values,
+        memory: Values = (0.0,),
         *,
         output: bool = False,
     ) -> None:

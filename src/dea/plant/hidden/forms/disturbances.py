@@ -136,8 +136,8 @@ def cogging(size: float, conditions: Conditions, rng: Generator) -> Built:
     narrow = rng.uniform(2.0, 6.0)
     height = size * conditions.stiffness * conditions.travel
     phase = rng.uniform(0.0, 2.0 * np.pi)
-    constants = np.array([height, frequency, phase, narrow, i0e(narrow)])
-    return Built(ForceLaw(forces.PULSES, constants, np.zeros(1)), {"frequency": frequency})
+    constants = [height, frequency, phase, narrow, i0e(narrow)]
+    return Built(ForceLaw(forces.PULSES, constants), {"frequency": frequency})
 
 
 @reporting("Rao, Mechanical Vibrations (2017): the rectified sine of a loose contact")

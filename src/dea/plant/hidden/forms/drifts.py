@@ -197,8 +197,8 @@ def settling_load(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A constant force comes with the logarithm of time."""
     height = size * conditions.stiffness * conditions.travel * rng.choice([-1.0, 1.0])
     time = rng.uniform(0.01, 0.1) * conditions.duration
-    constants = np.array([height, in_time.LOGARITHM, time, conditions.duration])
-    return Built(ForceLaw(forces.FORCE_COURSE, constants, np.zeros(1)), {})
+    constants = [height, in_time.LOGARITHM, time, conditions.duration]
+    return Built(ForceLaw(forces.FORCE_COURSE, constants), {})
 
 
 EFFECTS = (

@@ -48,8 +48,8 @@ def cracked_spring(size: float, conditions: Conditions, rng: Generator) -> Built
     """A part of the stiffness goes, or comes, along a short logistic curve."""
     moment, width = _moment(conditions, rng), rng.uniform(0.02, 0.15) * conditions.time
     change = 0.5 * size * sign(size, rng) * conditions.stiffness
-    constants = np.array([change, in_time.SIGMOID, moment, width])
-    return Built(ForceLaw(forces.STIFFNESS_COURSE, constants, np.zeros(1)), {"time": moment})
+    constants = [change, in_time.SIGMOID, moment, width]
+    return Built(ForceLaw(forces.STIFFNESS_COURSE, constants), {"time": moment})
 
 
 @njit(cache=True)
@@ -115,8 +115,8 @@ def slipped_mount(size: float, conditions: Conditions, rng: Generator) -> Built:
     moment = _moment(conditions, rng)
     change = 0.5 * size * sign(size, rng)
     if conditions.force:
-        constants = np.array([change * conditions.stiffness, in_time.INSTANT, moment, 1.0])
-        return Built(ForceLaw(forces.STIFFNESS_COURSE, constants, np.zeros(1)), {"time": moment})
+        constants = [change * conditions.stiffness, in_time.INSTANT, moment, 1.0]
+        return Built(ForceLaw(forces.STIFFNESS_COURSE, constants), {"time": moment})
     return _stepping(size, conditions, rng, in_time.INSTANT, 1.0)
 
 

@@ -1,19 +1,18 @@
 """Effects on command and reading that a catalogue of common effects does not hold."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
 from numpy.random import Generator
 
-from dea.plant.array import Array
+from dea.plant.array import Array, Values
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tuning
 from dea.plant.hidden.forms.kernels import note, noted
 from dea.plant.signal_law import SignalLaw
 
 Kernel = Callable[[Array, Array, Array], None]
-Values = Sequence[float] | Array
 
 
 def _input(kernel: Kernel, constants: Values, memory: Values = (0.0,)) -> Built:

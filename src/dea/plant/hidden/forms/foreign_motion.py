@@ -16,7 +16,7 @@ def quadratic_drag(size: float, conditions: Conditions, rng: Generator) -> Built
     """Drag of ``size`` device forces at the mean speed of the motion."""
     speed = conditions.path / conditions.duration
     force = size * conditions.stiffness * conditions.travel
-    return Built(ForceLaw(forces.DRAG, np.array([force / speed**2]), np.zeros(1)), {})
+    return Built(ForceLaw(forces.DRAG, [force / speed**2]), {})
 
 
 @tuning("Nayfeh and Mook, Nonlinear Oscillations (1979): a stiffness that is pumped", moving=True)
@@ -26,7 +26,7 @@ def pumped_stiffness(size: float, conditions: Conditions, rng: Generator) -> Bui
     constants = [
         size * conditions.stiffness, conditions.rest, frequency, rng.uniform(0.0, 2.0 * np.pi)
     ]  # fmt: skip
-    return Built(ForceLaw(forces.PUMPED, np.array(constants), np.zeros(1)), {})
+    return Built(ForceLaw(forces.PUMPED, constants), {})
 
 
 @reporting(
@@ -36,8 +36,8 @@ def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A buckled strip whose bistable force reaches about ``size`` device forces."""
     force = size * conditions.stiffness * conditions.travel
     place = conditions.bottom + rng.uniform(0.3, 0.6) * conditions.travel
-    constants = np.array([force, place, rng.uniform(0.15, 0.35) * conditions.travel])
-    return Built(ForceLaw(forces.SNAP_THROUGH, constants, np.zeros(1)), {})
+    constants = [force, place, rng.uniform(0.15, 0.35) * conditions.travel]
+    return Built(ForceLaw(forces.SNAP_THROUGH, constants), {})
 
 
 EFFECTS = (

@@ -13,7 +13,7 @@ from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporti
 
 
 def _static(kind: int, constants: list[float]) -> Built:
-    return Built(ForceLaw(kind, np.array(constants), np.zeros(1)), {})
+    return Built(ForceLaw(kind, constants), {})
 
 
 @tuning("Fung, Biomechanics (1981): an exponential of the stretch")
@@ -86,7 +86,7 @@ def _cycling(size: float, conditions: Conditions, shape: int, exponent: float) -
         conditions.stiffness, size, max(conditions.cycles, 2.0), exponent,
         0.1 * conditions.travel, conditions.travel, float(shape),
     ]  # fmt: skip
-    return Built(ForceLaw(forces.CYCLES, np.array(constants), np.zeros(4)), {})
+    return Built(ForceLaw(forces.CYCLES, constants), {})
 
 
 @tuning("Basquin, Proc. ASTM 10 (1910) 625: a power of the number of cycles")
@@ -103,7 +103,7 @@ def ogden_roxburgh(size: float, conditions: Conditions, rng: Generator) -> Built
         conditions.stiffness, min(size, 0.9), rng.uniform(0.05, 0.3) * most,
         rng.uniform(0.05, 0.3),
     ]  # fmt: skip
-    return Built(ForceLaw(forces.PSEUDO_ELASTIC, np.array(constants), np.zeros(1)), {})
+    return Built(ForceLaw(forces.PSEUDO_ELASTIC, constants), {})
 
 
 @tuning("Lemaitre and Chaboche, Mechanics of Solid Materials (1990): softening that saturates")
@@ -123,7 +123,7 @@ def paris_crack(size: float, conditions: Conditions, rng: Generator) -> Built:
         conditions.stiffness, size, cycles * min(mean, 1.0), rng.uniform(3.0, 8.0),
         0.1 * conditions.travel, conditions.travel, order,
     ]  # fmt: skip
-    return Built(ForceLaw(forces.CRACK, np.array(constants), np.zeros(5)), {})
+    return Built(ForceLaw(forces.CRACK, constants), {})
 
 
 @reporting("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
@@ -132,7 +132,7 @@ def damage_by_work(size: float, conditions: Conditions, rng: Generator) -> Built
     whole = conditions.stiffness * conditions.path * conditions.travel * 0.5
     work = rng.uniform(0.1, 0.6) * whole
     constants = [conditions.stiffness, size, work, conditions.rest]
-    return Built(ForceLaw(forces.WORK, np.array(constants), np.zeros(1)), {})
+    return Built(ForceLaw(forces.WORK, constants), {})
 
 
 @reporting("Derham and Thomas, Rubber Chem. Technol. 50 (1977) 397: the logarithm of the cycles")
@@ -152,7 +152,7 @@ def _second(
     dashpot = 2.0 * rng.uniform(0.03, 0.12) * mass * angular
     length = rng.uniform(1.0, 3.0) * conditions.travel
     constants = [mass, spring, dashpot * (1.0 - to_ground), dashpot * to_ground, length, shape]
-    law = ForceLaw(forces.MODE, np.array(constants), np.array([conditions.rest, 0.0]))
+    law = ForceLaw(forces.MODE, constants, [conditions.rest])
     return Built(law, {"frequency": frequency})
 
 
@@ -185,8 +185,7 @@ def liquid_column(size: float, conditions: Conditions, rng: Generator) -> Built:
     # As a dashpot of so many times the critical one at an amplitude of 0.3 travels.
     share = rng.uniform(0.1, 0.4)
     drag = 2.0 * share * mass * 3.0 * np.pi / (8.0 * 0.3 * conditions.travel)
-    constants = np.array([mass, spring, dashpot, drag])
-    law = ForceLaw(forces.COLUMN, constants, np.array([conditions.rest, 0.0]))
+    law = ForceLaw(forces.COLUMN, [mass, spring, dashpot, drag], [conditions.rest])
     return Built(law, {"frequency": frequency})
 
 
@@ -197,10 +196,8 @@ def twin_masses(size: float, conditions: Conditions, rng: Generator) -> Built:
     second = frequency * rng.uniform(1.3, 1.8)
     first = _mass(size, conditions, rng, frequency)
     other = _mass(size * rng.uniform(0.3, 0.6), conditions, rng, second)
-    memory = np.array([conditions.rest, 0.0, conditions.rest, 0.0])
-    return Built(
-        ForceLaw(forces.TWINS, np.array([*first, *other]), memory), {"frequency": frequency}
-    )
+    memory = [conditions.rest, 0.0, conditions.rest]
+    return Built(ForceLaw(forces.TWINS, [*first, *other], memory), {"frequency": frequency})
 
 
 @reporting("Ren, J. Sound Vib. 245 (2001) 762: an absorber damped to the ground")
@@ -221,7 +218,7 @@ def _stop(size: float, conditions: Conditions) -> float:
 
 def _stopped(kind: int, place: float, constants: list[float]) -> Built:
     return Built(
-        ForceLaw(kind, np.array([constants[0], place, *constants[1:]]), np.zeros(1)),
+        ForceLaw(kind, [constants[0], place, *constants[1:]]),
         {"limit": place},
     )
 

@@ -57,10 +57,8 @@ def norton_dashpot(size: float, conditions: Conditions, rng: Generator) -> Built
     """A spring of three ``size`` stiffnesses on a dashpot whose rate is a power of its stretch."""
     length = rng.uniform(0.1, 0.4) * conditions.travel
     time = conditions.time * np.exp(rng.uniform(np.log(1.0), np.log(8.0)))
-    constants = np.array(
-        [3.0 * size * conditions.stiffness, length / time, length, rng.uniform(2.0, 5.0)]
-    )
-    return Built(ForceLaw(forces.NORTON, constants, np.array([conditions.rest])), {})
+    constants = [3.0 * size * conditions.stiffness, length / time, length, rng.uniform(2.0, 5.0)]
+    return Built(ForceLaw(forces.NORTON, constants, [conditions.rest]), {})
 
 
 @tuning(
@@ -78,7 +76,7 @@ def quasi_linear(size: float, conditions: Conditions, rng: Generator) -> Built:
     stiffnesses = shares * size * conditions.stiffness / secant / (shares @ np.exp(-1.0 / times))
     pairs = np.column_stack([stiffnesses, -np.expm1(-SUBSTEP / (times * conditions.time))])
     constants = np.concatenate([[2.0, length, conditions.rest], pairs.ravel()])
-    return Built(ForceLaw(forces.QUASI_LINEAR, constants, np.zeros(2)), {})
+    return Built(ForceLaw(forces.QUASI_LINEAR, constants), {})
 
 
 @reporting("Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896: creep with the logarithm of time")
@@ -95,16 +93,15 @@ def activated_dashpot(size: float, conditions: Conditions, rng: Generator) -> Bu
     """A spring of four ``size`` stiffnesses on a dashpot whose rate is a sinh of its stretch."""
     length = rng.uniform(0.08, 0.25) * conditions.travel
     time = conditions.time * np.exp(rng.uniform(np.log(2.0), np.log(10.0)))
-    constants = np.array([4.0 * size * conditions.stiffness, length / time, length])
-    return Built(ForceLaw(forces.EYRING, constants, np.array([conditions.rest])), {})
+    constants = [4.0 * size * conditions.stiffness, length / time, length]
+    return Built(ForceLaw(forces.EYRING, constants, [conditions.rest]), {})
 
 
 def _relaxing(size: float, conditions: Conditions, shape: int, a: float, b: float) -> Built:
     """Return the loss with time of a share of the stiffness, ``size`` at the end."""
     at_end = in_time.course(float(shape), a, b, conditions.duration)
     lost = -size * conditions.stiffness / at_end
-    constants = np.array([lost, shape, a, b])
-    return Built(ForceLaw(forces.STIFFNESS_COURSE, constants, np.zeros(1)), {})
+    return Built(ForceLaw(forces.STIFFNESS_COURSE, [lost, shape, a, b]), {})
 
 
 @tuning("Nutting, J. Franklin Inst. 191 (1921) 679: a power of the time under load")
@@ -161,55 +158,38 @@ def _reversals(conditions: Conditions) -> Array:
 @tuning("Masing, Proc. 2nd Int. Congr. Appl. Mech. (1926) 332, with loops stiffer at the ends")
 def masing_loops(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Branches that are hyperbolas of initial stiffness ``size``, by Masing's rule."""
-    constants = np.array(
-        [
-            size * conditions.stiffness,
-            rng.uniform(0.1, 0.4) * conditions.travel,
-            conditions.median,
-            rng.uniform(0.8, 2.0) * conditions.travel,
-            1.0,
-            0.0,
-        ]
-    )
+    constants = [
+        size * conditions.stiffness, rng.uniform(0.1, 0.4) * conditions.travel,
+        conditions.median, rng.uniform(0.8, 2.0) * conditions.travel, 1.0, 0.0,
+    ]  # fmt: skip
     return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
 
 
 @tuning("Menegotto and Pinto, IABSE Symposium Lisbon (1973) 15: a line that bends into another")
 def menegotto_pinto(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Branches of stiffness ``size`` that bend into less steep lines, by Masing's rule."""
-    constants = np.array(
-        [
-            size * conditions.stiffness,
-            rng.uniform(0.15, 0.5) * conditions.travel,
-            conditions.median,
-            np.inf,
-            rng.uniform(2.0, 5.0),
-            rng.uniform(0.02, 0.2),
-        ]
-    )
+    constants = [
+        size * conditions.stiffness, rng.uniform(0.15, 0.5) * conditions.travel,
+        conditions.median, np.inf, rng.uniform(2.0, 5.0), rng.uniform(0.02, 0.2),
+    ]  # fmt: skip
     return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
 
 
 @tuning("Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249, after Bouc")
 def bouc_wen(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Wen's hysteretic deflection on a spring of ``size`` stiffnesses."""
-    constants = np.array(
-        [
-            size * conditions.stiffness,
-            rng.uniform(0.08, 0.35) * conditions.travel,
-            rng.uniform(1.2, 3.0),
-            rng.uniform(0.55, 0.95),
-        ]
-    )
-    return Built(ForceLaw(forces.BOUC_WEN, constants, np.array([0.0, conditions.rest])), {})
+    constants = [
+        size * conditions.stiffness, rng.uniform(0.08, 0.35) * conditions.travel,
+        rng.uniform(1.2, 3.0), rng.uniform(0.55, 0.95),
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.BOUC_WEN, constants, [0.0, conditions.rest]), {})
 
 
 def _sliders(stiffnesses: Array, stretches: Array, conditions: Conditions) -> Built:
     """Return springs on sliders, each of which moves at a stretch of its own."""
     pairs = np.column_stack([stiffnesses, stretches]).ravel()
-    constants, memory = np.append(float(stretches.size), pairs), np.zeros(1 + stretches.size)
-    memory[0] = conditions.rest
-    return Built(ForceLaw(forces.SLIDERS, constants, memory), {})
+    constants = np.append(float(stretches.size), pairs)
+    return Built(ForceLaw(forces.SLIDERS, constants, [conditions.rest]), {})
 
 
 @tuning(
@@ -228,8 +208,7 @@ def preisach_product(size: float, conditions: Conditions, rng: Generator) -> Bui
     width = rng.uniform(0.3, 0.8) * conditions.travel
     middle = conditions.bottom + rng.uniform(0.3, 0.7) * conditions.travel
     height = size * conditions.stiffness * conditions.travel
-    constants = np.array([height, middle, width])
-    return Built(ForceLaw(forces.PREISACH, constants, _reversals(conditions)), {})
+    return Built(ForceLaw(forces.PREISACH, [height, middle, width], _reversals(conditions)), {})
 
 
 @reporting("Coleman and Hodgdon, Int. J. Eng. Sci. 24 (1986) 897: a model of Duhem's type")
@@ -237,8 +216,8 @@ def coleman_hodgdon(size: float, conditions: Conditions, rng: Generator) -> Buil
     """A force that turns with ``size`` stiffnesses and then follows a less steep line."""
     rate = 1.0 / (rng.uniform(0.15, 0.5) * conditions.travel)
     turning = size * conditions.stiffness
-    constants = np.array([rate, rng.uniform(0.0, 0.5) * turning, turning, conditions.rest])
-    return Built(ForceLaw(forces.DUHEM, constants, np.array([0.0, conditions.rest])), {})
+    constants = [rate, rng.uniform(0.0, 0.5) * turning, turning, conditions.rest]
+    return Built(ForceLaw(forces.DUHEM, constants, [0.0, conditions.rest]), {})
 
 
 def _scales(size: float, conditions: Conditions) -> tuple[float, float]:
@@ -252,16 +231,11 @@ def lugre(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Bristles that bend by a few thousandths of the travel, with static friction above sliding."""
     sliding, speed = _scales(size, conditions)
     bend = rng.uniform(1e-3, 4e-3) * conditions.travel
-    constants = np.array(
-        [
-            sliding / bend,
-            0.0,
-            sliding,
-            sliding * rng.uniform(1.0, 1.4),
-            speed * rng.uniform(0.1, 0.4),
-        ]
-    )
-    return Built(ForceLaw(forces.LUGRE, constants, np.zeros(1)), {})
+    constants = [
+        sliding / bend, 0.0, sliding, sliding * rng.uniform(1.0, 1.4),
+        speed * rng.uniform(0.1, 0.4),
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.LUGRE, constants), {})
 
 
 @tuning("Armstrong-Hélouvry et al., Automatica 30 (1994) 1083: Tustin's exponential of the speed")
@@ -269,8 +243,8 @@ def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built
     """Friction that falls with the speed, regularised near standstill."""
     sliding, speed = _scales(size, conditions)
     static = sliding * rng.uniform(1.1, 1.6)
-    constants = np.array([sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed])
-    return Built(ForceLaw(forces.STRIBECK, constants, np.zeros(1)), {})
+    constants = [sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed]
+    return Built(ForceLaw(forces.STRIBECK, constants), {})
 
 
 @tuning("Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip")
@@ -287,8 +261,8 @@ def ageing_contacts(size: float, conditions: Conditions, rng: Generator) -> Buil
     """Friction that grows with the logarithm of the time of rest, and falls with the speed."""
     sliding, speed = _scales(size, conditions)
     slip = rng.uniform(0.005, 0.02) * conditions.travel
-    constants = np.array([sliding, rng.uniform(0.05, 0.12), slip / speed, slip, 0.03 * speed])
-    return Built(ForceLaw(forces.AGEING, constants, np.zeros(1)), {})
+    constants = [sliding, rng.uniform(0.05, 0.12), slip / speed, slip, 0.03 * speed]
+    return Built(ForceLaw(forces.AGEING, constants), {})
 
 
 @tuning("Harris, Rolling Bearing Analysis (2001): friction in proportion to the load")
@@ -297,10 +271,8 @@ def loaded_bearing(size: float, conditions: Conditions, rng: Generator) -> Built
     sliding, speed = _scales(size, conditions)
     growth = rng.uniform(0.6, 1.1)
     low = sliding * (1.0 - 0.5 * growth)
-    constants = np.array(
-        [low, sliding * growth / conditions.travel, conditions.bottom, 0.03 * speed]
-    )
-    return Built(ForceLaw(forces.BEARING, constants, np.zeros(1)), {})
+    constants = [low, sliding * growth / conditions.travel, conditions.bottom, 0.03 * speed]
+    return Built(ForceLaw(forces.BEARING, constants), {})
 
 
 @reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
@@ -308,8 +280,7 @@ def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Dahl's friction, which saturates within about two hundredths of the travel."""
     sliding, _ = _scales(size, conditions)
     stiffness = sliding / (rng.uniform(0.008, 0.025) * conditions.travel)
-    constants = np.array([sliding, stiffness])
-    return Built(ForceLaw(forces.DAHL, constants, np.array([0.0, conditions.rest])), {})
+    return Built(ForceLaw(forces.DAHL, [sliding, stiffness], [0.0, conditions.rest]), {})
 
 
 @reporting("Makkar et al., IEEE/ASME AIM (2005) 600: a continuous friction, stronger one way")
@@ -319,8 +290,8 @@ def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
     excess = sliding * rng.uniform(0.1, 0.5)
     steepness = np.array([rng.uniform(15.0, 25.0), rng.uniform(1.0, 3.0), 20.0]) / speed
     uneven = rng.uniform(-0.2, 0.2)
-    constants = np.array([excess, steepness[0], steepness[1], sliding, steepness[2], uneven])
-    return Built(ForceLaw(forces.COMPOSITE, constants, np.zeros(1)), {})
+    constants = [excess, steepness[0], steepness[1], sliding, steepness[2], uneven]
+    return Built(ForceLaw(forces.COMPOSITE, constants), {})
 
 
 EFFECTS = (
