@@ -141,15 +141,21 @@ def logarithm_of_cycles(size: float, conditions: Conditions, rng: Generator) -> 
     return _cycling(size, conditions, damage.LOGARITHM, 0.0)
 
 
+def _attached(
+    size: float, conditions: Conditions, frequency: float, damping: float
+) -> tuple[float, float, float]:
+    """Return mass, spring and dashpot of a second mass on a spring of ``size`` stiffnesses."""
+    angular, spring = 2.0 * np.pi * frequency, size * conditions.stiffness
+    mass = spring / angular**2
+    return mass, spring, 2.0 * damping * mass * angular
+
+
 def _second(
     size: float, conditions: Conditions, rng: Generator, shape: float, to_ground: float
 ) -> Built:
     """Return a second mass at 0.6 to 2 times the band, on a spring of ``size`` stiffnesses."""
     frequency = rng.uniform(0.6, 2.0) / conditions.time
-    angular = 2.0 * np.pi * frequency
-    spring = size * conditions.stiffness
-    mass = spring / angular**2
-    dashpot = 2.0 * rng.uniform(0.03, 0.12) * mass * angular
+    mass, spring, dashpot = _attached(size, conditions, frequency, rng.uniform(0.03, 0.12))
     length = rng.uniform(1.0, 3.0) * conditions.travel
     constants = [mass, spring, dashpot * (1.0 - to_ground), dashpot * to_ground, length, shape]
     law = ForceLaw(forces.MODE, constants, [conditions.rest])
@@ -168,20 +174,11 @@ def shared_damping(size: float, conditions: Conditions, rng: Generator) -> Built
     return _second(size, conditions, rng, mode.HARDENING, rng.uniform(0.3, 0.7))
 
 
-def _mass(
-    size: float, conditions: Conditions, rng: Generator, frequency: float
-) -> tuple[float, float, float]:
-    """Return mass, spring and a weak dashpot of an attached mass."""
-    angular, spring = 2.0 * np.pi * frequency, size * conditions.stiffness
-    mass = spring / angular**2
-    return mass, spring, 2.0 * rng.uniform(0.02, 0.06) * mass * angular
-
-
 @tuning("Sakai et al., Proc. Int. Conf. Highrise Buildings (1989) 926: a tuned column of liquid")
 def liquid_column(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A second mass on a linear spring, damped by the square of the speed besides."""
     frequency = rng.uniform(0.6, 2.0) / conditions.time
-    mass, spring, dashpot = _mass(size, conditions, rng, frequency)
+    mass, spring, dashpot = _attached(size, conditions, frequency, rng.uniform(0.02, 0.06))
     # As a dashpot of so many times the critical one at an amplitude of 0.3 travels.
     share = rng.uniform(0.1, 0.4)
     drag = 2.0 * share * mass * 3.0 * np.pi / (8.0 * 0.3 * conditions.travel)
@@ -194,8 +191,9 @@ def twin_masses(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Two masses on linear springs; the second is weaker and 1.3 to 1.8 times as quick."""
     frequency = rng.uniform(0.6, 1.6) / conditions.time
     second = frequency * rng.uniform(1.3, 1.8)
-    first = _mass(size, conditions, rng, frequency)
-    other = _mass(size * rng.uniform(0.3, 0.6), conditions, rng, second)
+    first = _attached(size, conditions, frequency, rng.uniform(0.02, 0.06))
+    weaker, damping = size * rng.uniform(0.3, 0.6), rng.uniform(0.02, 0.06)
+    other = _attached(weaker, conditions, second, damping)
     memory = [conditions.rest, 0.0, conditions.rest]
     return Built(ForceLaw(forces.TWINS, [*first, *other], memory), {"frequency": frequency})
 
