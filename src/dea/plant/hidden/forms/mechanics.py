@@ -210,15 +210,12 @@ def sloshing_pendulum(size: float, conditions: Conditions, rng: Generator) -> Bu
     return _second(size, conditions, rng, mode.PENDULUM, 0.0)
 
 
-def _stop(size: float, conditions: Conditions) -> float:
-    return conditions.top - size * conditions.travel
-
-
-def _stopped(kind: int, place: float, constants: list[float]) -> Built:
-    return Built(
-        ForceLaw(kind, [constants[0], place, *constants[1:]]),
-        {"limit": place},
-    )
+def _stopped(
+    kind: int, size: float, conditions: Conditions, stiffness: float, *others: float
+) -> Built:
+    """Return a stop that takes away ``size`` travels, with constants after its place."""
+    place = conditions.top - size * conditions.travel
+    return Built(ForceLaw(kind, [stiffness, place, *others]), {"limit": place})
 
 
 @tuning("Hunt and Crossley, J. Appl. Mech. 42 (1975) 440: Hertz contact with damping")
@@ -227,9 +224,7 @@ def hertz_contact(size: float, conditions: Conditions, rng: Generator) -> Built:
     depth = 0.02 * conditions.travel
     stiffness = rng.uniform(5.0, 20.0) * conditions.stiffness / np.sqrt(depth)
     speed = conditions.path / conditions.duration
-    return _stopped(
-        forces.HERTZ, _stop(size, conditions), [stiffness, rng.uniform(0.0, 0.2) / speed]
-    )
+    return _stopped(forces.HERTZ, size, conditions, stiffness, rng.uniform(0.0, 0.2) / speed)
 
 
 @tuning("Goldsmith, Impact (1960): a spring and dashpot that never pull")
@@ -237,7 +232,7 @@ def sprung_contact(size: float, conditions: Conditions, rng: Generator) -> Built
     """A stop of eight to thirty times the device's stiffness, with a dashpot."""
     stiffness = rng.uniform(8.0, 30.0) * conditions.stiffness
     dashpot = rng.uniform(0.0, 0.02) * stiffness * conditions.time
-    return _stopped(forces.PADDED, _stop(size, conditions), [stiffness, dashpot])
+    return _stopped(forces.PADDED, size, conditions, stiffness, dashpot)
 
 
 @tuning("Shaw and Holmes, J. Sound Vib. 90 (1983) 129: a piecewise linear stop")
@@ -245,7 +240,7 @@ def stepped_pad(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A pad two to six times as stiff as the device, and behind it a stop of fifteen to forty."""
     soft, hard = conditions.stiffness * np.array([rng.uniform(2.0, 6.0), rng.uniform(15.0, 40.0)])
     thickness = rng.uniform(0.02, 0.06) * conditions.travel
-    return _stopped(forces.STEPPED, _stop(size, conditions), [soft, thickness, hard])
+    return _stopped(forces.STEPPED, size, conditions, soft, thickness, hard)
 
 
 @tuning("Almen and László, Trans. ASME 58 (1936) 305: disc springs, softer before they are flat")
@@ -254,9 +249,8 @@ def disc_springs(size: float, conditions: Conditions, rng: Generator) -> Built:
     height = rng.uniform(0.02, 0.06) * conditions.travel
     thickness = height / rng.uniform(0.9, 1.35)
     stiffness = rng.uniform(10.0, 30.0) * conditions.stiffness
-    return _stopped(
-        forces.DISC, _stop(size, conditions), [stiffness, height, thickness, 2.0 * stiffness]
-    )
+    flat = 2.0 * stiffness
+    return _stopped(forces.DISC, size, conditions, stiffness, height, thickness, flat)
 
 
 @reporting("Lindley, Engineering Design with Natural Rubber (1974): a bumper")
@@ -264,7 +258,7 @@ def rubber_bumper(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A soft bumper that stiffens exponentially within a few hundredths of the travel."""
     depth = rng.uniform(0.01, 0.03) * conditions.travel
     stiffness = rng.uniform(1.0, 4.0) * conditions.stiffness
-    return _stopped(forces.RUBBER, _stop(size, conditions), [stiffness, depth])
+    return _stopped(forces.RUBBER, size, conditions, stiffness, depth)
 
 
 @reporting("Andersen, The Analysis and Design of Pneumatic Systems (1967): an air cushion")
@@ -272,7 +266,7 @@ def air_cushion(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A cylinder that closes: an adiabatic cushion a tenth of the travel long."""
     length = rng.uniform(0.06, 0.15) * conditions.travel
     stiffness = rng.uniform(1.5, 4.0) * conditions.stiffness
-    return _stopped(forces.CUSHION, _stop(size, conditions), [stiffness, length])
+    return _stopped(forces.CUSHION, size, conditions, stiffness, length)
 
 
 EFFECTS = (
