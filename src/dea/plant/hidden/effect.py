@@ -65,6 +65,15 @@ class Conditions(NamedTuple):
         """The range of the command in V."""
         return self.high - self.low
 
+    @property
+    def speed(self) -> float:
+        """The mean speed of the motion."""
+        return self.path / self.duration
+
+    def device_forces(self, size: float) -> float:
+        """Return ``size`` device forces; one is the stiffness times the travel."""
+        return size * self.stiffness * self.travel
+
 
 class Built(NamedTuple):
     """A law, and the values that define it and that a diagnosis may give, in V, s, Hz or output."""

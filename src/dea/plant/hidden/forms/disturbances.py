@@ -134,7 +134,7 @@ def cogging(size: float, conditions: Conditions, rng: Generator) -> Built:
 
     frequency = 10.0 ** rng.uniform(-0.7, 0.2) / conditions.time
     narrow = rng.uniform(2.0, 6.0)
-    height = size * conditions.stiffness * conditions.travel
+    height = conditions.device_forces(size)
     phase = rng.uniform(0.0, 2.0 * np.pi)
     constants = [height, frequency, phase, narrow, i0e(narrow)]
     return Built(ForceLaw(forces.PULSES, constants), {"frequency": frequency})

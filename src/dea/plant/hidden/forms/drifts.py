@@ -195,7 +195,7 @@ def daily_swing(size: float, conditions: Conditions, rng: Generator) -> Built:
 @reporting("Lomnitz, J. Geol. 64 (1956) 473: a load that settles with log time", moving=True)
 def settling_load(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A constant force comes with the logarithm of time."""
-    height = size * conditions.stiffness * conditions.travel * rng.choice([-1.0, 1.0])
+    height = conditions.device_forces(size) * rng.choice([-1.0, 1.0])
     time = rng.uniform(0.01, 0.1) * conditions.duration
     constants = [height, in_time.LOGARITHM, time, conditions.duration]
     return Built(ForceLaw(forces.FORCE_COURSE, constants), {})

@@ -14,9 +14,8 @@ from dea.plant.hidden.effect import Built, Conditions, foreign, reporting, tunin
 )
 def quadratic_drag(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Drag of ``size`` device forces at the mean speed of the motion."""
-    speed = conditions.path / conditions.duration
-    force = size * conditions.stiffness * conditions.travel
-    return Built(ForceLaw(forces.DRAG, [force / speed**2]), {})
+    constants = [conditions.device_forces(size) / conditions.speed**2]
+    return Built(ForceLaw(forces.DRAG, constants), {})
 
 
 @tuning("Nayfeh and Mook, Nonlinear Oscillations (1979): a stiffness that is pumped", moving=True)
@@ -34,7 +33,7 @@ def pumped_stiffness(size: float, conditions: Conditions, rng: Generator) -> Bui
 )
 def bistable_snap(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A buckled strip whose bistable force reaches about ``size`` device forces."""
-    force = size * conditions.stiffness * conditions.travel
+    force = conditions.device_forces(size)
     place = conditions.bottom + rng.uniform(0.3, 0.6) * conditions.travel
     constants = [force, place, rng.uniform(0.15, 0.35) * conditions.travel]
     return Built(ForceLaw(forces.SNAP_THROUGH, constants), {})

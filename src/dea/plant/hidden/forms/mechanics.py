@@ -21,14 +21,14 @@ def fung(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that is exponential, at the top ``size`` times the largest device force."""
     length = rng.uniform(0.2, 0.5) * conditions.travel
     reach = conditions.travel / length
-    force = size * conditions.stiffness * conditions.travel / (np.exp(reach) - 1.0 - reach)
+    force = conditions.device_forces(size) / (np.exp(reach) - 1.0 - reach)
     return _static(forces.FUNG, [force, length, conditions.bottom])
 
 
 @tuning("Ogden, Proc. R. Soc. A 326 (1972) 565: a power of the stretch")
 def ogden_term(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that is a power of 3.5 to 6, at the top ``size`` times the largest device force."""
-    force = size * conditions.stiffness * conditions.travel
+    force = conditions.device_forces(size)
     return _static(
         forces.POWER, [force, rng.uniform(3.5, 6.0), conditions.bottom, conditions.travel]
     )
@@ -39,7 +39,7 @@ def demiray(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force x (exp(x²) - 1), at the top ``size`` times the largest device force."""
     length = rng.uniform(0.5, 1.0) * conditions.travel
     x = conditions.travel / length
-    force = size * conditions.stiffness * conditions.travel / (x * np.expm1(x * x))
+    force = conditions.device_forces(size) / (x * np.expm1(x * x))
     return _static(forces.DEMIRAY, [force, length, conditions.bottom])
 
 
@@ -49,7 +49,7 @@ def recruited_fibres(size: float, conditions: Conditions, rng: Generator) -> Bui
     mean = conditions.bottom + rng.uniform(0.5, 0.75) * conditions.travel
     width = rng.uniform(0.06, 0.2) * conditions.travel
     whole = fibre_force(np.array([1.0, mean, width]), conditions.top)
-    stiffness = size * conditions.stiffness * conditions.travel / whole
+    stiffness = conditions.device_forces(size) / whole
     return _static(forces.FIBRES, [stiffness, mean, width])
 
 
@@ -223,8 +223,8 @@ def hertz_contact(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Contact stiff enough to take the device force within two hundredths of the travel."""
     depth = 0.02 * conditions.travel
     stiffness = rng.uniform(5.0, 20.0) * conditions.stiffness / np.sqrt(depth)
-    speed = conditions.path / conditions.duration
-    return _stopped(forces.HERTZ, size, conditions, stiffness, rng.uniform(0.0, 0.2) / speed)
+    damping = rng.uniform(0.0, 0.2) / conditions.speed
+    return _stopped(forces.HERTZ, size, conditions, stiffness, damping)
 
 
 @tuning("Goldsmith, Impact (1960): a spring and dashpot that never pull")
