@@ -29,10 +29,10 @@ def _frequency(conditions: Conditions, rng: Generator) -> float:
 
 
 def _wave(
-    size: float, conditions: Conditions, rng: Generator, heights: Array, *, output: bool = True
+    size: float, conditions: Conditions, rng: Generator, shares: list[float], *, output: bool
 ) -> Built:
     frequency = _frequency(conditions, rng)
-    heights = np.asarray(heights) * size * (conditions.travel if output else conditions.span)
+    heights = np.array(shares) * size * (conditions.travel if output else conditions.span)
     phases = rng.uniform(0.0, 2.0 * np.pi, heights.size)
     pairs = np.column_stack([heights, phases]).ravel()
     law = SignalLaw(_harmonics, np.concatenate([[frequency], pairs]), output=output)
@@ -42,14 +42,14 @@ def _wave(
 @tuning("Den Hartog, Mechanical Vibrations (1956): the harmonics of a reciprocating machine")
 def machine_harmonics(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A fundamental and two harmonics on the reading."""
-    return _wave(size, conditions, rng, np.array([1.0, rng.uniform(0, 0.5), rng.uniform(0, 0.3)]))
+    shares = [1.0, rng.uniform(0.0, 0.5), rng.uniform(0.0, 0.3)]
+    return _wave(size, conditions, rng, shares, output=True)
 
 
 @tuning("Mohan, Power Electronics (2003): ripple of a supply on the command")
 def supply_ripple(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A fundamental and its second harmonic added to the command."""
-    heights = np.array([1.0, rng.uniform(0.0, 0.5)])
-    return _wave(size, conditions, rng, heights, output=False)
+    return _wave(size, conditions, rng, [1.0, rng.uniform(0.0, 0.5)], output=False)
 
 
 @njit(cache=True)
