@@ -30,7 +30,7 @@ def _mapped(c: Array, m: Array, signal: Array) -> None:
         signal[k] = _between(c[2:], c[0], c[1], signal[k])
 
 
-def curve(
+def _curve(
     function: Callable[[Array], Array], low: float, high: float, *, output: bool = False
 ) -> SignalLaw:
     """Return the law that maps a signal by ``function``, tabulated from ``low`` to ``high``."""
@@ -41,13 +41,13 @@ def curve(
 
 def command_curve(function: Callable[[Array], Array], conditions: Conditions) -> SignalLaw:
     """Return the law on the command, tabulated from 0 V to twice the highest command."""
-    return curve(function, 0.0, 2.0 * conditions.high)
+    return _curve(function, 0.0, 2.0 * conditions.high)
 
 
 def reading_curve(function: Callable[[Array], Array], conditions: Conditions) -> SignalLaw:
     """Return the law on the reading, from four travels below its plain range to four above."""
     reach = 4.0 * conditions.travel
-    return curve(function, conditions.bottom - reach, conditions.top + reach, output=True)
+    return _curve(function, conditions.bottom - reach, conditions.top + reach, output=True)
 
 
 def bent_above(knee: float, bend: Callable[[Array], Array]) -> Callable[[Array], Array]:
