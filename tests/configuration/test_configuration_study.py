@@ -227,13 +227,13 @@ def test_a_case_with_another_suffix_is_not_left_out_silently(tmp_path):
 
 
 def test_simulations_and_effects_are_those_of_the_catalogue(tmp_path):
-    names = ["dea_membrane"], ["dead_zone", "end_stop"]
+    names = ["dea_film"], ["dead_zone", "end_stop"]
     check_names(check_study(STUDY), *names)
     offered = check_study(changed(STUDY, ["discrepancy", "effects"], ["end_stop", "dead_zon"]))
     with pytest.raises(InputError, match=r"effects\[1\]: .*'dead_zon'.*mean 'dead_zone'"):
         check_names(offered, *names)
     for name, words in (
-        ("dea_membran", "Did you mean 'dea_membrane'"),
+        ("dea_fil", "Did you mean 'dea_film'"),
         (str(tmp_path / "mine.py"), "no file '.*mine.py'"),
     ):
         misnamed = check_study(changed(STUDY, ["discrepancy", "simulation"], name))
@@ -243,7 +243,7 @@ def test_simulations_and_effects_are_those_of_the_catalogue(tmp_path):
     check_names(misnamed, *names)
     case = check_case(CASES[CONFIG / "cases/silverbox.yaml"], check_study(STUDY))
     with pytest.raises(InputError, match=r"mine.yaml: simulation: .*'mass_spring_damper'"):
-        check_cases({Path("mine.yaml"): case}, ["dea_membrane"])
+        check_cases({Path("mine.yaml"): case}, ["dea_film"])
 
 
 def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_path, monkeypatch):

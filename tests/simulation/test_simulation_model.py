@@ -56,12 +56,13 @@ def reference(simulation, u, interval, slopes=None):
     ("name", "u", "interval", "tolerance"),
     [
         ("dea_membrane", 2.4 + np.sin(4 * T), DT, 1e-5),
+        ("dea_film", 2.4 + np.sin(4 * T), DT, 1e-5),
         ("cascaded_tanks", 3.0 + np.sin(0.3 * T / DT * 0.1), 4.0, 1e-3),
         ("electric_drive", np.sign(np.sin(3 * T)), DT, 1e-6),
     ],
 )
 def test_integration_agrees_with_another_method(name, u, interval, tolerance):
-    simulation = replace(load_simulation(name), lead_in=0.2 if name == "dea_membrane" else 0.0)
+    simulation = replace(load_simulation(name), lead_in=0.2 if name.startswith("dea") else 0.0)
     extended = ExtendedSimulation(simulation, substeps=2)
     values = extended.values(np.zeros(extended.free.size))
     found = extended.simulate(values, u, interval)

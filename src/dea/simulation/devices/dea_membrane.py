@@ -76,15 +76,30 @@ def work(
 
 
 @njit(cache=True, error_model="numpy")
+def squares_of(p: np.ndarray) -> tuple[float, float, float, float, float]:
+    """Return R²/a² at the points and at the frame, and ln b/a."""
+    ratio = p[7] / p[8]
+    outer = ratio * ratio
+    inner = outer**POINT
+    return inner, ratio, outer / inner, outer, 0.5 * log(outer)
+
+
+@njit(cache=True, error_model="numpy")
+def suspending(x: float, sigma: float, compliance: float, p: np.ndarray) -> float:
+    """Return the vertical stiffness in N/m at a stretch, given what :func:`work` returns."""
+    compliance += log(p[8] * x / p[9]) * x * x / sigma
+    return float(2.0 * pi / compliance * p[10] / (p[5] * p[5]))
+
+
+@njit(cache=True, error_model="numpy")
 def stiffness(u: float, p: np.ndarray) -> float:
     """Return the vertical stiffness in N/m, NaN beyond pull-in.
 
     x is found by inverse quadratic interpolation from estimates below it, of which the first is
     that of a neo-Hookean film: the work is concave in x, so that it stays on this side of pull-in.
     """
-    initial, outer = p[5] * p[5], (p[7] / p[8]) ** 2
-    inner = outer**POINT
-    squares = (inner, p[7] / p[8], outer / inner, outer, 0.5 * log(outer))
+    initial, squares = p[5] * p[5], squares_of(p)
+    outer = squares[3]
     invariant = 2.0 * initial - 3.0
     W = p[2] + invariant * (2.0 * p[3] + 3.0 * p[4] * invariant)
     field = p[11] * u * initial / p[10]
@@ -100,8 +115,7 @@ def stiffness(u: float, p: np.ndarray) -> float:
         x_3 -= x_1 * work_0 * work_2 / (d_01 * d_12)
         x_3 += x_2 * work_0 * work_1 / (d_02 * d_12)
         if abs(x_3 - x_2) < CLOSE:
-            compliance += log(p[8] * x_2 / p[9]) * x_2 * x_2 / sigma
-            return float(2.0 * pi / compliance * p[10] / initial)
+            return suspending(x_2, sigma, compliance, p)
         x_0, x_1, x_2 = x_1, x_2, x_3
         work_0, work_1 = work_1, work_2
     return nan
