@@ -58,7 +58,10 @@ class Budget(Section):
         default=8,
     )
     long_record: Count = key(
-        "record length above which all this is halved", unit="samples", default=30_000
+        "record length above which most of this is halved, and the record decimated where it is "
+        "sampled much faster than it moves",
+        unit="samples",
+        default=30_000,
     )
 
 

@@ -1,10 +1,12 @@
 """The records of a diagnosis, joined: their signals, the roles of their samples, their noise."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dea.discrepancy.decimation import decimated, decimation_of
 from dea.discrepancy.evidence.noise import quantisation, white_level
 from dea.discrepancy.evidence.split import Split, split
 from dea.discrepancy.problem import Problem, Samples
@@ -82,6 +84,9 @@ def prepare(
 ) -> tuple[Problem, Split, ExtendedSimulation]:
     """Join and split records, estimate their noise, and choose the integration step to match.
 
+    Records that are longer than the budget's ``long_record`` and sampled much faster than they move
+    are decimated, to half that length at least.
+
     Missing outputs have no role in the split: nothing is fitted to them or certified on them. Where
     a whole signal is needed, as in a spectrum, they are interpolated.
 
@@ -92,6 +97,12 @@ def prepare(
         than the others.
     """
     joined = _joined(records)
+    factor = 1
+    if joined.size > settings.budget.long_record:
+        factor = decimation_of(records, settings.budget.long_record // 2)
+        held = simulation.input_interpolation == "zero"
+        records = [decimated(each, factor, held=held) for each in records]
+        joined = _joined(records)
     u, interval = joined.u, joined.interval
     y, seen = filled(joined.y)
     lengths = tuple(each.size for each in records)
@@ -99,6 +110,8 @@ def prepare(
     noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
     tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
     extended = prepared(simulation, u, interval, tolerance, lengths)
+    # The instant at which a sample is logged is as sure as before.
+    extended = replace(extended, timing_spread=extended.timing_spread / factor)
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)

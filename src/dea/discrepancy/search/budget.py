@@ -47,8 +47,9 @@ class Budget:
         Leading candidates that are fitted once more, with the simulation's parameters at their
         prior means, where the best one leaves more than ``exchange_above`` floors.
     long_record
-        A record of more samples gets half of the counts above but as many effects, one shake, and
-        no exchange, and ten times the tolerance.
+        A record of more samples gets half of the counts above but as many effects and steps, one
+        shake, and no exchange, and ten times the tolerance. It is decimated where it is sampled
+        much faster than it moves.
     """
 
     starts: int = 4
@@ -86,7 +87,6 @@ class Budget:
             finished=half(self.finished),
             beam=half(self.beam),
             kept=half(self.kept),
-            screening=half(self.screening),
             shakes=min(1, self.shakes),
             restarted=self.restarted // 2,
             exchanges=0,

@@ -1,0 +1,113 @@
+"""Long records at fewer samples: how many, and what a device does with them."""
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete, lfilter
+
+from dea.discrepancy import Settings
+from dea.discrepancy.decimation import decimated, decimation_of
+from dea.discrepancy.problem import Samples
+from dea.discrepancy.records import prepare
+from dea.simulation import load_simulation
+
+RATE, SIZE = 50.0, 20_000
+RNG = np.random.default_rng(1)
+
+
+def multisine(highest, size=SIZE, rate=RATE):
+    """Return a sum of sines below a ``highest`` frequency (Hz), of deviation one."""
+    spectrum = np.zeros(size // 2 + 1, complex)
+    lines = slice(1, int(highest * size / rate) + 1)
+    spectrum[lines] = np.exp(2j * np.pi * RNG.random(lines.stop - 1))
+    u = np.fft.irfft(spectrum, size)
+    return u / np.std(u)
+
+
+def held(u, time_constant, interval):
+    """Return the response (n,) of a first-order lag to an input that is held, exactly."""
+    b, a, *_ = cont2discrete(([1.0], [time_constant, 1.0]), interval, method="zoh")
+    return lfilter(b.ravel(), a, u)
+
+
+def record(u, y=None, noise=0.01):
+    y = held(u, 0.3, 1 / RATE) if y is None else y
+    return Samples(u, y + noise * RNG.standard_normal(y.size), 1 / RATE)
+
+
+@pytest.mark.parametrize(
+    ("highest", "size", "factor"),
+    [
+        (1.0, 2000, 5),
+        (0.5, 2000, 10),
+        (0.5, 5000, 4),
+        (4.0, 2000, 1),
+        (1.0, SIZE, 1),
+        (1.0, 11_000, 1),
+    ],
+)
+def test_an_input_keeps_ten_samples_in_a_period_of_its_band(highest, size, factor):
+    assert decimation_of([record(multisine(highest))], size) == factor
+
+
+def test_noise_beyond_the_band_does_not_keep_a_record_long():
+    assert decimation_of([record(multisine(1.0), noise=0.2)], 2000) == 5
+
+
+def test_an_output_that_rings_beyond_what_would_be_kept_does():
+    u = multisine(1.0)
+    t = np.arange(SIZE) / RATE
+    ringing = held(u, 0.3, 1 / RATE) + 0.1 * np.sin(2 * np.pi * 9.0 * t)
+    assert decimation_of([record(u, ringing)], 2000) == 2
+
+
+def test_a_white_input_keeps_all_its_samples():
+    assert decimation_of([record(RNG.standard_normal(SIZE))], 2000) == 1
+
+
+def test_the_fastest_of_several_records_or_inputs_counts():
+    slow, fast = multisine(0.5), multisine(1.5)
+    both = Samples(np.column_stack([slow, fast]), record(slow).y, 1 / RATE)
+    assert decimation_of([record(slow), record(fast)], 2000) == 3
+    assert decimation_of([both], 2000) == 3
+
+
+@pytest.mark.parametrize("time_constant", [0.3, 2.0])
+def test_a_lag_behind_a_held_input_moves_as_before(time_constant):
+    u = multisine(1.0)
+    whole = Samples(u, held(u, time_constant, 1 / RATE), 1 / RATE)
+    short = decimated(whole, 5, held=True)
+    found = held(short.u, time_constant, short.interval)
+    assert short.interval == pytest.approx(5 / RATE)
+    np.testing.assert_array_equal(short.y, whole.y[::5])
+    assert np.std(found - short.y) < 0.01 * np.std(short.y)
+
+
+def test_an_input_that_is_not_held_is_taken_where_the_output_is():
+    u = np.column_stack([np.arange(103.0), -np.arange(103.0)])
+    short = decimated(Samples(u, np.where(np.arange(103) == 10, np.nan, 1.0), 0.1), 5, held=False)
+    np.testing.assert_array_equal(short.u[:, 0], np.arange(0.0, 100.0, 5.0))
+    assert short.y.shape == (20,)
+    assert np.isnan(short.y[2])
+
+
+@pytest.mark.parametrize(("seconds", "rate"), [(500.0, RATE), (1000.0, RATE / 3)])
+def test_long_records_alone_are_decimated_before_a_diagnosis(seconds, rate):
+    size = round(seconds * RATE)
+    u = 2.0 + multisine(1.0, size)
+    settings = Settings.of(
+        {
+            "discrepancy": {
+                "effects": [],
+                "warm_up": 1.0,
+                "budget": {"long_record": 30_000},
+                "rules": {},
+            },
+            "seed": 1,
+            "system": "lag",
+        }
+    )
+    own = load_simulation("mass_spring_damper")
+    problem, _, extended = prepare([record(u)], own, settings)
+    assert problem.interval == pytest.approx(1 / rate)
+    timing = extended.parameters[extended.names.index("timing_offset")]
+    assert timing.spread == pytest.approx(0.4 / RATE)
