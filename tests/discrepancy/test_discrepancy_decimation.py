@@ -109,5 +109,6 @@ def test_long_records_alone_are_decimated_before_a_diagnosis(seconds, rate):
     own = load_simulation("mass_spring_damper")
     problem, _, extended = prepare([record(u)], own, settings)
     assert problem.interval == pytest.approx(1 / rate)
+    assert problem.recorded_interval == pytest.approx(1 / RATE)
     timing = extended.parameters[extended.names.index("timing_offset")]
     assert timing.spread == pytest.approx(0.4 / RATE)

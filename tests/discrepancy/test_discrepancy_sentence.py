@@ -77,7 +77,7 @@ def found(
         nominal=fit,
         extended=fit,
         final=fit,
-        problem=SimpleNamespace(interval=0.02, seen=np.ones(4, bool)),
+        problem=SimpleNamespace(recorded_interval=0.02, seen=np.ones(4, bool)),
         floor=white,
         complete=float(np.hypot(white, accuracy)),
         error=ModelError(white, left, left, 1.0),

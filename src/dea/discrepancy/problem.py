@@ -45,6 +45,8 @@ class Problem(Samples):
         Steps of integration that a sample may have.
     measured : (n,) bool, or None where all were
         Samples whose output is not missing; it is interpolated in the others.
+    decimation : int
+        Samples of the record as it was given to each of these.
     """
 
     fit: np.ndarray
@@ -54,6 +56,12 @@ class Problem(Samples):
     tolerance: float = np.inf
     most_steps: int = 1
     measured: np.ndarray | None = None
+    decimation: int = 1
+
+    @property
+    def recorded_interval(self) -> float:
+        """Sampling interval (s) of the record as it was given."""
+        return self.interval / self.decimation
 
     @property
     def time(self) -> np.ndarray:

@@ -136,6 +136,7 @@ def prepare(
         tolerance,
         _SHORTER * extended.substeps,
         seen,
+        factor,
     )
     return problem, parts, extended
 

@@ -71,7 +71,7 @@ def diagnose(
         )
     for fit, path in ((found.nominal, nominal), (found.final, extended)):
         values = fit.extended.of_record(fit.values, 0)
-        save_extended(fit.extended.alone, values, found.problem.interval, path)
+        save_extended(fit.extended.alone, values, found.problem.recorded_interval, path)
     found.verdict.write(verdict)
 
 

@@ -39,13 +39,13 @@ def _timing(found: "Diagnosis") -> str:
     offset = float(fitted.coordinates[at]) * spread
     variance = found.floor**2
     deviation = float(np.sqrt(fitted.covariance(problem.seen, variance)[at, at])) * spread
-    if abs(offset) < max(_EARLY * problem.interval, _SURE * deviation):
+    if abs(offset) < max(_EARLY * problem.recorded_interval, _SURE * deviation):
         return ""
     side = "early" if offset < 0 else "late"
     doubt = "" if offset < 0 else ", or the device has a lag this short"
     return (
         f"The output is logged {1e3 * abs(offset):.3g} ± {2e3 * deviation:.2g} ms {side} "
-        f"({abs(offset) / problem.interval:.2g} samples){doubt}."
+        f"({abs(offset) / problem.recorded_interval:.2g} samples){doubt}."
     )
 
 
