@@ -283,9 +283,35 @@ def test_a_fixed_model_that_diverges_is_said_to_have_and_keeps_its_axis():
     track = made.track(1)
     track["simulated"].values[0, 500:] = np.inf
     track["nmse"].values[0] = track["rmse"].values[0] = np.inf
+    track["simulated"].values[0, 495:500] = 1e6  # on its way
     ax = tracked_parameters(made.record(1), track, "dea1").subfigs[0].axes[0]
-    assert ax.get_title(loc="right") == "fixed parameters: diverged"
-    assert np.isfinite(ax.get_ylim()).all()
+    when = track["time"].values[500]
+    said = f"diverged at {when / 60:.3g} min (axis cut)"
+    assert ax.get_title(loc="right") == f"fixed parameters: {said}"
+    residual, zero, mark = ax.lines
+    assert residual.get_xdata()[-1] < when
+    assert zero.get_xdata()[-1] < when
+    assert mark.get_xdata() == [when, when]
+    assert ax.get_ylim()[1] < 2.0  # five times what was usual before, 0.3 mm
+
+
+def test_a_course_that_begins_far_off_does_not_flatten_the_rest():
+    track = made.track(1)
+    term = track["term"].values[1]
+    track["band_high"].loc[{"tracker": "rls", "term": term}][:20] = 1e3
+    axes = tracked_parameters(made.record(1), track, "dea1").subfigs[1].axes
+    assert axes[1].get_ylim()[1] < 100.0
+    [said] = [text.get_text() for text in axes[1].texts]
+    assert said.startswith("cut; reaches ")
+    assert said.endswith(" to 1e+03")
+    assert not axes[0].texts
+
+
+def test_every_panel_of_tracked_parameters_shows_its_times():
+    axes = tracked_parameters(made.record(1), made.track(1), "dea1").subfigs[1].axes
+    shown = [ax for ax in axes if ax.get_visible()]
+    assert all(ax.xaxis.get_tick_params()["labelbottom"] for ax in shown)
+    assert [bool(ax.get_xlabel()) for ax in shown] == [False] * 3 + [True] * 3
 
 
 @pytest.mark.parametrize(

@@ -183,10 +183,17 @@ def test_a_withheld_band_is_not_drawn_and_the_figure_says_why():
     said = lower.legends[0].get_title().get_text()
     assert "Kalman smoother: no 95 % band, biased" in said
     assert "output-error smoother: parameters of kalman" in said
+    legend = [text.get_text() for text in lower.legends[0].get_texts()]
+    assert legend[-1] == "95 % band of recursive least squares and output-error smoother"
     track["parameters_withheld"][:] = ["", "biased", "biased"]
     lower = tracked_parameters(made.record(1), track, "dea1").subfigs[1]
     said = lower.legends[0].get_title().get_text()
     assert said == "Kalman smoother, output-error smoother: no 95 % band, biased"
+    legend = [text.get_text() for text in lower.legends[0].get_texts()]
+    assert legend[-1] == "95 % band of recursive least squares"
+    track["parameters_withheld"][:] = ["biased"] * 3
+    lower = tracked_parameters(made.record(1), track, "dea1").subfigs[1]
+    assert not any("band" in text.get_text() for text in lower.legends[0].get_texts())
 
 
 @pytest.mark.parametrize(("panel", "name"), [(0, "nmse"), (1, "h1_error"), (2, "h2_error")])
