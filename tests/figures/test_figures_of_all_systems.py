@@ -258,3 +258,24 @@ def test_link_plots_the_round_trips_and_the_lateness_of_each_system():
         retries, reconnects = int(dataset["retries"].sum()), int(dataset["reconnects"])
         errors = f"{int(dataset['errors'][0])} no reply\n2 short reply"
         assert row == [name, "900", str(retries), str(reconnects), errors]
+
+
+def test_link_shows_every_bar_whole_and_says_whose_clock_it_is():
+    links = {name: made.link(seed) for name, seed in EACH.items()}
+    figure = link(links)
+    trips, course, repairs = figure.axes
+    (left, right), (_, top) = trips.get_xlim(), trips.get_ylim()
+    for step in trips.patches:
+        count, edges, _ = step.get_data()
+        filled = np.flatnonzero(count)
+        assert left < edges[filled[0]]
+        assert edges[filled[-1] + 1] < right
+        assert count.max() < top
+    assert course.get_xlabel() == "time of the request, host's clock (s)"
+    figure.draw_without_rendering()
+    cells = repairs.tables[0].get_celld().values()
+    for cell in cells:
+        box, text = cell.get_window_extent(), cell.get_text().get_window_extent()
+        assert box.x0 <= text.x0
+        assert text.x1 <= box.x1
+    assert min(cell.get_window_extent().y0 for cell in cells) >= repairs.get_window_extent().y0 - 1
