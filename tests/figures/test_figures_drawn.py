@@ -1,6 +1,7 @@
 """Every figure draws from datasets of the contracts, says its units and hides no text."""
 
 import itertools
+import json
 import re
 
 import numpy as np
@@ -154,7 +155,7 @@ def test_fig2_tells_by_colour_where_parameters_come_from():
         for approach, colour in (
             ("forecast", style.FORECAST),
             ("fitted", style.FITTED),
-            ("fitted, one-step", style.PUBLISHED),
+            ("fitted, one-step", style.ONE_STEP),
         ):
             expected = validation["simulated"].sel(model="narx", approach=approach)
             assert np.array_equal(by_colour[colour], expected.isel(window=window))
@@ -166,6 +167,28 @@ def test_a_simulation_that_runs_away_does_not_hide_the_measurement():
     figure = fig2(made.orders(1), validation, "dea1")
     low, high = figure.subfigs[1].axes[0].get_ylim()
     assert high - low < 2 * np.ptp(validation["measured"].values)
+
+
+def test_a_forecast_that_diverges_is_marked_where_it_leaves_the_axis():
+    validation = made.validation(1)
+    run = validation["simulated"].sel(approach="forecast", model="narx").isel(window=1)
+    run.values[100:103], run.values[103:] = 1e3, np.inf
+    rows = fig2(made.orders(1), validation, "dea1").subfigs[1].axes
+    assert [text.get_text() for text in rows[2].texts] == ["forecast diverged at 910 s", "F"]
+    mark = rows[2].lines[-1]
+    assert mark.get_xdata() == [910.0, 910.0]
+    assert mark.get_color() == style.FORECAST
+    assert [len(ax.texts) for ax in rows] == [1, 1, 2, 1]
+
+
+@pytest.mark.parametrize(("lags", "chosen"), [(2, 3), ([2, 4], 4)])
+def test_the_chosen_orders_are_marked(lags, chosen):
+    settings = {"identification": {"y_lags": 3, "u_lags": lags, "degree": 2}}
+    orders = made.orders(1).assign_attrs(settings=json.dumps(settings))
+    choice = fig2(orders, made.validation(1), "dea1").subfigs[0].axes
+    for ax, order in zip(choice, (chosen, 2), strict=False):
+        [mark] = [line for line in ax.lines if line.get_label() == f"chosen: {order}"]
+        assert mark.get_xdata() == [order, order]
 
 
 def test_fig3_maps_hold_the_gain_and_the_phase():
@@ -267,6 +290,15 @@ def test_the_first_row_of_residual_tests_holds_the_correlations_and_the_band():
     assert [np.array_equal(a, b) for a, b in zip(lines, chosen.values, strict=True)] == [True, True]
     band = figure.axes[0].patches[0].get_extents().transformed(figure.axes[0].transData.inverted())
     assert band.y1 == pytest.approx(float(validation["band"][0]))
+
+
+def test_residual_tests_say_what_is_correlated_and_where_a_short_window_ends():
+    validation = made.validation(1)
+    validation["time"][0] = 40.0 + np.arange(300) * 0.0222
+    figure = residual_tests(validation, "dea1")
+    said = figure.legends[0].get_title().get_text()
+    assert said == r"dea1, forecast: correlations $\phi$ of residual $e$ and input $u$"
+    assert figure.axes[0].get_title() == "40 to 46.66 s"
 
 
 def test_the_recovery_shows_every_error_that_is_finite():

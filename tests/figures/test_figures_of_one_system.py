@@ -100,10 +100,10 @@ def test_fig2_plots_each_window_with_its_time_and_scores(row, model, window):
     for approach, colour in (
         ("forecast", style.FORECAST),
         ("fitted", style.FITTED),
-        ("fitted, one-step", style.PUBLISHED),
+        ("fitted, one-step", style.ONE_STEP),
     ):
         assert_line(ax, colour, part["time"], part["simulated"].sel(approach=approach))
-    words = {"forecast": "forecast", "fitted": "fitted", "fitted, one-step": "as published"}
+    words = {"forecast": "forecast", "fitted": "fitted", "fitted, one-step": "one step ahead"}
     scores = [f"{short} {float(part['nmse'].sel(approach=a)):#.3g}" for a, short in words.items()]
     title = ax.get_title(loc="right")
     assert title.startswith("linear model" if model == "linear" else "NARX model")

@@ -47,7 +47,7 @@ CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 MEASURED = "#A6A6A6"  # drawn wide, so that a simulation on top of it leaves its edges visible
 FORECAST = VERMILION
 FITTED = BLUE
-PUBLISHED = GREEN
+ONE_STEP = BLACK
 LINEAR = BLUE
 NARX = VERMILION
 
