@@ -194,6 +194,12 @@ def clock(time: NDArray[np.float64]) -> tuple[float, str]:
     return (MINUTE, "min") if time[-1] - time[0] > _LONG else (1.0, "s")
 
 
+def moment(time: float, like: NDArray[np.float64]) -> str:
+    """Return a time (s) in words, to a tenth of the unit of :func:`clock` of the times ``like``."""
+    unit, name = clock(like)
+    return f"{round(time / unit, 1):g} {name}"
+
+
 def time_axis(ax: Axes, time: NDArray[np.float64]) -> None:
     """Limit an axis of times (s) to a record and number it in the unit of :func:`clock`."""
     unit, name = clock(time)

@@ -160,10 +160,9 @@ def _success(simulation: xr.Dataset, end: int, *, cut: bool) -> str:
     """Return the scores of a simulation, or when it diverged, at the sample ``end``."""
     nmse, rmse = float(simulation["nmse"]), float(simulation["rmse"])
     time = simulation["time"].values
-    unit, clock = style.clock(time)
     said = f"nmse {number(nmse)}, rmse {number(rmse)} {simulation['rmse'].attrs['units']}"
     if not np.isfinite(nmse):
-        said = "diverged" + (f" at {time[end] / unit:.3g} {clock}" if end < time.size else "")
+        said = "diverged" + (f" at {style.moment(time[end], time)}" if end < time.size else "")
     return f"{said} (axis cut)" if cut else said
 
 
