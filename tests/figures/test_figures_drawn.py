@@ -226,7 +226,7 @@ def test_what_was_not_excited_is_hatched_and_only_that():
     assert not [c for c in bare.collections if any(getattr(c, "hatches", ()))]
 
 
-@pytest.mark.parametrize(("spread", "lines"), [(1.0, 3), (0.03, 3), (1e-3, 0), (0.0, 0)])
+@pytest.mark.parametrize(("spread", "lines"), [(1.0, 3), (0.03, 1), (1e-3, 0), (0.0, 0)])
 def test_contours_have_different_labels_inside_their_panel_and_apart(spread, lines):
     gfrf = made.gfrf(1)
     f1, f2 = gfrf["frequency_1"], gfrf["frequency_2"]
@@ -244,12 +244,34 @@ def test_contours_have_different_labels_inside_their_panel_and_apart(spread, lin
     assert sum(len(contour.levels) for contour in contours) == lines
     assert bool(labels) is bool(lines)
     assert len({label.get_text() for label in labels}) == len(labels)
+    assert all(len(label.get_text().strip("0.").replace(".", "")) <= 3 for label in labels)
     excited = f1.values[gfrf["excited_h2"].any("frequency_2").values]
     half = 0.5 * np.ptp(excited)
     places = [(np.array(label.get_position()) - excited[0]) / half - 1.0 for label in labels]
     assert all(np.abs(place).max() <= 0.6 for place in places)
     for one, other in itertools.combinations(places, 2):
         assert np.abs(one - other).max() >= 0.7
+
+
+@pytest.mark.parametrize("draw", [fig4_h2, fig4_h3])
+def test_a_page_of_one_system_is_wide_and_readable(draw):
+    gfrf = made.gfrf(1).assign_attrs(withheld="biased " * 20, estimator="kalman")
+    figure = draw({"dea1": gfrf})
+    width, height = figure.get_size_inches()
+    assert width > height
+    said = assert_readable(figure)
+    assert {"dea1", "at 5 min", "at 15 min", "at 25 min"} <= set(said)
+
+
+def test_nothing_is_said_of_extrapolation_where_all_that_is_shown_was_excited():
+    gfrf = made.gfrf(1)
+    known = gfrf["frequency"].values[-1]
+    excited = (gfrf["frequency"] < known).astype(np.int8)  # up to a sliver below the last
+    gfrf["excited"] = gfrf["excited"].copy(data=excited)
+    gfrf["excited_h2"].values[:] = 1
+    for figure in (fig3({"dea1": made.record(1)}, {"dea1": gfrf}), fig4_h2({"dea1": gfrf})):
+        said = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert not any("extrapolates" in text for text in said)
 
 
 def test_every_tracker_stands_once_in_the_legend_and_the_band_too():
