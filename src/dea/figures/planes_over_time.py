@@ -34,7 +34,7 @@ _MOST_DIGITS = 3  # of a contour's label
 _FLAT = 0.01  # of the largest value; a map that varies less gets no contours
 _BEYOND = 1.4  # upper limit of the axes over the highest excited frequency
 _LABELLED = 0.6  # of the way from the middle to the edge: a label further out would be cut
-_APART = 1.0  # of the way from the middle to the edge, between labels
+_APART = 0.9  # of the way from the middle to the edge, between labels
 
 
 class Quantity(NamedTuple):
