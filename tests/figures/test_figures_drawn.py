@@ -1,6 +1,7 @@
 """Every figure draws from datasets of the contracts, says its units and hides no text."""
 
 import itertools
+import json
 import re
 
 import numpy as np
@@ -154,7 +155,7 @@ def test_fig2_tells_by_colour_where_parameters_come_from():
         for approach, colour in (
             ("forecast", style.FORECAST),
             ("fitted", style.FITTED),
-            ("fitted, one-step", style.PUBLISHED),
+            ("fitted, one-step", style.ONE_STEP),
         ):
             expected = validation["simulated"].sel(model="narx", approach=approach)
             assert np.array_equal(by_colour[colour], expected.isel(window=window))
@@ -166,6 +167,28 @@ def test_a_simulation_that_runs_away_does_not_hide_the_measurement():
     figure = fig2(made.orders(1), validation, "dea1")
     low, high = figure.subfigs[1].axes[0].get_ylim()
     assert high - low < 2 * np.ptp(validation["measured"].values)
+
+
+def test_a_forecast_that_diverges_is_marked_where_it_leaves_the_axis():
+    validation = made.validation(1)
+    run = validation["simulated"].sel(approach="forecast", model="narx").isel(window=1)
+    run.values[100:103], run.values[103:] = 1e3, np.inf
+    rows = fig2(made.orders(1), validation, "dea1").subfigs[1].axes
+    assert [text.get_text() for text in rows[2].texts] == ["forecast diverged at 910 s", "F"]
+    mark = rows[2].lines[-1]
+    assert mark.get_xdata() == [910.0, 910.0]
+    assert mark.get_color() == style.FORECAST
+    assert [len(ax.texts) for ax in rows] == [1, 1, 2, 1]
+
+
+@pytest.mark.parametrize(("lags", "chosen"), [(2, 3), ([2, 4], 4)])
+def test_the_chosen_orders_are_marked(lags, chosen):
+    settings = {"identification": {"y_lags": 3, "u_lags": lags, "degree": 2}}
+    orders = made.orders(1).assign_attrs(settings=json.dumps(settings))
+    choice = fig2(orders, made.validation(1), "dea1").subfigs[0].axes
+    for ax, order in zip(choice, (chosen, 2), strict=False):
+        [mark] = [line for line in ax.lines if line.get_label() == f"chosen: {order}"]
+        assert mark.get_xdata() == [order, order]
 
 
 def test_fig3_maps_hold_the_gain_and_the_phase():
@@ -203,7 +226,7 @@ def test_what_was_not_excited_is_hatched_and_only_that():
     assert not [c for c in bare.collections if any(getattr(c, "hatches", ()))]
 
 
-@pytest.mark.parametrize(("spread", "lines"), [(1.0, 3), (0.03, 3), (1e-3, 0), (0.0, 0)])
+@pytest.mark.parametrize(("spread", "lines"), [(1.0, 3), (0.03, 1), (1e-3, 0), (0.0, 0)])
 def test_contours_have_different_labels_inside_their_panel_and_apart(spread, lines):
     gfrf = made.gfrf(1)
     f1, f2 = gfrf["frequency_1"], gfrf["frequency_2"]
@@ -221,12 +244,34 @@ def test_contours_have_different_labels_inside_their_panel_and_apart(spread, lin
     assert sum(len(contour.levels) for contour in contours) == lines
     assert bool(labels) is bool(lines)
     assert len({label.get_text() for label in labels}) == len(labels)
+    assert all(len(label.get_text().strip("0.").replace(".", "")) <= 3 for label in labels)
     excited = f1.values[gfrf["excited_h2"].any("frequency_2").values]
     half = 0.5 * np.ptp(excited)
     places = [(np.array(label.get_position()) - excited[0]) / half - 1.0 for label in labels]
     assert all(np.abs(place).max() <= 0.6 for place in places)
     for one, other in itertools.combinations(places, 2):
         assert np.abs(one - other).max() >= 0.7
+
+
+@pytest.mark.parametrize("draw", [fig4_h2, fig4_h3])
+def test_a_page_of_one_system_is_wide_and_readable(draw):
+    gfrf = made.gfrf(1).assign_attrs(withheld="biased " * 20, estimator="kalman")
+    figure = draw({"dea1": gfrf})
+    width, height = figure.get_size_inches()
+    assert width > height
+    said = assert_readable(figure)
+    assert {"dea1", "at 5 min", "at 15 min", "at 25 min"} <= set(said)
+
+
+def test_nothing_is_said_of_extrapolation_where_all_that_is_shown_was_excited():
+    gfrf = made.gfrf(1)
+    known = gfrf["frequency"].values[-1]
+    excited = (gfrf["frequency"] < known).astype(np.int8)  # up to a sliver below the last
+    gfrf["excited"] = gfrf["excited"].copy(data=excited)
+    gfrf["excited_h2"].values[:] = 1
+    for figure in (fig3({"dea1": made.record(1)}, {"dea1": gfrf}), fig4_h2({"dea1": gfrf})):
+        said = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert not any("extrapolates" in text for text in said)
 
 
 def test_every_tracker_stands_once_in_the_legend_and_the_band_too():
@@ -269,6 +314,15 @@ def test_the_first_row_of_residual_tests_holds_the_correlations_and_the_band():
     assert band.y1 == pytest.approx(float(validation["band"][0]))
 
 
+def test_residual_tests_say_what_is_correlated_and_where_a_short_window_ends():
+    validation = made.validation(1)
+    validation["time"][0] = 40.0 + np.arange(300) * 0.0222
+    figure = residual_tests(validation, "dea1")
+    said = figure.legends[0].get_title().get_text()
+    assert said == r"dea1, forecast: correlations $\phi$ of residual $e$ and input $u$"
+    assert figure.axes[0].get_title() == "40 to 46.66 s"
+
+
 def test_the_recovery_shows_every_error_that_is_finite():
     scores = made.recovery(1)
     axes = recovery(scores).axes
@@ -283,9 +337,35 @@ def test_a_fixed_model_that_diverges_is_said_to_have_and_keeps_its_axis():
     track = made.track(1)
     track["simulated"].values[0, 500:] = np.inf
     track["nmse"].values[0] = track["rmse"].values[0] = np.inf
+    track["simulated"].values[0, 495:500] = 1e6  # on its way
     ax = tracked_parameters(made.record(1), track, "dea1").subfigs[0].axes[0]
-    assert ax.get_title(loc="right") == "fixed parameters: diverged"
-    assert np.isfinite(ax.get_ylim()).all()
+    when = track["time"].values[500]
+    assert when / 60 == pytest.approx(4.17, abs=0.01)
+    assert ax.get_title(loc="right") == "fixed parameters: diverged at 4.2 min (axis cut)"
+    residual, zero, mark = ax.lines
+    assert residual.get_xdata()[-1] < when
+    assert zero.get_xdata()[-1] < when
+    assert mark.get_xdata() == [when, when]
+    assert ax.get_ylim()[1] < 2.0  # five times what was usual before, 0.3 mm
+
+
+def test_a_course_that_begins_far_off_does_not_flatten_the_rest():
+    track = made.track(1)
+    term = track["term"].values[1]
+    track["band_high"].loc[{"tracker": "rls", "term": term}][:20] = 1e3
+    axes = tracked_parameters(made.record(1), track, "dea1").subfigs[1].axes
+    assert axes[1].get_ylim()[1] < 100.0
+    [said] = [text.get_text() for text in axes[1].texts]
+    assert said.startswith("cut; reaches ")
+    assert said.endswith(" to 1e+03")
+    assert not axes[0].texts
+
+
+def test_every_panel_of_tracked_parameters_shows_its_times():
+    axes = tracked_parameters(made.record(1), made.track(1), "dea1").subfigs[1].axes
+    shown = [ax for ax in axes if ax.get_visible()]
+    assert all(ax.xaxis.get_tick_params()["labelbottom"] for ax in shown)
+    assert [bool(ax.get_xlabel()) for ax in shown] == [False] * 3 + [True] * 3
 
 
 @pytest.mark.parametrize(

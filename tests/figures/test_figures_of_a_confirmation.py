@@ -51,7 +51,8 @@ def test_differences_are_filled_inside_the_joint_band_and_hollow_outside(drawn, 
 def test_the_legend_says_what_a_hollow_point_is(drawn):
     _, axes = drawn
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    hollow = dict(zip(labels, handles, strict=True))["difference outside the joint band"]
+    label = "outside the 95 % ellipse of gain and phase together"
+    hollow = dict(zip(labels, handles, strict=True))[label]
     assert same_color(hollow.get_markerfacecolor(), "white")
 
 
@@ -62,3 +63,25 @@ def test_even_lines_are_drawn_beside_their_prediction_and_the_noise(drawn):
     for label, name in (("measured", "measured"), ("noise", "noise"),
                         ("predicted from $H_2$ of the tracked model", "predicted")):  # fmt: skip
         np.testing.assert_array_equal(labelled[label], part[f"even_{name}"])
+
+
+def test_the_interval_of_each_even_line_is_drawn_and_those_outside_are_hollow(drawn):
+    found, axes = drawn
+    part = found.isel(stretch=2)
+    [band] = axes[3, 2].collections
+    ends = np.array([segment[:, 1] for segment in band.get_segments()])
+    np.testing.assert_allclose(ends, part["even_predicted"].values[:, None] * [0.8, 1.2])
+    [hollow] = [line for line in axes[3, 2].lines if same_color(line.get_markerfacecolor(), "w")]
+    outside = part["even_inside"].values == 0
+    np.testing.assert_array_equal(hollow.get_xdata(), part["even_frequency"].values[outside])
+
+
+def test_a_band_that_reaches_zero_ends_a_decade_below_the_model():
+    found = made.confirmation(1)
+    found["model_gain_low"][0, 3] = -1.0
+    found["ratio_radius"][0, 1] = 1.5
+    axes = np.reshape(confirmation(found, "dea1").axes, (4, 3))
+    gain = np.abs(as_complex(found["model"]).values)[0, 3]
+    lowest = axes[0, 0].collections[0].get_paths()[0].vertices[:, 1].min()
+    assert lowest == pytest.approx(0.1 * gain)
+    assert axes[3, 0].get_ylim()[0] == pytest.approx(0.7 * 3e-5)

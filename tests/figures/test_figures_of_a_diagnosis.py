@@ -107,11 +107,26 @@ def test_residuals_are_shown_along_the_quantity_that_the_verdict_names(panels):
     np.testing.assert_array_equal(dotted, expected)
 
 
+def test_a_bin_without_samples_is_left_open():
+    bare = LOCALISATION.copy(deep=True)
+    for what in ("gap", "null"):
+        bare[f"input_{what}_before"].values[1] = 0.0
+    ax = discrepancy(bare, CANDIDATES, CERTIFICATE, verdict()).axes[2]
+    steps = {patch.get_label(): patch.get_data().values for patch in ax.patches}
+    np.testing.assert_array_equal(steps["before"], [3.0, np.nan, 5.0])
+    np.testing.assert_array_equal(steps["after"], [1.0, 2.0, 1.5])
+
+
 def test_the_ladder_goes_from_the_nominal_error_down_to_the_noise_floor(panels):
     ax = panels["ladder"]
-    assert [bar.get_width() for bar in ax.patches] == [0.5, 0.1]
+    points, *levels = ax.lines
+    np.testing.assert_array_equal(points.get_xydata(), [[0.5, 0], [0.1, 1]])
+    assert not ax.patches  # a bar has no beginning on a logarithmic axis
+    from_floor = [segment[:, 0].tolist() for segment in ax.collections[0].get_segments()]
+    assert from_floor == [[0.05, 0.5], [0.05, 0.1]]
     assert [text.get_text() for text in ax.get_yticklabels()] == ["nominal", "dead zone"]
-    assert [line.get_xdata() for line in ax.lines] == [[0.05, 0.05], [0.07, 0.07]]
+    assert [line.get_xdata() for line in levels] == [[0.05, 0.05], [0.07, 0.07]]
+    assert ax.get_xlim()[0] < 0.05 < 0.5 < ax.get_xlim()[1]
     assert ax.get_xlabel() == "held-out RMSE (mm)"
     assert ax.get_ylim()[0] > ax.get_ylim()[1]
 
@@ -153,6 +168,23 @@ def test_the_law_is_drawn_over_the_record_beside_what_would_be_without_it(panels
     assert ax.get_title("right").splitlines() == [
         "dead zone", "width = 0.4 ± 0.15 V", "slope = 0.1 ± 0.15",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("units", "output", "shown", "factor"),
+    [
+        ("m", "mm", "mm", 1e3),
+        ("m/s", "mm", "mm/s", 1e3),
+        ("m", "V", "m", 1.0),
+        ("V", "mm", "V", 1.0),
+    ],
+)
+def test_lengths_of_a_law_are_in_the_unit_of_the_output(units, output, shown, factor):
+    along = CERTIFICATE["law_1_along"].assign_attrs(units=units)
+    said = verdict() | {"unit": output}
+    ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE.assign(law_1_along=along), said).axes[4]
+    assert ax.get_xlabel() == f"input ({shown})"
+    np.testing.assert_allclose(ax.lines[0].get_xdata(), factor * np.sort(np.cos(TIME)))
 
 
 def test_the_band_of_a_law_is_drawn_at_the_samples_of_the_record_alone(panels):
@@ -215,7 +247,7 @@ def test_an_effect_at_a_port_or_input_has_the_share_of_its_best_place():
     said["presence"] = {"effects": {"end_stop": 0.5, "dead_zone@left": 0.4, "sensor_lag": 0.1}}
     ax = discrepancy(LOCALISATION, ported, CERTIFICATE, said).axes[5]
     texts = [text.get_text() for text in ax.texts if text.get_text() != "F"]
-    assert texts == ["0.50", "alone 30 %", "0.40", "alone 20 %", "0.10"]
+    assert texts == ["0.50", "alone 30 %", "0.40", "alone 20 %", "0.10", "not fitted alone"]
 
 
 def test_effects_that_were_only_fitted_together_have_no_shares_of_their_own():

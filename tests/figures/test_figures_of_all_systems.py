@@ -107,6 +107,20 @@ def test_curves_of_h1_lie_within_their_bands_at_three_times():
             assert points >= set(zip(response["frequency"].values[~silent], ends, strict=True))
 
 
+def test_axes_of_gains_span_the_same_multiples_of_each_systems_own():
+    responses = {name: made.gfrf(seed) for name, seed in EACH.items()}
+    responses["dea2"]["H1"] = 100.0 * responses["dea2"]["H1"]
+    figure = fig3({name: made.record(1) for name in EACH}, responses)
+    axes = [ax for ax in figure.axes if ax.get_ylabel() == "gain $|H_1|$ (mm/V)"]
+    relative = []
+    for ax, response in zip(axes, responses.values(), strict=True):
+        own = np.abs(as_complex(response["H1"]).values)[90, 0]
+        relative.append(np.array(ax.get_ylim()) / own)
+        assert all(np.nanmax(line.get_ydata()) <= ax.get_ylim()[1] for line in ax.lines)
+    np.testing.assert_allclose(relative, relative[:1] * 3)
+    assert relative[0][0] >= 0.0
+
+
 @pytest.mark.parametrize("draw", [fig3, fig3_phase])
 def test_each_of_several_inputs_has_a_map_of_h1(draw):
     response = made.gfrf_of_inputs()
@@ -201,11 +215,12 @@ def test_the_map_of_h3_says_its_third_frequency_and_claims_no_band():
     np.testing.assert_allclose(mesh.get_array().reshape(expected.shape), expected)
     bar = next(ax for ax in figure.axes if ax.get_label() == "<colorbar>")
     assert "0.5 Hz" in bar.get_ylabel()
-    ax = next(ax for ax in figure.axes if ax.get_ylabel() == "$|H_3(f, f, f_3)|$ (mm/V³)")
+    ax = next(ax for ax in figure.axes if ax.get_ylabel() == "$|H_3(f, f,$ 0.5 Hz$)|$ (mm/V³)")
     assert len(ax.lines) == 3
     assert not ax.collections
     said = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert "95 % band" not in said
+    assert "no band is computed" in said
 
 
 def test_the_map_of_h3_names_the_third_frequency_of_each_rate():
@@ -258,3 +273,24 @@ def test_link_plots_the_round_trips_and_the_lateness_of_each_system():
         retries, reconnects = int(dataset["retries"].sum()), int(dataset["reconnects"])
         errors = f"{int(dataset['errors'][0])} no reply\n2 short reply"
         assert row == [name, "900", str(retries), str(reconnects), errors]
+
+
+def test_link_shows_every_bar_whole_and_says_whose_clock_it_is():
+    links = {name: made.link(seed) for name, seed in EACH.items()}
+    figure = link(links)
+    trips, course, repairs = figure.axes
+    (left, right), (_, top) = trips.get_xlim(), trips.get_ylim()
+    for step in trips.patches:
+        count, edges, _ = step.get_data()
+        filled = np.flatnonzero(count)
+        assert left < edges[filled[0]]
+        assert edges[filled[-1] + 1] < right
+        assert count.max() < top
+    assert course.get_xlabel() == "time of the request, host's clock (s)"
+    figure.draw_without_rendering()
+    cells = repairs.tables[0].get_celld().values()
+    for cell in cells:
+        box, text = cell.get_window_extent(), cell.get_text().get_window_extent()
+        assert box.x0 <= text.x0
+        assert text.x1 <= box.x1
+    assert min(cell.get_window_extent().y0 for cell in cells) >= repairs.get_window_extent().y0 - 1

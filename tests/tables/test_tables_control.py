@@ -9,7 +9,7 @@ from dea.tables.control import control
 def test_each_controller_has_its_errors_in_per_cent_and_its_outcome(each, names, saved):
     found = each(made.control)
     csv, md, _ = saved(control(found))
-    assert len(csv) == 2 * len(names) == len(md.splitlines()) - 2
+    assert len(csv) == 2 * len(names) == len(md.splitlines()) - 4
     for _, row in csv.iterrows():
         dataset = found[row["actuator"]].sel(controller=row["controller"])
         error = (dataset["measured"] - dataset["reference"]).values

@@ -12,7 +12,7 @@ from dea.tables.residuals import residuals
 def test_the_forecast_table_holds_every_error_and_two_ratios(each, names, saved):
     found = each(made.forecast)
     csv, md, _ = saved(forecast(found))
-    assert len(csv) == 3 * len(names) == len(md.splitlines()) - 2
+    assert len(csv) == 3 * len(names) == len(md.splitlines()) - 4
     for _, row in csv.iterrows():
         rmse = found[row["actuator"]]["rmse"].sel(horizon=row["horizon (s)"])
         for label, name in (("NARX", "narx"), ("memoryless cubic", "cubic"),
@@ -25,8 +25,8 @@ def test_the_forecast_table_holds_every_error_and_two_ratios(each, names, saved)
 
 def test_the_confirmation_table_counts_the_lines_inside(each, names, saved):
     found = each(made.confirmation)
-    csv, md, _ = saved(confirmation(found))
-    assert len(csv) == 3 * len(names) == len(md.splitlines()) - 2
+    csv, md, tex = saved(confirmation(found))
+    assert len(csv) == 3 * len(names) == len(md.splitlines()) - 4
     first = csv.iloc[0]
     assert first["time (min)"] == 5.0
     # Of the lines at 0.05, 0.5 and 1 Hz, the one at 0.5 Hz is outside.
@@ -35,6 +35,11 @@ def test_the_confirmation_table_counts_the_lines_inside(each, names, saved):
     assert (first["even lines in band"], first["even lines"]) == (1, 2)
     assert md.splitlines()[2].split("|")[3:5] == [" 3       ", " 2               "]
     assert first["gain at 5 Hz (%)"] == -50.0
+    heads = [cell.strip() for cell in md.splitlines()[0].split("|")]
+    assert {"error of extrapolated gain at 5 Hz (%)", "the model's own band"} <= set(heads)
+    assert "even lines, measured over predicted, median" in heads
+    assert "in the joint band" in md.splitlines()[2]
+    assert tex.count("%") == tex.count(r"\%") > 0  # else a comment to LaTeX
 
 
 def test_the_residual_table_corrects_for_the_number_of_tests(each, names, saved):
@@ -48,9 +53,27 @@ def test_the_residual_table_corrects_for_the_number_of_tests(each, names, saved)
         assert row["p of phi_eu"] == min(15 * smallest, 1.0)
 
 
-def test_a_model_that_diverges_has_no_p_value(each, names, saved):
+def test_a_model_that_diverges_everywhere_has_no_p_value(each, names, saved):
     found = each(made.validation)
-    found["dea1"]["nmse"].loc[{"model": "narx", "approach": "forecast"}][1] = np.inf
+    found["dea1"]["nmse"].loc[{"model": "narx", "approach": "forecast"}] = np.inf
     _, md, _ = saved(residuals(found))
     [row] = [line.split("|") for line in md.splitlines() if "dea1" in line and "narx" in line]
     assert {cell.strip() for cell in row[3:-2]} == {DASH}
+    assert "The residual is 1 mm." in row[-2]
+
+
+def test_a_model_that_diverges_in_a_window_is_tested_in_the_others(saved):
+    found = made.validation(1)
+    chosen = {"model": "narx", "approach": "forecast"}
+    found["nmse"].loc[chosen][1] = np.inf
+    found["p_value"].loc[chosen][1] = 0.0
+    found["p_value"].loc[chosen][0, 0] = 0.0
+    csv, md, tex = saved(residuals({"dea1": found}))
+    _, row = csv.to_dict("records")
+    smallest = float(found["p_value"].sel(chosen).isel(window=[0, 2]).sel(test="phi_eu").min())
+    assert row["p of phi_eu"] == min(10 * smallest, 1.0)
+    said = "The free run diverges in 900 to 930 s; the p-values are of the other windows."
+    assert row["verdict"] == said
+    assert row["p of phi_ee"] == 0.0
+    assert "| < 1e-10" in md
+    assert r"$< 1 \times 10^{-10}$" in tex

@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import made_datasets as made
+from dea.tables.table import CAPTIONS
 from dea.tables.table1 import _estimate, table1
 
 
@@ -39,7 +40,8 @@ def test_table1_holds_every_parameter_and_score(each, names, saved):
         assert float(shared.loc["nmse, common over own", name]) == pytest.approx(together / alone)
     header = [cell.strip() for cell in md.splitlines()[0].strip("|").split("|")]
     assert header == ["structure", "term", *names]
-    assert all(len(line.split("|")) == len(names) + 4 for line in md.splitlines())
+    assert all(len(line.split("|")) == len(names) + 4 for line in md.splitlines()[:-2])
+    assert md.splitlines()[-2:] == ["", CAPTIONS]
     assert tex.count(r"\\") == len(csv) + 1
     assert "$y_{t-1}u_{t-3}^{2}$" in tex
 

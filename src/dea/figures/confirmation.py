@@ -12,6 +12,7 @@ from dea.store import Sources
 # One colour for what the model says, another for what was measured.
 _MODEL = style.BLUE
 _MEASURED = style.BLACK
+_CUT = 0.1  # of the model's gain, below which its band is not drawn, as it may reach zero
 _LINEAR = 2.0  # % or degrees, up to which the axis of differences is linear
 
 
@@ -26,20 +27,24 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
     count = found.sizes["stretch"]
     figure = style.page_figure(style.FULL_WIDTH, 205)
     axes = figure.subplots(4, count, squeeze=False, sharey="row", height_ratios=[6, 4, 4, 5])
-    unit, unit_name = style.clock(np.append(0.0, found["time"].values))
+    times = np.append(0.0, found["time"].values)
     for column in range(count):
         part = found.isel(stretch=column)
         _gain(axes[0, column], part)
         _difference(axes[1, column], part, "gain", 100.0)
         _difference(axes[2, column], part, "phase", 1.0)
         _even(axes[3, column], part)
-        axes[0, column].set_title(f"{name}, {float(part['time']) / unit:.3g} {unit_name}")
+        axes[0, column].set_title(f"{name}, {style.moment(float(part['time']), times)}")
         for ax in axes[:3, column]:
             ax.set_xscale("log")
             style.plain_log_ticks(ax.xaxis)
             _band_edge(ax, found)
         axes[2, column].set_xlabel("frequency (Hz)")
         axes[3, column].set_xlabel("frequency of the line (Hz)")
+    levels = [found[f"even_{kind}"].values for kind in ("measured", "predicted", "noise")]
+    least = min(each[each > 0.0].min(initial=np.inf) for each in levels)
+    if np.isfinite(least):
+        axes[3, 0].set_ylim(bottom=0.7 * least)  # not the end of a band, which may be zero
     units = found["response"].attrs["units"]
     axes[0, 0].set_ylabel(style.quantity("gain, standard deviations", units))
     axes[1, 0].set_ylabel("difference\nof gain (%)")
@@ -48,7 +53,7 @@ def confirmation(found: xr.Dataset, name: str) -> Figure:
     axes[3, 0].set_ylabel(style.quantity("even lines\nof the output", even_units))
     first, last = axes[0, 0].get_legend_handles_labels(), axes[3, 0].get_legend_handles_labels()
     figure.legend(*first, loc="outside upper center", ncols=2)
-    figure.legend(*last, loc="outside lower center", ncols=3)
+    figure.legend(*last, loc="outside lower center", ncols=3, columnspacing=1.2)
     return figure
 
 
@@ -67,11 +72,11 @@ def _gain(ax: Axes, part: xr.Dataset) -> None:
     withheld, its_band = part.attrs.get("model_band_withheld"), "with its 95 % band"
     frequency = part["frequency"].values
     gain = np.hypot(*part["response"].transpose("part", "frequency").values)
-    ax.fill_between(
-        frequency, part["model_gain_low"], part["model_gain_high"], color=_MODEL, alpha=0.3, lw=0
-    )
+    modelled = np.abs(as_complex(part["model"]).values)
+    low = np.maximum(part["model_gain_low"].values, _CUT * modelled)
+    ax.fill_between(frequency, low, part["model_gain_high"], color=_MODEL, alpha=0.3, lw=0)
     ax.plot(
-        frequency, np.abs(as_complex(part["model"])), color=_MODEL,
+        frequency, modelled, color=_MODEL,
         label=f"$H_1$ of the tracked model, {'whose band is withheld' if withheld else its_band}",
     )  # fmt: skip
     reach = np.stack([gain - part["gain_low"].values, part["gain_high"].values - gain])
@@ -86,10 +91,10 @@ def _gain(ax: Axes, part: xr.Dataset) -> None:
         values = part[kind].values
         shown = np.where(values > 0, values, np.nan)
         ax.plot(frequency, shown, marker, ms=2.5, mew=0.6, color=colour, label=label)
-    ax.plot([], [], color=style.SKY, alpha=0.4, lw=5, label="joint 95 % band of the difference")
+    ax.plot([], [], color=style.SKY, alpha=0.4, lw=5, label="joint 95 % band of a difference")
     ax.plot(
         [], [], "o", ms=2.4, mew=0.6, mec=_MEASURED, mfc="white",
-        label="difference outside the joint band",
+        label="outside the 95 % ellipse of gain and phase together",
     )  # fmt: skip
     ax.plot([], [], color=style.PALE, lw=5, label="not excited in the record: extrapolated")
     ax.set_yscale("log")
@@ -97,7 +102,7 @@ def _gain(ax: Axes, part: xr.Dataset) -> None:
 
 
 def _difference(ax: Axes, part: xr.Dataset, kind: str, scale: float) -> None:
-    """Draw measured less modelled, hollow where outside of the joint band, which is shown."""
+    """Draw measured less modelled, with its joint band, hollow where gain and phase disagree."""
     frequency, inside = part["frequency"].values, part["inside"].values == 1
     values, half = scale * part[f"{kind}_difference"].values, scale * part[f"{kind}_band"].values
     ax.fill_between(frequency, -half, half, color=style.SKY, alpha=0.4, lw=0)
@@ -111,6 +116,11 @@ def _difference(ax: Axes, part: xr.Dataset, kind: str, scale: float) -> None:
 
 def _even(ax: Axes, part: xr.Dataset) -> None:
     frequency = part["even_frequency"].values
+    predicted, radius = part["even_predicted"].values, part["ratio_radius"].values
+    ax.vlines(
+        frequency, predicted * np.maximum(1 - radius, _CUT), predicted * (1 + radius),
+        color=style.SKY, alpha=0.6, lw=3, label="joint 95 % band of measured over predicted",
+    )  # fmt: skip
     for kind, marker, size, colour, label in (
         ("predicted", "_", 5.0, _MODEL, "predicted from $H_2$ of the tracked model"),
         ("measured", "o", 2.2, _MEASURED, "measured"),
@@ -119,4 +129,9 @@ def _even(ax: Axes, part: xr.Dataset) -> None:
         ax.plot(
             frequency, part[f"even_{kind}"], marker, ms=size, mew=1.0, color=colour, label=label
         )
+    outside = part["even_inside"].values != 1
+    ax.plot(
+        frequency[outside], part["even_measured"].values[outside], "o", ms=2.2, mew=0.6,
+        mec=_MEASURED, mfc="white", label="measured, outside of it in size and phase together",
+    )  # fmt: skip
     ax.set_yscale("log")

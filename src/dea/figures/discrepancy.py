@@ -14,6 +14,8 @@ from dea.figures import style
 from dea.number_format import share, written_out
 from dea.store import Sources
 
+# Ends of a logarithmic axis beyond what is drawn on it.
+_BESIDE = 1.3
 # Upper limit of the axis over the largest value, which leaves room for the legend.
 _HEADROOM = 1.3
 # Points of a law that are drawn, and parameters that are told above it, at most.
@@ -32,12 +34,14 @@ _ABOVE: Mapping[str, Any] = {
     "columnspacing": 0.9, "handlelength": 1.1,
 }  # fmt: skip
 # Points that the text above a law leaves for such a legend.
-_LEGEND_HEIGHT = 12.0
+_LEGEND_HEIGHT = 13.0
 _LINE_HEIGHT = 7.2  # points
 # Where, in units of probability, the shares stand beside the presences, and where that axis ends.
-_SHARES_AT, _PRESENCE_END = 1.16, 1.6
+_SHARES_AT, _PRESENCE_END = 1.25, 1.9
 # The band of a law, paler than the law.
 _BAND = "#F3CDB2"
+# Lengths that an output may have, in a metre.
+_OF_A_METRE = {"mm": 1e3, "µm": 1e6, "um": 1e6}
 # Height of the ticks that mark the samples of a law, in parts of its axis.
 _RUG = 0.03
 
@@ -86,8 +90,8 @@ def discrepancy(
         _gains(laws[0], candidates)
     elif shapes:
         for number, (ax, effect) in enumerate(zip(laws, effects, strict=True), 1):
-            _shape(ax, certificate, number, effect)
-        laws[-1].legend(**_ABOVE, fontsize=5.5)
+            _shape(ax, certificate, number, effect, verdict["unit"])
+        laws[-1].legend(**_ABOVE, fontsize=6)
     else:
         _parameters(laws[0], effects)
     _presence(present, verdict, candidates)
@@ -164,9 +168,10 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
         high = localisation[f"{along}_high_{when}"].values
         edges = np.append(low, high[-1])
         gap = localisation[f"{along}_gap_{when}"]
-        ax.stairs(gap.values, edges, color=colour, label=when, lw=1.1)
         null = localisation[f"{along}_null_{when}"].values
-        ax.stairs(null, edges, color=colour, ls=":", lw=0.7)
+        empty = (gap.values == 0.0) & (null == 0.0)  # bins without samples, as of those kept aside
+        ax.stairs(np.where(empty, np.nan, gap.values), edges, color=colour, label=when, lw=1.1)
+        ax.stairs(np.where(empty, np.nan, null), edges, color=colour, ls=":", lw=0.7)
         highest = max(highest, float(gap.max()), float(null.max()))
     ax.plot([], [], color=style.GREY, ls=":", lw=0.7, label="chance 95 %")
     ends = localisation[f"{along}_low_before"].attrs
@@ -184,7 +189,10 @@ def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
     """Draw the held-out RMS error after each effect added, down to noise and model error."""
     rungs = dict(verdict["ladder"])
     floor = rungs.pop("noise floor")
-    ax.barh(range(len(rungs)), list(rungs.values()), color=style.BLUE, height=0.55)
+    places, errors = range(len(rungs)), list(rungs.values())
+    # No bars: a logarithmic axis has no zero from which they could begin.
+    ax.hlines(places, floor, errors, color=style.BLUE, lw=1.0)
+    ax.plot(errors, places, "o", color=style.BLUE, ms=5)
     ax.axvline(floor, color=style.BLACK, lw=0.8, ls="--", label="noise floor")
     level = verdict["model_error"].get("level", floor)
     if level > floor:
@@ -193,6 +201,9 @@ def _ladder(ax: Axes, verdict: Mapping[str, Any]) -> None:
     ax.set_yticks(range(len(rungs)), [_in_words(name) for name in rungs])
     ax.set_ylim(max(len(rungs), _FEW) - 0.5, -0.5)
     ax.set(xlabel=style.quantity("held-out RMSE", verdict["unit"]), xscale="log")
+    ends = [end for end in (*errors, floor, level) if end > 0.0]
+    if ends:
+        ax.set_xlim(min(ends) / _BESIDE, max(ends) * _BESIDE)
     style.plain_log_ticks(ax.xaxis)
 
 
@@ -202,10 +213,19 @@ def _in_words(label: str) -> str:
     return label.replace("@", "\nat ")
 
 
-def _shape(ax: Axes, certificate: xr.Dataset, number: int, effect: Mapping[str, Any]) -> None:
-    """Draw a named law with its band at the samples of the record, and what would be without it."""
+def _shape(
+    ax: Axes, certificate: xr.Dataset, number: int, effect: Mapping[str, Any], unit: str
+) -> None:
+    """Draw a named law with its band at the samples of the record, and what would be without it.
+
+    Lengths are in the ``unit`` of the output, where that is one, as are all others of the figure.
+    """
+    names = [f"law_{number}_{part}" for part in ("along", "value", "low", "high", "idle")]
+    along_units = certificate[names[0]].attrs["units"]
+    value_units = certificate[names[1]].attrs["units"]
     parts = [
-        certificate[f"law_{number}_{part}"] for part in ("along", "value", "low", "high", "idle")
+        _length_in(certificate[name], along_units if name == names[0] else value_units, unit)
+        for name in names
     ]
     order = np.argsort(parts[0].values[:: -(-parts[0].size // _MOST_POINTS)], kind="stable")
     along, value, low, high, idle = (
@@ -223,6 +243,16 @@ def _shape(ax: Axes, certificate: xr.Dataset, number: int, effect: Mapping[str, 
     told = [effect["name"].replace("_", " ")]
     told += [_estimate(name, each) for name, each in list(effect["parameters"].items())[:_TOLD]]
     ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc="right", pad=_LEGEND_HEIGHT)
+
+
+def _length_in(values: xr.DataArray, units: str, wanted: str) -> xr.DataArray:
+    """Return values in ``units`` of m or its rates in the length ``wanted``; others as they are."""
+    length, *rest = units.split("/", 1)
+    if length != "m" or wanted not in _OF_A_METRE:
+        return values.assign_attrs(units=units)
+    return (values * _OF_A_METRE[wanted]).assign_attrs(
+        values.attrs | {"units": "/".join([wanted, *rest])}
+    )
 
 
 def _text_height(ax: Axes) -> float:
@@ -293,13 +323,14 @@ def _presence(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> N
     values = [value for _, value in found]
     ax.barh(range(len(found)), values, color=colours, height=0.55)
     for y, (name, value) in enumerate(found):
-        ax.text(value + 0.02, y, f"{value:.2f}", va="center", fontsize=5.5)
+        ax.text(value + 0.02, y, f"{value:.2f}", va="center", fontsize=6)
         alone = _share_alone(candidates, name)
         if named.get(name) is not None:
-            ax.text(_SHARES_AT, y, f"removes {_percent(named[name])}", va="center", fontsize=5.5)
-        elif name not in named and np.isfinite(alone):
+            ax.text(_SHARES_AT, y, f"removes {_percent(named[name])}", va="center", fontsize=6)
+        elif name not in named:
+            said = f"alone {_percent(alone)}" if np.isfinite(alone) else "not fitted alone"
             ax.text(
-                _SHARES_AT, y, f"alone {_percent(alone)}", va="center", fontsize=5.5,
+                _SHARES_AT, y, said, va="center", fontsize=6,
                 color=style.GREY,
             )  # fmt: skip
     ax.set_yticks(range(len(found)), [_in_words(name) for name, _ in found])

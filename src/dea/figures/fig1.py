@@ -1,5 +1,6 @@
 """Fig. 1: the bench, the actuator, and its record."""
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -91,10 +92,12 @@ def _whole_record(top: Axes, bottom: Axes, whole: Record, zoom: tuple[float, flo
 
 
 def _input_output(figure: Figure, ax: Axes, whole: Record) -> None:
+    # In no order of time, so that late samples do not hide early ones; the same each time.
+    order = np.random.default_rng(0).permutation(whole.time.size)
     points = ax.scatter(
-        whole.u,
-        whole.y,
-        c=whole.time / style.MINUTE,
+        whole.u[order],
+        whole.y[order],
+        c=whole.time[order] / style.MINUTE,
         s=0.25,
         lw=0,
         cmap=style.TIME_MAP,
@@ -103,4 +106,5 @@ def _input_output(figure: Figure, ax: Axes, whole: Record) -> None:
     ax.set_xlabel(style.quantity("input $u$", whole.unit_of_one_input(_FIGURE)))
     ax.set_ylabel(style.quantity("output $y$", whole.y_units))
     points.set_clim(0, (whole.time[-1] + whole.time[1]) / style.MINUTE)
-    figure.colorbar(points, ax=ax, label="time (min)", pad=0.02, aspect=28)
+    bar = figure.colorbar(points, ax=ax, pad=0.02, aspect=28)
+    bar.ax.set_title("time (min)", loc="right")  # beside the bar it would touch what follows

@@ -1,15 +1,18 @@
 """Fig. 2: choice of orders, and models against measurement on three windows.
 
 Where the parameters come from is told by colour: *forecast* (estimated before the window), *fitted*
-(to the very window that is shown, by the same criterion) and the published approach (fitted to the
-window by least squares on the one-step error).
+(to the very window that is shown, by the same criterion) and *one step ahead* (the published
+approach: fitted to the window by least squares on the one-step error).
 """
+
+import json
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.typing import LineStyleType
+from numpy.typing import NDArray
 
 from dea.figures import style
 from dea.number_format import number
@@ -19,7 +22,7 @@ _LOOK: dict[str, tuple[str, LineStyleType, str, str]] = {
     "forecast": (style.FORECAST, "-", "forecast", "forecast: parameters from before the window"),
     "fitted": (style.FITTED, (0, (4, 2)), "fitted", "fitted to the window by the same criterion"),
     "fitted, one-step": (
-        style.PUBLISHED, (0, (1, 1)), "as published", "as published: fitted to it one step ahead"
+        style.ONE_STEP, (0, (1, 1.5)), "one step ahead", "fitted to the window one step ahead"
     ),
 }  # fmt: skip
 
@@ -69,12 +72,25 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
         # Where every model has diverged, or one has no error, there is no least to compare with.
         scale = least if 0.0 < least < np.inf else 1.0
         ax.plot(order, values / scale, color=colour, label=label, **look)
+    chosen = _chosen(orders, kind)
+    if chosen is not None:
+        ax.axvline(chosen, color=style.GREY, lw=0.8, ls=":", label=f"chosen: {chosen}", zorder=1)
     ax.set_yscale("log")
     style.plain_log_ticks(ax.yaxis)
     ax.set_xticks(order.values)
     ax.set_xlabel(f"{kind} order")
     ax.set_ylabel("error over the least")
-    ax.legend(loc="best")
+    # The line of the chosen order does not cross the words.
+    ax.legend(loc="best", frameon=True, framealpha=0.9, edgecolor="none")
+
+
+def _chosen(orders: xr.Dataset, kind: str) -> int | None:
+    """Return the order of the models that were identified: of lags the largest number."""
+    identification = json.loads(orders.attrs.get("settings", "{}")).get("identification")
+    if identification is None:
+        return None
+    keys = ("y_lags", "u_lags") if kind == "dynamic" else ("degree",)
+    return int(max(np.max(identification[key]) for key in keys))
 
 
 def _predicted(ax: Axes, validation: xr.Dataset) -> None:
@@ -112,6 +128,27 @@ def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
     ax.set_xlim(time[0], 2 * time[-1] - time[-2])
     ax.set_ylim(_around(part["measured"]))
     ax.set_ylabel(style.quantity("$y$", part["measured"].attrs["units"]))
+    lost = [each for each in _LOOK if not np.isfinite(part["simulated"].sel(approach=each)).all()]
+    for line, approach in enumerate(lost):
+        _mark_divergence(ax, time, part["simulated"].sel(approach=approach).values, approach, line)
+
+
+def _mark_divergence(
+    ax: Axes, time: NDArray[np.float64], run: NDArray[np.float64], approach: str, line: int
+) -> None:
+    """Mark where a run that diverges leaves the axis for good, and say so in this line of text."""
+    low, high = ax.get_ylim()
+    end = int(np.flatnonzero(~np.isfinite(run))[0])
+    within = np.flatnonzero((run[:end] >= low) & (run[:end] <= high))
+    left = time[min(end, within[-1] + 1 if within.size else 0)]
+    colour, _, short, _ = _LOOK[approach]
+    ax.axvline(left, color=colour, lw=0.6, ls=":")
+    early = left < time.mean()
+    ax.annotate(
+        f"{short} diverged at {left:.4g} s", (left, 1), (4 if early else -4, -2 - 8 * line),
+        xycoords=ax.get_xaxis_transform(), textcoords="offset points", fontsize=6.5, color=colour,
+        ha="left" if early else "right", va="top",
+    )  # fmt: skip
 
 
 def _around(measured: xr.DataArray) -> tuple[float, float]:

@@ -31,7 +31,8 @@ def fig3(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset])
     """
     parts = one_by_one(responses, "input")
     gains = {name: abs(as_complex(response["H1"])) for name, response in parts.items()}
-    relative = {name: gain / slow_reference(gain) for name, gain in gains.items()}
+    references = {name: slow_reference(gain) for name, gain in gains.items()}
+    relative = {name: gain / references[name] for name, gain in gains.items()}
     shown = Quantity(
         relative,
         magnitude_scale(excited_values(relative, parts)),
@@ -44,6 +45,7 @@ def fig3(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset])
             name: style.quantity(r"gain $|H_1|$", response["H1"].attrs["units"])
             for name, response in parts.items()
         },
+        references,
     )
     of_system = {name: records[system_of(records, name)] for name in parts}
     return h1_over_time(of_system, parts, shown)

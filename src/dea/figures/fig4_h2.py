@@ -38,5 +38,6 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
             name: style.quantity("$|H_2(f, f)|$", response["H2"].attrs["units"])
             for name, response in responses.items()
         },
+        from_zero=True,
     )
     return planes_over_time(responses, shown)

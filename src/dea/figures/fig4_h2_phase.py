@@ -40,10 +40,11 @@ def fig4_h2_phase(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.
         phases,
         phase_scale(excited_values(phases, parts)),
         style.PHASE_MAP,
-        "phase of $H_2(f_1, f_2)$ without the delay of one sample (degrees)",
+        "phase of $H_2(f_1, f_2)$\nwithout the delay of one sample (degrees)",
         phases,
         low,
         high,
         dict.fromkeys(parts, "phase of\n$H_2(f, f)$ (degrees)"),
+        from_zero=False,
     )
     return planes_over_time(parts, shown)

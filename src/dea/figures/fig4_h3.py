@@ -26,7 +26,7 @@ def fig4_h3(responses: Mapping[str, xr.Dataset]) -> Figure:
     sizes = {name: abs(as_complex(response["H3"])) for name, response in responses.items()}
     maps = {name: size / slow_reference(size) for name, size in sizes.items()}
     # A share of the sampling rate, which systems may not have in common.
-    each = (f"{float(response['frequency_3']):.3g}" for response in responses.values())
+    each = [f"{float(response['frequency_3']):.3g}" for response in responses.values()]
     third = ", ".join(dict.fromkeys(each))
     shown = Quantity(
         maps,
@@ -37,8 +37,9 @@ def fig4_h3(responses: Mapping[str, xr.Dataset]) -> Figure:
         {},
         {},
         {
-            name: style.quantity("$|H_3(f, f, f_3)|$", response["H3"].attrs["units"])
-            for name, response in responses.items()
+            name: style.quantity(rf"$|H_3(f, f,$ {held} Hz$)|$", response["H3"].attrs["units"])
+            for held, (name, response) in zip(each, responses.items(), strict=True)
         },
+        from_zero=True,
     )
     return planes_over_time(responses, shown)

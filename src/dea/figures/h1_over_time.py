@@ -22,8 +22,11 @@ from dea.store import signals
 _COLUMNS = 2
 _TIMES = (0.05, 0.5, 0.95)  # of the record, at which curves are drawn
 _PALENESS = 0.3
+_MARGIN = 0.08  # of an axis, over what its curves span
 _LINEAR_TICKS = 4
+_FEW_DECADES = 2  # powers of ten on an axis, below which two and five of each are labelled too
 _BEYOND = 2.0  # highest frequency shown over the highest excited one
+_SLIVER = 1.2  # the same: what is excited up to less than this below the end is shown to there
 
 
 class Quantity(NamedTuple):
@@ -31,7 +34,8 @@ class Quantity(NamedTuple):
 
     ``maps`` over ``time`` and ``frequency`` on the colour scale ``norm``; ``curves`` likewise, in
     the units of the variables ``low`` and ``high`` of the response, the ends of their bands;
-    ``curve_labels`` say what they are.
+    ``curve_labels`` say what they are. Where ``references`` are given, one for each curve, the axes
+    of the curves span the same multiples of them, so that equal shares look equal.
     """
 
     maps: Mapping[str, xr.DataArray]
@@ -42,6 +46,7 @@ class Quantity(NamedTuple):
     low: str
     high: str
     curve_labels: Mapping[str, str]
+    references: Mapping[str, float] | None = None
 
 
 def h1_over_time(
@@ -60,6 +65,7 @@ def h1_over_time(
     grid = figure.add_gridspec(
         2 * rows, 2 * columns, height_ratios=[1, 2.6] * rows, width_ratios=[1.25, 1] * columns
     )
+    of_curves: dict[str, Axes] = {}
     for number, (name, response) in enumerate(responses.items()):
         row, column = divmod(number, columns)
         panel = figure.add_subplot(grid[2 * row + 1, 2 * column])
@@ -72,6 +78,8 @@ def h1_over_time(
         panel.set_ylabel("frequency (Hz)")
         _curves(curves, response, shown.curves[name], shown)
         curves.set_ylabel(shown.curve_labels[name])
+        of_curves[name] = curves
+    _span_alike(of_curves, responses, shown)
     colour_bar(figure, mesh, np.array(figure.axes), shown.map_label)
     time = next(iter(responses.values()))["time"].values
     veiled = any(map(_extrapolates, responses.values()))
@@ -107,7 +115,8 @@ def _highest(response: xr.Dataset) -> float:
     """Return the highest frequency shown: a little beyond the highest excited one."""
     frequency = response["frequency"].values
     known = frequency[_excited(response)].max(initial=frequency[0])
-    return float(min(frequency[-1], max(_BEYOND * known, frequency[1])))
+    highest = min(frequency[-1], max(_BEYOND * known, frequency[1]))
+    return float(known if frequency[0] < known and highest < _SLIVER * known else highest)
 
 
 def _extrapolates(response: xr.Dataset) -> bool:
@@ -151,15 +160,35 @@ def _curves(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantit
         ax.plot(frequency, curve, color=colour, lw=0.6, ls=":")
     ax.set_xlim(frequency[0], _highest(response))
     _log_if_wide(ax, "x")
-    near = frequency <= _highest(response)
-    rows = [round(share * (values["time"].size - 1)) for share in _TIMES]
-    seen = values.isel(time=rows, frequency=near).values
-    seen = seen[np.isfinite(seen)]
+    seen = _seen(response, values)
     if seen.size and np.ptp(seen) > 0.0:
-        margin = 0.08 * np.ptp(seen)
+        margin = _MARGIN * np.ptp(seen)
         ax.set_ylim(seen.min() - margin, seen.max() + margin)
     ax.yaxis.set_major_locator(MaxNLocator(4))
     ax.set_xlabel("frequency (Hz)")
+
+
+def _seen(response: xr.Dataset, values: xr.DataArray) -> NDArray[np.float64]:
+    """Return what the curves show, where it is known."""
+    rows = [round(share * (values["time"].size - 1)) for share in _TIMES]
+    near = values["frequency"].values <= _highest(response)
+    seen = values.isel(time=rows, frequency=near).values
+    return np.asarray(seen[np.isfinite(seen)])
+
+
+def _span_alike(
+    axes: Mapping[str, Axes], responses: Mapping[str, xr.Dataset], shown: Quantity
+) -> None:
+    """Limit the axes of the curves to the same multiples of their references, and not below 0."""
+    references = {k: v for k, v in (shown.references or {}).items() if np.isfinite(v) and v > 0.0}
+    relative = [_seen(responses[k], shown.curves[k]) / v for k, v in references.items()]
+    every = np.concatenate(relative) if relative else np.empty(0)
+    if not every.size or np.ptp(every) == 0.0:
+        return
+    margin = _MARGIN * np.ptp(every)
+    low, high = max(0.0, every.min() - margin), every.max() + margin
+    for name, reference in references.items():
+        axes[name].set_ylim(low * reference, high * reference)
 
 
 def _log_if_wide(ax: Axes, which: str) -> None:
@@ -168,6 +197,9 @@ def _log_if_wide(ax: Axes, which: str) -> None:
     axis.set_major_locator(MaxNLocator(_LINEAR_TICKS))
     if low > 0 and high > 20 * low:
         ax.set(**{f"{which}scale": "log"})
+        decades = np.floor(np.log10(high)) - np.ceil(np.log10(low)) + 1
+        if decades < _FEW_DECADES:
+            style.plain_log_ticks(axis)
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter("")
 
@@ -176,15 +208,14 @@ def _curve_handles(
     time: NDArray[np.float64], responses: Mapping[str, xr.Dataset], shown: Quantity
 ) -> list[Line2D | Patch]:
     """Return the handles of the times at which some curve is drawn, and of bands if there are."""
-    unit, name = style.clock(time)
     handles: list[Line2D | Patch] = []
     for share, colour in zip(_TIMES, style.THREE, strict=True):
         rows = [
             each.isel(time=round(share * (each["time"].size - 1))) for each in shown.curves.values()
         ]
         if any(bool(np.isfinite(row.values).any()) for row in rows):
-            at = time[round(share * (time.size - 1))] / unit
-            handles.append(Line2D([], [], color=colour, lw=0.9, label=f"at {at:.3g} {name}"))
+            at = style.moment(time[round(share * (time.size - 1))], time)
+            handles.append(Line2D([], [], color=colour, lw=0.9, label=f"at {at}"))
     if any(bool(np.isfinite(each[shown.low].values).any()) for each in responses.values()):
         handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))
     return handles

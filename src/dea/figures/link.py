@@ -12,6 +12,10 @@ from dea.figures import style
 from dea.store import Sources
 
 _MILLI = 1e3
+_MARGIN = 1.2  # factor, beyond the bins that hold round trips
+_LINE = 0.09  # of the table's height, at most, a line of it
+_SPACE = 0.45  # of a line, around the text of a row
+_COLUMNS = {"": 0.13, "exchanges": 0.21, "retries": 0.16, "reconnects": 0.24, "errors": 0.26}
 
 
 def draw(sources: Sources) -> Figure:
@@ -22,9 +26,13 @@ def draw(sources: Sources) -> Figure:
 @style.styled
 def link(links: Mapping[str, xr.Dataset]) -> Figure:
     """Draw the quality of each link (contract ``link``), by the actuators' names."""
-    figure = style.page_figure(style.FULL_WIDTH, max(112, 40 + 12 * len(links)))
     polled = {name: each["jitter"].values for name, each in links.items() if each["jitter"].size}
-    axes = figure.subplot_mosaic("tc;lr" if polled else "tc;rr")
+    if polled:
+        figure = style.page_figure(style.FULL_WIDTH, max(112, 40 + 12 * len(links)))
+        axes = figure.subplot_mosaic("tc;lr")
+    else:
+        figure = style.page_figure(style.FULL_WIDTH, max(66, 22 + 6 * len(links)))
+        axes = figure.subplot_mosaic("tcr", width_ratios=[1, 1, 1.5])
     trips, course, repairs = axes["t"], axes["c"], axes["r"]
     colours = {name: style.CYCLE[i % len(style.CYCLE)] for i, name in enumerate(links)}
     _round_trips(trips, links, colours)
@@ -47,9 +55,11 @@ def _round_trips(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str
         ax.stairs(count, edges, color=colours[name], lw=1.0, label=name)
         filled = np.flatnonzero(count)
         used = [min(used[0], low[filled[0]]), max(used[1], high[filled[-1]])]
-    ax.set(xscale="log", xlim=used, xlabel="round trip (ms)", ylabel="exchanges per bin")
+    ax.set(xscale="log", xlabel="round trip (ms)", ylabel="exchanges per bin")
+    ax.set_xlim(used[0] / _MARGIN, used[1] * _MARGIN)
     ax.set_yscale("symlog", linthresh=1)
-    ax.set_ylim(bottom=0)
+    most = max(int(dataset["round_trip_count"].max()) for dataset in links.values())
+    ax.set_ylim(0, 2 * most)
     style.plain_log_ticks(ax.xaxis)
     ax.yaxis.set_major_formatter("{x:g}")
 
@@ -59,7 +69,7 @@ def _course(ax: Axes, links: Mapping[str, xr.Dataset], colours: Mapping[str, str
         sent = dataset["send_time"].values
         trip = (dataset["receive_time"].values - sent) * _MILLI
         ax.plot(sent, trip, ".", ms=2, mew=0, color=colours[name], rasterized=True)
-    ax.set(yscale="log", xlabel="time of the request (s)", ylabel="round trip (ms)")
+    ax.set(yscale="log", xlabel="time of the request, host's clock (s)", ylabel="round trip (ms)")
     style.plain_log_ticks(ax.yaxis)
 
 
@@ -89,15 +99,16 @@ def _repairs(ax: Axes, links: Mapping[str, xr.Dataset]) -> None:
         for name, dataset in links.items()
     ]
     table = ax.table(
-        rows, colLabels=["", "exchanges", "retries", "reconnects", "errors"], loc="upper left",
-        cellLoc="left", colLoc="left", edges="horizontal", colWidths=[0.13, 0.18, 0.14, 0.2, 0.35],
+        rows, colLabels=list(_COLUMNS), loc="upper left", cellLoc="left", colLoc="left",
+        edges="horizontal", colWidths=list(_COLUMNS.values()),
     )  # fmt: skip
     table.auto_set_font_size(False)
     table.set_fontsize(6)
+    heights = [1 + _SPACE, *(row[-1].count("\n") + 1 + _SPACE for row in rows)]
+    line = min(_LINE, 1.0 / sum(heights))
     for (row, _), cell in table.get_celld().items():
         cell.set_linewidth(0.4)
-        lines = rows[row - 1][-1].count("\n") + 1 if row else 1
-        cell.set_height(0.075 * lines + 0.035)
+        cell.set_height(line * heights[row])
 
 
 def _errors(dataset: xr.Dataset) -> str:

@@ -27,12 +27,14 @@ from dea.figures.frequency_maps import (
 Array = NDArray[np.float64]
 _MARGIN, _LARGEST_PANEL = 36.0, 44.0  # mm
 _CURVES = 34.0  # mm, height of the last row
+_TITLE = 10.0  # mm, above a row of maps alone
 _PALENESS = 0.3
 _CONTOURS = 3
+_MOST_DIGITS = 3  # of a contour's label
 _FLAT = 0.01  # of the largest value; a map that varies less gets no contours
 _BEYOND = 1.4  # upper limit of the axes over the highest excited frequency
 _LABELLED = 0.6  # of the way from the middle to the edge: a label further out would be cut
-_APART = 0.85  # of the way from the middle to the edge, between labels
+_APART = 0.9  # of the way from the middle to the edge, between labels
 
 
 class Quantity(NamedTuple):
@@ -40,7 +42,8 @@ class Quantity(NamedTuple):
 
     ``maps`` over ``time_h2`` and both frequencies on the colour scale ``norm``; ``curves``
     likewise, drawn where both frequencies are one, in the units of ``low`` and ``high``, the ends
-    of their bands, which are empty where there is none. ``curve_labels`` say what they are.
+    of their bands, which are empty where there is none. ``curve_labels`` say what they are. Where
+    zero means nothing, as of a phase, the axes of the curves need not begin there (``from_zero``).
     """
 
     maps: Mapping[str, xr.DataArray]
@@ -51,10 +54,13 @@ class Quantity(NamedTuple):
     low: Mapping[str, xr.DataArray]
     high: Mapping[str, xr.DataArray]
     curve_labels: Mapping[str, str]
+    from_zero: bool
 
 
 def planes_over_time(responses: Mapping[str, xr.Dataset], shown: Quantity) -> Figure:
     """Draw a column per system, a row per time, on one colour scale; in the last row the curves.
+
+    A page of one system is not tall and narrow: its times stand beside each other.
 
     Parameters
     ----------
@@ -62,7 +68,25 @@ def planes_over_time(responses: Mapping[str, xr.Dataset], shown: Quantity) -> Fi
         Contract ``gfrf``, by the systems' names.
     """
     times = next(iter(shown.maps.values()))["time_h2"].values
-    unit, unit_name = style.clock(times)
+    draw = _one_system if len(shown.maps) == 1 else _several_systems
+    figure, width = draw(times, responses, shown)
+    veiled = any(_extrapolates(responses[name]) for name in shown.maps)
+    handles = [
+        *([veil_handle()] if veiled else []),
+        *_curve_handles(times, shown),
+        *missing_handles(shown.maps),
+    ]
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=3,
+        title=reservations(responses, width, banded=bool(shown.low)), title_fontsize=6,
+    )  # fmt: skip
+    return figure
+
+
+def _several_systems(
+    times: Array, responses: Mapping[str, xr.Dataset], shown: Quantity
+) -> tuple[Figure, float]:
+    """Draw a column per system, and return the figure with its width (mm)."""
     panel = min((style.FULL_WIDTH - _MARGIN) / len(shown.maps), _LARGEST_PANEL)
     height = panel * times.size + _CURVES + _MARGIN
     width = panel * len(shown.maps) + _MARGIN
@@ -74,7 +98,7 @@ def planes_over_time(responses: Mapping[str, xr.Dataset], shown: Quantity) -> Fi
             ax = axes[row, column]
             mesh = _panel(ax, responses[name], values.isel(time_h2=row), shown)
             ax.tick_params(labelleft=column == 0, labelbottom=row == times.size - 1)
-            axes[row, 0].set_ylabel(f"at {time / unit:.3g} {unit_name}\n$f_2$ (Hz)")
+            axes[row, 0].set_ylabel(f"at {style.moment(time, times)}\n$f_2$ (Hz)")
         axes[0, column].set_title(name.replace(", ", "\n"))
         axes[-2, column].set_xlabel("$f_1$ (Hz)")
         _diagonal(axes[-1, column], name, responses[name], shown)
@@ -82,12 +106,31 @@ def planes_over_time(responses: Mapping[str, xr.Dataset], shown: Quantity) -> Fi
     for column in range(len(labels) if len(set(labels)) > 1 else 1):
         axes[-1, column].set_ylabel(labels[column])
     colour_bar(figure, mesh, axes[:-1], shown.map_label)
-    handles = [veil_handle(), *_curve_handles(times, shown), *missing_handles(shown.maps)]
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=min(len(shown.maps), 3),
-        title=reservations(responses, width, banded=bool(shown.low)), title_fontsize=6,
-    )  # fmt: skip
-    return figure
+    return figure, width
+
+
+def _one_system(
+    times: Array, responses: Mapping[str, xr.Dataset], shown: Quantity
+) -> tuple[Figure, float]:
+    """Draw a column per time of the only system, and return the figure with its width (mm)."""
+    [(name, values)] = shown.maps.items()
+    panel = min((style.FULL_WIDTH - _MARGIN) / times.size, _LARGEST_PANEL)
+    width = max(panel * times.size, 2 * _LARGEST_PANEL) + _MARGIN
+    figure = style.page_figure(width, panel + _TITLE + _CURVES + _MARGIN)
+    grid = figure.add_gridspec(2, times.size, height_ratios=[panel + _TITLE, _CURVES])
+    axes = np.array([figure.add_subplot(grid[0, column]) for column in range(times.size)])
+    for column, (ax, time) in enumerate(zip(axes, times, strict=True)):
+        mesh = _panel(ax, responses[name], values.isel(time_h2=column), shown)
+        ax.tick_params(labelleft=column == 0)
+        ax.set_xlabel("$f_1$ (Hz)")
+        ax.set_title(f"at {style.moment(time, times)}")
+    axes[0].set_ylabel("$f_2$ (Hz)")
+    curves = figure.add_subplot(grid[1, :])
+    _diagonal(curves, name, responses[name], shown)
+    curves.set_ylabel(shown.curve_labels[name])
+    colour_bar(figure, mesh, axes, shown.map_label)
+    figure.suptitle(name, fontsize=7)
+    return figure, width
 
 
 def excited_values(maps: Mapping[str, xr.DataArray], responses: Mapping[str, xr.Dataset]) -> Array:
@@ -116,21 +159,34 @@ def _diagonal(ax: Axes, name: str, response: xr.Dataset, shown: Quantity) -> Non
             low, high = along(shown.low[name], row), along(shown.high[name], row)
             ax.fill_between(f[known], low, high, color=colour, alpha=_PALENESS, lw=0)
         ax.plot(f[known], along(shown.curves[name], row), color=colour, lw=0.9)
+    if shown.from_zero:
+        ax.set_ylim(bottom=0.0)
     ax.xaxis.set_major_locator(MaxNLocator(3))
     ax.yaxis.set_major_locator(MaxNLocator(3))
     ax.set_xlabel("$f$ (Hz)")
 
 
 def _curve_handles(times: Array, shown: Quantity) -> list[Line2D | Patch]:
-    unit, name = style.clock(times)
     handles: list[Line2D | Patch] = [
         Line2D([], [], color=style.THREE[row % len(style.THREE)], lw=0.9,
-               label=f"at {time / unit:.3g} {name}")
+               label=f"at {style.moment(time, times)}")
         for row, time in enumerate(times)
     ]  # fmt: skip
     if shown.low:
         handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))
+    else:
+        handles.append(Line2D([], [], ls="none", label="no band is computed"))
     return handles
+
+
+def _extrapolates(response: xr.Dataset) -> bool:
+    """Whether frequencies are shown at which the input held no power."""
+    doubtful = _doubtful(response)
+    f1, f2 = (response[f"frequency_{k}"].values for k in (1, 2))
+    low_1, high_1 = _view(f1, np.any(~doubtful, axis=0))
+    low_2, high_2 = _view(f2, np.any(~doubtful, axis=1))
+    seen = ((f2 >= low_2) & (f2 <= high_2))[:, None] & ((f1 >= low_1) & (f1 <= high_1))
+    return bool((doubtful & seen).any())
 
 
 def _doubtful(response: xr.Dataset) -> NDArray[np.bool_]:
@@ -170,7 +226,7 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
     low, high = float(trusted.min()), float(trusted.max())
     if not high - low > _FLAT * max(abs(low), abs(high)):
         return
-    levels = np.linspace(low, high, _CONTOURS + 2)[1:-1]
+    levels = _levels(low, high)
     known = trusted.dropna("frequency_1", how="all").dropna("frequency_2", how="all")
     f1, f2 = known["frequency_1"].values, known["frequency_2"].values
     lines = ax.contour(
@@ -190,7 +246,7 @@ def _contours(ax: Axes, trusted: xr.DataArray) -> None:
     ax.clabel(
         lines,
         fmt=dict(zip(levels.tolist(), _labels(levels), strict=True)),
-        fontsize=5,
+        fontsize=6,
         manual=places,
     )
 
@@ -217,7 +273,14 @@ def _place_for_label(
     return nearest
 
 
+def _levels(low: float, high: float) -> Array:
+    """Return levels of contours, one alone where so many digits do not tell more of them apart."""
+    levels = np.linspace(low, high, _CONTOURS + 2)[1:-1]
+    three = {f"{level:.{_MOST_DIGITS}g}" for level in levels}
+    return levels if len(three) == levels.size else levels[levels.size // 2 :][:1]
+
+
 def _labels(levels: Array) -> list[str]:
-    """Return the levels as text, with three digits or as many more as make them differ."""
-    written = ([f"{level:.{digits}g}" for level in levels] for digits in count(3))
+    """Return the levels as text, with two digits or as many more as make them differ."""
+    written = ([f"{level:.{digits}g}" for level in levels] for digits in count(2))
     return next(labels for labels in written if len(set(labels)) == levels.size)

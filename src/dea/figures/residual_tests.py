@@ -50,7 +50,8 @@ def residual_tests(validation: xr.Dataset, name: str, approach: str = "forecast"
         ax.set_xlabel("lag (samples)")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=3,
-                  title=f"{name}, {approach}", title_fontsize=7)  # fmt: skip
+                  title=f"{name}, {approach}: correlations $\\phi$ of residual $e$ and input $u$",
+                  title_fontsize=7)  # fmt: skip
     return figure
 
 
@@ -62,7 +63,13 @@ def _heading(part: xr.Dataset) -> str:
         for model, (label, _) in _MODEL.items()
         if not np.isfinite(part["correlation"].sel(model=model)).any()
     ]
-    return ", ".join([f"{time[0]:.0f} to {time[-1]:.0f} s", *diverged])
+    end = 2 * time[-1] - time[-2]  # where the last sample ends
+    return ", ".join([f"{_plain(time[0])} to {_plain(end)} s", *diverged])
+
+
+def _plain(time: float) -> str:
+    """Return a time with two decimals at most."""
+    return f"{time:.2f}".rstrip("0").rstrip(".")
 
 
 def as_mathematics(test: str) -> str:

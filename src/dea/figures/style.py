@@ -34,6 +34,7 @@ MINUTE = 60.0  # s
 _LONG = 300.0  # s; the time axis of a longer record is in minutes
 _MOST_TICKS = 7
 _SHORT_RANGE = 5.0  # ratio of the ends of a logarithmic axis, below which 1, 2 and 5 are too few
+_LONG_RANGE = 1e3  # the same, above which 2 and 5 are too many
 
 # Okabe and Ito (2008): distinguishable with common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -47,7 +48,7 @@ CYCLE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 MEASURED = "#A6A6A6"  # drawn wide, so that a simulation on top of it leaves its edges visible
 FORECAST = VERMILION
 FITTED = BLUE
-PUBLISHED = GREEN
+ONE_STEP = BLACK
 LINEAR = BLUE
 NARX = VERMILION
 
@@ -178,13 +179,15 @@ def truncated(name: str, low: float = 0.0, high: float = 1.0) -> ListedColormap:
 def plain_log_ticks(axis: Axis) -> None:
     """Label a logarithmic axis at 1, 2 and 5 of each decade, without powers of ten.
 
-    What is drawn must be there by then: over a short range more values are labelled.
+    What is drawn must be there by then: over a short range more values are labelled, over a long
+    one fewer.
     """
     low, high = axis.get_view_interval()
     short = low > 0.0 and high < _SHORT_RANGE * low
     # Every step divides one, so that one is labelled where it is shown.
     linear = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
-    axis.set_major_locator(linear if short else LogLocator(subs=(1, 2, 5)))
+    subs = (1,) if high > _LONG_RANGE * low else (1, 2, 5)
+    axis.set_major_locator(linear if short else LogLocator(subs=subs))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 
@@ -192,6 +195,12 @@ def plain_log_ticks(axis: Axis) -> None:
 def clock(time: NDArray[np.float64]) -> tuple[float, str]:
     """Return the unit of a record's time axis: its length in s, and its name."""
     return (MINUTE, "min") if time[-1] - time[0] > _LONG else (1.0, "s")
+
+
+def moment(time: float, like: NDArray[np.float64]) -> str:
+    """Return a time (s) in words, to a tenth of the unit of :func:`clock` of the times ``like``."""
+    unit, name = clock(like)
+    return f"{round(time / unit, 1):g} {name}"
 
 
 def time_axis(ax: Axes, time: NDArray[np.float64]) -> None:

@@ -19,6 +19,12 @@ _COLUMNS = 3
 _POINTS = 1200  # a panel is 600 pixels wide
 _LINE = 120  # characters of a note
 _PALENESS = 0.22
+# Of a simulation that diverges: the part of its residuals that is usual, and the axis over it.
+_USUAL, _OVER_USUAL = 0.99, 5.0
+# Parts of a parameter's course, and of an end of its band, that may leave a cut axis on a side;
+# its margins, and from where on an axis is cut, both over what the rest spans.
+_CUT_COURSE, _CUT_BAND = 0.02, 0.2
+_MARGIN, _FLATTENED = 0.5, 2.5
 _TRACKER = {
     "rls": ("recursive least squares", style.BLUE, "-"),
     "kalman": ("Kalman smoother", style.VERMILION, "-"),
@@ -55,24 +61,45 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
     upper.supylabel(
         style.quantity("measured − simulated", track["rmse"].attrs["units"]), fontsize=7
     )
-    panels = lower.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
+    panels = lower.subplots(rows, _COLUMNS, squeeze=False).ravel()
     thin = track.isel(time=slice(None, None, max(1, track["time"].size // _POINTS)))
-    for panel, term in zip(panels, terms, strict=False):
+    for place, (panel, term) in enumerate(zip(panels, terms, strict=False)):
         _parameter(panel, thin.sel(term=term), str(term))
+        style.time_axis(panel, track["time"].values)
+        if place < _COLUMNS * (rows - 1):  # a label of each would leave a gap above the last row
+            panel.set_xlabel("")
     for panel in panels[terms.size :]:
         panel.set_visible(False)
-    for panel in panels[max(0, terms.size - _COLUMNS) : terms.size]:
-        panel.tick_params(labelbottom=True)
-        style.time_axis(panel, track["time"].values)
     lower.supylabel("parameter (normalised)", fontsize=7)
     handles, labels = panels[0].get_legend_handles_labels()
-    band = Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band of each")
+    bands = _bands(track)
+    labels += [str(band.get_label()) for band in bands]
+    lines = ceil(sum(map(len, labels)) / _LINE)
     lower.legend(
-        [*handles, band], [*labels, band.get_label()],
-        loc="outside upper center", ncols=len(handles) + 1,
+        [*handles, *bands], labels,
+        loc="outside upper center", ncols=ceil(len(labels) / lines),
         title=_reservations(track), title_fontsize=6,
     )  # fmt: skip
     return figure
+
+
+def _banded(track: xr.Dataset) -> list[str]:
+    """Return the trackers whose parameters have bands."""
+    withheld = track["parameters_withheld"]
+    return [
+        each for each in _in_order(track["tracker"]) if not str(withheld.sel(tracker=each).values)
+    ]
+
+
+def _bands(track: xr.Dataset) -> list[Patch]:
+    """Return the legend's entry for the bands, which says whose they are, if there are any."""
+    banded = _banded(track)
+    if not banded:
+        return []
+    everyone = len(banded) == track["tracker"].size
+    of = "each" if everyone else " and ".join(_TRACKER[each][0] for each in banded)
+    colour = _TRACKER[banded[0]][1] if len(banded) == 1 else style.GREY
+    return [Patch(facecolor=colour, alpha=_PALENESS, label=f"95 % band of {of}")]
 
 
 def _reservations(track: xr.Dataset) -> str:
@@ -104,32 +131,78 @@ def _errors(axes: NDArray[np.object_], record: xr.Dataset, track: xr.Dataset) ->
         label, colour, _ = _SIMULATION[simulation]
         chosen = track.sel(simulation=simulation)
         error = measured - chosen["simulated"].values
-        worst = float(np.abs(error[np.isfinite(error)]).max(initial=0.0))
-        spread = float(np.nanmax(whole.y) - np.nanmin(whole.y))
-        reach = min(worst, spread)  # a simulation may diverge
+        end = _divergence(chosen)
+        size = np.abs(error[:end])
+        size = size[np.isfinite(size)]
+        worst = float(size.max(initial=0.0))
+        reach = worst
+        if end < time.size and size.size:
+            reach = min(worst, _OVER_USUAL * float(np.quantile(size, _USUAL)))
+        reach = min(reach or worst, float(np.nanmax(whole.y) - np.nanmin(whole.y)))
         ax.set_ylim(-1.1 * reach, 1.1 * reach)
-        ax.plot(time, error, lw=0.2, color=colour, rasterized=True)
-        ax.axhline(0, color=style.BLACK, lw=0.4)
-        ax.set_title(f"{label}: {_success(chosen)}", loc="right", pad=2)
+        ax.plot(time[:end], error[:end], lw=0.2, color=colour, rasterized=True)
+        ax.plot([time[0], time[end - 1] if end else time[0]], [0, 0], color=style.BLACK, lw=0.4)
+        if end < time.size:
+            ax.axvline(time[end], color=colour, lw=0.8, ls="--")
+        ax.set_title(f"{label}: {_success(chosen, end, cut=reach < worst)}", loc="right", pad=2)
     style.time_axis(axes[-1], time)
 
 
-def _success(simulation: xr.Dataset) -> str:
+def _divergence(simulation: xr.Dataset) -> int:
+    """Return the sample at which a simulation is no longer finite; their number, if it stays so."""
+    lost = np.flatnonzero(np.isinf(simulation["simulated"].values))
+    if not lost.size or np.isfinite(float(simulation["nmse"])):
+        return int(simulation["time"].size)
+    return int(lost[0])
+
+
+def _success(simulation: xr.Dataset, end: int, *, cut: bool) -> str:
+    """Return the scores of a simulation, or when it diverged, at the sample ``end``."""
     nmse, rmse = float(simulation["nmse"]), float(simulation["rmse"])
+    time = simulation["time"].values
+    said = f"nmse {number(nmse)}, rmse {number(rmse)} {simulation['rmse'].attrs['units']}"
     if not np.isfinite(nmse):
-        return "diverged"
-    return f"nmse {number(nmse)}, rmse {number(rmse)} {simulation['rmse'].attrs['units']}"
+        said = "diverged" + (f" at {style.moment(time[end], time)}" if end < time.size else "")
+    return f"{said} (axis cut)" if cut else said
 
 
 def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
-    time = track["time"].values
+    time, banded = track["time"].values, _banded(track)
     for tracker in _in_order(track["tracker"]):
         label, colour, dashes = _TRACKER[tracker]
         chosen = track.sel(tracker=tracker)
         ax.plot(time, chosen["parameter"].values, color=colour, ls=dashes, lw=0.8, label=label)
-        if not str(chosen["parameters_withheld"].values):
+        if tracker in banded:
             ax.fill_between(
                 chosen["instant"].values, chosen["band_low"].values, chosen["band_high"].values,
                 color=colour, alpha=_PALENESS, lw=0, rasterized=True,
             )  # fmt: skip
     ax.set_title(Term.parse(term).mathematics())
+    _limits(ax, track.sel(tracker=banded) if banded else None)
+
+
+def _limits(ax: Axes, banded: xr.Dataset | None) -> None:
+    """Limit an axis to the central part of what is drawn, where the rest would flatten it.
+
+    At the beginning of a record, which says little by then, bands are wider than all that follows.
+    """
+    drawn = [np.asarray(line.get_ydata(), dtype=np.float64) for line in ax.lines]
+    parts = [(each, _CUT_COURSE) for each in drawn]
+    if banded is not None:
+        parts += [(banded[end].values.ravel(), _CUT_BAND) for end in ("band_low", "band_high")]
+    known = [(each[np.isfinite(each)], share) for each, share in parts]
+    known = [(each, share) for each, share in known if each.size]
+    if not known:
+        return
+    least, most = min(each.min() for each, _ in known), max(each.max() for each, _ in known)
+    low = min(float(np.quantile(each, share)) for each, share in known)
+    high = max(float(np.quantile(each, 1.0 - share)) for each, share in known)
+    if not most - least > _FLATTENED * (high - low) > 0.0:
+        return
+    margin = _MARGIN * (high - low)
+    ax.set_ylim(max(least, low - margin), min(most, high + margin))
+    ax.annotate(
+        f"cut; reaches {least:.2g} to {most:.2g}".replace("-", "\N{MINUS SIGN}"), (1, 1), (0, 0),
+        xycoords="axes fraction", textcoords="offset points", ha="right", va="top", fontsize=6,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
+    )  # fmt: skip

@@ -7,7 +7,7 @@ import pandas as pd
 from dea.number_format import DASH
 from dea.terms import Term, is_term
 
-_SCIENTIFIC = re.compile(r"(-?[\d.]+)e([+-]\d+)")
+_SCIENTIFIC = re.compile(r"(< )?(-?[\d.]+)e([+-]\d+)")
 
 
 def latex(shown: pd.DataFrame) -> str:
@@ -23,9 +23,15 @@ def _latex_text(text: str) -> str:
     if is_term(text):
         return Term.parse(text).mathematics()
     if scientific := _SCIENTIFIC.fullmatch(text):
-        return rf"${scientific[1]} \times 10^{{{int(scientific[2])}}}$"
+        below, factor, power = scientific.groups(default="")
+        return rf"${below}{factor} \times 10^{{{int(power)}}}$"
     if "±" in text or text.startswith("-"):
         return "$" + text.replace("±", r"\pm").replace(" %", r"\,\%") + "$"
-    for plain, command in ((DASH, "--"), ("_", r"\_"), ("^2", r"\textsuperscript{2}")):
+    for plain, command in (
+        (DASH, "--"),
+        ("%", r"\%"),
+        ("_", r"\_"),
+        ("^2", r"\textsuperscript{2}"),
+    ):
         text = text.replace(plain, command)
     return text

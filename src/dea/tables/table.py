@@ -12,6 +12,12 @@ from dea.number_format import number
 from dea.store import atomic
 from dea.tables.latex_table import latex
 
+# At the end of a table in Markdown. The captions are those of the report, and no copies of them.
+CAPTIONS = (
+    "<!-- What the columns are is in the caption: results/report.html (make report), "
+    "workflow/report/tables. -->"
+)
+
 
 class Table(NamedTuple):
     """A table twice: ``exact`` numbers for CSV, ``shown`` as rounded text for readers."""
@@ -24,7 +30,7 @@ def save(table: Table, csv: Path, md: Path, tex: Path) -> None:
     """Write ``table`` as CSV (exact), Markdown and LaTeX (rounded, for booktabs)."""
     texts = {
         csv: table.exact.to_csv(index=False),
-        md: table.shown.to_markdown(index=False, disable_numparse=True) + "\n",
+        md: table.shown.to_markdown(index=False, disable_numparse=True) + f"\n\n{CAPTIONS}\n",
         tex: latex(table.shown),
     }
     for path, text in texts.items():
