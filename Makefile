@@ -40,6 +40,7 @@ study: $(VENV)/installed ## regenerate every figure and table
 	@echo "Figures are in results/figures, tables in results/tables; make report shows them on one page."
 
 results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
+	@python -m dea.stages.intake --result $@
 	$(SNAKEMAKE) $@
 
 record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 OPERATOR=A.Volta
@@ -49,7 +50,7 @@ record: $(VENV)/installed ## drive a device and keep its record: make record NAM
 
 # What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50;
 # several inputs: INPUT=left:V,right:V.
-INTAKE = python -m dea.intake $(if $(FILE),"$(FILE)") $(if $(INPUT),--input "$(INPUT)") \
+INTAKE = python -m dea.stages.intake $(if $(FILE),"$(FILE)") $(if $(INPUT),--input "$(INPUT)") \
 	$(if $(OUTPUT),--output "$(OUTPUT)") $(if $(TIME),--time "$(TIME)") $(RATE:%=--rate %) \
 	$(NAME:%=--name %) $(SIMULATION:%=--simulation %)
 
@@ -63,6 +64,7 @@ cases: $(VENV)/installed ## every case of config/cases, and their errors on unse
 
 handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handover: make handover NAME=dea1
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make handover NAME=dea1))
+	@python -m dea.stages.intake --name $(NAME) --goal handover > /dev/null
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 	pytest -m campaign tests/control/test_handed_over.py
 
@@ -87,6 +89,8 @@ diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=
 
 resolve: $(VENV)/installed ## designed records until one explanation is left: make resolve NAME=dea1 OPERATOR=A.Volta
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make resolve NAME=dea1))
+	@for name in $(NAME); do \
+		python -m dea.stages.intake --name $$name --goal resolve > /dev/null || exit; done
 	$(SNAKEMAKE) $(NAME:%=resolvable_%)
 	workflow/alone.sh python -m dea.stages.resolve $(NAME) --threads $(CORES) \
 		$(if $(OPERATOR),--operator "$(OPERATOR)")
