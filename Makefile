@@ -139,7 +139,7 @@ soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
 		--requirement $< --requirement requirements.in --constraint environment.txt
 	touch $@
 
-docs: .venv-docs/installed ## the documentation as a site, in build/site; a dead link is an error
+docs: .venv-docs/installed ## the documentation as a site, in build/site (installs 1 GB in .venv-docs)
 	NO_MKDOCS_2_WARNING=1 PYTHONPATH=$(CURDIR)/src .venv-docs/bin/mkdocs build --quiet
 	@echo build/site/index.html
 
