@@ -52,6 +52,14 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     np.testing.assert_allclose(held_out.u[:-1], record.u[-held_out.u.size : -1], atol=0.05)
 
 
+def test_text_among_the_numbers_is_named(folder, capsys):
+    lines = (folder / "mine.csv").read_text().splitlines()
+    lines[499] = lines[499].rpartition(",")[0] + ",Fehler"
+    (folder / "mine.csv").write_text("\n".join(lines))
+    assert main(["mine.csv"]) == 2
+    assert "mine.csv: column 'y': line 500: 'Fehler' is not a number" in capsys.readouterr().err
+
+
 def test_an_edited_case_is_never_written_over(folder, capsys):
     main(["mine.csv"])
     assert main(["mine.csv", "--rate", "20"]) == 0, "what intake wrote itself it may write again"
