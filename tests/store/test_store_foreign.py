@@ -180,6 +180,9 @@ def test_a_record_may_have_several_inputs(tmp_path):
     for ends in ((3.0, 1.0), (1e3, 2e3)):
         with pytest.raises(InputError, match=r"first, last: no sample lies .* the record goes"):
             signals.part(*ends)
+    np.testing.assert_array_equal(signals.part(8.0, 10.0).u, signals.part(8.0).u)
+    with pytest.raises(InputError, match=r"last: the record ends at 9\.5 s, before 12 s"):
+        signals.part(8.0, 12.0)
     several["inputs"][1]["column"] = "z"
     with pytest.raises(InputError, match=r"record\.inputs\[1\]\.column: .* no column 'z'"):
         store.import_record(several, CASE, tmp_path)
