@@ -39,6 +39,8 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     assert main(["mine.csv"]) == 0
     assert capsys.readouterr().out == "mine\n"
     file = folder / "config" / "cases" / "mine.yaml"
+    assert "# a gap of 0.5" in file.read_text()
+    assert "# Times are in s, frequencies in Hz, lags in samples" in file.read_text()
     content = yaml.safe_load(file.read_text())
     study = check_study(read_yaml("config/config.yaml", what="", example=""))
     case = check_case(content, study, file)
@@ -50,6 +52,16 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     seen = round(case.identification.length * RATE)
     assert held_out.u.size + seen <= N
     np.testing.assert_allclose(held_out.u[:-1], record.u[-held_out.u.size : -1], atol=0.05)
+
+
+def test_a_coarse_clock_is_told_with_the_rate(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    table.insert(0, "clock", [f"12:00:{k // 20:02d}" for k in range(len(table))])
+    table.drop(columns="t (s)").to_csv("coarse.csv", index=False)
+    assert main(["coarse.csv"]) == 2
+    said = capsys.readouterr().err
+    assert "time: 20 samples are at 0 s" in said
+    assert "Give the samples per second instead: RATE=20" in said
 
 
 def test_text_among_the_numbers_is_named(folder, capsys):

@@ -115,6 +115,7 @@ def _study() -> Study:
 
 def _text(inferred: Inferred, command: str) -> str:
     remarks = [f"Inferred by `{command}`. Any key may be edited: config/cases/README.md.",
+               "Times are in s, frequencies in Hz, lags in samples (docs/configuration.md).",
                *inferred.inferred]  # fmt: skip
     body = yaml.dump(
         dict(inferred.content), Dumper=_Plain, sort_keys=False, allow_unicode=True, width=100,
