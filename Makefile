@@ -19,7 +19,7 @@ SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --nolock --logger p
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study record case cases report handover control control-robustness diagnose discrepancy resolve resolution-trials \
+.PHONY: help study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
 	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
@@ -37,7 +37,7 @@ env: $(VENV)/installed ## create the pinned environment in .venv
 
 study: $(VENV)/installed ## regenerate every figure and table
 	$(SNAKEMAKE) study
-	@echo "Figures are in results/figures, tables in results/tables; make report shows them on one page."
+	@echo "Figures are in results/figures, tables in results/tables; make report-page shows them on one page."
 
 results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
 	@python -m dea.stages.intake --result $@
@@ -75,8 +75,11 @@ control: $(VENV)/installed ## controllers follow a reference on every virtual ac
 control-robustness: $(VENV)/installed ## the controller on drawn actuators under disturbances (COUNT=100 SEED=1)
 	python -m benchmarks.control_robustness $(COUNT:%=--count %) $(SEED:%=--seed %)
 
-report: $(VENV)/installed ## results/report.html: the findings, and how each figure and table was made
+report: $(VENV)/installed ## results/report.html: the findings, after all of study and discrepancy (tens of minutes)
 	$(SNAKEMAKE) study discrepancy
+	python -m dea.report
+
+report-page: $(VENV)/installed ## results/report.html of the results that there are after make study, within seconds
 	python -m dea.report
 
 diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=mine.csv SIMULATION=mine.py
