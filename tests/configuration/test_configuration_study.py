@@ -51,6 +51,8 @@ def test_a_case_overrides_sections_key_by_key(file):
 @pytest.mark.parametrize(
     ("place", "value", "field", "words"),
     [
+        (["actuators", 0, "acquisition"], {"mode": "polled"}, "actuators[0].acquisition",
+         "unknown key 'acquisition'. It goes beside `actuators`, not into it"),
         (["identification", "y_lags"], -3, "identification.y_lags", "whole number of at least 1"),
         (["identification", "y_lags"], [1, 1], "identification.y_lags", "names one value twice"),
         (["identification", "y_lags"], [0, 1], "identification.y_lags", "at least 1"),
