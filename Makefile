@@ -19,7 +19,7 @@ SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --nolock --logger p
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study record case cases report handover control control-robustness diagnose discrepancy resolve resolution-trials \
+.PHONY: help study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
 	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
@@ -37,9 +37,10 @@ env: $(VENV)/installed ## create the pinned environment in .venv
 
 study: $(VENV)/installed ## regenerate every figure and table
 	$(SNAKEMAKE) study
-	@echo "Figures are in results/figures, tables in results/tables; make report shows them on one page."
+	@echo "Figures are in results/figures, tables in results/tables; make report-page shows them on one page."
 
 results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
+	@python -m dea.stages.intake --result $@
 	$(SNAKEMAKE) $@
 
 record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 OPERATOR=A.Volta
@@ -49,7 +50,7 @@ record: $(VENV)/installed ## drive a device and keep its record: make record NAM
 
 # What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50;
 # several inputs: INPUT=left:V,right:V.
-INTAKE = python -m dea.intake $(if $(FILE),"$(FILE)") $(if $(INPUT),--input "$(INPUT)") \
+INTAKE = python -m dea.stages.intake $(if $(FILE),"$(FILE)") $(if $(INPUT),--input "$(INPUT)") \
 	$(if $(OUTPUT),--output "$(OUTPUT)") $(if $(TIME),--time "$(TIME)") $(RATE:%=--rate %) \
 	$(NAME:%=--name %) $(SIMULATION:%=--simulation %)
 
@@ -63,6 +64,7 @@ cases: $(VENV)/installed ## every case of config/cases, and their errors on unse
 
 handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handover: make handover NAME=dea1
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make handover NAME=dea1))
+	@python -m dea.stages.intake --name $(NAME) --goal handover > /dev/null
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 	pytest -m campaign tests/control/test_handed_over.py
 
@@ -73,8 +75,11 @@ control: $(VENV)/installed ## controllers follow a reference on every virtual ac
 control-robustness: $(VENV)/installed ## the controller on drawn actuators under disturbances (COUNT=100 SEED=1)
 	python -m benchmarks.control_robustness $(COUNT:%=--count %) $(SEED:%=--seed %)
 
-report: $(VENV)/installed ## results/report.html: the findings, and how each figure and table was made
+report: $(VENV)/installed ## results/report.html: the findings, after all of study and discrepancy (tens of minutes)
 	$(SNAKEMAKE) study discrepancy
+	python -m dea.report
+
+report-page: $(VENV)/installed ## results/report.html of the results that there are after make study, within seconds
 	python -m dea.report
 
 diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=mine.csv SIMULATION=mine.py
@@ -87,6 +92,8 @@ diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=
 
 resolve: $(VENV)/installed ## designed records until one explanation is left: make resolve NAME=dea1 OPERATOR=A.Volta
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make resolve NAME=dea1))
+	@for name in $(NAME); do \
+		python -m dea.stages.intake --name $$name --goal resolve > /dev/null || exit; done
 	$(SNAKEMAKE) $(NAME:%=resolvable_%)
 	workflow/alone.sh python -m dea.stages.resolve $(NAME) --threads $(CORES) \
 		$(if $(OPERATOR),--operator "$(OPERATOR)")
@@ -135,7 +142,7 @@ soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
 		--requirement $< --requirement requirements.in --constraint environment.txt
 	touch $@
 
-docs: .venv-docs/installed ## the documentation as a site, in build/site; a dead link is an error
+docs: .venv-docs/installed ## the documentation as a site, in build/site (installs 1 GB in .venv-docs)
 	NO_MKDOCS_2_WARNING=1 PYTHONPATH=$(CURDIR)/src .venv-docs/bin/mkdocs build --quiet
 	@echo build/site/index.html
 

@@ -38,7 +38,11 @@ def test_a_failed_record_stays_under_an_unfinished_name(tmp_path):
 def test_a_refused_start_leaves_no_folder(tmp_path):
     with pytest.raises(RuntimeError), archive.unfinished("film1", tmp_path, BEGUN):
         raise RuntimeError
-    assert not list((tmp_path / "film1").iterdir())
+    assert not (tmp_path / "film1").exists()
+    kept(tmp_path, content=b"first")
+    with pytest.raises(RuntimeError), archive.unfinished("film1", tmp_path):
+        raise RuntimeError
+    assert len(list((tmp_path / "film1").iterdir())) == 1
 
 
 def test_two_records_of_one_second_do_not_meet(tmp_path):

@@ -1,5 +1,6 @@
 """Every page of the documentation has a place in the site, and its links lead somewhere."""
 
+import importlib.util
 import re
 from pathlib import Path
 
@@ -57,3 +58,44 @@ def test_every_link_leads_somewhere(page):
         target = page.parent / path if path else page
         assert target.exists(), link
         assert not anchor or anchor in anchors(target), link
+
+
+@pytest.fixture
+def faults():
+    spec = importlib.util.spec_from_file_location(
+        "built_pages", ROOT / "docs" / "site" / "built_pages.py"
+    )
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.faults
+
+
+@pytest.mark.parametrize(
+    ("body", "fault"),
+    [
+        (
+            '<a href="other.html#here">x</a> <a href="#__top">x</a> <a href="https://x.org">x</a>',
+            "",
+        ),
+        ("<pre>cost $a_1$</pre> <code>x = $HOME</code> from $5 to $10", ""),
+        ('<a class="y" href="other.md">x</a>', "page.html: no file other.md"),
+        ('<a href="other.html#there">x</a>', "page.html: no heading other.html#there"),
+        ('<script src="https://unpkg.com/a/b"></script>', "page.html: it loads https://unpkg.com/"),
+        ("<p>the term $y_{t-1}u_{t-3}^2$ of", "page.html: the formula $y_{t-1}u_{t-3}^2$ was not"),
+        ("<math><mi>x</mi>$$$$<mi>y</mi></math>", "page.html: two formulas became one"),
+    ],
+)
+def test_what_is_wrong_with_a_built_page_is_named(tmp_path, faults, body, fault):
+    (tmp_path / "page.html").write_text(body)
+    (tmp_path / "other.html").write_text('<h2 id="here">Here</h2>')
+    found = list(faults(tmp_path))
+    assert len(found) == bool(fault)
+    assert not fault or found[0].startswith(fault)
+
+
+def test_formulas_are_converted_and_what_converts_them_is_installed():
+    settings = yaml.load((ROOT / "mkdocs.yml").read_text(), _Loader)
+    assert {"pymdownx.arithmatex": {"generic": True}} in settings["markdown_extensions"]
+    assert re.search(
+        r"^latex2mathml==", (ROOT / "docs/site/environment.txt").read_text(), re.MULTILINE
+    )

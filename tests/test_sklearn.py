@@ -1,3 +1,6 @@
+import importlib
+import sys
+
 import numpy as np
 import pytest
 from sklearn.base import clone
@@ -74,3 +77,10 @@ def test_misuse_is_refused():
         NarxRegressor().predict(X)
     with pytest.raises(InputError, match="none called 'quick'"):
         clone(NarxRegressor(search="quick")).fit(X, y)
+
+
+def test_without_scikit_learn_the_message_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "sklearn.base", None)
+    monkeypatch.delitem(sys.modules, "dea.sklearn")
+    with pytest.raises(ImportError, match="pip install scikit-learn"):
+        importlib.import_module("dea.sklearn")

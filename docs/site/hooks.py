@@ -1,22 +1,36 @@
 """Make the pages of docs/ a site: the README is its home, links out of docs/ become plain text.
 
-Every link is checked on the way: one that leads nowhere ends the build.
+Formulas become MathML, which browsers show without a script. Every link is checked on the way, and
+the pages once they are built: one that leads nowhere ends the build.
 """
 
 import logging
 import posixpath
 import re
+from html import unescape
 from pathlib import Path
 
+from built_pages import faults
+from latex2mathml.converter import convert
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parents[2]
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s#]+)(#[^)\s]*)?\)")
+FORMULA = re.compile(
+    r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL
+)  # as pymdownx.arithmatex leaves it
+NOTEBOOK_LINK = re.compile(r'href="([^":#]+\.(?:md|ipynb))(#[^"]*)?"')
+SHIM = "iframe-worker.js"
 log = logging.getLogger("mkdocs")
 
 
 def on_files(files, config):
-    """Add the README as the home page, and the pictures that it shows are in docs/ already."""
+    """Add the README as the home page; the pictures that it shows are in docs/ already.
+
+    The script by which the search runs without a server comes along.
+    """
+    shim = str(Path(__file__).with_name(SHIM))
+    files.append(File.generated(config, f"assets/{SHIM}", abs_src_path=shim))
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     files.append(File.generated(config, "index.md", content=_rewritten(text, Path("."))))
     return files
@@ -27,6 +41,29 @@ def on_page_markdown(markdown, page, config, files):
     if page.file.src_uri == "index.md":
         return markdown
     return _rewritten(markdown, Path("docs", page.file.src_uri).parent)
+
+
+def on_page_content(html, page, config, files):
+    """Turn formulas into MathML, and the links of a notebook into those of the site."""
+
+    def formula(match):
+        display = "block" if match[1] == "div" else "inline"
+        return convert(unescape(match[2]), display=display)
+
+    def link(match):
+        target = files.get_file_from_path(
+            posixpath.join(posixpath.dirname(page.file.src_uri), match[1])
+        )
+        return f'href="{target.url_relative_to(page.file)}{match[2] or ""}"' if target else match[0]
+
+    html = FORMULA.sub(formula, html)
+    return NOTEBOOK_LINK.sub(link, html) if page.file.src_uri.endswith(".ipynb") else html
+
+
+def on_post_build(config):
+    """Check the pages as they are."""
+    for fault in faults(Path(config.site_dir)):
+        log.warning("%s", fault)
 
 
 def _rewritten(markdown, folder):

@@ -7,7 +7,7 @@ acquisition has left unfinished keeps the suffix ``.partial``.
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -109,7 +109,8 @@ def check(folder: Path) -> dict[str, Any]:
 def unfinished(name: str, root: Path = ROOT, now: datetime | None = None) -> Iterator[Path]:
     """Yield a new folder for a record of ``name`` that starts now; :func:`seal` finishes it.
 
-    Where the block fails, the folder stays with what it holds, and is removed only if empty.
+    Where the block fails, the folder stays with what it holds, and is removed only if empty; so is
+    that of ``name``.
 
     Raises
     ------
@@ -129,8 +130,9 @@ def unfinished(name: str, root: Path = ROOT, now: datetime | None = None) -> Ite
     try:
         yield folder
     finally:
-        if folder.exists() and not any(folder.iterdir()):
-            folder.rmdir()
+        for empty in (folder, folder.parent):
+            with suppress(OSError):
+                empty.rmdir()
 
 
 def seal(folder: Path, content: Mapping[str, Any]) -> Path:

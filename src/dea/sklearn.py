@@ -4,8 +4,14 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
+
+try:
+    from sklearn.base import BaseEstimator, RegressorMixin
+    from sklearn.utils.validation import check_is_fitted, validate_data
+except ImportError as missing:
+    raise ImportError(
+        "dea.sklearn needs scikit-learn. Install it with `pip install scikit-learn`"
+    ) from missing
 
 from dea.errors import InputError
 from dea.narx import Forward, NarxModel, Orthogonal, Refined, select_terms

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from plain_module import PlainModule
 from rich.console import Console
 
 from dea import store
-from dea.acquisition.__main__ import main
+from dea.acquisition.__main__ import _plain, main
 from dea.acquisition.display import Display, health
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.partial import PartialFile
@@ -28,6 +29,13 @@ from dea.stages.driving import excitation
 
 ROOT = Path(__file__).parents[2]
 DEVICE = ROOT / "config/devices/virtual_bench.yaml"
+
+
+@pytest.fixture
+def module():
+    module = PlainModule()
+    yield module
+    module.stop()
 
 
 def drive(bench, output, *options):
@@ -59,7 +67,52 @@ def test_check_prints_what_the_device_says(serve_bench, capsys):
     shown = capsys.readouterr().out
     assert re.search(r"identity +dea-bench", shown)
     assert re.search(r"output_range_high +15 V", shown)
+    assert re.search(r"device_rate +50 Hz", shown)
+    assert shown.endswith(f"virtual bench agrees with its description, {DEVICE}\n")
+    assert "OUTSIDE" not in shown
     assert not bench.applied.any()
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(100000.0, "100000"), (7, "7"), (0.25, "0.25"), ("dea-bench", "dea-bench")]
+)
+def test_whole_numbers_are_printed_as_such(value, shown):
+    assert _plain(value) == shown
+
+
+def test_an_output_beyond_its_limits_is_remarked(module, tmp_path, capsys):
+    file = tmp_path / "mine.yaml"
+    described = yaml.safe_load((ROOT / "config/devices/analogue_module.yaml").read_text())
+    described["endpoint"]["port"] = module.port
+    described["registers"]["output"]["access"] = "read_write"
+    file.write_text(yaml.safe_dump(described))
+    module._write(32768)
+    main(["check", "--device", str(file)])
+    shown = capsys.readouterr().out
+    assert re.search(r"output +5\.00\d* V  OUTSIDE its limits, 0 to 3.76 V: `zero` takes it", shown)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"endpoint": {"host": "nowhere.invalid", "port": 502}},
+         "mine.yaml: endpoint: analogue module at nowhere.invalid:502 does not answer: unknown host"
+         " 'nowhere.invalid'. Correct host and port"),
+        ({}, "mine.yaml: unit_id, registers.output: the device does not answer as described: the"
+         " device refused function 3 with Modbus exception 11 (the gateway's target failed to"
+         " respond: is unit_id wrong?). Correct the unit id"),
+    ],
+)  # fmt: skip
+def test_a_check_that_fails_names_the_description(module, tmp_path, capsys, changes, message):
+    file = tmp_path / "mine.yaml"
+    described = yaml.safe_load((ROOT / "config/devices/analogue_module.yaml").read_text())
+    described["endpoint"]["port"] = module.port
+    file.write_text(yaml.safe_dump(described | changes, sort_keys=False))
+    module.refuse_with = 11
+    with pytest.raises(SystemExit) as caught:
+        main(["check", "--device", str(file)])
+    assert caught.value.code == 2
+    assert message in capsys.readouterr().err
 
 
 def test_a_wrong_voltage_is_an_error_without_a_traceback(serve_bench, tmp_path, capsys):
@@ -185,9 +238,13 @@ def test_the_display_shows_rate_round_trips_and_errors():
     console = Console(record=True, width=100, height=40, file=open(os.devnull, "w"))  # noqa: SIM115
     with Display(read_device(DEVICE), 100, live=True, console=console) as display:
         display(samples(100), log)
-    shown = console.export_text()
+    shown = console.export_text(clear=False)
     assert "displacement in mm" in shown
     assert "100/100 samples" in shown
+    console.export_text(clear=True)
+    with Display(read_device(DEVICE), 100, console=console):
+        pass
+    assert not console.export_text().strip(), "nothing is drawn of a device that was refused"
 
 
 BENCH = ROOT / "config/bench.yaml"

@@ -239,7 +239,8 @@ def test_a_value_is_confirmed_by_the_next_reading_alone():
 @pytest.mark.parametrize(("apart", "requests"), [(NEIGHBOURS - 1, 1), (NEIGHBOURS, 2)])
 def test_a_sample_takes_one_request_where_its_registers_are_near(apart, requests):
     device = module(
-        applied_output={"address": 10, "unit": "V"}, displacement={"address": 10 + apart},
+        applied_output={"address": 10, "unit": "V"},
+        displacement={"address": 10 + apart, "unit": "mm"},
         device_index={"address": 9, "table": "input"},
     )  # fmt: skip
     windows = Poll(Panel(MemoryLink(device))).windows

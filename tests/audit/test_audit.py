@@ -1,6 +1,7 @@
 """A small project of made-up jobs, tampered with in every way that an audit must notice."""
 
 import errno
+import fcntl
 import json
 import os
 import shutil
@@ -173,6 +174,22 @@ def test_a_manifest_that_a_full_disk_refuses_leaves_the_last_one_alone(study, mo
     assert provenance.digest(Path("results/MANIFEST.json")) == before
     assert verify(Manifest.read()) == []
     assert not list(Path("results").rglob("*partial"))
+
+
+def test_during_a_run_the_manifest_is_waited_for(study, capsys):
+    Path("results/MANIFEST.json").unlink()
+    lock = Path("build/lock")
+    lock.parent.mkdir(exist_ok=True)
+    lock.write_text("4711\n")
+    with lock.open() as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        with pytest.raises(SystemExit):
+            main([])
+        said = capsys.readouterr().err
+        assert "there is no manifest while process 4711 makes results. Wait until" in said
+    with pytest.raises(SystemExit):
+        main([])
+    assert "there is no manifest. Make it again" in capsys.readouterr().err
 
 
 def test_an_edited_manifest_is_refused(study, capsys):

@@ -55,10 +55,10 @@ def test_a_register_and_a_line_have_the_defaults_of_their_description():
             "serial": {"port": "/dev/ttyS0"},
             "unit_id": 1,
             "sampling_rate": 50,
-            "registers": {"output": {"address": 0}},
+            "registers": {"output": {"address": 0, "unit": "V"}, "spare": {"address": 1}},
         }
     )
-    assert found["output"] == Register(name="output", address=0)
+    assert found["spare"] == Register(name="spare", address=1)
     assert found.serial == Serial(port="/dev/ttyS0")
     assert defaults(device.Serial).keys() == {field.name for field in fields(Serial)} - {"port"}
 

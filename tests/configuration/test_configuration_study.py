@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from dea.configuration.case import SECTIONS, check_case, check_cases, read_cases
+from dea.configuration.case import SECTIONS, check_case, read_cases, simulation_of
 from dea.configuration.study import check_actuators, check_names, check_study, settings
 from dea.errors import InputError
 
@@ -51,6 +51,8 @@ def test_a_case_overrides_sections_key_by_key(file):
 @pytest.mark.parametrize(
     ("place", "value", "field", "words"),
     [
+        (["actuators", 0, "acquisition"], {"mode": "polled"}, "actuators[0].acquisition",
+         "unknown key 'acquisition'. It goes beside `actuators`, not into it"),
         (["identification", "y_lags"], -3, "identification.y_lags", "whole number of at least 1"),
         (["identification", "y_lags"], [1, 1], "identification.y_lags", "names one value twice"),
         (["identification", "y_lags"], [0, 1], "identification.y_lags", "at least 1"),
@@ -243,7 +245,11 @@ def test_simulations_and_effects_are_those_of_the_catalogue(tmp_path):
     check_names(misnamed, *names)
     case = check_case(CASES[CONFIG / "cases/silverbox.yaml"], check_study(STUDY))
     with pytest.raises(InputError, match=r"mine.yaml: simulation: .*'mass_spring_damper'"):
-        check_cases({Path("mine.yaml"): case}, ["dea_film"])
+        simulation_of(case, Path("mine.yaml"), ["dea_film"])
+    assert simulation_of(case, Path("mine.yaml"), [case.simulation]) == case.simulation
+    without = case.model_copy(update={"simulation": None})
+    with pytest.raises(InputError, match=r"mine.yaml: simulation: it names no simulation\. Name"):
+        simulation_of(without, Path("mine.yaml"), ["dea_film"])
 
 
 def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_path, monkeypatch):

@@ -13,7 +13,8 @@ from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
-from dea.intake.__main__ import main
+from dea.stages.intake import main
+from user_simulation import write_simulation
 
 ROOT = Path(__file__).parents[2]
 N, RATE = 600, 20.0
@@ -38,6 +39,8 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     assert main(["mine.csv"]) == 0
     assert capsys.readouterr().out == "mine\n"
     file = folder / "config" / "cases" / "mine.yaml"
+    assert "# a gap of 0.5" in file.read_text()
+    assert "# Times are in s, frequencies in Hz, lags in samples" in file.read_text()
     content = yaml.safe_load(file.read_text())
     study = check_study(read_yaml("config/config.yaml", what="", example=""))
     case = check_case(content, study, file)
@@ -49,6 +52,24 @@ def test_the_case_is_one_that_the_study_accepts_and_its_records_can_be_imported(
     seen = round(case.identification.length * RATE)
     assert held_out.u.size + seen <= N
     np.testing.assert_allclose(held_out.u[:-1], record.u[-held_out.u.size : -1], atol=0.05)
+
+
+def test_a_coarse_clock_is_told_with_the_rate(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    table.insert(0, "clock", [f"12:00:{k // 20:02d}" for k in range(len(table))])
+    table.drop(columns="t (s)").to_csv("coarse.csv", index=False)
+    assert main(["coarse.csv"]) == 2
+    said = capsys.readouterr().err
+    assert "time: 20 samples are at 0 s" in said
+    assert "Give the samples per second instead: RATE=20" in said
+
+
+def test_text_among_the_numbers_is_named(folder, capsys):
+    lines = (folder / "mine.csv").read_text().splitlines()
+    lines[499] = lines[499].rpartition(",")[0] + ",Fehler"
+    (folder / "mine.csv").write_text("\n".join(lines))
+    assert main(["mine.csv"]) == 2
+    assert "mine.csv: column 'y': line 500: 'Fehler' is not a number" in capsys.readouterr().err
 
 
 def test_an_edited_case_is_never_written_over(folder, capsys):
@@ -71,9 +92,21 @@ def test_an_edited_case_is_never_written_over(folder, capsys):
         (["mine.csv", "--rate", "50Hz"], "RATE: it is '50Hz'. Give samples per second"),
         (["mine.csv", "--rate", "nan"], "RATE: it is 'nan'"),
         (["--name", "mime"], "none called 'mime'"),
+        (["mine.csv", "--simulation", "mime.py"], "SIMULATION: there is no file 'mime.py'. Name"),
+        (["mine.csv", "--simulation", "typo.py"], "typo.py: derivative: numba cannot compile it"),
+        (["mine.csv", "--simulation", "volt.py"], "volt.py: output: the record's output is in 'm"),
+        (
+            ["--name", "dea7", "--goal", "handover"],
+            "none called 'dea7'. Did you mean 'dea6'? Known",
+        ),
+        (["--result", "results/dea7/model.nc"], "results/dea7/model.nc: there is none called"),
+        (["--result", "results/discrepancy/mime/verdict.json"], "there is none called 'mime'"),
     ],
 )
 def test_a_mistake_writes_nothing(folder, capsys, arguments, message):
+    write_simulation(folder / "typo.py", slope="p[0] * (dampng * u - x[0])")
+    volt = write_simulation(folder / "volt.py")
+    volt.write_text(volt.read_text().replace('output_unit="mm"', 'output_unit="V"'))
     assert main(arguments) == 2
     assert message in capsys.readouterr().err
     assert not list((folder / "config" / "cases").iterdir())
@@ -84,6 +117,29 @@ def test_a_name_is_checked_with_the_nearest_one(folder, capsys):
     assert main(["--name", "mime"]) == 2
     assert "Did you mean 'mine'?" in capsys.readouterr().err
     assert main(["--name", "dea1", "--goal", "diagnose"]) == 0
+
+
+@pytest.mark.parametrize("file", ["results/dea1/model.nc", "results/tables/table1.csv"])
+def test_a_result_of_what_is_known_is_let_through(folder, capsys, file):
+    assert main(["--result", file]) == 0
+    assert capsys.readouterr().out == ""
+
+
+def test_the_simulation_of_a_named_case_is_checked(folder, capsys):
+    main(["mine.csv"])
+    named = ["--name", "mine", "--goal", "diagnose"]
+    assert main(named) == 2
+    assert "config/cases/mine.yaml: simulation: it names no simulation. Name" in (
+        capsys.readouterr().err
+    )
+    path = write_simulation(folder / "mine.py")
+    assert main(["mine.csv", "--simulation", path.name]) == 0
+    assert main(named) == 0
+    path.unlink()
+    assert main(named) == 2
+    said = capsys.readouterr().err
+    assert "config/cases/mine.yaml: simulation: there is no file 'mine.py'" in said
+    assert "or delete config/cases/mine.yaml" in said
 
 
 def test_a_short_record_is_refused_with_what_it_needs(folder):

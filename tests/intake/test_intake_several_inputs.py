@@ -14,9 +14,9 @@ from dea.configuration.case import check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
-from dea.intake.__main__ import main
 from dea.intake.dynamics import linear_dynamics
 from dea.intake.plan import make_plan
+from dea.stages.intake import main
 
 ROOT = Path(__file__).parents[2]
 N, RATE = 500, 10.0
@@ -110,9 +110,9 @@ def test_a_simulation_to_diagnose_goes_into_the_case(tmp_path, monkeypatch):
         os.symlink(ROOT / "config" / part, tmp_path / "config" / part)
     monkeypatch.chdir(tmp_path)
     u, y = made()
-    columns = {"t (s)": np.arange(N) / RATE, "a": u[:, 0], "b": u[:, 1], "y (K)": y}
+    columns = {"t (s)": np.arange(N) / RATE, "a": u[:, 0], "b": u[:, 1], "y (degC)": y}
     pd.DataFrame(columns).to_csv("mine.csv", index=False)
-    answers = ["--input", "a:V,b:V", "--output", "y", "--simulation", "two_heaters"]
+    answers = ["--input", "a:%,b:%", "--output", "y", "--simulation", "two_heaters"]
     assert main(["mine.csv", *answers]) == 0
     case = yaml.safe_load(Path("config/cases/mine.yaml").read_text())
     assert case["simulation"] == "two_heaters"

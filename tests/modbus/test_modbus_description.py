@@ -81,6 +81,8 @@ def setter(*path_and_value):
         (setter("registers", "output", "address", 11), "registers.output.address", "overlaps"),
         (setter("registers", "serial_number", "address", 65535), "registers.serial_number.address",
          "runs past"),
+        (lambda content: content["registers"]["displacement"].pop("unit"),
+         "registers.displacement.unit", "missing. Give the unit"),
         (setter("framing", "serial"), "serial", "missing"),
         (setter("endpoint", None), "endpoint", "missing"),
         (setter("registers", "output", 7), "registers.output", "mapping"),

@@ -1,5 +1,7 @@
 """Simulations, their integration, and a user's own."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from math import pi
 from types import SimpleNamespace
@@ -351,7 +353,8 @@ def test_forces_on_what_nothing_pulls_back_are_measured_by_the_drive():
         ({"equation": "speed"}, "force port names 'speed'"),
         ({"slope": "p[0] * (u - x[0]) / x[0]"}, "derivative of level is not a number"),
         ({"slope": "p[0] * u - x[1]"}, "a state or parameter that is not declared"),
-        ({"slope": "undefined_name"}, "numba cannot compile it"),
+        ({"slope": "undefined_name"}, "numba cannot compile it: 'undefined_name' is not defined"),
+        ({"slope": "p[0] * (x + 'a')"}, "numba cannot compile it, line 6: No implementation of"),
         ({"slope": "1 +"}, "cannot be run"),
     ],
 )
@@ -363,6 +366,16 @@ def test_a_users_simulation_is_checked(tmp_path, changed, message):
     assert error.value.remedy
 
 
+def test_what_numba_keeps_of_a_users_simulation_is_found_again(tmp_path):
+    path = write_own(tmp_path / "own.py", slope="p[0] * less(p[1] * u, x[0])")
+    text = "from numba import njit\n\n\ndef less(a, b):\n    return a - b\n" + path.read_text()
+    path.write_text(text.replace("def ", "@njit(cache=True)\ndef "))
+    load = f"from dea.simulation import load_simulation; load_simulation({str(path)!r})"
+    for _ in range(2):
+        run = subprocess.run([sys.executable, "-c", load], capture_output=True, text=True)
+        assert run.returncode == 0, run.stderr
+
+
 def test_a_file_without_a_simulation_is_named(tmp_path):
     path = tmp_path / "own.py"
     path.write_text("x = 1\n")
@@ -370,6 +383,8 @@ def test_a_file_without_a_simulation_is_named(tmp_path):
         load_simulation(path)
     with pytest.raises(InputError, match="no simulation 'nothing'"):
         load_simulation("nothing")
+    with pytest.raises(InputError, match=r"no file 'nothing\.py'"):
+        load_simulation("nothing.py")
 
 
 def test_names_are_unique():

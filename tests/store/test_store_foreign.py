@@ -105,6 +105,30 @@ def test_a_file_whose_columns_are_named_is_read_as_a_case_reads_it(write, file, 
     xr.testing.assert_equal(record, store.import_record(case(file), CASE, tmp_path))
 
 
+def test_a_missing_value_is_flagged_where_it_is_asked_for(tmp_path):
+    write_csv(tmp_path)
+    lines = (tmp_path / "mine.csv").read_text().splitlines()
+    lines[4] = lines[4].split(",")[0] + ",,"
+    (tmp_path / "mine.csv").write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"1 of 20 .* the first sample 3\. Give `resample` 0\.5 "):
+        store.Record.read(tmp_path / "mine.csv", **NAMED)
+    record = store.Record.read(tmp_path / "mine.csv", **NAMED, resample=0.5)
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(record.y)), [3])
+    np.testing.assert_array_equal(np.delete(record.u, 3), np.delete(U, 3))
+
+
+@pytest.mark.parametrize("mark", [".", ","])
+def test_text_among_the_numbers_is_named_with_its_line(mark, tmp_path):
+    rows = [f"{a:.4f};{b:.4f};ok".replace(".", mark) for a, b in zip(U, Y, strict=True)]
+    rows[10] = rows[10].split(";")[0] + ";Fehler;ok"
+    (tmp_path / "mine.csv").write_text("\n".join(["# made today", "", "u;y;state", *rows]))
+    message = r"mine\.csv: column 'y': line 14: 'Fehler' is not a number\. Correct that entry"
+    with pytest.raises(InputError, match=message):
+        store.Record.read(tmp_path / "mine.csv", **NAMED)
+    other = NAMED | {"input": {"column": "u", "units": "V"}, "output": NAMED["input"]}
+    assert store.read_record(tmp_path / "mine.csv", **other).sizes["time"] == 20
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -156,6 +180,9 @@ def test_a_record_may_have_several_inputs(tmp_path):
     for ends in ((3.0, 1.0), (1e3, 2e3)):
         with pytest.raises(InputError, match=r"first, last: no sample lies .* the record goes"):
             signals.part(*ends)
+    np.testing.assert_array_equal(signals.part(8.0, 10.0).u, signals.part(8.0).u)
+    with pytest.raises(InputError, match=r"last: the record ends at 9\.5 s, before 12 s"):
+        signals.part(8.0, 12.0)
     several["inputs"][1]["column"] = "z"
     with pytest.raises(InputError, match=r"record\.inputs\[1\]\.column: .* no column 'z'"):
         store.import_record(several, CASE, tmp_path)

@@ -116,6 +116,25 @@ def test_a_part_of_the_record_certifies_no_diagnosis(mine):
     assert "within" not in said
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"simulation": "mime.py"}, ["no file 'mime.py'", "Or delete config/cases/mine.yaml"]),
+        ({}, ["it names no simulation"]),
+    ],
+)
+def test_a_case_without_its_simulation_fails_alone(mine, changes, words):
+    mine(**changes)
+    run = mine.project.snakemake(
+        "results/discrepancy/mine/verdict.json", "--dry-run", "--quiet", "host", small=False
+    )
+    said = run.stdout + run.stderr
+    assert run.returncode != 0
+    for word in ["config/cases/mine.yaml: simulation: ", *words]:
+        assert word in said
+    assert mine.project.planned("study", "results/discrepancy/dea1/verdict.json")["diagnose"] == 1
+
+
 def test_a_case_may_be_edited_after_its_record_was_imported(mine):
     record = mine.project.folder / "results" / "mine" / "record.nc"
     run = mine.project.snakemake("results/mine/record.nc", small=False)

@@ -65,6 +65,11 @@ def test_what_is_left_is_foreseen_once_a_tenth_is_done(handler, capsys):
             "Wildcards:\n  case=x\nTraceback:",
             "no file.",
         ),
+        (
+            "MissingRuleException:\nNo rule to produce results/dea9/model.nc (if you use input"
+            " functions make sure that they don't raise unexpected exceptions).",
+            "results/dea9/model.nc: no step makes it. results/README.md says what there is",
+        ),
     ],
 )
 def test_a_mistake_is_one_line(handler, capsys, message, said):

@@ -51,6 +51,28 @@ def test_the_report_opens_with_the_findings_and_says_how_each_result_was_made(st
     assert not re.search(r"{{|{%|\*\*|\|---", text)
 
 
+def test_the_report_shows_the_diagnosis_of_a_case(tmp_path, monkeypatch):
+    (tmp_path / "workflow").symlink_to(ROOT / "workflow")
+    monkeypatch.chdir(tmp_path)
+    shown = ["actuators/fig1_dea1", "discrepancy/dea1", "discrepancy/mine", "discrepancy/yours",
+             "cases/fig2_yours"]  # fmt: skip
+    for name in shown:
+        file = tmp_path / "results" / "figures" / f"{name}.png"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.touch()
+    monkeypatch.setattr("dea.report.page.figure", lambda name, system="": f"[{name}]")
+    monkeypatch.setattr("dea.report.page.table", lambda name: "")
+    monkeypatch.setattr("dea.report.page.verdict", lambda name: f"{name} lacks a dead zone.")
+    write(tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text()
+    later = text[text.index('id="cases-and-trials"') :]
+    assert re.findall(r"\[(\w+/\w+)\]", later) == [
+        "discrepancy/mine", "cases/fig2_yours", "cases/fig3_yours", "discrepancy/yours",
+    ]  # fmt: skip
+    assert "mine lacks a dead zone." in later
+    assert "dea1" not in later
+
+
 def test_the_report_refuses_a_figure_that_is_not_what_its_job_made(study):
     figure = Path("results/figures/fig3.png")
     figure.write_bytes(figure.read_bytes() + b"x")

@@ -7,7 +7,7 @@ import imports
 
 from dea.audit import collect, withdraw
 from dea.configuration.bench import BENCH, read_bench
-from dea.configuration.case import check_cases, read_cases
+from dea.configuration.case import read_cases, simulation_of
 from dea.configuration.study import check_actuators, check_names, check_study
 from dea.configuration.study import settings as written
 
@@ -30,9 +30,7 @@ def configuration():
         plants = read_bench(BENCH).actuators
         check_actuators(study, list(plants), BENCH)
         check_names(study, DEVICES, EFFECTS)
-        cases = read_cases("config/cases", study)
-        check_cases(cases, DEVICES)
-        return study, plants, cases
+        return study, plants, read_cases("config/cases", study)
     except InputError as error:
         raise WorkflowError(str(error)) from None
 

@@ -26,13 +26,20 @@ def further_records(wildcards):
     return [f"results/{wildcards.system}/further/{part}.nc" for part in parts]
 
 
-def simulation_of(system):
-    return CASE.get(system, {}).get("simulation", config["discrepancy"]["simulation"])
+def simulation_named(system):
+    """What a record is compared with: the case's simulation, or that of the actuators."""
+    if system in ACTUATORS:
+        return config["discrepancy"]["simulation"]
+    file = CASES[system]
+    try:
+        return simulation_of(_cases[file], file, DEVICES)
+    except InputError as error:
+        raise WorkflowError(str(error)) from None
 
 
 def simulation_file(wildcards):
     """A user's own simulation is an input; those of the study are code."""
-    name = simulation_of(wildcards.system)
+    name = simulation_named(wildcards.system)
     return [name] if name.endswith(".py") else []
 
 
@@ -41,7 +48,7 @@ def discrepancy_settings(wildcards):
         {
             "seed": config["seed"],
             "system": wildcards.system,
-            "simulation": simulation_of(wildcards.system),
+            "simulation": simulation_named(wildcards.system),
             "split": CASE.get(wildcards.system, {}).get("split", {}),
             "discrepancy": config["discrepancy"],
         },

@@ -19,8 +19,10 @@ KNOWN = 0.1
 # What Snakemake says once a person has pressed Ctrl-C.
 STOPPED = ("Terminating processes on user request", "Cancelling snakemake on user request")
 # Of a failed job the log says why; Snakemake's own messages repeat its whole command.
-REPEATED = ("RuleException", "CalledProcessError", "At least one job did not", "Exiting because")
-
+REPEATED = re.compile(
+    r"\bRuleException|CalledProcessError|At least one job did not|Exiting because"
+)
+NO_STEP = re.compile(r"No rule to produce (\S+)")
 PLACE = re.compile(
     r"\s*(WorkflowError|InputFunctionException|Error|Wildcards|Traceback|File)\b.*|  \w+=\S+$"
 )
@@ -146,9 +148,11 @@ def _duration(seconds: float) -> str:
 
 def _without_places(message: str) -> str:
     """Return what a message says, without the lines on where the workflow raised it."""
+    if unknown := NO_STEP.search(message):
+        return f"{unknown[1]}: no step makes it. results/README.md says what there is"
     lines = [line.strip() for line in message.splitlines() if not PLACE.match(line)]
     return "\n".join(lines) or message
 
 
 def _repeated(message: str) -> bool:
-    return not message.strip() or any(text in message for text in REPEATED)
+    return not message.strip() or REPEATED.search(message) is not None

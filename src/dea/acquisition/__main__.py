@@ -21,13 +21,14 @@ from dea.acquisition.reported import reported
 from dea.acquisition.retrying_link import Link
 from dea.acquisition.samples import Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
-from dea.acquisition.verify import verify_device
+from dea.acquisition.verify import answering_as_described, open_described, verify_device
 from dea.acquisition.voltage_plan import plan_sequence
 from dea.acquisition.watched import acquire_watched
 from dea.errors import DeviceError, InputError
 from dea.excitation import KINDS, design
-from dea.modbus import BLOCK, REPLY, Device, read_device
+from dea.modbus import BLOCK, REPLY, Device, Register, Value, read_device
 
+WHOLE = 2.0**53  # up to which a float holds every whole number
 Command = Callable[[argparse.Namespace], None]
 
 
@@ -89,17 +90,37 @@ def check(options: argparse.Namespace) -> None:
     """Compare the device with its description and print its registers; applies no voltage."""
     device = _device(options)
     link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
-    link.open()
+    open_described(link)
     try:
         panel = Panel(link)
-        verify_device(panel)
+        with answering_as_described(device):
+            verify_device(panel)
         for name, register in device.registers.items():
             if register.access != "write" and name not in (*BLOCK, *REPLY):
-                value = panel.get(name) if register.type == "string" else panel.number(name)
+                with answering_as_described(device, f"registers.{name}"):
+                    value = panel.get(name) if register.type == "string" else panel.number(name)
                 unit = "" if register.unit == "1" else f" {register.unit}"
-                print(f"{name:24} {value:g}{unit}" if unit else f"{name:24} {value}")
+                print(f"{name:24} {_plain(value)}{unit}{_remark(register, value)}")
     finally:
         link.close()
+    print(f"{device.name} agrees with its description, {options.device}")
+
+
+def _plain(value: Value) -> str:
+    """Return a value, a whole number without decimals or exponent."""
+    if not isinstance(value, float):
+        return str(value)
+    return f"{value:.0f}" if value.is_integer() and abs(value) < WHOLE else f"{value:g}"
+
+
+def _remark(register: Register, value: Value) -> str:
+    """Return what is to be said of a value outside the limits of its register, if it is."""
+    if register.limits is None or not isinstance(value, int | float):
+        return ""
+    low, high = register.limits
+    if low - abs(register.scale) <= value <= high + abs(register.scale):
+        return ""
+    return f"  OUTSIDE its limits, {low:g} to {high:g} {register.unit}: `zero` takes it to zero"
 
 
 def status(options: argparse.Namespace) -> None:

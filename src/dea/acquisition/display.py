@@ -24,6 +24,8 @@ POINTS = 400  # drawn at most, across the plot
 class Display:
     """Shows progress on a terminal; pass it as ``watch`` to :func:`dea.acquisition.acquire`.
 
+    Nothing is drawn before the first samples come: a device that is refused has no progress.
+
     Parameters
     ----------
     device
@@ -57,12 +59,13 @@ class Display:
         )  # fmt: skip
 
     def __enter__(self) -> Self:
-        self._screen.start()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
     ) -> None:
+        if not self._screen.is_started:
+            return
         self._bar.update(self._task, completed=self._done)
         self._screen.refresh()
         self._screen.stop()
@@ -71,6 +74,7 @@ class Display:
 
     def __call__(self, samples: Samples, log: LinkLog) -> None:
         """Add a block of samples; redraw at most every REFRESH seconds."""
+        self._screen.start()
         self._done += samples.position.size
         if self.live:
             self._keep(samples)

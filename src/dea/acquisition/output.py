@@ -3,7 +3,7 @@
 from dea.acquisition.laws import Laws, TripError
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
-from dea.acquisition.verify import verify_device
+from dea.acquisition.verify import answering_as_described, open_described, verify_device
 from dea.errors import InputError
 from dea.modbus import to_counts, to_physical
 
@@ -47,9 +47,10 @@ class Output:
             Where the device does not answer, is not the one described, is driven, is owned by
             another master, has tripped, or breaks its safety model.
         """
-        self._open()
+        open_described(self.link)
         try:
-            self._verify()
+            with answering_as_described(self.device):
+                verify_device(self.panel)
             self._refuse_while_driven()
             if "claim" in self.panel:
                 self._claim()
@@ -114,25 +115,6 @@ class Output:
         echo = self.device.registers.get("applied_output", self.device["output"])
         allowed = max(abs(self.device["output"].scale), echo.tolerance)
         return applied if abs(applied) > allowed else 0.0
-
-    def _open(self) -> None:
-        try:
-            self.link.open()
-        except LinkError as error:
-            raise InputError(
-                str(error), file=self.device.source, field="endpoint",
-                remedy="Correct host and port, or switch the device on.",
-            ) from error  # fmt: skip
-
-    def _verify(self) -> None:
-        try:
-            verify_device(self.panel)
-        except (LinkError, DeviceRefusedError) as error:
-            raise InputError(
-                f"the device does not answer as described: {error}",
-                file=self.device.source, field="unit_id, registers",
-                remedy="Correct the unit id or the register map.",
-            ) from error  # fmt: skip
 
     def _arm(self) -> None:
         try:

@@ -44,6 +44,19 @@ _LOST = (ConnectionException, ConnectionError)
 _TRANSIENT = (ModbusException, OSError, struct.error, ValueError, IndexError)
 
 
+# What the exceptions of the standard mean for whoever wrote the description.
+_MEANINGS = {
+    1: "illegal function: the device does not know it",
+    2: "illegal address: is a register's address, table or count wrong?",
+    3: "illegal value",
+    4: "the device failed",
+    5: "accepted, and it takes long",
+    6: "the device is busy",
+    10: "the gateway has no path to the device",
+    11: "the gateway's target failed to respond: is unit_id wrong?",
+}
+
+
 _READS = {
     "holding": ReadHoldingRegistersRequest,
     "input": ReadInputRegistersRequest,
@@ -64,7 +77,10 @@ class DeviceRefusedError(DeviceError):
     """The device answered with a Modbus exception ``code``."""
 
     def __init__(self, code: int, function: int) -> None:
-        super().__init__(f"the device refused function {function} with Modbus exception {code}")
+        meaning = f" ({_MEANINGS[code]})" if code in _MEANINGS else ""
+        super().__init__(
+            f"the device refused function {function} with Modbus exception {code}{meaning}"
+        )
         self.code = code
 
 

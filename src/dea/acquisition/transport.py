@@ -39,8 +39,18 @@ def connect(device: Device, timeout: float) -> Client:
     for response in (RegistersResponse, ReadWriteResponse):
         client.register(response)
     if not client.connect():
-        raise OSError("connection refused or timed out")
+        raise OSError(_why_not(device))
     return client
+
+
+def _why_not(device: Device) -> str:
+    """Return why a device cannot be connected to, as far as it can be known."""
+    if device.serial is None:
+        try:
+            socket.getaddrinfo(device.host, device.port)
+        except OSError:
+            return f"unknown host {device.host!r}"
+    return "connection refused or timed out"
 
 
 def place(device: Device) -> str:

@@ -1,10 +1,50 @@
 """The check, before any voltage, that the device that answers is the one described."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from dea.acquisition.panel import Panel
+from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
 from dea.errors import InputError
 from dea.modbus import Device
 
 RANGE_TOLERANCE = 1e-5  # of the range; float32 registers hold seven digits
+
+
+def open_described(link: Link) -> None:
+    """Connect to a device.
+
+    Raises
+    ------
+    InputError
+        Where it does not answer, naming the file of its description.
+    """
+    try:
+        link.open()
+    except LinkError as error:
+        raise InputError(
+            str(error), file=link.device.source, field="endpoint",
+            remedy="Correct host and port, or switch the device on.",
+        ) from error  # fmt: skip
+
+
+@contextmanager
+def answering_as_described(device: Device, place: str = "registers") -> Iterator[None]:
+    """Within the block, blame the description for what the device refuses or leaves unanswered.
+
+    Raises
+    ------
+    InputError
+        Naming the file of the description, and the ``place`` in it.
+    """
+    try:
+        yield
+    except (LinkError, DeviceRefusedError) as error:
+        raise InputError(
+            f"the device does not answer as described: {error}",
+            file=device.source, field=f"unit_id, {place}",
+            remedy="Correct the unit id or the register map.",
+        ) from error  # fmt: skip
 
 
 def verify_device(panel: Panel) -> None:

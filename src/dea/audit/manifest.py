@@ -1,5 +1,6 @@
 """``results/MANIFEST.json``: every result with its hash and its job, and every other file there."""
 
+import fcntl
 import hashlib
 import json
 import os
@@ -13,6 +14,8 @@ from dea.atomic_file import atomic
 from dea.errors import InputError
 
 FILE = provenance.RESULTS / "MANIFEST.json"
+# Held by the run of this project (workflow/alone.sh), whose process it names.
+LOCK = Path("build/lock")
 # Made by targets outside of the workflow, or by the audit itself.
 UNLISTED = {
     provenance.RESULTS / name
@@ -72,12 +75,28 @@ class Manifest:
             content.pop("sha256")
             found = cls(**content)
         except OSError as error:
-            raise InputError("there is no manifest", file=file, remedy=remedy) from error
+            problem = "there is no manifest"
+            if run := _run_in_progress():
+                problem += f" while process {run} makes results"
+                remedy = "Wait until it has ended"
+            raise InputError(problem, file=file, remedy=remedy) from error
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise InputError(f"is damaged ({error})", file=file, remedy=remedy) from error
         if text != f"{found.text()}\n":
             raise InputError("is not as it was written", file=file, remedy=remedy)
         return found
+
+
+def _run_in_progress() -> str | None:
+    """Return the process of the run that holds the project's lock, if one does."""
+    try:
+        with LOCK.open() as lock:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return LOCK.read_text().strip() or "of a run"
+    except OSError:
+        return None
+    return None
 
 
 def withdraw() -> None:

@@ -127,14 +127,29 @@ def read_cases(folder: str | Path, study: Study) -> dict[Path, Case]:
     return cases
 
 
-def check_cases(cases: Mapping[Path, Case], simulations: Collection[str]) -> None:
-    """Check that the simulations that cases name exist.
+def simulation_of(case: Case, file: Path, known: Collection[str] | None = None) -> str:
+    """Return the simulation that a case names, which is one of ``known`` or a Python file.
 
     Raises
     ------
     InputError
-        Naming the file and the nearest name.
+        If it names none; and where ``known`` is given, if there is none of that name.
     """
-    for file, case in cases.items():
-        if case.simulation is not None:
-            check_simulation(case.simulation, simulations, file, "simulation")
+    if case.simulation is None:
+        raise InputError(
+            "it names no simulation",
+            file=file,
+            field="simulation",
+            remedy="Name the physics that the record is compared with: `simulation: mine.py`",
+        )
+    if known is not None:
+        try:
+            check_simulation(case.simulation, known, file, "simulation")
+        except InputError as error:
+            raise InputError(
+                error.problem,
+                file=file,
+                field="simulation",
+                remedy=f"{error.remedy} Or delete {file}.",
+            ) from error
+    return case.simulation

@@ -96,7 +96,7 @@ class Register(Section):
     byte_order: Order | None = key("first byte; the device's where not given", default=None)
     scale: Number | None = key("value of one count, not zero; 1 where not given", default=None)
     offset: Number | None = key("value of count 0; 0 where not given", default=None)
-    unit: str = key("unit of the value", default="1")
+    unit: str = key("unit of the value; `output` and `displacement` need one", default="1")
     access: Access = key("what a master may do", default="read")
     range: Interval | None = key(
         "values of the lowest and the highest count of an integer, instead of scale and offset",
@@ -237,6 +237,18 @@ class DeviceDescription(Section):
                 f"{output.type}, and the output is driven in whole counts",
                 "Use the module's integer register.",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _units(self) -> Self:
+        for name in NEEDED:
+            register = self.registers.get(name)
+            if register and "unit" not in register.model_fields_set:
+                raise refuse(
+                    f"registers.{name}.unit",
+                    "missing",
+                    "Give the unit of the value, such as V or mm, or '1' where it has none.",
+                )
         return self
 
     @model_validator(mode="after")

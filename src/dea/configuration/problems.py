@@ -81,7 +81,11 @@ def _said(detail: ErrorDetails, schema: Schema) -> tuple[str, str, str]:
     given, context = detail.get("input"), detail.get("ctx", {})
     match detail["type"]:
         case "extra_forbidden":
-            return _joined(path, str(rest)), *unknown_key(str(rest), list(node["properties"]))
+            problem, remedy = unknown_key(str(rest), list(node["properties"]))
+            if path and rest in schema.get("properties", {}):
+                section = path.partition("[")[0].partition(".")[0]
+                remedy = f"It goes beside `{section}`, not into it, and holds for the whole file."
+            return _joined(path, str(rest)), problem, remedy
         case "missing":
             wanted = node["properties"].get(rest, {}) if rest else node
             about = resolved(wanted, definitions).get("description", "")

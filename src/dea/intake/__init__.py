@@ -1,8 +1,18 @@
 """A record of any file becomes a case: its columns are told apart, its settings inferred."""
 
 from dea.intake.case import Inferred, infer_case
-from dea.intake.case_file import write_case
-from dea.intake.questions import UnansweredError
+from dea.intake.case_file import case_name, known_name, read_case, write_case
+from dea.intake.questions import UnansweredError, command
 from dea.intake.roles import Answers
 
-__all__ = ["Answers", "Inferred", "UnansweredError", "infer_case", "write_case"]
+__all__ = [
+    "Answers",
+    "Inferred",
+    "UnansweredError",
+    "case_name",
+    "command",
+    "infer_case",
+    "known_name",
+    "read_case",
+    "write_case",
+]

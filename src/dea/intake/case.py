@@ -116,14 +116,15 @@ def _resampling(
         known &= np.isfinite(table.columns[name])
     if np.count_nonzero(known) < 3:
         raise InputError(f"{np.count_nonzero(known)} rows have both input and output")
-    store.check_order(time[known])
+    _check_times(time[known])
     interval = store.usual_interval(time[known])
     steps = np.diff(time[known])
     several = samples_to_average(filled(y)[0], 1.0 / interval)
     notes = []
     gaps = steps[steps > 1.6 * interval]
     if gaps.size:
-        notes.append(f"{gaps.size} gaps, the longest of {gaps.max():.4g} s: flagged as missing")
+        several_gaps = f"{gaps.size} gaps, the longest" if gaps.size > 1 else "a gap"
+        notes.append(f"{several_gaps} of {gaps.max():.4g} s: flagged as missing")
     uneven = float(np.max(np.abs(steps - interval), initial=0.0, where=steps <= 1.6 * interval))
     if uneven > _JITTER * interval:
         notes.append(f"times jitter by up to {uneven:.2g} s: interpolated to {interval:g} s")
@@ -134,3 +135,23 @@ def _resampling(
         )
     needed = gaps.size or uneven > _JITTER * interval or several > 1 or not known.all()
     return (float(f"{several * interval:.9g}") if needed else None), notes
+
+
+def _check_times(time: Array) -> None:
+    """Refuse times that do not ascend; where several samples share each, say their rate.
+
+    Raises
+    ------
+    InputError
+        Naming the first sample at fault.
+    """
+    told, counts = np.unique(time, return_counts=True)
+    if told.size == time.size or told.size < 2 or np.any(np.diff(time) < 0):
+        store.check_order(time)
+        return
+    rate = float(np.median(counts) / np.median(np.diff(told)))
+    raise InputError(
+        f"{counts[0]} samples are at {told[0]:g} s: the clock is coarser than the samples",
+        field="time",
+        remedy=f"Give the samples per second instead: RATE={rate:g}",
+    )

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from dea.configuration.case import check_case
+from dea.configuration.case import Case, check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
 from dea.configuration.section import NAME
@@ -40,23 +40,40 @@ def case_name(file: Path, name: str | None = None) -> str:
     return f"{plain}_case" if plain in RESERVED else plain
 
 
-def known_name(name: str, folder: Path, *, actuators: bool) -> str:
+def known_name(name: str, folder: Path, *, actuators: bool, field: str = "NAME") -> str:
     """Return the name of a case in ``folder``, or where ``actuators`` may be meant of one of them.
+
+    Parameters
+    ----------
+    field
+        Where the name was given, for messages.
 
     Raises
     ------
     InputError
         With the nearest name that is known.
     """
-    names = [file.stem for file in sorted(folder.glob("*.yaml"))]
-    names += [actuator.name for actuator in _study().actuators] if actuators else []
+    names = [actuator.name for actuator in _study().actuators] if actuators else []
+    names += [file.stem for file in sorted(folder.glob("*.yaml"))]
     if name not in names:
         raise InputError(
             f"there is none called {name!r}",
-            field="NAME",
+            field=field,
             remedy=f"{did_you_mean(name, names)}Known: {', '.join(names)}",
         )
     return name
+
+
+def read_case(file: Path) -> Case:
+    """Read and check one case.
+
+    Raises
+    ------
+    InputError
+        As :func:`dea.configuration.case.check_case`.
+    """
+    content = read_yaml(file, what="the case", example="a file of config/cases")
+    return check_case(content, _study(), file)
 
 
 def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Path:
@@ -98,6 +115,7 @@ def _study() -> Study:
 
 def _text(inferred: Inferred, command: str) -> str:
     remarks = [f"Inferred by `{command}`. Any key may be edited: config/cases/README.md.",
+               "Times are in s, frequencies in Hz, lags in samples (docs/configuration.md).",
                *inferred.inferred]  # fmt: skip
     body = yaml.dump(
         dict(inferred.content), Dumper=_Plain, sort_keys=False, allow_unicode=True, width=100,

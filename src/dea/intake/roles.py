@@ -70,7 +70,7 @@ def find_roles(
         Where the file does not say which columns are input and output, what their units are, or how
         far apart the samples are.
     InputError
-        Where an answer names no column, or one column twice.
+        Where an answer names no column, or one twice, or a column has text among its numbers.
     """
     said = {
         role: _answers(getattr(answers, role), table, role, file)
@@ -117,6 +117,7 @@ def find_roles(
         lines["RATE"] = "SAMPLES_PER_SECOND"
     if asked:
         raise UnansweredError(asked, command(goal, lines), file, described(table))
+    table.refuse_words([*names, *([time[0]] if time else [])], file)
     unsaid = [role for role in ("input", "output") if not said[role]]
     by = dict.fromkeys(unsaid, "by the names") | dict.fromkeys(left_over, "the only other one")
     inferred += [f"{role}: column {found[role][0][0]!r}, {by[role]}" for role in unsaid]

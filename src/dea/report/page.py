@@ -32,9 +32,11 @@ def write(file: Path) -> None:
     """
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=True)
     template = environment.from_string((TEXTS / "report.md").read_text(encoding="utf-8"))
+    actuators = _shown("actuators", "fig1_")
+    cases = {*_shown("cases", "fig2_"), *_shown("discrepancy", "")} - {*actuators}
     text = template.render(
-        actuators=_shown("actuators", "fig1"),
-        cases=_shown("cases", "fig2"),
+        actuators=actuators,
+        cases=sorted(cases),
         figure=figure,
         table=table,
         verdict=verdict,
@@ -106,7 +108,7 @@ def _result(path: str) -> Path:
     return file
 
 
-def _shown(folder: str, kind: str) -> list[str]:
-    """Return the systems of which there is the figure ``kind``."""
-    files = sorted((provenance.RESULTS / "figures" / folder).glob(f"{kind}_*.png"))
-    return [file.stem.removeprefix(f"{kind}_") for file in files]
+def _shown(folder: str, begin: str) -> list[str]:
+    """Return the systems of which there is the figure that begins so."""
+    files = sorted((provenance.RESULTS / "figures" / folder).glob(f"{begin}*.png"))
+    return [file.stem.removeprefix(begin) for file in files]

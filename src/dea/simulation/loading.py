@@ -1,6 +1,8 @@
 """Find a simulation by name or in a user's Python file."""
 
 import importlib.util
+import re
+import sys
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -31,7 +33,7 @@ def load_simulation(name: str | Path) -> Simulation:
     path = Path(name)
     if path.suffix != ".py" or not path.exists():
         raise InputError(
-            f"there is no simulation {str(name)!r}",
+            f"there is no {'file' if path.suffix == '.py' else 'simulation'} {str(name)!r}",
             field="simulation",
             remedy=f"Name one of {', '.join(built_in())}, "
             "or a Python file that defines `simulation`",
@@ -40,12 +42,12 @@ def load_simulation(name: str | Path) -> Simulation:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    # Functions that numba keeps compiled are found again by the module's name.
+    sys.modules[spec.name] = module
     try:
         spec.loader.exec_module(module)
     except InputError as error:
-        raise InputError(
-            error.problem, file=path, field=error.field, remedy=error.remedy
-        ) from error
+        raise _explained(error, path) from error
     except Exception as error:  # whatever the user's file raises is what is wrong with it
         raise InputError(
             f"it cannot be run ({type(error).__name__}: {error})",
@@ -67,3 +69,18 @@ def load_simulation(name: str | Path) -> Simulation:
         derivative=found.compiled_derivative,
         output=found.compiled_output,
     )
+
+
+def _explained(error: InputError, path: Path) -> InputError:
+    """Return what is wrong in a file; where numba refused an equation, why and in which line."""
+    problem, remedy = error.problem, error.remedy
+    said = str(error.__cause__ or "")
+    lines = [line for line in said.splitlines() if line.strip()]
+    if type(error.__cause__).__module__.startswith("numba") and len(lines) > 1:
+        reason = lines[1].partition(", defined at")[0].strip(" :")
+        if unknown := re.search(r"name '(\w+)' is not defined", said):
+            reason, remedy = f"{unknown[1]!r} is not defined", "Correct the name, or define it"
+        place = re.search(r'^File ".*", line (\d+):', said, re.MULTILINE)
+        line = f", line {place[1]}" if place else ""
+        problem = f"numba cannot compile it{line}: {reason}"
+    return InputError(problem, file=path, field=error.field, remedy=remedy)

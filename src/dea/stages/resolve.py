@@ -14,7 +14,7 @@ from dea import acquisition, archive, modbus, resolution, seeds, store
 from dea.audit import withdraw
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
-from dea.configuration.case import Case, read_cases
+from dea.configuration.case import Case, read_cases, simulation_of
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, Study, check_actuators, check_study
@@ -75,14 +75,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         desk = Driven(folder, first, limits, study, actuators[name], device, operator)
     else:
         case = cases[name]
-        if case.simulation is None:
-            raise InputError(
-                "it names no simulation",
-                file=CASES / f"{name}.yaml",
-                field="simulation",
-                remedy="Name the physics that the record is compared with",
-            )
-        simulation = case.simulation
+        simulation = simulation_of(case, CASES / f"{name}.yaml")
         leaves["split"] = written(case.split) if case.split else {}
         given = [key for key in case.records if not key.startswith(_PREFIX)]
         records += [store.read_record(further / f"{key}.nc") for key in given]

@@ -75,6 +75,8 @@ def import_record(
                 field=f"{place}{role}.units",
                 remedy="Correct the units, or convert the record",
             )
+        if not np.isfinite(columns[name][rows]).all():
+            table.refuse_words([name], file)
         return columns[name][rows]
 
     driving = described.driving
@@ -91,6 +93,8 @@ def import_record(
     if described.resample is not None:
         time, u, y, missing = _resampled(time, u, y, float(described.resample), file)
         flags["quality"] = ("time", missing.astype("uint8"), FLAG)
+    else:
+        _require_whole(time, u, y, file)
     record = xr.Dataset(
         {
             **{
@@ -123,6 +127,28 @@ def _read(file: Path, case_file: Path | None) -> ForeignTable:
             field="record.file",
             remedy=f"{error.remedy}, or name another file",
         ) from error
+
+
+def _require_whole(time: np.ndarray, u: np.ndarray, y: np.ndarray, file: Path) -> None:
+    """Refuse a record with a missing value, and say how such a record is taken.
+
+    Raises
+    ------
+    InputError
+        Naming the first sample at fault, and the setting by which it is flagged.
+    """
+    there = np.isfinite(time) & np.isfinite(u).all(axis=1) & np.isfinite(y)
+    if there.all():
+        return
+    bad = np.flatnonzero(~there)
+    steps = np.diff(time[np.isfinite(time)])
+    interval = f"{np.median(steps):.6g}" if steps.size else "INTERVAL"
+    raise InputError(
+        f"{bad.size} of {there.size} samples have a missing value, the first sample {bad[0]}",
+        file=file,
+        field="resample",
+        remedy=f"Give `resample` {interval} (s): missing samples are then flagged and left out",
+    )
 
 
 def _resampled(

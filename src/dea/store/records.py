@@ -135,13 +135,13 @@ class Record(NamedTuple):
 
         return signals(read_record(path, **columns))
 
-    def part(self, first: float, last: float) -> "Record":
-        """Return the samples from ``first`` to before ``last``, both in s.
+    def part(self, first: float, last: float = np.inf) -> "Record":
+        """Return the samples from ``first`` to before ``last``, both in s, or to the end.
 
         Raises
         ------
         InputError
-            If there are none.
+            If there are none, or the record ends before ``last``.
         """
         begin, end = np.searchsorted(self.time, [first, last])
         if end <= begin:
@@ -150,6 +150,13 @@ class Record(NamedTuple):
                 f" {self.time[0]:g} to {self.time[-1]:g} s",
                 field="first, last",
                 remedy="Give two times inside the record, the earlier one first",
+            )
+        over = self.time[-1] + 1.5 / self.sampling_rate
+        if over < last < np.inf:
+            raise InputError(
+                f"the record ends at {self.time[-1]:g} s, before {last:g} s",
+                field="last",
+                remedy="Give a time inside the record, or none for its end",
             )
         return self._replace(time=self.time[begin:end], u=self.u[begin:end], y=self.y[begin:end])
 

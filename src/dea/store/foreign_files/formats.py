@@ -58,8 +58,10 @@ def _read_sheet(file: Path) -> ForeignTable:
     if len(first) and all(isinstance(cell, str) or pd.isna(cell) for cell in first):
         units = [plain_units("" if pd.isna(cell) else str(cell)) for cell in first]
         rest = frame.iloc[1:].reset_index(drop=True)
-        return from_columns(headings, [rest[name] for name in frame.columns], units)
-    return from_columns(headings, [frame[name] for name in frame.columns])
+        columns = [rest[name] for name in frame.columns]
+        return from_columns(headings, columns, units, place=lambda row: f"row {row + 3}")
+    columns = [frame[name] for name in frame.columns]
+    return from_columns(headings, columns, place=lambda row: f"row {row + 2}")
 
 
 def _read_parquet(file: Path) -> ForeignTable:

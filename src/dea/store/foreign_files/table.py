@@ -1,8 +1,9 @@
 """What a foreign file holds once it is read: columns of numbers, their units, lone numbers."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,8 @@ from dea.store.foreign_files.clock import seconds
 
 Array = NDArray[np.float64]
 
+# What instruments write where there is no number.
+MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")
 _HEADING = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<units>[^\])]*)[\])]$")
 _SPELLINGS = {
     "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms",
@@ -37,11 +40,32 @@ class ForeignTable:
         Those that the file gives, by column.
     constants
         Columns or variables of one number alone.
+    words
+        The first entry of a column that is text where others are numbers, and where it is; such an
+        entry is NaN in the column.
     """
 
     columns: Mapping[str, Array]
     units: Mapping[str, str] = field(default_factory=dict)
     constants: Mapping[str, float] = field(default_factory=dict)
+    words: Mapping[str, str] = field(default_factory=dict)
+
+    def refuse_words(self, names: Iterable[str], file: Path) -> None:
+        """Refuse text among the numbers of the columns that are used.
+
+        Raises
+        ------
+        InputError
+            Naming the column, the entry and where it is.
+        """
+        for name in names:
+            if name in self.words:
+                raise InputError(
+                    f"{self.words[name]} is not a number",
+                    file=file,
+                    field=f"column {name!r}",
+                    remedy="Correct that entry, or empty it: it then counts as missing",
+                )
 
 
 def time_factor(units: str) -> float | None:
@@ -66,7 +90,12 @@ def name_and_units(heading: str) -> tuple[str, str | None]:
 
 
 def from_columns(
-    headings: Iterable[str], values: Iterable[pd.Series], given: Iterable[str | None] | None = None
+    headings: Iterable[str],
+    values: Iterable[pd.Series],
+    given: Iterable[str | None] | None = None,
+    *,
+    decimal: str = ".",
+    place: Callable[[int], str] = lambda row: f"row {row + 1}",
 ) -> ForeignTable:
     """Return the table of these columns, of which some may be text.
 
@@ -76,6 +105,10 @@ def from_columns(
         Names, with or without units in brackets.
     given
         Units of each column, where the file gives them apart from the heading.
+    decimal
+        Mark of the decimals in numbers that are text still.
+    place
+        Where an entry is in the file, by its row.
 
     Raises
     ------
@@ -94,11 +127,14 @@ def from_columns(
     columns: dict[str, Array] = {}
     units: dict[str, str] = {}
     constants: dict[str, float] = {}
+    words: dict[str, str] = {}
     apart = list(given) if given is not None else [None] * len(names)
     for name, (_, own), other, series in zip(names, parts, apart, values, strict=True):
-        numbers, is_time = _numbers(series)
+        numbers, is_time = _numbers(series, decimal)
         if numbers is None:
             continue
+        if not is_time and (row := _first_word(series, numbers)) is not None:
+            words[name] = f"{place(row)}: {str(series.iloc[row]).strip()!r}"
         there = np.flatnonzero(np.isfinite(numbers))
         if there.size == 1 and there[0] == 0 and numbers.size > 1:
             constants[name] = float(numbers[0])
@@ -107,18 +143,35 @@ def from_columns(
         said = "s" if is_time else own or other
         if said is not None:
             units[name] = said
-    return ForeignTable(columns, units, constants)
+    return ForeignTable(columns, units, constants, words)
 
 
-def _numbers(series: pd.Series) -> tuple[Array | None, bool]:
+def _numbers(series: pd.Series, decimal: str) -> tuple[Array | None, bool]:
     """Return a column as numbers, None where it is text, and whether it tells the time."""
     if pd.api.types.is_datetime64_any_dtype(series):
         return seconds(series), True
     if pd.api.types.is_numeric_dtype(series):
         return series.to_numpy(float), False
-    read = pd.to_numeric(series, errors="coerce").to_numpy(float)
+    plain = series if decimal == "." else series.map(lambda cell: _pointed(cell, decimal))
+    read = pd.to_numeric(plain, errors="coerce").to_numpy(float)
     given = series.notna().to_numpy()
     if given.any() and np.isfinite(read)[given].mean() > _NUMERIC:
         return read, False
     told = seconds(series)
     return told, told is not None
+
+
+def _pointed(cell: object, decimal: str) -> object:
+    """Return a number that is written with another mark as one with a point."""
+    if not isinstance(cell, str):
+        return cell
+    return None if "." in cell else cell.replace(decimal, ".")
+
+
+def _first_word(series: pd.Series, numbers: Array) -> int | None:
+    """Return the first row that holds text and no number."""
+    for row in np.flatnonzero(~np.isfinite(numbers) & series.notna().to_numpy()):
+        cell = series.iloc[row]
+        if isinstance(cell, str) and cell.strip().lower() not in MISSING:
+            return int(row)
+    return None

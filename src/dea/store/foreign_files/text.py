@@ -12,13 +12,12 @@ import pandas as pd
 
 from dea.errors import InputError
 from dea.store.foreign_files.clock import is_clock
-from dea.store.foreign_files.table import ForeignTable, from_columns, plain_units
+from dea.store.foreign_files.table import MISSING, ForeignTable, from_columns, plain_units
 
 _COMMENTS = ("#", "%", "//", "!")
 _SEPARATORS = ("\t", ";", ",", "|", " ")
 _DECIMALS = (".", ",")
 _NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
-_MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")
 _LOOKED_AT = 400  # lines among which the numbers must have begun
 _LONGEST_UNITS = 12  # characters
 
@@ -42,8 +41,9 @@ def read_text(file: Path) -> ForeignTable:
     InputError
         If no line holds two numbers, or two columns have one name.
     """
-    lines = [line.rstrip() for line in _decoded(file).splitlines() if line.strip()]
-    remarks, rows = _without_comments(lines)
+    whole = [line.rstrip() for line in _decoded(file).splitlines()]
+    remarks, numbered = _without_comments(whole)
+    rows = [whole[i] for i in numbered]
     layout = _layout(rows[:_LOOKED_AT])
     if layout is None:
         raise InputError(
@@ -60,10 +60,16 @@ def read_text(file: Path) -> ForeignTable:
         names=range(layout.columns),
         index_col=False,
         skipinitialspace=True,
-        na_values=list(_MISSING),
+        na_values=list(MISSING),
         usecols=range(layout.columns),
     )
-    return from_columns(headings, [frame[i] for i in frame.columns], units)
+    return from_columns(
+        headings,
+        [frame[i] for i in frame.columns],
+        units,
+        decimal=layout.decimal,
+        place=lambda row: f"line {numbered[begin + row] + 1}",
+    )
 
 
 def _decoded(file: Path) -> str:
@@ -76,13 +82,15 @@ def _decoded(file: Path) -> str:
         return content.decode("cp1252", errors="replace")
 
 
-def _without_comments(lines: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the comments before the first row, their marks taken off, and the other lines."""
+def _without_comments(lines: Sequence[str]) -> tuple[list[str], list[int]]:
+    """Return the comments before the first row, their marks taken off, and which lines are rows."""
     remarks: list[str] = []
-    rows: list[str] = []
-    for line in lines:
+    rows: list[int] = []
+    for i, line in enumerate(lines):
+        if not line:
+            continue
         if not line.lstrip().startswith(_COMMENTS):
-            rows.append(line)
+            rows.append(i)
         elif not rows:
             remarks.append(line.lstrip().lstrip("#%/!").strip())
     return remarks, rows
@@ -102,7 +110,7 @@ def _layout(rows: Sequence[str]) -> Layout | None:
             continue
         fields = [field for row in split if len(row) == columns for field in row]
         numeric = sum(map(_is_number, _pointed(fields, decimal))) + 0.5 * sum(
-            field.lower() in _MISSING for field in fields
+            field.lower() in MISSING for field in fields
         )
         share = numeric / len(fields) * counts.count(columns) / len(counts)
         if share > most + 1e-9:
@@ -140,7 +148,7 @@ def _is_data(fields: Sequence[str], layout: Layout) -> bool:
     if len(fields) != layout.columns:
         return False
     numbers = sum(map(_is_number, _pointed(fields, layout.decimal)))
-    empty = sum(field.lower() in _MISSING for field in fields)
+    empty = sum(field.lower() in MISSING for field in fields)
     return numbers > 0 and numbers + empty > len(fields) / 2
 
 
