@@ -58,8 +58,8 @@ class Budget(Section):
         default=8,
     )
     long_record: Count = key(
-        "record length above which most of this is halved, and the record decimated where it is "
-        "sampled much faster than it moves",
+        "record length above which a record is decimated, where it is sampled much faster than it "
+        "moves, and most of this is halved",
         unit="samples",
         default=30_000,
     )

@@ -101,11 +101,11 @@ def diagnose(
     records = [signals_of(each, own) for each in _listed(record)]
     others = {name: signals_of(other, own) for name, other in (test_records or {}).items()}
     offered = _offered(settings.effects)
-    budget = settings.budget.of(sum(each.size for each in records))
 
     # Split the record, and fit the simulation alone.
     tell("the simulation alone")
     problem, parts, bare = prepare(records, own, settings)
+    budget = settings.budget.of(sum(each.size for each in records), problem.size)
     nominal = fit_nominal(problem, bare, budget.starts, rng, workers)
     near = fit_near_prior(problem, nominal)
 

@@ -47,9 +47,10 @@ class Budget:
         Leading candidates that are fitted once more, with the simulation's parameters at their
         prior means, where the best one leaves more than ``exchange_above`` floors.
     long_record
-        A record of more samples gets half of the counts above but as many effects and steps, one
-        shake, and no exchange, and ten times the tolerance. It is decimated where it is sampled
-        much faster than it moves.
+        A record of more samples is decimated where it is sampled much faster than it moves, and
+        gets half of the counts above but as many effects, one shake, and no exchange. If it is as
+        long after that, it gets half of the screening and ten times the tolerance, otherwise twice
+        the last steps.
     """
 
     starts: int = 4
@@ -73,15 +74,15 @@ class Budget:
     restarted: int = 8
     long_record: int = 30_000
 
-    def of(self, samples: int) -> "Budget":
-        """Return the budget for a record of this length."""
-        if samples <= self.long_record:
+    def of(self, recorded: int, kept: int) -> "Budget":
+        """Return the budget for a record of so many samples, of which these are ``kept``."""
+        if recorded <= self.long_record:
             return self
 
         def half(count: int) -> int:
             return max(1, count // 2)
 
-        return replace(
+        halved = replace(
             self,
             starts=half(self.starts),
             finished=half(self.finished),
@@ -90,5 +91,7 @@ class Budget:
             shakes=min(1, self.shakes),
             restarted=self.restarted // 2,
             exchanges=0,
-            tolerance=10.0 * self.tolerance,
         )
+        if kept <= self.long_record:
+            return replace(halved, last_steps=2 * self.last_steps)
+        return replace(halved, screening=half(self.screening), tolerance=10.0 * self.tolerance)
