@@ -12,6 +12,7 @@ from pathlib import Path
 
 from built_pages import faults
 from latex2mathml.converter import convert
+from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parents[2]
@@ -20,8 +21,16 @@ FORMULA = re.compile(
     r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL
 )  # as pymdownx.arithmatex leaves it
 NOTEBOOK_LINK = re.compile(r'href="([^":#]+\.(?:md|ipynb))(#[^"]*)?"')
-SHIM = "iframe-worker.js"
+SEARCH = "search_frame.js"
 log = logging.getLogger("mkdocs")
+
+
+@event_priority(-100)
+def on_config(config):
+    """Drop the script from another server that the plugin ``offline`` adds for the search."""
+    scripts = config.extra["polyfills"]
+    config.extra["polyfills"] = [script for script in scripts if "://" not in script]
+    return config
 
 
 def on_files(files, config):
@@ -29,8 +38,8 @@ def on_files(files, config):
 
     The script by which the search runs without a server comes along.
     """
-    shim = str(Path(__file__).with_name(SHIM))
-    files.append(File.generated(config, f"assets/{SHIM}", abs_src_path=shim))
+    script = str(Path(__file__).with_name(SEARCH))
+    files.append(File.generated(config, f"assets/{SEARCH}", abs_src_path=script))
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     files.append(File.generated(config, "index.md", content=_rewritten(text, Path("."))))
     return files
