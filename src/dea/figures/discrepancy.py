@@ -27,6 +27,8 @@ _RUN = 1000
 _FEW, _MOST_BARS = 3, 8
 # Intervals of an axis, whose labels may be as long as -1500.
 _TICKS = 4
+# The same of a law beside another.
+_TICKS_BESIDE = 2
 
 # Legends of three above an axis half a page wide, beside its letter.
 _ABOVE: Mapping[str, Any] = {
@@ -96,7 +98,8 @@ def discrepancy(
         _parameters(laws[0], effects)
     _presence(present, verdict, candidates)
     for ax in (series, runs, where, *laws):
-        ax.xaxis.set_major_locator(MaxNLocator(_TICKS))
+        beside = len(laws) > 1 and ax in laws
+        ax.xaxis.set_major_locator(MaxNLocator(_TICKS_BESIDE if beside else _TICKS))
     style.panel_letters([series, runs, where, ladder])
     # Beside another law there is no room for the letter but above the text of its own.
     style.panel_letters([laws[0]], "E", drop=-_text_height(laws[0]) if len(laws) > 1 else 0.0)
@@ -239,7 +242,6 @@ def _shape(
     for variable, place in ((parts[0], ax.set_xlabel), (parts[1], ax.set_ylabel)):
         name = str(variable.attrs["long_name"]).replace("_", " ")
         place(style.quantity(name, variable.attrs["units"]))
-    ax.locator_params(axis="x", nbins=5)
     told = [effect["name"].replace("_", " ")]
     told += [_estimate(name, each) for name, each in list(effect["parameters"].items())[:_TOLD]]
     ax.set_title("\n".join(told), fontsize=_LINE_HEIGHT / 1.2, loc="right", pad=_LEGEND_HEIGHT)
