@@ -1,7 +1,7 @@
 """What a method is given, and what it answers."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -60,7 +60,7 @@ class Task:
 
         def fitted() -> Fit:
             problem, bare = self._prepared
-            starts = self.settings.budget.of(problem.u.size).starts
+            starts = self.settings.budget.of(problem.size, problem.decimation).starts
             return fit_nominal(problem, bare, starts, self.rng, workers=1)
 
         found: Fit = self.shared.once("nominal", fitted)
@@ -83,7 +83,10 @@ class Task:
     @property
     def _prepared(self) -> tuple[Problem, ExtendedSimulation]:
         def made() -> tuple[Problem, ExtendedSimulation]:
-            problem, _, bare = prepare([self.seen], self.simulation, self.settings)
+            # Undecimated, since other methods take the record as it is.
+            whole = replace(self.settings.budget, long_record=self.seen.size)
+            settings = replace(self.settings, budget=whole)
+            problem, _, bare = prepare([self.seen], self.simulation, settings)
             return problem.whole(), bare
 
         found: tuple[Problem, ExtendedSimulation] = self.shared.once("problem", made)

@@ -45,5 +45,5 @@ def _singles(task: Task) -> Round:
 
 
 def _extended(task: Task, starts: Sequence[Fit]) -> Round:
-    budget = task.settings.budget.of(task.problem.u.size)
+    budget = task.settings.budget.of(task.problem.size, task.problem.decimation)
     return extend_by_each(task.problem, starts, list(catalogue().values()), budget, workers=1)

@@ -105,7 +105,7 @@ def diagnose(
     # Split the record, and fit the simulation alone.
     tell("the simulation alone")
     problem, parts, bare = prepare(records, own, settings)
-    budget = settings.budget.of(sum(each.size for each in records), problem.size)
+    budget = settings.budget.of(problem.size, problem.decimation)
     nominal = fit_nominal(problem, bare, budget.starts, rng, workers)
     near = fit_near_prior(problem, nominal)
 

@@ -74,9 +74,9 @@ class Budget:
     restarted: int = 8
     long_record: int = 30_000
 
-    def of(self, recorded: int, kept: int) -> "Budget":
-        """Return the budget for a record of so many samples, of which these are ``kept``."""
-        if recorded <= self.long_record:
+    def of(self, samples: int, decimation: int) -> "Budget":
+        """Return the budget for so many samples, which are left after a ``decimation``."""
+        if samples * decimation <= self.long_record:
             return self
 
         def half(count: int) -> int:
@@ -92,6 +92,6 @@ class Budget:
             restarted=self.restarted // 2,
             exchanges=0,
         )
-        if kept <= self.long_record:
+        if samples <= self.long_record:
             return replace(halved, last_steps=2 * self.last_steps)
         return replace(halved, screening=half(self.screening), tolerance=10.0 * self.tolerance)
