@@ -76,7 +76,7 @@ class Budget:
 
     def of(self, samples: int, decimation: int) -> "Budget":
         """Return the budget for so many samples, which are left after a ``decimation``."""
-        if samples * decimation <= self.long_record:
+        if decimation == 1 and samples <= self.long_record:
             return self
 
         def half(count: int) -> int:
