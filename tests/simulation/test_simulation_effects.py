@@ -248,8 +248,12 @@ def creep(**changed):
     return q, 0.05 * np.array(BRANCHES) * 0.8 ** np.arange(8), np.geomspace(2 * DT, 80.0, 8)
 
 
-def test_creep_follows_the_equations_of_a_generalised_maxwell_body():
-    q, stiffness, tau = creep(tilt=0.6, curve=-0.4, **HISTORY)
+@pytest.mark.parametrize("exponent", [0.0, 1.0, -0.6])
+def test_creep_follows_the_equations_of_a_generalised_maxwell_body(exponent):
+    """With dashpots that flow as a power of the stress (Norton) from a stretch on."""
+    q, stiffness, tau = creep(
+        tilt=0.6, curve=-0.4, rate_exponent=exponent, rate_stretch=0.3, **HISTORY
+    )
 
     def place(t):
         return 0.9 * np.sin(1.3 * t) * np.cos(0.4 * t)
@@ -257,19 +261,21 @@ def test_creep_follows_the_equations_of_a_generalised_maxwell_body():
     def strain(x):
         return x - 0.4 * x**2 / (1 + abs(x))
 
-    def flow(strained):
-        return lambda t, dashpots: (strained(t) - dashpots) / tau
+    def rest(t, dashpots):
+        return (0.3 - dashpots) / tau
+
+    def flow(t, dashpots):
+        branches = strain(place(t)) - dashpots
+        stretch = stiffness @ branches / stiffness.sum()
+        return branches / tau * (1 + (stretch / 0.3) ** 2) ** exponent
 
     # Stretched by 2 and then held for 9 s, before it moves.
-    before = solve_ivp(
-        flow(lambda t: 0.3), (-9, 0), np.full(8, 0.3 - 2.0), method="LSODA", rtol=1e-9
-    )
+    before = solve_ivp(rest, (-9, 0), np.full(8, 0.3 - 2.0), method="LSODA", rtol=1e-9)
     h = 1e-3
     t = np.arange(8000) * h
     solved = solve_ivp(
-        flow(lambda t: strain(place(t))), (0, t[-1]), before.y[:, -1],
-        t_eval=t, method="LSODA", rtol=1e-9, atol=1e-11,
-    )  # fmt: skip
+        flow, (0, t[-1]), before.y[:, -1], t_eval=t, method="LSODA", rtol=1e-9, atol=1e-11
+    )
     stress = stiffness @ (strain(place(t)) - solved.y)
     grown = 0.6 * place(t) + np.sqrt(1 + (0.6 * place(t)) ** 2)
     found = forces("viscoelastic_creep", q, 0.7 + 0.3 * place(t), h)

@@ -3,7 +3,8 @@
 Maxwell branches in parallel, at times in equal ratios over all that the record can tell, each with
 a stiffness of its own (a Prony series). A function of the position stretches them, as in
 quasi-linear viscoelasticity (Fung 1981, Biomechanics, section 7.6), another one multiplies their
-force.
+force. The dashpots may flow faster or slower the larger the stress (Norton 1929, The Creep of
+Steel at High Temperatures).
 """
 
 import numpy as np
@@ -21,8 +22,8 @@ _FASTEST, _SLOWEST = 2.0, 2.0
 _FARTHEST = 5.0
 # Places in the parameters: of the deviation of the first branch's stiffness, and of what follows.
 _OWN = 2
-_START, _STRETCH, _AGE, _TILT, _CURVE, _FIRST, _RATIO, _MIDDLE, _HALF = range(
-    _OWN + BRANCHES, _OWN + BRANCHES + 9
+_START, _STRETCH, _AGE, _TILT, _CURVE, _RATE, _RATE_STRETCH, _FIRST, _RATIO, _MIDDLE, _HALF = range(
+    _OWN + BRANCHES, _OWN + BRANCHES + 11
 )
 # Places in the memory behind the dashpots: the stiffnesses of the branches, the parts by which they
 # relax in a step, the sum of the stiffnesses and that of the dashpots times them, the step.
@@ -53,16 +54,27 @@ def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
-    """Relax each dashpot towards the position in the middle of its own step, exactly."""
+    """Relax each dashpot towards the position in the middle of its own step.
+
+    Exactly at the rate that it has without stress, and to first order at another.
+    """
     if h != memory[_STEP]:
         memory[_STEP], tau = h, q[_FIRST]
         for i in range(BRANCHES):
             memory[_PART + i] = -np.expm1(-h / tau)
             tau *= q[_RATIO]
     strain, pull = _strain(_place(z_next, q), q), 0.0
-    for i in range(BRANCHES):
-        memory[i] += (strain - memory[i]) * memory[_PART + i]
-        pull += memory[_STIFFNESS + i] * memory[i]
+    if q[_RATE] == 0.0:
+        for i in range(BRANCHES):
+            memory[i] += (strain - memory[i]) * memory[_PART + i]
+            pull += memory[_STIFFNESS + i] * memory[i]
+    else:
+        stretch = (strain - memory[_PULL] / memory[_SUM]) / q[_RATE_STRETCH]
+        rate = (1.0 + stretch * stretch) ** q[_RATE]
+        for i in range(BRANCHES):
+            part = memory[_PART + i]
+            memory[i] += (strain - memory[i]) * rate * part / (1.0 + (rate - 1.0) * part)
+            pull += memory[_STIFFNESS + i] * memory[i]
     memory[_PULL] = pull
 
 
@@ -79,7 +91,11 @@ def memory(q: np.ndarray) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return stiffnesses of the branches, the film's history, the law's shape, and the times."""
+    """Return stiffnesses of the branches, the film's history, the law's shape, and the times.
+
+    At a mean stretch of the springs of ``rate_stretch`` half ranges the dashpots flow 2 to the
+    power of ``rate_exponent`` times as fast as without stress.
+    """
     first, ratio = _times(scales)
     duration = scales.duration
     return (
@@ -94,6 +110,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("age", "s", 0.1 * duration, 2.0, first, 1e3 * duration, log=True, at_start=True),
         Parameter("tilt", "1", 0.0, 0.5, -3.0, 3.0, shape=True),
         Parameter("curve", "1", 0.0, 0.4, -0.95, 0.95, shape=True),
+        Parameter("rate_exponent", "1", 0.0, 0.5, -1.0, 3.0, shape=True),
+        Parameter("rate_stretch", "1", 0.2, 1.0, 0.01, 5.0, log=True, shape=True),
         Parameter("fastest_time", "s", first, 0.0),
         Parameter("time_ratio", "1", ratio, 0.0),
         Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
@@ -106,7 +124,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     first, ratio = _times(scales)
     branch = np.arange(BRANCHES)
     middle, half = 0.5 * (scales.z_low + scales.z_high), 0.5 * scales.z_span
-    end = (0.1 * scales.duration, 0.0, 0.0, first, ratio, middle, half)
+    end = (0.1 * scales.duration, 0.0, 0.0, 0.0, 0.2, first, ratio, middle, half)
     return tuple(
         (0.05, 0.9, *(1.0 - ((branch - strongest) / 4.0) ** 2), position, 0.0, *end)
         for strongest, position in ((3.5, 0.0), (3.5, -1.0), (6.5, 0.0), (0.5, 0.0))
