@@ -137,6 +137,18 @@ def test_transport_delay_is_linear_interpolation():
     assert np.allclose(delayed[5:], expected[5:])
 
 
+def test_a_spread_delay_keeps_its_mean_and_deviates_by_its_spread():
+    pulse = np.zeros(4000)
+    pulse[10] = 1.0
+    q = values("transport_delay", delay=60.3 * DT, spread=0.4)
+    found = catalogue()["transport_delay"].shape_input(pulse, q, DT)
+    after = np.arange(4000) - 10
+    assert found.sum() == pytest.approx(1.0)
+    assert found @ after == pytest.approx(60.3)
+    assert np.sqrt(found @ (after - 60.3) ** 2) == pytest.approx(0.4 * 60.3, rel=1e-3)
+    assert not found[after < 36].any()
+
+
 def test_electrode_lag_solves_its_differential_equation():
     tau, fine = 0.13, 200
     # With a near part of the ratio of its lags it is a single lag.

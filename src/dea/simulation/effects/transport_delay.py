@@ -3,25 +3,33 @@
 import numpy as np
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import delayed
+from dea.simulation.effects._laws import delayed, held_lag
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
 
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Shift the input by a delay, a fraction of an interval included."""
-    return delayed(u, q[0], interval)
+    """Shift the input by a delay, a fraction of an interval included, and spread it.
+
+    A part of the delay is that of a first-order lag: what flows or diffuses arrives earlier and
+    later than on average.
+    """
+    delay, spread = q
+    return delayed(held_lag(u, u[0], spread * delay, interval), (1.0 - spread) * delay, interval)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the delay."""
+    """Return the mean delay, and the part of it by which it is spread."""
     longest = min(0.1 * scales.duration, 500 * scales.interval)
-    return (Parameter("delay", "s", 0.0, 4 * scales.interval, 0.0, longest),)
+    return (
+        Parameter("delay", "s", 0.0, 4 * scales.interval, 0.0, longest),
+        Parameter("spread", "1", 0.0, 0.15, 0.0, 0.6, shape=True),
+    )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return delays of a few intervals."""
-    return tuple((samples * scales.interval,) for samples in (1.5, 4.5, 10.5))
+    return tuple((samples * scales.interval, 0.0) for samples in (1.5, 4.5, 10.5))
 
 
 EFFECT = Effect(
@@ -29,7 +37,8 @@ EFFECT = Effect(
     port=Port.INPUT,
     family=Family.LAG,
     symptom="the device does what the simulation does, a fixed time later",
-    citation="Normey-Rico and Camacho (2007), Control of Dead-time Processes, chapter 2",
+    citation="Normey-Rico and Camacho (2007), Control of Dead-time Processes, chapter 2; "
+    "Levenspiel (1999), Chemical Reaction Engineering, chapter 13, on its spread",
     parameters=parameters,
     starts=starts,
     shape_input=law,
