@@ -33,14 +33,17 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     return (
         Parameter("relaxation", "1", 0.1, 1.5, 1e-4, 0.9, log=True),
         Parameter("time", "s", 0.3 * duration, 2.0, 5 * dt, 1e2 * duration, log=True),
-        Parameter("exponent", "1", 0.8, 0.4, 0.1, 2.0, log=True, shape=True),
+        Parameter("exponent", "1", 0.8, 0.4, 0.1, 4.0, log=True, shape=True),
         Parameter("prestress", "1", 0.0, 0.1, -2.0, 2.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return relaxation that ends early, late, and not within the record."""
-    return tuple((0.1, part * scales.duration, 0.8, 0.0) for part in (0.03, 0.2, 1.0))
+    """Return relaxation that ends early, late, and not within the record, and one that sets in."""
+    return tuple(
+        (0.1, part * scales.duration, exponent, 0.0)
+        for part, exponent in ((0.03, 0.8), (0.2, 0.8), (1.0, 0.8), (0.5, 2.5))
+    )
 
 
 EFFECT = Effect(
@@ -48,7 +51,8 @@ EFFECT = Effect(
     port=Port.FORCE,
     family=Family.AGEING,
     symptom="the device gives way more with time, also while it rests",
-    citation="Kohlrausch (1854), Annalen der Physik 91:56, on stretched exponentials",
+    citation="Kohlrausch (1854), Annalen der Physik 91:56, on stretched exponentials; Avrami "
+    "(1939), Journal of Chemical Physics 7:1103, on changes that set in",
     parameters=parameters,
     starts=starts,
     force=force,
