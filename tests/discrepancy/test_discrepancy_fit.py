@@ -15,7 +15,7 @@ from dea.discrepancy.evidence.held_out import HeldOut, folds
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.evidence.presence import Presence
-from dea.discrepancy.evidence.split import split
+from dea.discrepancy.evidence.split import runs, split
 from dea.discrepancy.fit import Columns, Fit, at, cost_of, fit, step_in_box, without
 from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.report.sentence import where_sentence
@@ -193,6 +193,17 @@ def test_folds_deal_out_every_seen_block_once():
     assert (dealt.sum(0) == problem.seen).all()
     alone = problem.seeing(np.arange(problem.u.size) < 400)
     assert (np.array(folds(alone)).sum(0) == alone.seen).all()
+
+
+def test_a_block_that_reaches_beyond_all_others_is_never_held_out():
+    problem, _ = carriage(6)
+    dealt = folds(problem)
+    first = runs(dealt[2])[0]
+    beyond = np.zeros(problem.size)
+    beyond[first] = np.ptp(problem.y)
+    still = folds(replace(problem, y=problem.y + beyond))
+    assert not still[2][first].any()
+    assert (np.array(still).sum(0) == (problem.seen & (beyond == 0))).all()
 
 
 def test_what_is_held_out_has_no_say_in_its_own_prediction():

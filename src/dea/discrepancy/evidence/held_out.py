@@ -9,6 +9,8 @@ from dea.discrepancy.problem import Problem
 # Parts of the blocks that are held out in turn, and at least; steps of the fit to the others, from
 # where the fit to all of them ended.
 _FOLDS, _LEAST_FOLDS, _ITERATIONS = 6, 3, 6
+# Part of the output's range by which a block that is held out may reach beyond all others.
+_BEYOND = 0.1
 
 
 class HeldOut:
@@ -64,7 +66,9 @@ def folds(problem: Problem) -> list[np.ndarray]:
     """Return masks (n, bool) to which the contiguous seen blocks are dealt in turn.
 
     Neighbouring blocks that a period of the input spans are dealt together: a law that only
-    repeats what the other periods show would otherwise be predicted from them.
+    repeats what the other periods show would otherwise be predicted from them. A block that reaches
+    far beyond the range of the output in all others is never held out: there a curve extrapolates,
+    whether it is right or not.
     """
     blocks = runs(problem.seen)
     groups = _spanning(blocks, problem.period)
@@ -72,10 +76,22 @@ def folds(problem: Problem) -> list[np.ndarray]:
     result = []
     for first in range(count):
         mask = np.zeros(problem.size, bool)
-        for block in (block for group in groups[first::count] for block in group):
+        held = [block for group in groups[first::count] for block in group]
+        for block in held:
             mask[block] = True
+        for block in _reaching_beyond(problem, held, problem.seen & ~mask):
+            mask[block] = False
         result.append(mask)
     return result
+
+
+def _reaching_beyond(problem: Problem, blocks: list[slice], others: np.ndarray) -> list[slice]:
+    """Return the blocks whose output reaches far beyond that of the ``others`` (n, bool)."""
+    low, high = problem.y[others].min(), problem.y[others].max()
+    margin = _BEYOND * np.ptp(problem.y[problem.seen])
+    reached = ((problem.y[block].min(), problem.y[block].max()) for block in blocks)
+    pairs = zip(blocks, reached, strict=True)
+    return [block for block, (least, most) in pairs if least < low - margin or most > high + margin]
 
 
 def _spanning(blocks: list[slice], samples: int) -> list[list[slice]]:
