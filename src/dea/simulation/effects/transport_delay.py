@@ -23,7 +23,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     longest = min(0.1 * scales.duration, 500 * scales.interval)
     return (
         Parameter("delay", "s", 0.0, 4 * scales.interval, 0.0, longest),
-        Parameter("spread", "1", 0.0, 0.15, 0.0, 0.6, shape=True),
+        Parameter("spread", "1", 0.0, 0.1, 0.0, 0.4, shape=True),
     )
 
 
