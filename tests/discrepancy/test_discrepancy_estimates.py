@@ -8,6 +8,7 @@ import pytest
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.report.estimates import estimates, uncertainty
+from dea.discrepancy.report.profile import profiled
 from dea.simulation import Parameter
 
 
@@ -37,6 +38,59 @@ def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
     assert found["time"].high == pytest.approx(3.0 * np.exp(1.96 * 0.05))
 
 
+def fit_of(residual, coordinates, low=-np.inf):
+    """A problem and a fit whose residual is a function of the coordinates (k,)."""
+    step = 1e-6 * np.eye(coordinates.size)
+    columns = [(residual(coordinates + s) - residual(coordinates - s)) / 2e-6 for s in step]
+    extended = SimpleNamespace(
+        simulation=SimpleNamespace(accuracy=0.0),
+        bounds=(np.full(coordinates.size, low), np.full(coordinates.size, np.inf)),
+        values=lambda x: x,
+    )
+    found = residual(coordinates)
+    problem = SimpleNamespace(
+        seen=np.ones(found.size, bool), residual=lambda extended, values: residual(values)
+    )
+    return problem, Fit(extended, coordinates, found, np.array(columns).T, 0.0)
+
+
+@pytest.mark.parametrize("at_bound", [False, True])
+def test_parameters_alike_at_first_order_are_as_sure_as_a_dense_grid_says(at_bound):
+    """The second one does what the first one does, and something else by its square.
+
+    Directions are shortened and not turned, so that the deviations are right to a third.
+    """
+    noise = np.random.default_rng(2).standard_normal(800)
+    both, square = np.sin(np.arange(800.0)), np.cos(0.3 * np.arange(800.0))
+    for regressor in (both, square):
+        noise -= regressor * (regressor @ noise) / (regressor @ regressor)
+
+    def residual(x):
+        return noise - both * (x[0] + x[1]) - 8.0 * square * x[1] ** 2
+
+    problem, fitted = fit_of(residual, np.zeros(2), low=0.0 if at_bound else -np.inf)
+    curved = fitted.covariance(problem.seen, 1.0)
+    found = np.sqrt(np.diag(profiled(problem, fitted, curved, 1.0)))
+
+    sum_of, second = np.meshgrid(np.linspace(-0.5, 0.5, 801), np.linspace(-0.6, 0.6, 801))
+    first = sum_of - second
+    rise = both @ both * sum_of**2 + 64.0 * square @ square * second**4
+    weight = np.exp(-0.5 * (rise + first**2 + second**2))
+    expected = [np.sqrt((weight * x**2).sum() / weight.sum()) for x in (first, second)]
+    assert (np.sqrt(np.diag(curved)) > 5.0 * np.array(expected)).all()
+    if not at_bound:
+        assert found == pytest.approx(expected, rel=1 / 3)
+    assert (found < 1.25 * np.array(expected)).all()
+
+
+def test_a_linear_fit_is_as_sure_as_its_curvature_says():
+    J = np.random.default_rng(4).standard_normal((300, 3)) * [0.02, 0.1, 1.0]
+    problem, fitted = fit_of(lambda x: J @ x, np.array([0.3, -2.0, 0.0]))
+    curved = fitted.covariance(problem.seen, 1.0)
+    # Where the prior pulls, the cost may even fall: it is no steeper.
+    assert profiled(problem, fitted, curved, 1.0) == pytest.approx(curved)
+
+
 @pytest.mark.parametrize("samples", [500, 5000])
 def test_an_interval_holds_a_law_of_another_form_however_long_the_record_is(samples):
     """The other law differs by a twentieth of the effect, all of which passes for its size."""
@@ -44,9 +98,8 @@ def test_an_interval_holds_a_law_of_another_form_however_long_the_record_is(samp
     effect = np.repeat(rng.standard_normal(samples // 50), 50)
     effect *= 4.0 / np.sqrt(np.mean(effect**2))
     noise = rng.standard_normal(samples)
-    problem = SimpleNamespace(seen=np.ones(samples, bool))
-    extended = SimpleNamespace(simulation=SimpleNamespace(accuracy=0.0))
-    fitted = Fit(extended, np.array([1.05]), noise, -effect[:, None], 0.0)
+    problem, fitted = fit_of(lambda x: noise - effect * (x[0] - 1.05), np.array([1.05]))
+    extended = fitted.extended
     error = ModelError(1.0, 0.0, 0.05 * 4.0, 30.0)
     [deviation] = uncertainty(problem, fitted, np.zeros(1), error).deviation
     assert deviation == pytest.approx(0.05, rel=0.05)

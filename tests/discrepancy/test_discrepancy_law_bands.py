@@ -108,9 +108,14 @@ def test_a_law_without_a_course_has_no_band_and_the_others_keep_theirs():
 
 def test_coordinates_are_as_sure_as_the_worse_of_curvature_and_folds():
     J = RNG.standard_normal((400, 3)) @ np.array([[1.0, 0.8, 0.0], [0, 1.0, 0], [0, 0, 1.0]])
-    exact = SimpleNamespace(simulation=SimpleNamespace(accuracy=0.0))
-    fit = Fit(exact, np.zeros(3), RNG.standard_normal(400), J, 0.0)
-    problem = SimpleNamespace(seen=np.ones(400, bool))
+    noise, bound = RNG.standard_normal(400), np.full(3, np.inf)
+    exact = SimpleNamespace(
+        simulation=SimpleNamespace(accuracy=0.0), bounds=(-bound, bound), values=lambda x: x
+    )
+    fit = Fit(exact, np.zeros(3), noise, J, 0.0)
+    problem = SimpleNamespace(
+        seen=np.ones(400, bool), residual=lambda extended, values: noise + J @ values
+    )
     error = ModelError(1.0, 0.0, 0.0, 1.0)
     curved = uncertainty(problem, fit, np.zeros(3), error)
     np.testing.assert_allclose(np.diag(curved.covariance), curved.deviation**2)
