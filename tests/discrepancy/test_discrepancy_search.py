@@ -313,8 +313,8 @@ def test_two_effects_are_certain_where_nothing_replaces_the_second(presence, wit
     evidence, candidate = graded()
     alone = candidate(2.8, "dead_zone")
     pair = candidate(1.8, "dead_zone", "sensor_lag")
-    rival = candidate(without, "dead_zone", "slew_limit")
-    pool = [pair, rival, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "slew_limit")]
+    rival = candidate(without, "dead_zone", "gain_drift")
+    pool = [pair, rival, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "gain_drift")]
     weighed = Presence((pair, rival), np.array([presence, 1.0 - presence]))
     found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
     assert (found.status, found.answer.names, found.whole) == ("named", named, False)
@@ -322,10 +322,10 @@ def test_two_effects_are_certain_where_nothing_replaces_the_second(presence, wit
 
 def test_of_three_effects_each_is_certain_only_where_nothing_replaces_it():
     evidence, candidate = graded()
-    names = "dead_zone", "sensor_lag", "slew_limit"
+    names = "dead_zone", "sensor_lag", "gain_drift"
     triple, pair = candidate(1.8, *names), candidate(1.9, *names[:2])
     alone = candidate(2.8, "dead_zone")
-    pool = [triple, pair, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "slew_limit")]
+    pool = [triple, pair, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "gain_drift")]
     weighed = Presence((triple,), np.array([1.0]))
     found = decide(evidence, triple, pool, [alone], evidence.nominal.residual, weighed)
     assert (found.status, found.answer.names, found.whole) == ("named", names[:2], False)
@@ -444,6 +444,42 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
     )  # fmt: skip
     assert found.status == status
     assert found.answer is (sure if status == "named" else others[0])
+
+
+@pytest.mark.parametrize(
+    ("names", "factor", "named"),
+    [
+        (("sensor_lag",), 2.0, True),
+        (("sensor_lag",), 1.05, False),  # the rival predicts nearly as well
+        (("sensor_lag", "slew_limit"), 2.0, False),  # pairs bend to much
+    ],
+)
+def test_a_rival_that_fits_as_well_is_none_if_it_predicts_much_worse(names, factor, named):
+    evidence, candidate = graded()
+    sure, rival = candidate(1.01, *names), candidate(1.01, "dead_zone", *names[1:])
+    predicted = {rival.fit: factor * rival.fit.residual}
+    held_out = SimpleNamespace(
+        residual=lambda fitted: predicted.get(fitted, fitted.residual),
+        rmse=evidence.held_out.rmse,
+    )
+    weighed = Presence((sure, rival), np.array([0.95, 0.05]))
+    found = decide(
+        replace(evidence, held_out=held_out), rival, [rival, sure], [rival],
+        evidence.nominal.residual, weighed,
+    )  # fmt: skip
+    assert (found.answer is sure) == named
+
+
+def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own():
+    evidence, candidate = graded()
+    pair = candidate(1.9, "sensor_lag", "dead_zone")
+    alone = candidate(2.0, "sensor_lag")
+    weighed = Presence((pair, alone), np.array([0.5, 0.5]))
+    for other, named in (("electrode_lag", True), ("gain_drift", False)):
+        pool = [pair, alone, candidate(2.0, other)]
+        found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+        assert (found.status == "named") == named
+        assert not named or found.answer is alone
 
 
 @pytest.mark.parametrize(("left", "named"), [(1.2, "part"), (3.0, "pair")])

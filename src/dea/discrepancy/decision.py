@@ -202,7 +202,14 @@ def _stands_alone(
         if other.effects < surest.effects:
             return not rules.leaves_room(other.rmse, evidence.nominal_error, floor)
         rival = len(other.names) == len(surest.names) and other.effects != surest.effects
-        return rival and other.error <= rules.rival_margin * surest.error
+        if not rival or other.error > rules.rival_margin * surest.error:
+            return False
+        if len(surest.names) > 1:
+            return True
+        predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))
+        worse, low = beaten(predicted, rivalling, evidence.blocks, evidence.rng)
+        # Of few blocks, the one that tells them apart is often not among those resampled.
+        return low <= rules.needed_gain and worse <= np.log(rules.near)
 
     if any(stands_against(c) for c in pool if c.finished):
         return False
@@ -232,16 +239,22 @@ def _certain_part(
     """Return the effect that is certain, if it explains most of the gap, or several that are.
 
     Whatever else the answer holds, these effects are in it. The best explanation without one of
-    them must leave much more of the misfit than the best one with all, since an effect that the
-    catalogue lacks is often half explained by several.
+    them and any of its family must leave much more of the misfit than the best one with all, since
+    an effect that the catalogue lacks is often half explained by several.
     """
     rules, floor = evidence.rules, evidence.floor
     sure = weighed.sure(rules.certain)
     finished = [c for c in pool if c.finished]
+    families = {
+        c.fit.extended.name_of(a): str(a.effect.family)
+        for c in finished
+        for a in c.fit.extended.attached
+    }
 
     def ahead(part: Candidate, name: str) -> bool:
         within = min(c.rmse for c in finished if c.effects >= part.effects)
-        without = min((c.rmse for c in finished if name not in c.effects), default=np.inf)
+        family = families[name]
+        without = min((c.rmse for c in finished if family not in families_of(c)), default=np.inf)
         return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
 
     certain = sorted((c for c in finished if c.effects <= sure), key=lambda c: c.error)
