@@ -76,7 +76,7 @@ class Rules(Section):
     grow: Positive = key("residual above which a further effect is looked for", unit="noise floors")
     room: Share = key("part of the nominal misfit that must be left for a further effect")
     second: Share = key("part of the remaining misfit that a further effect must remove")
-    rival_margin: Number = key("factor by which a beaten rival's misfit, or error, is larger", ge=1)
+    rival_margin: Number = key("factor by which a beaten rival's misfit is larger", ge=1)
     predictable: Share = key("part of the error that a flexible model must leave")
     noise_like: Positive = key(
         "residual up to which one that nothing reduces counts as noise",

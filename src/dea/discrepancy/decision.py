@@ -202,7 +202,7 @@ def _stands_alone(
         if other.effects < surest.effects:
             return not rules.leaves_room(other.rmse, evidence.nominal_error, floor)
         rival = len(other.names) == len(surest.names) and other.effects != surest.effects
-        if not rival or other.error > rules.rival_margin * surest.error:
+        if not rival or not rules.as_good(other.error, surest.error, evidence.noise):
             return False
         if len(surest.names) > 1:
             return True

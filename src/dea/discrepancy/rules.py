@@ -29,7 +29,7 @@ class Rules:
     rival_margin
         A rival of another class is beaten if its misfit is larger by this factor, and the
         difference is significant. A rival to which the evidence leaves hardly any weight is beaten
-        if its error is larger by this factor.
+        by the factor alone.
     predictable
         A flexible model that lowers the remaining error below this part of it shows that
         something else is missing.
@@ -49,7 +49,7 @@ class Rules:
         Part of the held-out misfit that certain effects must remove to be named where something
         else remains, at the lower end of its interval.
     ahead
-        Such effects must leave less misfit than any explanation without them by this part.
+        Such effects must leave less misfit than any explanation without their family by this part.
     at_bound
         Log-odds that a parameter at its bound costs the presence of its effect: it is often that of
         another effect's law.
