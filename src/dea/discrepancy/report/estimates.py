@@ -7,7 +7,7 @@ import numpy as np
 from dea.discrepancy.evidence.model_error import ModelError, memory_of
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
-from dea.discrepancy.report.profile import INTERVAL, profiled
+from dea.discrepancy.report.steepness import INTERVAL, shortened
 from dea.discrepancy.report.verdict import Estimate
 
 
@@ -22,7 +22,7 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
     """Return how sure the coordinates of a fit are.
 
     ``spread`` (k,) is their standard deviation from fits to parts of the record. The larger of it
-    and of what the cost gives counts (:func:`profiled`), where the autocorrelation of the residual
+    and of what the cost gives counts (:func:`shortened`), where the autocorrelation of the residual
     takes part in the variance; correlations are those of the cost. The ``error`` of the law,
     and that stated for the simulation, may be of one sign over the whole record: a law of another
     form differs from this one by a shift of what defines both, such as a limit, more than by what
@@ -32,7 +32,7 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
     of_one_sign = error.coloured**2 + fit.extended.simulation.accuracy**2
     of_law = error.white**2 + residual.size * of_one_sign
     variance = max(float(np.mean(residual**2)) * memory_of(residual), of_law)
-    covariance = profiled(problem, fit, fit.covariance(problem.seen, variance), variance)
+    covariance = shortened(problem, fit, fit.covariance(problem.seen, variance), variance)
     own = np.sqrt(np.diag(covariance))
     deviation = np.maximum(own, spread)
     factor = deviation / own

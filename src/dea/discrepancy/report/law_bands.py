@@ -6,7 +6,7 @@ import numpy as np
 
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
-from dea.discrepancy.report.profile import INTERVAL
+from dea.discrepancy.report.steepness import INTERVAL
 from dea.simulation import LawCourse, law_courses
 
 

@@ -1,0 +1,90 @@
+"""Deviations of a fit where its cost is steeper than the parabola that its curvature gives.
+
+Two parameters that do the same at first order, such as the threshold of a dead zone and a jump at
+it, are told apart by what they do beyond. The curvature knows nothing of that, and leaves both as
+unsure as their priors.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Problem
+
+# Standard deviations of a 95 % interval.
+INTERVAL = 1.96
+# Deviation, in prior spreads, up to which a cost counts as a parabola.
+_SURE = 0.05
+# Evaluations along a way, how far the rise may be from one at its end, and above which rise it is
+# shortened.
+_TRIES, _CLOSE, _STEEP = 10, 0.1, 1.3
+# Part of a way that bounds must leave for its side to count.
+_OPEN = 0.5
+
+
+def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: float) -> np.ndarray:
+    """Return a ``covariance`` (k, k) of a fit's coordinates with shorter principal deviations.
+
+    Each is shortened until the cost at the ends of its 95 % interval, in units of the ``variance``
+    of the residual, is higher than that of the fit by a normal distribution's: a cut through the
+    cost, along which no other direction is fitted again. Coordinates stop at their bounds. Of both
+    sides the longer one counts, but none that the bounds close. What is sure is left as it is, and
+    so is a direction along which the cost is flatter than the parabola.
+    """
+    extended, centre = fit.extended, fit.coordinates
+    low, high = extended.bounds
+
+    def cost(coordinates: np.ndarray) -> float:
+        residual = problem.residual(extended, extended.values(coordinates))[problem.seen]
+        if not np.isfinite(residual).all():
+            return np.inf
+        return float(residual @ residual / variance + coordinates @ coordinates)
+
+    lowest = cost(centre)
+
+    def part_of(way: np.ndarray) -> float:
+        """Return the part of a way that the cost leaves; zero where bounds close it."""
+        moved = np.clip(centre + way, low, high) - centre
+        if np.linalg.norm(moved) < _OPEN * np.linalg.norm(way):
+            return 0.0
+
+        def rise(part: float) -> float:
+            return (cost(np.clip(centre + part * way, low, high)) - lowest) / INTERVAL**2
+
+        return _where_one(rise)
+
+    lengths, axes = np.linalg.eigh(covariance)
+    result = covariance.copy()
+    for length, axis in zip(lengths, axes.T, strict=True):
+        if length > _SURE**2:
+            way = INTERVAL * np.sqrt(length) * axis
+            # Where bounds close both sides, nothing is known against the length.
+            part = max(part_of(way), part_of(-way)) or 1.0
+            result -= (1.0 - part**2) * length * np.outer(axis, axis)
+    return result
+
+
+def _where_one(rise: Callable[[float], float]) -> float:
+    """Return the part of a way, up to the whole, where what rises along it reaches one.
+
+    By false position in logarithms, between a part inside and one outside.
+    """
+    outside, above = 1.0, rise(1.0)
+    if above <= _STEEP:
+        return 1.0
+    inside, below = 0.0, 0.0
+    for _ in range(_TRIES):
+        if inside == 0.0 or below <= 0.0 or not np.isfinite(above):
+            part = np.sqrt(inside * outside) if inside else outside * max(above**-0.5, 0.1)
+        else:
+            slope = np.log(above / below) / np.log(outside / inside)
+            part = inside * below ** (-1.0 / slope)
+        found = rise(part)
+        if abs(found - 1.0) <= _CLOSE:
+            return float(part)
+        if found > 1.0:
+            outside, above = part, found
+        else:
+            inside, below = part, found
+    return float(inside or outside)
