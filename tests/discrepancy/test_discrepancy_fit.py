@@ -195,15 +195,25 @@ def test_folds_deal_out_every_seen_block_once():
     assert (np.array(folds(alone)).sum(0) == alone.seen).all()
 
 
-def test_a_block_that_reaches_beyond_all_others_is_never_held_out():
+def test_samples_far_beyond_the_range_of_the_others_are_not_held_out():
     problem, _ = carriage(6)
     dealt = folds(problem)
     first = runs(dealt[2])[0]
     beyond = np.zeros(problem.size)
-    beyond[first] = np.ptp(problem.y)
+    beyond[first.start : first.start + 20] = 2.0 * np.ptp(problem.y)
     still = folds(replace(problem, y=problem.y + beyond))
-    assert not still[2][first].any()
+    assert (still[2] == dealt[2] & (beyond == 0)).all()
     assert (np.array(still).sum(0) == (problem.seen & (beyond == 0))).all()
+
+
+def test_where_all_folds_reach_beyond_the_others_all_blocks_are_dealt():
+    problem, _ = carriage(6)
+    stairs = problem.y.copy()
+    for level, run in enumerate(runs(problem.seen)):
+        stairs[run] = 10.0 * level
+    alone = problem.seeing(np.arange(problem.size) < 150)
+    dealt = folds(replace(alone, y=stairs))
+    assert (np.array(dealt).sum(0) == alone.seen).all()
 
 
 def test_what_is_held_out_has_no_say_in_its_own_prediction():
@@ -211,9 +221,9 @@ def test_what_is_held_out_has_no_say_in_its_own_prediction():
     fitted = fit(problem, extended, np.zeros(extended.free.size))
     predicted = problem.y - HeldOut(problem).residual(fitted)
     fold = folds(problem)[2]
-    spoiled = problem.y + fold
+    spoiled = problem.y + 0.05 * fold
     held_out = HeldOut(replace(problem, y=spoiled))
-    again = spoiled - held_out.residual(replace(fitted, residual=fitted.residual + fold))
+    again = spoiled - held_out.residual(replace(fitted, residual=fitted.residual + 0.05 * fold))
     assert np.allclose(again[fold], predicted[fold], atol=1e-9)
     others = problem.seen & ~fold
     assert not np.allclose(again[others], predicted[others], atol=1e-3)

@@ -9,7 +9,7 @@ from dea.discrepancy.problem import Problem
 # Parts of the blocks that are held out in turn, and at least; steps of the fit to the others, from
 # where the fit to all of them ended.
 _FOLDS, _LEAST_FOLDS, _ITERATIONS = 6, 3, 6
-# Part of the output's range by which a block that is held out may reach beyond all others.
+# Part of the output's range by which samples that are held out may reach beyond the others.
 _BEYOND = 0.1
 
 
@@ -27,7 +27,7 @@ class HeldOut:
         self._spread: dict[Fit, np.ndarray] = {}
 
     def residual(self, fitted: Fit) -> np.ndarray:
-        """Return the held-out residual of a fit, shape (n,)."""
+        """Return the held-out residual of a fit, shape (n,); that of all where none is held out."""
         if fitted not in self._found:
             self._found[fitted] = self._cross_validated(fitted)
         return self._found[fitted]
@@ -66,32 +66,32 @@ def folds(problem: Problem) -> list[np.ndarray]:
     """Return masks (n, bool) to which the contiguous seen blocks are dealt in turn.
 
     Neighbouring blocks that a period of the input spans are dealt together: a law that only
-    repeats what the other periods show would otherwise be predicted from them. A block that reaches
-    far beyond the range of the output in all others is never held out: there a curve extrapolates,
-    whether it is right or not.
+    repeats what the other periods show would otherwise be predicted from them. Samples far beyond
+    the range of the output outside their fold are not held out: there a curve extrapolates, whether
+    it is right or not. Where this leaves fewer than three folds, all blocks are dealt.
     """
     blocks = runs(problem.seen)
     groups = _spanning(blocks, problem.period)
     count = min(_FOLDS, len(groups))
-    result = []
+    dealt = []
     for first in range(count):
         mask = np.zeros(problem.size, bool)
-        held = [block for group in groups[first::count] for block in group]
-        for block in held:
+        for block in (block for group in groups[first::count] for block in group):
             mask[block] = True
-        for block in _reaching_beyond(problem, held, problem.seen & ~mask):
-            mask[block] = False
-        result.append(mask)
-    return result
+        dealt.append(mask)
+    inside = [mask & _near_range(problem, problem.seen & ~mask) for mask in dealt]
+    inside = [mask for mask in inside if mask.any()]
+    return inside if len(inside) >= min(count, _LEAST_FOLDS) else dealt
 
 
-def _reaching_beyond(problem: Problem, blocks: list[slice], others: np.ndarray) -> list[slice]:
-    """Return the blocks whose output reaches far beyond that of the ``others`` (n, bool)."""
-    low, high = problem.y[others].min(), problem.y[others].max()
+def _near_range(problem: Problem, samples: np.ndarray) -> np.ndarray:
+    """Return where (n,) the output is near the range that it has in some ``samples`` (n, bool)."""
+    if not samples.any():
+        return np.ones(problem.size, bool)
+    low, high = problem.y[samples].min(), problem.y[samples].max()
     margin = _BEYOND * np.ptp(problem.y[problem.seen])
-    reached = ((problem.y[block].min(), problem.y[block].max()) for block in blocks)
-    pairs = zip(blocks, reached, strict=True)
-    return [block for block, (least, most) in pairs if least < low - margin or most > high + margin]
+    near: np.ndarray = (problem.y >= low - margin) & (problem.y <= high + margin)
+    return near
 
 
 def _spanning(blocks: list[slice], samples: int) -> list[list[slice]]:
