@@ -424,6 +424,8 @@ def test_what_a_further_effect_surely_explains_is_not_called_noise():
         (0.8, 1.01, 1.1, "ambiguous"),
         (0.95, 3.0, 1.1, "ambiguous"),
         (0.95, 1.01, 1.0, "ambiguous"),  # others fit as well
+        (0.95, 1.001, 1.0012, "ambiguous"),
+        (0.95, 1.13, 1.18, "named"),  # a fifth more misfit, though the errors are close
     ],
 )
 def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
@@ -451,7 +453,7 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
     [
         (("sensor_lag",), 2.0, True),
         (("sensor_lag",), 1.05, False),  # the rival predicts nearly as well
-        (("sensor_lag", "slew_limit"), 2.0, False),  # pairs bend to much
+        (("sensor_lag", "slew_limit"), 2.0, False),  # pairs bend to what they see
     ],
 )
 def test_a_rival_that_fits_as_well_is_none_if_it_predicts_much_worse(names, factor, named):
@@ -475,11 +477,24 @@ def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own
     pair = candidate(1.9, "sensor_lag", "dead_zone")
     alone = candidate(2.0, "sensor_lag")
     weighed = Presence((pair, alone), np.array([0.5, 0.5]))
-    for other, named in (("electrode_lag", True), ("gain_drift", False)):
-        pool = [pair, alone, candidate(2.0, other)]
+    for kin, other, named in ((2.0, 4.0, True), (4.0, 2.0, False)):
+        pool = [pair, alone, candidate(kin, "electrode_lag"), candidate(other, "gain_drift")]
         found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
         assert (found.status == "named") == named
         assert not named or found.answer is alone
+
+
+@pytest.mark.parametrize(("left", "names"), [(2.8, 2), (2.0, 1)])
+def test_a_second_effect_of_the_same_family_must_leave_less_than_the_first_one(left, names):
+    evidence, candidate = graded()
+    alone = candidate(left, "sensor_lag")
+    pair = candidate(1.8, "sensor_lag", "electrode_lag")
+    pool = [pair, alone, candidate(6.0, "dead_zone")]
+    found = decide(
+        evidence, pair, pool, [alone], evidence.nominal.residual, Presence((pair,), np.ones(1))
+    )
+    assert found.status == "named"
+    assert found.answer.names == pair.names[:names]
 
 
 @pytest.mark.parametrize(("left", "named"), [(1.2, "part"), (3.0, "pair")])

@@ -14,7 +14,7 @@ from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.rules import Rules, misfit
-from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.candidates import Candidate, EffectSet
 from dea.discrepancy.search.rounds import Round
 
 # Candidates of one size whose held-out errors are compared.
@@ -192,7 +192,8 @@ def _stands_alone(
     """Return whether the explanation that the evidence leaves alone is good enough to be named.
 
     Blocks left out, of which there may be few, need not tell it from its rivals. But none of its
-    size may have nearly its error, and a part of it must leave room for the rest.
+    size may leave nearly its misfit, unless it is a single effect and the other predicts blocks
+    left out much worse: pairs may bend to what they see. A part of it must leave room for the rest.
     """
     rules, floor = evidence.rules, evidence.floor
     if not _explained(evidence, surest, weighed):
@@ -246,15 +247,16 @@ def _certain_part(
     sure = weighed.sure(rules.certain)
     finished = [c for c in pool if c.finished]
     families = {
-        c.fit.extended.name_of(a): str(a.effect.family)
+        c.fit.extended.name_of(a): a.effect.family
         for c in finished
         for a in c.fit.extended.attached
     }
 
-    def ahead(part: Candidate, name: str) -> bool:
+    def ahead(part: Candidate, name: str, given: EffectSet = frozenset()) -> bool:
+        """Return whether what holds no effect of the family, but those given, leaves much more."""
+        kin = {other for other, family in families.items() if family is families[name]} - given
         within = min(c.rmse for c in finished if c.effects >= part.effects)
-        family = families[name]
-        without = min((c.rmse for c in finished if family not in families_of(c)), default=np.inf)
+        without = min((c.rmse for c in finished if not c.effects & kin), default=np.inf)
         return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
 
     certain = sorted((c for c in finished if c.effects <= sure), key=lambda c: c.error)
@@ -262,9 +264,11 @@ def _certain_part(
     part = next((c for c in alone if _share_of(evidence, c).low >= rules.part), None)
     if part is None:
         return None
-    wider = (c for c in certain if c.effects > part.effects)
-    beside = (c for c in wider if all(ahead(c, name) for name in c.effects - part.effects))
-    return next(beside, part)
+
+    def completed_by(wider: Candidate) -> bool:
+        return all(ahead(wider, name, part.effects) for name in wider.effects - part.effects)
+
+    return next((c for c in certain if c.effects > part.effects and completed_by(c)), part)
 
 
 def _share_of(evidence: Evidence, part: Candidate) -> Share:

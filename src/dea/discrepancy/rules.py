@@ -40,7 +40,8 @@ class Rules:
         Part of the noise floor below which the misfits of two candidates are not distinguished.
     near
         Candidates with an error up to this factor of the chosen one's are compared with it on
-        blocks that neither was fitted to.
+        blocks that neither was fitted to. One whose error on these is larger by more than this is
+        no rival of a single effect with nearly all the weight.
     law_error
         Part of the misfit of the simulation alone that the law of a right effect may leave.
     certain
