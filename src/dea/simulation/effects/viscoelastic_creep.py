@@ -54,9 +54,9 @@ def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
-    """Relax each dashpot towards the position in the middle of its own step.
+    """Relax each dashpot towards the position in the middle of its own step, exactly.
 
-    Exactly at the rate that it has without stress, and to first order at another.
+    Its rate is that of the stress at the step's start.
     """
     if h != memory[_STEP]:
         memory[_STEP], tau = h, q[_FIRST]
@@ -71,10 +71,11 @@ def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray)
     else:
         stretch = (strain - memory[_PULL] / memory[_SUM]) / q[_RATE_STRETCH]
         rate = (1.0 + stretch * stretch) ** q[_RATE]
+        tau = q[_FIRST] / rate
         for i in range(BRANCHES):
-            part = memory[_PART + i]
-            memory[i] += (strain - memory[i]) * rate * part / (1.0 + (rate - 1.0) * part)
+            memory[i] -= (strain - memory[i]) * np.expm1(-h / tau)
             pull += memory[_STIFFNESS + i] * memory[i]
+            tau *= q[_RATIO]
     memory[_PULL] = pull
 
 
