@@ -39,7 +39,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return relaxation that ends early, late, and not within the record, and one that sets in."""
+    """Return relaxation that ends early, late, not within the record, and that sets in late."""
     return tuple(
         (0.1, part * scales.duration, exponent, 0.0)
         for part, exponent in ((0.03, 0.8), (0.2, 0.8), (1.0, 0.8), (0.5, 2.5))

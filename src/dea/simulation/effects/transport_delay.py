@@ -38,7 +38,7 @@ EFFECT = Effect(
     family=Family.LAG,
     symptom="the device does what the simulation does, a fixed time later",
     citation="Normey-Rico and Camacho (2007), Control of Dead-time Processes, chapter 2; "
-    "Levenspiel (1999), Chemical Reaction Engineering, chapter 13, on its spread",
+    "Danckwerts (1953), Chemical Engineering Science 2:1, on its spread",
     parameters=parameters,
     starts=starts,
     shape_input=law,
