@@ -91,7 +91,7 @@ def test_an_input_that_is_not_held_is_taken_where_the_output_is():
 
 
 @pytest.mark.parametrize(("seconds", "rate"), [(500.0, RATE), (1000.0, RATE / 3)])
-def test_long_records_alone_are_decimated_before_a_diagnosis(seconds, rate):
+def test_a_record_is_decimated_to_no_fewer_samples_than_the_budget_says(seconds, rate):
     size = round(seconds * RATE)
     u = 2.0 + multisine(1.0, size)
     settings = Settings.of(
@@ -99,7 +99,7 @@ def test_long_records_alone_are_decimated_before_a_diagnosis(seconds, rate):
             "discrepancy": {
                 "effects": [],
                 "warm_up": 1.0,
-                "budget": {"long_record": 30_000},
+                "budget": {"decimated": 15_000},
                 "rules": {},
             },
             "seed": 1,

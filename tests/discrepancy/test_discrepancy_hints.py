@@ -146,6 +146,7 @@ def test_a_long_record_gets_half_of_the_fits():
     assert long.tolerance == pytest.approx(10 * budget.tolerance)
     none = Budget(shakes=0, restarted=0, long_record=10).of(11, 1)
     assert (none.shakes, none.restarted) == (0, 0)
+    assert budget.of(300, 3) is budget
     decimated = budget.of(1000, 5)
     assert (decimated.starts, decimated.finished, decimated.beam, decimated.kept) == (2, 3, 1, 1)
     assert (decimated.screening, decimated.last_steps) == (4, 42)

@@ -57,9 +57,14 @@ class Budget(Section):
         "where the best one leaves more than ``exchange_above``",
         default=8,
     )
+    decimated: Count = key(
+        "record length to which a record is decimated at most, where it is sampled much faster "
+        "than it moves",
+        unit="samples",
+        default=5_000,
+    )
     long_record: Count = key(
-        "record length above which a record is decimated, where it is sampled much faster than it "
-        "moves, and most of this is halved",
+        "record length above which most of this is halved",
         unit="samples",
         default=30_000,
     )

@@ -84,8 +84,8 @@ def prepare(
 ) -> tuple[Problem, Split, ExtendedSimulation]:
     """Join and split records, estimate their noise, and choose the integration step to match.
 
-    Records that are longer than the budget's ``long_record`` and sampled much faster than they move
-    are decimated, to half that length at least.
+    Records that are sampled much faster than they move are decimated, to no fewer samples than the
+    budget says.
 
     Missing outputs have no role in the split: nothing is fitted to them or certified on them. Where
     a whole signal is needed, as in a spectrum, they are interpolated.
@@ -97,9 +97,8 @@ def prepare(
         than the others.
     """
     joined = _joined(records)
-    factor = 1
-    if joined.size > settings.budget.long_record:
-        factor = decimation_of(records, settings.budget.long_record // 2)
+    factor = decimation_of(records, settings.budget.decimated)
+    if factor > 1:
         held = simulation.input_interpolation == "zero"
         records = [decimated(each, factor, held=held) for each in records]
         joined = _joined(records)

@@ -46,11 +46,13 @@ class Budget:
     restarted
         Leading candidates that are fitted once more, with the simulation's parameters at their
         prior means, where the best one leaves more than ``exchange_above`` floors.
+    decimated
+        A record of at least twice as many samples is decimated to no fewer, where it is sampled
+        much faster than it moves.
     long_record
-        A record of more samples is decimated where it is sampled much faster than it moves, and
-        gets half of the counts above but as many effects, one shake, and no exchange. If it is as
-        long after that, it gets half of the screening and ten times the tolerance, otherwise twice
-        the last steps.
+        A record of more samples gets half of the counts above but as many effects, one shake, and
+        no exchange. If it is as long after it was decimated, it gets half of the screening and ten
+        times the tolerance, otherwise twice the last steps.
     """
 
     starts: int = 4
@@ -72,11 +74,12 @@ class Budget:
     exchange_misfit: float = 0.8
     exchange_gain: float = 0.9
     restarted: int = 8
+    decimated: int = 5_000
     long_record: int = 30_000
 
     def of(self, samples: int, decimation: int) -> "Budget":
         """Return the budget for so many samples, which are left after a ``decimation``."""
-        if decimation == 1 and samples <= self.long_record:
+        if samples * decimation <= self.long_record:
             return self
 
         def half(count: int) -> int:
