@@ -472,6 +472,16 @@ def test_a_rival_that_fits_as_well_is_none_if_it_predicts_much_worse(names, fact
     assert (found.answer is sure) == named
 
 
+def test_a_pair_is_not_named_beside_another_one_with_nearly_its_error():
+    evidence, candidate = graded()
+    sure = candidate(1.13, "dead_zone", "sensor_lag")
+    for error, named in ((1.18, False), (1.25, True)):
+        rival = candidate(error, "dead_zone", "gain_drift")
+        weighed = Presence((sure, rival), np.array([0.95, 0.05]))
+        found = decide(evidence, rival, [sure, rival], [rival], evidence.nominal.residual, weighed)
+        assert (found.answer is sure) == named
+
+
 def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own():
     evidence, candidate = graded()
     pair = candidate(1.9, "sensor_lag", "dead_zone")

@@ -191,9 +191,10 @@ def _stands_alone(
 ) -> bool:
     """Return whether the explanation that the evidence leaves alone is good enough to be named.
 
-    Blocks left out, of which there may be few, need not tell it from its rivals. But none of its
-    size may leave nearly its misfit, unless it is a single effect and the other predicts blocks
-    left out much worse: pairs may bend to what they see. A part of it must leave room for the rest.
+    Blocks left out, of which there may be few, need not tell it from its rivals. But no other
+    single effect may leave nearly its misfit, unless that predicts blocks left out much worse.
+    Pairs bend to what they see: none may have nearly the error of another. A part must leave room
+    for the rest.
     """
     rules, floor = evidence.rules, evidence.floor
     if not _explained(evidence, surest, weighed):
@@ -202,11 +203,12 @@ def _stands_alone(
     def stands_against(other: Candidate) -> bool:
         if other.effects < surest.effects:
             return not rules.leaves_room(other.rmse, evidence.nominal_error, floor)
-        rival = len(other.names) == len(surest.names) and other.effects != surest.effects
-        if not rival or not rules.as_good(other.error, surest.error, evidence.noise):
+        if len(other.names) != len(surest.names) or other.effects == surest.effects:
             return False
         if len(surest.names) > 1:
-            return True
+            return other.error <= rules.rival_margin * surest.error
+        if not rules.as_good(other.error, surest.error, evidence.noise):
+            return False
         predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))
         worse, low = beaten(predicted, rivalling, evidence.blocks, evidence.rng)
         # Of few blocks, the one that tells them apart is often not among those resampled.

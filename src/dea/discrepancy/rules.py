@@ -29,7 +29,7 @@ class Rules:
     rival_margin
         A rival of another class is beaten if its misfit is larger by this factor, and the
         difference is significant. A rival to which the evidence leaves hardly any weight is beaten
-        by the factor alone.
+        by the factor alone, and a pair of effects if its error is larger by it.
     predictable
         A flexible model that lowers the remaining error below this part of it shows that
         something else is missing.
