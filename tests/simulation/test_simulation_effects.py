@@ -1,5 +1,7 @@
 """Each law against an implementation that shares nothing with it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -694,10 +696,13 @@ def test_sensor_nonlinearity_bends_and_folds():
 
 
 def test_periodic_disturbance_adds_its_lines():
-    q = values("periodic_disturbance", frequency=2.0, cosine_1=0.01, sine_2=0.004)
+    own = {"frequency": 2.0, "cosine_1": 0.01, "sine_2": 0.004}
+    q = values("periodic_disturbance", **own, line_beside=0.9, sine_beside=0.003)
     found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
     phase = 2 * np.pi * 2.0 * T
-    assert np.allclose(found, 0.01 * np.cos(phase) + 0.004 * np.sin(2 * phase))
+    lines = 0.01 * np.cos(phase) + 0.004 * np.sin(2 * phase) + 0.003 * np.sin(0.45 * phase)
+    assert np.allclose(found, lines)
+
     q = values("periodic_disturbance", frequency=2.0, cosine_1=0.01, phase_2=0.5)
     found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
     x = 2 * T / 40.0 - 1
@@ -706,6 +711,22 @@ def test_periodic_disturbance_adds_its_lines():
     q = values("periodic_disturbance", frequency=2.0, **grown)
     found = catalogue()["periodic_disturbance"].shape_output(Y, T, q, DT) - Y
     assert np.allclose(found, 0.01 * np.cos(phase) * np.exp(0.07 * (Y - Y[5]) / np.ptp(Y)))
+
+
+@pytest.mark.parametrize(
+    ("lines", "beside"),
+    [((1.3,), None), ((1.3, 2.6, 0.55), 0.55), ((1.3, 1.32), None), ((1.3, 3.2, 0.5), 3.2)],
+)
+def test_a_line_beside_a_periodic_disturbance_is_no_harmonic(lines, beside):
+    effect = catalogue()["periodic_disturbance"]
+    told = replace(SCALES, foreign_frequencies=lines)
+    parameters = effect.parameters(told)
+    at = [p.name for p in parameters].index("line_beside")
+    free = [p.spread > 0 for p in parameters[at : at + 3]]
+    assert free == [beside is not None] * 3
+    for start in effect.starts(told):
+        assert len(start) == len(parameters)
+        assert start[at] == (beside or 0.0)
 
 
 @given(st.sampled_from(sorted(catalogue())), st.integers(0, 2**32 - 1))

@@ -8,19 +8,23 @@ from dea.simulation.scales import Scales
 
 _HARMONICS = 5
 _WANDERS = range(2, 7)
+# Periods in a record by which two lines must differ at least.
+_APART = 2.0
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Add a wave of five harmonics whose phase may change slowly.
+    """Add a wave of five harmonics whose phase may change slowly, and a line beside them.
 
-    It may grow with the output: what disturbs the drive shows where the output is steep.
+    They may grow with the output: what disturbs the drive shows where the output is steep.
     """
-    *wander, growth, duration, middle, half = q[1 + 2 * _HARMONICS :]
+    *wander, beside, cosine, sine, growth, duration, middle, half = q[1 + 2 * _HARMONICS :]
     slow = np.polynomial.legendre.legval(2.0 * t / duration - 1.0, [0.0, 0.0, *wander])
     phase = 2.0 * np.pi * q[0] * t + slow
     wave = np.zeros_like(y)
     for n in range(_HARMONICS):
         wave += q[1 + 2 * n] * np.cos((n + 1) * phase) + q[2 + 2 * n] * np.sin((n + 1) * phase)
+    if cosine or sine:
+        wave += cosine * np.cos(2.0 * np.pi * beside * t) + sine * np.sin(2.0 * np.pi * beside * t)
     place = np.clip((y - middle) / half, -1.0, 1.0)
     result: np.ndarray = y + np.exp(growth * place) * wave
     return result
@@ -29,24 +33,42 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return frequency, amplitudes, weights of Legendre polynomials of the phase, and growth.
 
-    The amplitude grows by the square of e^growth over the range of the output.
+    Before the growth a second line, where the residual has one that is no harmonic. The amplitude
+    grows by the square of e^growth over the range of the output.
     """
     unit, span, size = scales.y_unit, scales.y_span, 0.03 * scales.y_span
     nyquist = 0.5 / scales.interval
     frequency = scales.foreign_frequencies[0] if scales.foreign_frequencies else 0.1 * nyquist
+    apart, resolved = _line_beside(scales), 0.1 / scales.duration
+    there = float(apart is not None)
     return (
-        Parameter("frequency", "Hz", frequency, 0.1 / scales.duration, 0.0, nyquist),
+        Parameter("frequency", "Hz", frequency, resolved, 0.0, nyquist),
         *(
             Parameter(f"{part}_{n + 1}", unit, 0.0, size)
             for n in range(_HARMONICS)
             for part in ("cosine", "sine")
         ),
         *(Parameter(f"phase_{n}", "rad", 0.0, 0.3, shape=True) for n in _WANDERS),
+        Parameter("line_beside", "Hz", apart or 0.0, there * resolved, 0.0, nyquist, shape=True),
+        *(
+            Parameter(f"{part}_beside", unit, 0.0, there * size, shape=True)
+            for part in ("cosine", "sine")
+        ),
         Parameter("growth", "1", 0.0, 0.5, -3.0, 3.0, shape=True),
         Parameter("duration", "s", scales.duration, 0.0),
         Parameter("middle", unit, 0.5 * (scales.y_low + scales.y_high), 0.0),
         Parameter("half_range", unit, 0.5 * span, 0.0),
     )
+
+
+def _line_beside(scales: Scales) -> float | None:
+    """Return the first line (Hz) that is no harmonic of the leading one, if there is any."""
+    leading, *others = scales.foreign_frequencies or (np.inf,)
+    for frequency in others:
+        order = min(max(round(frequency / leading), 1), _HARMONICS)
+        if abs(frequency - order * leading) > _APART / scales.duration:
+            return frequency
+    return None
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
@@ -57,7 +79,9 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     # So small that the first step finds amplitude and phase before the frequency moves.
     size = 1e-5 * scales.y_span
     middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
-    rest = (*(0.0,) * (2 * _HARMONICS - 1 + len(_WANDERS)), scales.duration, middle, half)
+    amplitudes = (0.0,) * (2 * _HARMONICS - 2 + len(_WANDERS))
+    beside = (_line_beside(scales) or 0.0, 0.0, 0.0)
+    rest = (*amplitudes, *beside, 0.0, scales.duration, middle, half)
     return tuple(
         (frequency, *phase, *rest)
         for frequency in dict.fromkeys(scales.foreign_frequencies)
