@@ -139,6 +139,20 @@ def test_transport_delay_is_linear_interpolation():
     assert np.allclose(delayed[5:], expected[5:])
 
 
+@pytest.mark.parametrize("samples", [0.25, 3.0, 7.5])
+def test_a_smooth_input_is_delayed_as_its_spectrum_says(samples):
+    effect = catalogue()["transport_delay"]
+    q = values("transport_delay", delay=samples * DT, smooth=1.0)
+    for frequency, error in ((2.0, 0.001), (7.0, 0.05)):
+        phase = 2 * np.pi * frequency * T + 0.3
+        exact = np.sin(phase - 2 * np.pi * frequency * samples * DT)
+        found = effect.shape_input(np.sin(phase), q, DT)
+        straight = effect.shape_input(np.sin(phase), np.r_[q[:2], 0.0], DT)
+        off, by_lines = (np.abs(each - exact)[12:-2].max() for each in (found, straight))
+        assert off < error
+        assert samples % 1 == 0 or off < 0.5 * by_lines
+
+
 def test_a_spread_delay_keeps_its_mean_and_deviates_by_its_spread():
     pulse = np.zeros(4000)
     pulse[10] = 1.0

@@ -144,6 +144,7 @@ def measured_scales(
         z_high=float(z.max()) if np.ptp(z) > 0 else float(z.min()) + 1.0,
         interval=record.interval,
         duration=float(max(extended.lengths or (u.size,)) * record.interval),
+        smooth=own.input_interpolation == "smooth",
     )
 
 

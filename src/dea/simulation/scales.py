@@ -10,7 +10,8 @@ class Scales:
     Input in ``u_unit``, output in ``y_unit``, times in s. ``z`` is the normalised position of the
     force balance (zero at rest, one at the largest excursion of the nominal simulation). Of a
     residual, ``frequencies`` are those of its lines (Hz), ``foreign_frequencies`` those that an
-    input which repeats does not have, and ``jumps`` the instants at which it changes (s).
+    input which repeats does not have, and ``jumps`` the instants at which it changes (s). An
+    input is ``smooth`` if it is band-limited, and not held, between samples.
     """
 
     u_unit: str
@@ -27,6 +28,7 @@ class Scales:
     frequencies: tuple[float, ...] = ()
     foreign_frequencies: tuple[float, ...] = ()
     jumps: tuple[float, ...] = ()
+    smooth: bool = False
 
     @property
     def u_span(self) -> float:
