@@ -20,7 +20,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
-	real trials records faults peers interoperability soak coverage configuration docs audit sign crate slurm \
+	real trials records faults peers interoperability soak coverage intervals configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
 
@@ -122,6 +122,9 @@ faults: $(VENV)/installed ## a thousand schedules of faults, twice, and 100,000 
 	pytest tests/acquisition tests/bench -m faults --fault-schedules 1000 --fuzz-frames 100000
 	python -m benchmarks.faults --count $(or $(COUNT),1000) $(SEED:%=--seed %) \
 		--keep build/faults --store
+
+intervals: $(VENV)/installed ## how often the 95 % interval of a named effect holds the truth (COUNT=50 SEED=1)
+	python -m benchmarks.intervals --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %)
 
 coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known plants (COUNT=100 SEED=1; DRIFTING=1 for those that drift)
 	python -m benchmarks.coverage --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) $(DRIFTING:%=--drifting)
