@@ -40,6 +40,20 @@ def test_a_parameter_that_may_as_well_be_zero_comes_after_one_that_may_not():
     assert found["time"].high == pytest.approx(3.0 * np.exp(1.96 * 0.05))
 
 
+def as_problem(samples, residual):
+    """A problem whose residual is a function of the coordinates (k,)."""
+
+    def of(noise):
+        return SimpleNamespace(
+            seen=np.ones(samples, bool),
+            residual=lambda extended, values: residual(values),
+            noise=noise,
+            with_noise=of,
+        )
+
+    return of(1.0)
+
+
 def fit_of(residual, coordinates, low=-np.inf):
     """A problem and a fit whose residual is a function of the coordinates (k,)."""
     step = 1e-6 * np.eye(coordinates.size)
@@ -50,9 +64,7 @@ def fit_of(residual, coordinates, low=-np.inf):
         values=lambda x: x,
     )
     found = residual(coordinates)
-    problem = SimpleNamespace(
-        seen=np.ones(found.size, bool), residual=lambda extended, values: residual(values)
-    )
+    problem = as_problem(found.size, residual)
     return problem, Fit(extended, coordinates, found, np.array(columns).T, 0.0)
 
 
@@ -135,3 +147,22 @@ def test_an_interval_holds_a_law_of_another_form_however_long_the_record_is(samp
     spread = uncertainty(problem, fitted, np.array([0.2]), error)
     assert spread.deviation[0] == pytest.approx(0.2)
     assert spread.covariance[0, 0] == pytest.approx(0.04)
+
+
+def test_coordinates_are_as_sure_as_the_worse_of_curvature_and_folds():
+    rng = np.random.default_rng(4)
+    J = rng.standard_normal((400, 3)) @ np.array([[1.0, 0.8, 0.0], [0, 1.0, 0], [0, 0, 1.0]])
+    noise = rng.standard_normal(400)
+    problem, fit = fit_of(lambda x: noise + J @ x, np.zeros(3))
+    error = ModelError(1.0, 0.0, 0.0, 1.0)
+    curved = uncertainty(problem, fit, np.zeros(3), error)
+    np.testing.assert_allclose(np.diag(curved.covariance), curved.deviation**2)
+    spread = np.array([10.0, 0.0, 1.0]) * curved.deviation
+    found = uncertainty(problem, fit, spread, error)
+    np.testing.assert_allclose(found.deviation, [10.0, 1.0, 1.0] * curved.deviation)
+
+    def correlation(each):
+        return each.covariance / np.outer(each.deviation, each.deviation)
+
+    np.testing.assert_allclose(correlation(found), correlation(curved))
+    assert abs(correlation(found)[0, 1]) > 0.3

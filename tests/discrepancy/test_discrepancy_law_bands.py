@@ -1,15 +1,12 @@
 """Bands of a law over the record, against sums and draws made here."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Samples
-from dea.discrepancy.report.estimates import uncertainty
 from dea.discrepancy.report.law_bands import banded_laws
 from dea.simulation import ForcePort, catalogue, law_courses, measured_scales, prepared
 from made_carriage import CARRIAGE
@@ -104,30 +101,6 @@ def test_a_law_without_a_course_has_no_band_and_the_others_keep_theirs():
     assert friction is None
     np.testing.assert_array_equal(zone.course.along.values, U)
     assert np.max(zone.high - zone.low) > 0.0
-
-
-def test_coordinates_are_as_sure_as_the_worse_of_curvature_and_folds():
-    J = RNG.standard_normal((400, 3)) @ np.array([[1.0, 0.8, 0.0], [0, 1.0, 0], [0, 0, 1.0]])
-    noise, bound = RNG.standard_normal(400), np.full(3, np.inf)
-    exact = SimpleNamespace(
-        simulation=SimpleNamespace(accuracy=0.0), bounds=(-bound, bound), values=lambda x: x
-    )
-    fit = Fit(exact, np.zeros(3), noise, J, 0.0)
-    problem = SimpleNamespace(
-        seen=np.ones(400, bool), residual=lambda extended, values: noise + J @ values
-    )
-    error = ModelError(1.0, 0.0, 0.0, 1.0)
-    curved = uncertainty(problem, fit, np.zeros(3), error)
-    np.testing.assert_allclose(np.diag(curved.covariance), curved.deviation**2)
-    spread = np.array([10.0, 0.0, 1.0]) * curved.deviation
-    found = uncertainty(problem, fit, spread, error)
-    np.testing.assert_allclose(found.deviation, [10.0, 1.0, 1.0] * curved.deviation)
-
-    def correlation(each):
-        return each.covariance / np.outer(each.deviation, each.deviation)
-
-    np.testing.assert_allclose(correlation(found), correlation(curved))
-    assert abs(correlation(found)[0, 1]) > 0.3
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import Fit, cost_of
 from dea.discrepancy.problem import Problem
 
 # Standard deviations of a 95 % interval.
@@ -34,12 +34,11 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
     """
     extended, centre = fit.extended, fit.coordinates
     low, high = extended.bounds
+    noisy = problem.with_noise(np.sqrt(variance))
 
     def cost(coordinates: np.ndarray) -> float:
-        residual = problem.residual(extended, extended.values(coordinates))[problem.seen]
-        if not np.isfinite(residual).all():
-            return np.inf
-        return float(residual @ residual / variance + coordinates @ coordinates)
+        residual = noisy.residual(extended, extended.values(coordinates))
+        return cost_of(residual, coordinates, noisy)
 
     lowest = cost(centre)
 
