@@ -10,7 +10,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm
+from scipy.signal import cont2discrete, lfilter
 
 import dea
 from dea.discrepancy import Settings
@@ -89,16 +89,10 @@ def draw(number: int) -> Drawn:
 def resonator(frequency: float, damping: float, v: np.ndarray) -> np.ndarray:
     """Return the position at each sample, for a voltage (n, steps), constant in each step."""
     omega = 2.0 * np.pi * frequency
-    continuous = np.zeros((3, 3))
-    continuous[0, 1] = 1.0
-    continuous[1] = -(omega**2), -2.0 * damping * omega, omega**2
-    step = expm(continuous / RATE / STEPS)
-    state, y = np.zeros(2), np.empty(v.shape[0])
-    for k, own in enumerate(v):
-        y[k] = state[0]
-        for each in own:
-            state = step[:2, :2] @ state + step[:2, 2] * each
-    return y
+    continuous = [omega**2], [1.0, 2.0 * damping * omega, omega**2]
+    numerator, denominator, _ = cont2discrete(continuous, 1.0 / RATE / STEPS)
+    position: np.ndarray = lfilter(numerator[0], denominator, v.ravel())[::STEPS]
+    return position
 
 
 def judged(number: int) -> dict[str, object]:
