@@ -448,6 +448,19 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
     assert found.answer is (sure if status == "named" else others[0])
 
 
+def named_against(evidence, sure, rival, predicted=None):
+    """The answer where one has nearly all the weight; ``predicted`` are held-out residuals."""
+    predicted = predicted or {}
+    held_out = SimpleNamespace(
+        residual=lambda fitted: predicted.get(fitted, fitted.residual), rmse=evidence.held_out.rmse
+    )
+    weighed = Presence((sure, rival), np.array([0.95, 0.05]))
+    return decide(
+        replace(evidence, held_out=held_out), rival, [rival, sure], [rival],
+        evidence.nominal.residual, weighed,
+    ).answer  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("names", "factor", "named"),
     [
@@ -460,16 +473,7 @@ def test_a_rival_that_fits_as_well_is_none_if_it_predicts_much_worse(names, fact
     evidence, candidate = graded()
     sure, rival = candidate(1.01, *names), candidate(1.01, "dead_zone", *names[1:])
     predicted = {rival.fit: factor * rival.fit.residual}
-    held_out = SimpleNamespace(
-        residual=lambda fitted: predicted.get(fitted, fitted.residual),
-        rmse=evidence.held_out.rmse,
-    )
-    weighed = Presence((sure, rival), np.array([0.95, 0.05]))
-    found = decide(
-        replace(evidence, held_out=held_out), rival, [rival, sure], [rival],
-        evidence.nominal.residual, weighed,
-    )  # fmt: skip
-    assert (found.answer is sure) == named
+    assert (named_against(evidence, sure, rival, predicted) is sure) == named
 
 
 def test_a_pair_is_not_named_beside_another_one_with_nearly_its_error():
@@ -477,9 +481,7 @@ def test_a_pair_is_not_named_beside_another_one_with_nearly_its_error():
     sure = candidate(1.13, "dead_zone", "sensor_lag")
     for error, named in ((1.18, False), (1.25, True)):
         rival = candidate(error, "dead_zone", "gain_drift")
-        weighed = Presence((sure, rival), np.array([0.95, 0.05]))
-        found = decide(evidence, rival, [sure, rival], [rival], evidence.nominal.residual, weighed)
-        assert (found.answer is sure) == named
+        assert (named_against(evidence, sure, rival) is sure) == named
 
 
 def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own():
@@ -525,16 +527,8 @@ def test_what_leaves_noise_alone_need_not_predict_unless_readings_drift(name, le
     """A course that few blocks show is extrapolated badly, and readings drift of themselves."""
     evidence, candidate = graded()
     course, rival = candidate(left, name), candidate(1.1, "dead_zone")
-    worse = {course.fit: 0.9 * evidence.nominal.residual}
-    held_out = SimpleNamespace(
-        residual=lambda fitted: worse.get(fitted, fitted.residual), rmse=evidence.held_out.rmse
-    )
-    weighed = Presence((course, rival), np.array([0.95, 0.05]))
-    found = decide(
-        replace(evidence, held_out=held_out), rival, [rival, course], [rival],
-        evidence.nominal.residual, weighed,
-    )  # fmt: skip
-    assert (found.answer is course) == named
+    predicted = {course.fit: 0.9 * evidence.nominal.residual}
+    assert (named_against(evidence, course, rival, predicted) is course) == named
 
 
 @pytest.mark.parametrize(
