@@ -64,18 +64,15 @@ def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray)
             memory[_PART + i] = -np.expm1(-h / tau)
             tau *= q[_RATIO]
     strain, pull = _strain(_place(z_next, q), q), 0.0
-    if q[_RATE] == 0.0:
-        for i in range(BRANCHES):
-            memory[i] += (strain - memory[i]) * memory[_PART + i]
-            pull += memory[_STIFFNESS + i] * memory[i]
-    else:
+    linear, tau = q[_RATE] == 0.0, q[_FIRST]
+    if not linear:
         stretch = (strain - memory[_PULL] / memory[_SUM]) / q[_RATE_STRETCH]
-        rate = (1.0 + stretch * stretch) ** q[_RATE]
-        tau = q[_FIRST] / rate
-        for i in range(BRANCHES):
-            memory[i] -= (strain - memory[i]) * np.expm1(-h / tau)
-            pull += memory[_STIFFNESS + i] * memory[i]
-            tau *= q[_RATIO]
+        tau /= (1.0 + stretch * stretch) ** q[_RATE]
+    for i in range(BRANCHES):
+        part = memory[_PART + i] if linear else -np.expm1(-h / tau)
+        memory[i] += (strain - memory[i]) * part
+        pull += memory[_STIFFNESS + i] * memory[i]
+        tau *= q[_RATIO]
     memory[_PULL] = pull
 
 
