@@ -15,7 +15,7 @@ _MILLI = 1e3
 _MARGIN = 1.2  # factor, beyond the bins that hold round trips
 _LINE = 0.09  # of the table's height, at most, a line of it
 _SPACE = 0.45  # of a line, around the text of a row
-_COLUMNS = {"": 0.13, "exchanges": 0.21, "retries": 0.16, "reconnects": 0.24, "errors": 0.26}
+_COLUMNS = {"": 0.11, "exchanges": 0.23, "retries": 0.16, "reconnects": 0.24, "errors": 0.26}
 
 
 def draw(sources: Sources) -> Figure:
