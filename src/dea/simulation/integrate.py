@@ -54,6 +54,7 @@ def integrate(
     result = np.full((2, n), np.nan)
     x, moved, step = x0.copy(), np.empty(states), np.empty(states)
     slope, beside, ramp = np.empty(states), np.empty(states), np.zeros(states)
+    unforced = np.empty(states)
     pushes, J = np.zeros(SLOTS), np.empty((states, states))
     typical = np.abs(x0) + 1e-6
     p = values.parameters.copy()
@@ -93,6 +94,9 @@ def integrate(
                             nudge = h * slope[column - 1]
                     moved[column - 1] += nudge
                 derivative(moved, v, p, beside)
+                if not column:
+                    for j in range(states):
+                        unforced[j] = beside[j]
                 for e in range(attached):
                     position, velocity = ports[e, 1], ports[e, 2]
                     rest, scale = frames[e, 0], frames[e, 1]
@@ -115,10 +119,9 @@ def integrate(
                     else:
                         slope[j] = beside[j]
             if straight:
-                derivative(x, v, p, moved)
                 derivative(x, steps[i * substeps + s + 1], p, beside)
                 for j in range(states):
-                    ramp[j] = beside[j] - moved[j]
+                    ramp[j] = beside[j] - unforced[j]
             if states == 2:
                 advance_two(J, slope, ramp, h, step)
             else:
