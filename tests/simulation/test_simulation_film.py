@@ -1,9 +1,12 @@
 """The film whose stretch is a state, against the film that is in balance at once."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from dea.simulation import load_simulation, prepared
+from dea.simulation.devices.dea_film import LAST
 from dea.simulation.devices.dea_membrane import GRAVITY, stiffness
 
 DT = 0.02
@@ -35,3 +38,51 @@ def test_it_runs_away_beyond_pull_in():
     y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, DT)
     assert np.isfinite(y[:100]).all()
     assert np.isnan(y[-1])
+
+
+@pytest.mark.parametrize("scale", [0.9, 1.0])
+@pytest.mark.parametrize("changed", [{}, {"prestretch": 2.6}, {"shear_c20": 200.0}])
+@pytest.mark.parametrize("volts", [0.0, -2.0, 3.4])
+def test_the_table_gives_the_rates_of_the_equations(volts, changed, scale):
+    film = load_simulation("dea_film")
+    names = film.parameter_names
+    p = film.nominal
+    for name, value in changed.items():
+        p[names.index(name)] = value
+    own = p.copy()
+    own[names.index("permittivity")] *= scale
+    [stress] = film.action.law(np.array([volts]), np.array([scale]), p)
+    table = film.action.table(p)
+    found, expected = np.empty(2), np.empty(2)
+    for stretch in np.linspace(0.951, 1.45, 101):
+        x = np.array([stretch, 7e-4])
+        film.action.derivative(x, stress, table, found)
+        film.derivative(x, volts, own, expected)
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6)
+
+
+def test_beyond_its_table_the_film_has_run_away():
+    film = load_simulation("dea_film")
+    table, rates = film.action.table(film.nominal), np.empty(2)
+    radii = [
+        film.nominal[film.parameter_names.index(f"{n}_radius")] for n in ("frame", "electrode")
+    ]
+    outer = (radii[0] / radii[1]) ** 2
+    last = 1.0 + LAST * (outer - 1.0) / (outer + 1.0)
+    for stretch, inside in ((0.949, False), (0.951, True), (last - 1e-3, True), (last, False)):
+        film.action.derivative(np.array([stretch, 7e-4]), 0.0, table, rates)
+        assert np.isfinite(rates).all() == inside
+
+
+@pytest.mark.parametrize("interpolation", ["zero", "smooth"])
+def test_it_moves_the_same_with_its_table_and_without(interpolation):
+    t = DT * np.arange(1500)
+    u = 2.4 + 0.8 * np.sin(2.0 * t) + 0.5 * np.sin(0.7 * t)
+    film = replace(load_simulation("dea_film"), input_interpolation=interpolation)
+    extended = prepared(film, u, DT, 1e-5)
+    plain = replace(extended, simulation=replace(film, action=None))
+    values = extended.values(np.zeros(extended.free.size))
+    found, expected = (each.simulate(values, u, DT) for each in (extended, plain))
+    # Between samples the voltage is interpolated without the table, its square with it.
+    within = 1e-7 if interpolation == "zero" else 1e-3
+    assert np.abs(found - expected).max() < within * np.ptp(expected)

@@ -259,14 +259,16 @@ class ExtendedSimulation:
         drive_scale = np.column_stack(scales) if several else scales[0]
         substeps = self.substeps * max([1, *(a.effect.refine for a, _ in self._pushing)])
         steps = at_steps(v, substeps, own.input_interpolation)
+        p = values[:p_count].copy()
         if own.action:
             scale = at_steps(drive_scale, substeps, "zero")
-            steps = own.action.law(steps, scale, values[:p_count])
+            steps = own.action.law(steps, scale, p)
+            p = own.action.table(p) if own.action.table else p
         run = integrate_several() if several else integrate
         result: np.ndarray = run(
             self._slots.equations([a for a, _ in self._pushing]),
             Values(
-                parameters=values[:p_count].copy(),
+                parameters=p,
                 initial=values[p_count : p_count + x_count].copy(),
                 drive=self._drive,
             ),

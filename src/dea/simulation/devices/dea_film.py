@@ -7,19 +7,32 @@ stress leave. The mass follows the film's stiffness at once: its inertia matters
 band.
 """
 
+from math import log, nan, pi
+
 import numpy as np
 from numba import njit
 
 from dea.simulation.devices import dea_membrane
-from dea.simulation.devices.dea_membrane import GRAVITY, squares_of, suspending, work
+from dea.simulation.devices.dea_membrane import (
+    GRAVITY,
+    VACUUM_PERMITTIVITY,
+    squares_of,
+    suspending,
+    work,
+)
 from dea.simulation.force_port import ForcePort
+from dea.simulation.input_action import InputAction
 from dea.simulation.parameter import Parameter
-from dea.simulation.signatures import DERIVATIVE, OUTPUT
+from dea.simulation.signatures import DERIVATIVE, OUTPUT, VECTOR
 from dea.simulation.simulation import Simulation
 from dea.simulation.state import State
 
 # In N s/m: the mass follows within milliseconds.
 FOLLOWING = 0.05
+# Stretches at which the film is tabulated: their number, the first, and how far the last one is on
+# the way to where the annulus is crushed.
+NODES, FIRST, LAST = 256, 0.95, 0.8
+COLUMNS = 4
 
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
@@ -28,6 +41,67 @@ def derivative(x: np.ndarray, u: float, p: np.ndarray, dx: np.ndarray) -> None:
     resisting, sigma, compliance = work(x[0], u, p, squares_of(p))
     dx[0] = -resisting / p[1]
     dx[1] = (p[0] * GRAVITY - suspending(x[0], sigma, compliance, p) * x[1]) / FOLLOWING
+
+
+@njit(VECTOR(VECTOR, VECTOR, VECTOR), cache=True, nogil=True, error_model="numpy")
+def pressure(u: np.ndarray, scale: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Return the Maxwell stress (m,) in Pa at voltages ``u`` (m,) where x is 1: it goes with x⁴."""
+    field = p[11] * p[5] * p[5] / p[10] * u
+    stress: np.ndarray = VACUUM_PERMITTIVITY * p[6] * scale * field * field
+    return stress
+
+
+@njit(VECTOR(VECTOR), cache=True, nogil=True, error_model="numpy")
+def table(p: np.ndarray) -> np.ndarray:
+    """Return ``p``, nodes per stretch, the mass's stiffness over its compliance, and the nodes.
+
+    A node holds, without a voltage, the work, the stress and the integral of :func:`work`, and x²
+    times the logarithm in :func:`suspending`.
+    """
+    outer = (p[7] / p[8]) ** 2
+    end = 1.0 + LAST * (outer - 1.0) / (outer + 1.0)
+    spacing = (end - FIRST) / (NODES - 1)
+    result = np.empty(p.size + 2 + COLUMNS * NODES)
+    result[: p.size] = p
+    result[p.size], result[p.size + 1] = 1.0 / spacing, 2.0 * pi * p[10] / (p[5] * p[5])
+    squares = squares_of(p)
+    for k in range(NODES):
+        x = FIRST + k * spacing
+        row = p.size + 2 + COLUMNS * k
+        result[row], result[row + 1], result[row + 2] = work(x, 0.0, p, squares)
+        result[row + 3] = x * x * log(p[8] * x / p[9])
+    return result
+
+
+@njit(DERIVATIVE, cache=True, error_model="numpy")
+def tabulated(x: np.ndarray, stress: float, p: np.ndarray, dx: np.ndarray) -> None:
+    """Do as :func:`derivative` with cubics between nodes, from the Maxwell stress where x is 1.
+
+    NaN beyond the nodes.
+    """
+    dx[0], dx[1] = nan, nan
+    header = p.size - 2 - COLUMNS * NODES
+    place = (x[0] - FIRST) * p[header]
+    if not 0.0 <= place < NODES - 1:
+        return
+    node = min(max(int(place) - 1, 0), NODES - 4)
+    a = place - node
+    b, c, d = a - 1.0, a - 2.0, a - 3.0
+    k, m, n = header + 2 + COLUMNS * node, COLUMNS, 2 * COLUMNS
+    o = 3 * COLUMNS
+    w, v, s, t = -b * c * d / 6.0, 0.5 * a * c * d, -0.5 * a * b * d, a * b * c / 6.0
+    resisting = w * p[k] + v * p[k + m] + s * p[k + n] + t * p[k + o]
+    sigma = w * p[k + 1] + v * p[k + m + 1] + s * p[k + n + 1] + t * p[k + o + 1]
+    compliance = w * p[k + 2] + v * p[k + m + 2] + s * p[k + n + 2] + t * p[k + o + 2]
+    slack = w * p[k + 3] + v * p[k + m + 3] + s * p[k + n + 3] + t * p[k + o + 3]
+    cubed = x[0] * x[0] * x[0]
+    resisting -= stress * cubed
+    sigma -= stress * cubed * x[0]
+    if not sigma > 0.0:
+        return
+    stiffness = p[header + 1] * sigma / (compliance * sigma + slack)
+    dx[0] = -resisting / p[1]
+    dx[1] = (p[0] * GRAVITY - stiffness * x[1]) * (1.0 / FOLLOWING)
 
 
 @njit(OUTPUT, cache=True, error_model="numpy")
@@ -54,5 +128,6 @@ simulation = Simulation(
     drive="permittivity",
     force_ports=(ForcePort(equation="stretch", position="stretch", velocity=None, rest=1.0),),
     output_offset_spread=0.1,
+    action=InputAction(law=pressure, derivative=tabulated, table=table),
     lead_in=2.0,
 )
