@@ -14,7 +14,7 @@ from dea.simulation.arguments import (
     Forces,
     Values,
 )
-from dea.simulation.exponential import advance, advance_two
+from dea.simulation.exponential import ROOM, advance, advance_two
 from dea.simulation.signatures import MATRIX, SLOTS
 
 
@@ -56,6 +56,7 @@ def integrate(
     slope, beside, ramp = np.empty(states), np.empty(states), np.zeros(states)
     unforced = np.empty(states)
     pushes, J = np.zeros(SLOTS), np.empty((states, states))
+    room = np.empty((ROOM, states, states))
     typical = np.abs(x0) + 1e-6
     p = values.parameters.copy()
     p_drive = p[drive]
@@ -125,7 +126,7 @@ def integrate(
             if states == 2:
                 advance_two(J, slope, ramp, h, step)
             else:
-                advance(J, slope, ramp, h, step)
+                advance(J, slope, ramp, h, step, room)
             for e in range(attached):
                 if ports[e, 1] < 0:
                     z_next[e] = z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / frames[e, 1]

@@ -20,6 +20,7 @@ warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 VECTOR = types.Array(float64, 1, "C")
 MATRIX = types.Array(float64, 2, "C")
+CUBE = types.Array(float64, 3, "C")
 INDEX = types.Array(int64, 2, "C")
 INDICES = types.Array(int64, 1, "C")
 DERIVATIVE = types.void(VECTOR, float64, VECTOR, VECTOR)
