@@ -87,19 +87,19 @@ def tabulated(x: np.ndarray, stress: float, p: np.ndarray, dx: np.ndarray) -> No
     node = min(max(int(place) - 1, 0), NODES - 4)
     a = place - node
     b, c, d = a - 1.0, a - 2.0, a - 3.0
-    k, m, n = header + 2 + COLUMNS * node, COLUMNS, 2 * COLUMNS
-    o = 3 * COLUMNS
-    w, v, s, t = -b * c * d / 6.0, 0.5 * a * c * d, -0.5 * a * b * d, a * b * c / 6.0
-    resisting = w * p[k] + v * p[k + m] + s * p[k + n] + t * p[k + o]
-    sigma = w * p[k + 1] + v * p[k + m + 1] + s * p[k + n + 1] + t * p[k + o + 1]
-    compliance = w * p[k + 2] + v * p[k + m + 2] + s * p[k + n + 2] + t * p[k + o + 2]
-    slack = w * p[k + 3] + v * p[k + m + 3] + s * p[k + n + 3] + t * p[k + o + 3]
+    w0, w1, w2, w3 = -b * c * d / 6.0, 0.5 * a * c * d, -0.5 * a * b * d, a * b * c / 6.0
+    k0 = header + 2 + COLUMNS * node
+    k1, k2, k3 = k0 + COLUMNS, k0 + 2 * COLUMNS, k0 + 3 * COLUMNS
+    resisting = w0 * p[k0] + w1 * p[k1] + w2 * p[k2] + w3 * p[k3]
+    sigma = w0 * p[k0 + 1] + w1 * p[k1 + 1] + w2 * p[k2 + 1] + w3 * p[k3 + 1]
+    compliance = w0 * p[k0 + 2] + w1 * p[k1 + 2] + w2 * p[k2 + 2] + w3 * p[k3 + 2]
+    of_disc = w0 * p[k0 + 3] + w1 * p[k1 + 3] + w2 * p[k2 + 3] + w3 * p[k3 + 3]
     cubed = x[0] * x[0] * x[0]
     resisting -= stress * cubed
     sigma -= stress * cubed * x[0]
     if not sigma > 0.0:
         return
-    stiffness = p[header + 1] * sigma / (compliance * sigma + slack)
+    stiffness = p[header + 1] * sigma / (compliance * sigma + of_disc)
     dx[0] = -resisting / p[1]
     dx[1] = (p[0] * GRAVITY - stiffness * x[1]) * (1.0 / FOLLOWING)
 
