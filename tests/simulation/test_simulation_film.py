@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from dea.simulation import load_simulation, prepared
-from dea.simulation.devices.dea_film import LAST
 from dea.simulation.devices.dea_membrane import GRAVITY, stiffness
 
 DT = 0.02
@@ -54,24 +53,11 @@ def test_the_table_gives_the_rates_of_the_equations(volts, changed, scale):
     [stress] = film.action.law(np.array([volts]), np.array([scale]), p)
     table = film.action.table(p)
     found, expected = np.empty(2), np.empty(2)
-    for stretch in np.linspace(0.951, 1.45, 101):
+    for stretch in np.linspace(0.85, 1.7, 171):
         x = np.array([stretch, 7e-4])
         film.action.derivative(x, stress, table, found)
         film.derivative(x, volts, own, expected)
         np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6)
-
-
-def test_beyond_its_table_the_film_has_run_away():
-    film = load_simulation("dea_film")
-    table, rates = film.action.table(film.nominal), np.empty(2)
-    radii = [
-        film.nominal[film.parameter_names.index(f"{n}_radius")] for n in ("frame", "electrode")
-    ]
-    outer = (radii[0] / radii[1]) ** 2
-    last = 1.0 + LAST * (outer - 1.0) / (outer + 1.0)
-    for stretch, inside in ((0.949, False), (0.951, True), (last - 1e-3, True), (last, False)):
-        film.action.derivative(np.array([stretch, 7e-4]), 0.0, table, rates)
-        assert np.isfinite(rates).all() == inside
 
 
 @pytest.mark.parametrize("interpolation", ["zero", "smooth"])

@@ -7,7 +7,7 @@ stress leave. The mass follows the film's stiffness at once: its inertia matters
 band.
 """
 
-from math import log, nan, pi
+from math import log, nan, pi, sqrt
 
 import numpy as np
 from numba import njit
@@ -30,7 +30,7 @@ from dea.simulation.state import State
 # In N s/m: the mass follows within milliseconds.
 FOLLOWING = 0.05
 # Stretches at which the film is tabulated: their number, the first, and how far the last one is on
-# the way to where the annulus is crushed.
+# the way to where the annulus is crushed. Beyond them the stresses are computed.
 NODES, FIRST, LAST = 256, 0.95, 0.8
 COLUMNS = 4
 
@@ -75,14 +75,12 @@ def table(p: np.ndarray) -> np.ndarray:
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
 def tabulated(x: np.ndarray, stress: float, p: np.ndarray, dx: np.ndarray) -> None:
-    """Do as :func:`derivative` with cubics between nodes, from the Maxwell stress where x is 1.
-
-    NaN beyond the nodes.
-    """
-    dx[0], dx[1] = nan, nan
+    """Do as :func:`derivative` from the Maxwell stress where x is 1, with cubics between nodes."""
     header = p.size - 2 - COLUMNS * NODES
     place = (x[0] - FIRST) * p[header]
     if not 0.0 <= place < NODES - 1:
+        field = sqrt(stress / (VACUUM_PERMITTIVITY * p[6]))
+        derivative(x, field * p[10] / (p[11] * p[5] * p[5]), p, dx)
         return
     node = min(max(int(place) - 1, 0), NODES - 4)
     a = place - node
@@ -98,6 +96,7 @@ def tabulated(x: np.ndarray, stress: float, p: np.ndarray, dx: np.ndarray) -> No
     resisting -= stress * cubed
     sigma -= stress * cubed * x[0]
     if not sigma > 0.0:
+        dx[0], dx[1] = nan, nan
         return
     stiffness = p[header + 1] * sigma / (compliance * sigma + of_disc)
     dx[0] = -resisting / p[1]
