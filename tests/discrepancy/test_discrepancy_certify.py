@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dea.discrepancy.evidence.certificate import certify_elsewhere, transferable
+from dea.discrepancy.evidence.certificate import Certified, certify_elsewhere, transferable
+from dea.discrepancy.evidence.transfer import transfers
 from dea.discrepancy.fit import at
 from dea.discrepancy.problem import Problem, Samples
 from dea.simulation import (
@@ -116,3 +117,12 @@ def test_a_start_unlike_those_that_are_known_is_fitted():
     other = recorded(extended, values, initial__fast=-2.0, initial__slow=1.0)
     found = certify_elsewhere({"other": other}, fitted, fitted)
     assert found["other"].after < 0.2
+
+
+@pytest.mark.parametrize(
+    ("after", "serves"),
+    [([], True), ([0.9], True), ([1.1], False), ([0.9, 1.1], True), ([0.9, 1.1, 1.1], False)],
+)
+def test_an_extension_serves_on_half_of_the_records_left_out(after, serves):
+    found = {f"record_{n}": Certified(1.0, error, 100) for n, error in enumerate(after)}
+    assert transfers(found) is serves

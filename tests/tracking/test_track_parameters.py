@@ -1,5 +1,7 @@
 """Tracking whole models: parameters that stand still, that drift, and noise on the output."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -278,3 +280,14 @@ def test_a_step_that_leads_nowhere_leaves_the_kalman_track():
     tracks = {m: track_parameters(slow, u, y, method=m) for m in ("kalman", "output_error")}
     nmse = compare_free_runs(slow, tracks, u, y, window=1000)["nmse"].to_series()
     assert nmse["output_error"] <= nmse["kalman"]
+
+
+def test_what_leakage_holds_is_as_uncertain_as_its_target():
+    u, y, _ = record(5, noise=1e-3)
+    deviation = 0.1 * (1.0 + np.abs(PLANT.parameters))
+    known = replace(PLANT, covariance=np.diag(deviation**2))
+    track = track_parameters(
+        known, u[:4000], y[:4000], method="rls", leakage=1e4, sampling_rate=RATE
+    )
+    found = np.sqrt(np.diagonal(track["covariance"].values, axis1=1, axis2=2))
+    np.testing.assert_allclose(found, np.broadcast_to(deviation, found.shape), rtol=1e-3)
