@@ -103,12 +103,13 @@ def stretch(film: Film, table: Array, state: FilmState, supply: float, dt: float
 
 
 @njit(cache=True, error_model="numpy")
-def move(film: Film, scalars: Array, forces: Forces, stiffness: float, dt: float) -> None:
+def move(
+    film: Film, scalars: Array, forces: Forces | None, stiffness: float, dt: float
+) -> None:
     """Carry the ball over ``dt`` seconds at a constant stiffness: (M6), RK4.
 
     The step is divided where the dashpot alone would make it unstable.
     """
-    disturbed = forces.kind.shape[0] > 0
     steps = max(int(np.ceil(0.5 * dt * film.damping / film.mass)), 1)
     dt /= steps
     for _ in range(steps):
@@ -116,7 +117,7 @@ def move(film: Film, scalars: Array, forces: Forces, stiffness: float, dt: float
         sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
         for stage in range(4):
             pull = stiffness * stage_y
-            if disturbed:
+            if forces is not None:
                 pull += total_force(forces, stage_y, stage_v)
             slope_y = stage_v
             slope_v = GRAVITY - (film.damping * stage_v + pull) / film.mass
@@ -131,7 +132,7 @@ def move(film: Film, scalars: Array, forces: Forces, stiffness: float, dt: float
 
 @njit(cache=True, error_model="numpy")
 def advance(
-    film: Film, state: FilmState, forces: Forces,
+    film: Film, state: FilmState, forces: Forces | None,
     supply: Array, displacement: Array, film_voltage: Array,
 ) -> None:  # fmt: skip
     """Advance by one sub-step per element of ``supply`` (V), filling the other two (m and V).
@@ -139,7 +140,8 @@ def advance(
     The three have one shape. ``displacement[k]`` and ``film_voltage[k]`` are the values before
     ``supply[k]`` takes effect. The ball moves at the stiffness in the middle of the sub-step, so
     that the error is of second order in it. A film that pulls in, loses its tension or breaks down
-    is shorted from then on: its voltage stays zero and the fault stays latched.
+    is shorted from then on: its voltage stays zero and the fault stays latched. Without ``forces``
+    none of their laws is compiled.
     """
     scalars = state.scalars
     table = zones(film)
@@ -151,7 +153,7 @@ def advance(
             _short(scalars, PULLED_IN)
             stiffness = stretch(film, table, state, 0.0, SUBSTEP)
         move(film, scalars, forces, stiffness, SUBSTEP)
-        if forces.kind.shape[0] > 0:
+        if forces is not None:
             update_memory(forces, scalars[Y], scalars[V], SUBSTEP)
         if scalars[FAULT] == WHOLE:
             if abs(scalars[Y]) > film.pull_in_displacement:

@@ -11,7 +11,6 @@ from dea.plant.amplifier import amplify
 from dea.plant.array import Array
 from dea.plant.film import FAULT, SUBSTEP, Y, rest
 from dea.plant.film import advance as advance_film
-from dea.plant.forces import stack
 from dea.plant.history import History
 from dea.plant.membrane import capacitance
 from dea.plant.parameters import Parameters, read_parameters
@@ -47,7 +46,6 @@ class Rig:
                 field="film",
                 remedy="Lower the mass or stiffen the film.",
             )
-        self._forces = stack([])
         self._output = np.zeros(1)
         self._load = capacitance(parameters.film, 1.0)
         cutoff = parameters.sensor.cutoff
@@ -124,7 +122,7 @@ class Rig:
         advance_film(
             parameters.film,
             self._state,
-            self._forces,
+            None,
             supply,
             displacement,
             film_voltage,

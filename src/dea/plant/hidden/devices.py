@@ -72,7 +72,7 @@ class PlainFilm:
 class _FilmMachine:
     def __init__(self, parameters: Parameters, laws: Sequence[ForceLaw]) -> None:
         self._film, self._amplifier = parameters.film, parameters.amplifier
-        self._forces = stack(list(laws))
+        self._forces = stack(list(laws)) if laws else None
         self._state = film_at_rest(self._film, parameters.rest)
 
     def advance(self, command: Array) -> Array:
