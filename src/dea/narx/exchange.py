@@ -78,6 +78,7 @@ class Exchange:
         self._fits: dict[Subset, Fit] = {}
         self._unsteady: dict[Subset, Fit] = {}  # with the errors on the records alone
         self._tests: Sequence[StabilityTest] = ()
+        self._untested: set[Subset] = set()  # fitted before the tests were required
 
     def search(
         self, start: Structure, price: float, rounds: int, most: int, trace: Trace
@@ -142,14 +143,15 @@ class Exchange:
             shares = [fit.msse / each.power for fit, each in zip(fits, self._systems, strict=True)]
             fit = Fit(tuple(each.parameters for each in fits), float(np.mean(shares)))
             self._fits[subset] = self._checked(subset, fit) if np.isfinite(fit.error) else fit
-        return self._fits[subset]
+        return self._tested(subset)
 
     def require(self, tests: Sequence[StabilityTest]) -> None:
-        """From now on, count what does not pass the ``tests`` of its system as unstable."""
+        """From now on, count what does not pass the ``tests`` of its system as unstable.
+
+        What has been fitted is tested when it is asked for again, since most is not.
+        """
         self._tests = tuple(tests)
-        for subset, fit in self._fits.items():
-            if np.isfinite(fit.error):
-                self._fits[subset] = self._checked(subset, fit)
+        self._untested = {subset for subset, fit in self._fits.items() if np.isfinite(fit.error)}
 
     def by_cost(self, price: float, most: int) -> Iterator[Structure]:
         """Yield the structures tried, the least cost first, those that are not stable last."""
@@ -159,7 +161,16 @@ class Exchange:
                 for subset, fit in fits.items()
                 if np.isfinite(fit.error) and len(subset) <= most
             ]
-            yield from sorted(tried, key=lambda each: self.cost(each, price))
+            for each in sorted(tried, key=lambda each: self.cost(each, price)):
+                if fits is self._unsteady or np.isfinite(self._tested(each.subset).error):
+                    yield each
+
+    def _tested(self, subset: Subset) -> Fit:
+        """Return the fit of a structure, tested as is required by now."""
+        if subset in self._untested:
+            self._untested.remove(subset)
+            self._fits[subset] = self._checked(subset, self._fits[subset])
+        return self._fits[subset]
 
     def _checked(self, subset: Subset, fit: Fit) -> Fit:
         """Return the fit, its error infinite where it is not stable."""

@@ -6,9 +6,8 @@ from typing import NamedTuple
 
 from dea.errors import InputError
 from dea.narx.candidate_models import Segment
-from dea.narx.checks import Array
 from dea.narx.descent import PRICES, Descent, Effort, price_by_folds
-from dea.narx.refinement import fit_free_runs
+from dea.narx.refinement import Minimum, minimise_from_free_starts
 from dea.narx.search import Refined
 from dea.narx.stability import StabilityTest
 from dea.narx.trace import Trace, Tried
@@ -18,14 +17,16 @@ _CHECKED = 8  # structures of least cost whose final fits are tried before the f
 _UNSTABLE_DATA = 100.0  # times the squared error that stable structures may leave at most
 
 
-class FoundModel(NamedTuple):
-    """A model of one system in normalised units."""
+class Found(NamedTuple):
+    """One structure, and of each system its parameters in normalised units."""
 
     terms: tuple[Term, ...]
-    parameters: Array
-    covariance: Array
-    withheld: str = ""  # why intervals from the covariance cannot hold
-    msse: float = float("nan")  # mean squared simulated error (6)
+    minima: Sequence[Minimum]
+
+    @property
+    def error(self) -> float:
+        """The mean squared simulated error (6), mean of the systems."""
+        return sum(minimum.msse for minimum in self.minima) / len(self.minima)
 
 
 def find(
@@ -34,7 +35,7 @@ def find(
     tests: Sequence[StabilityTest],
     search: Refined,
     trace: Trace,
-) -> list[FoundModel]:
+) -> Found:
     """Return one structure with the parameters of each system.
 
     A structure counts as stable if it passes the tests with its final parameters. Where the least
@@ -53,18 +54,16 @@ def find(
     descent = Descent(candidates, systems, trace)
     descent.descend(prices, effort)
 
-    def polished() -> Iterator[list[FoundModel]]:
+    def polished() -> Iterator[Found]:
         for subset, fit in descent.exchange.by_cost(price, effort.most):
             terms = tuple(candidates[j] for j in subset)
-            yield [
-                _polished(terms, start, segments)
-                for start, segments in zip(fit.parameters, systems, strict=True)
-            ]
+            starts = zip(fit.parameters, systems, strict=True)
+            yield Found(terms, [minimise_from_free_starts(terms, *each) for each in starts])
 
-    def stable(found: Sequence[FoundModel]) -> bool:
+    def stable(found: Found) -> bool:
         return all(
-            each.passes(model.terms, model.parameters)
-            for each, model in zip(tests, found, strict=True)
+            each.passes(found.terms, minimum.parameters)
+            for each, minimum in zip(tests, found.minima, strict=True)
         )
 
     first = next(polished(), None)
@@ -75,10 +74,10 @@ def find(
         descent.exchange.require(tests)
         descent.descend(prices, effort)
         found = next(filter(stable, islice(polished(), _CHECKED)), first)
-        if _error(found) > _UNSTABLE_DATA * _error(first):
+        if found.error > _UNSTABLE_DATA * first.error:
             found = first
-    label = ", ".join(map(str, found[0].terms))
-    trace.add("final", 0, [Tried(label, _error(found), 0.0)], 0, "selected")
+    label = ", ".join(map(str, found.terms))
+    trace.add("final", 0, [Tried(label, found.error, 0.0)], 0, "selected")
     return found
 
 
@@ -89,12 +88,3 @@ def every_run_diverges() -> InputError:
         field="y_lags, u_lags, degree",
         remedy="Allow other lags or a lower degree, or use a longer record.",
     )
-
-
-def _error(found: Sequence[FoundModel]) -> float:
-    return sum(model.msse for model in found) / len(found)
-
-
-def _polished(terms: tuple[Term, ...], start: Array, segments: Sequence[Segment]) -> FoundModel:
-    fit = fit_free_runs(terms, start, segments)
-    return FoundModel(terms, fit.parameters, fit.covariance, msse=fit.msse)

@@ -63,16 +63,16 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
     """
     records = as_segments(u, y, model.max_lag, len(model.terms))
     segments = normalised(records, model.scaling)
-    fit = fit_free_runs(model.terms, model.parameters, segments, iterations)
-    if not np.isfinite(fit.msse):
+    found = minimise_from_free_starts(model.terms, model.parameters, segments, iterations)
+    if not np.isfinite(found.msse):
         raise InputError(
             "the free run of the model diverges on this record",
             field="model",
             remedy="Start from parameters with which it is stable, or choose other terms.",
         )
     start = _from_smoothed_outputs(model.terms, segments)
-    other = fit_free_runs(model.terms, start, segments, iterations)
-    best = min(fit, other, key=lambda each: each.msse)
+    other = minimise_from_free_starts(model.terms, start, segments, iterations)
+    best = with_covariance(model.terms, min(found, other, key=lambda each: each.msse), segments)
     return model.with_parameters(best.parameters, best.covariance)
 
 
@@ -128,6 +128,14 @@ def _from_smoothed_outputs(terms: tuple[Term, ...], segments: Sequence[Segment])
     return least_squares_of(terms, smoothed)[0]
 
 
+class Minimum(NamedTuple):
+    """A minimum of the simulated error by the parameters and the outputs that runs start from."""
+
+    parameters: Array  # (terms,)
+    msse: float  # mean squared simulated error (6), normalised units
+    unknowns: Array  # the parameters, and after them starts and trend of each segment
+
+
 class Fit(NamedTuple):
     """Parameters at a minimum of the simulated error, and how sure they are."""
 
@@ -138,6 +146,48 @@ class Fit(NamedTuple):
     unknowns: Array  # the parameters, and after them starts and trend of each segment
 
 
+def minimise_from_free_starts(
+    terms: tuple[Term, ...],
+    start: Array,
+    segments: Sequence[Segment],
+    iterations: int = 30,
+    tolerance: float = 1e-10,
+    trend: int = 0,
+) -> Minimum:
+    """Minimise the simulated error by the parameters and the outputs that each run starts from.
+
+    With a ``trend``, each measured output is the run plus a polynomial of time of that degree
+    without a constant, also unknown: a level that creeps beside the dynamics.
+
+    A start from which the run diverges comes back with an infinite error.
+    """
+    task = _FreeRunsFromFreeStarts(terms, segments, trend)
+    point = least_squares.minimise(
+        task, task.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
+    )
+    return Minimum(point.x[: len(terms)].copy(), point.cost / task.samples, point.x)
+
+
+def with_covariance(
+    terms: tuple[Term, ...], found: Minimum, segments: Sequence[Segment], trend: int = 0
+) -> Fit:
+    """Return what :func:`minimise_from_free_starts` found, and how sure it is.
+
+    Without covariance where the error is infinite.
+    """
+    count = len(terms)
+    theta = found.parameters
+    if not np.isfinite(found.msse):
+        unknown = np.full((count, count), np.nan)
+        return Fit(theta, unknown, np.inf, unknown, found.unknowns)
+    runs = _FreeRunsFromFreeStarts(terms, segments, trend).runs(found.unknowns)
+    covariance = covariance_of_free_runs(terms, theta, runs)
+    slope = np.vstack([run.slope for run in runs])
+    own, others = slope[:, :count], slope[:, count:]
+    own = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
+    return Fit(theta, covariance[:count, :count], found.msse, own.T @ own, found.unknowns)
+
+
 def fit_free_runs(
     terms: tuple[Term, ...],
     start: Array,
@@ -146,28 +196,9 @@ def fit_free_runs(
     tolerance: float = 1e-10,
     trend: int = 0,
 ) -> Fit:
-    """Minimise the simulated error by the parameters and the outputs that each run starts from.
-
-    With a ``trend``, each measured output is the run plus a polynomial of time of that degree
-    without a constant, also unknown: a level that creeps beside the dynamics.
-
-    A start from which the run diverges comes back with an infinite error, and without covariance.
-    """
-    task = _FreeRunsFromFreeStarts(terms, segments, trend)
-    point = least_squares.minimise(
-        task, task.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
-    )
-    count = len(terms)
-    theta = point.x[:count].copy()
-    if not np.isfinite(point.cost):
-        unknown = np.full((count, count), np.nan)
-        return Fit(theta, unknown, np.inf, unknown, point.x)
-    runs = task.runs(point.x)
-    covariance = covariance_of_free_runs(terms, theta, runs)
-    slope = np.vstack([run.slope for run in runs])
-    own, others = slope[:, :count], slope[:, count:]
-    own = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
-    return Fit(theta, covariance[:count, :count], point.cost / task.samples, own.T @ own, point.x)
+    """Return the minimum by :func:`minimise_from_free_starts`, and how sure it is."""
+    found = minimise_from_free_starts(terms, start, segments, iterations, tolerance, trend)
+    return with_covariance(terms, found, segments, trend)
 
 
 def curvature(

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from dea.errors import InputError
 from dea.inputs import input_count
 from dea.narx.candidate_models import CandidateModels, Segment
 from dea.narx.candidate_terms import InputLags, Lags, candidate_terms
+from dea.narx.checks import Array
 from dea.narx.descent import Descent
 from dea.narx.estimation import (
     Signals,
@@ -22,9 +23,10 @@ from dea.narx.estimation import (
     scaling_of,
 )
 from dea.narx.forward import forward_and_prune
-from dea.narx.labels import records_in, unpacked
+from dea.narx.labels import Labels, records_in, unpacked
 from dea.narx.model import NarxModel
-from dea.narx.refined_search import FoundModel, every_run_diverges, find
+from dea.narx.refined_search import every_run_diverges, find
+from dea.narx.refinement import Minimum, with_covariance
 from dea.narx.scaling import Scaling
 from dea.narx.search import Forward, Orthogonal, Refined, Search
 from dea.narx.stability import StabilityTest, UnstableModel, assess
@@ -91,21 +93,33 @@ def select_terms(
     InputError
         If the records are not usable or too short, or if no model's run on them is bounded.
     """
-    candidates = _candidates(y_lags, u_lags, degree, even_in_input, _inputs_in(u))
-    lag, linear = max_lag(candidates), _linear(candidates)
-    inputs, outputs, labels = unpacked(u, y, lag, linear)
-    records = as_segments(inputs, outputs, lag, linear)
-    scale = scaling_of(records, not even_in_input) if scaling is None else scaling
-    segments, trace = normalised(records, scale), Trace()
-    test = StabilityTest(segments)
-    if isinstance(search, Forward | Orthogonal):
-        terms = _by_least_squares(candidates, segments, search, trace)
-        theta, covariance = least_squares(terms, segments)
-        withheld = reason_to_withhold(terms, theta, segments)
-        found = FoundModel(terms, theta, covariance, withheld)
+    task = _task(u, y, y_lags, u_lags, degree, even_in_input, scaling)
+    trace, test = Trace(), StabilityTest(task.segments)
+    terms, minimum = _searched(task, search, test, trace)
+    if minimum is None:
+        theta, covariance = least_squares(terms, task.segments)
+        withheld = reason_to_withhold(terms, theta, task.segments)
     else:
-        found = find(candidates, [segments], [test], search or Refined(), trace)[0]
-    return replace(_model(found, scale, test, trace), labels=labels)
+        fit = with_covariance(terms, minimum, task.segments)
+        theta, covariance, withheld = fit.parameters, fit.covariance, ""
+    found = _model(terms, theta, covariance, task.scale, test, trace)
+    return replace(found, withheld=withheld, labels=task.labels)
+
+
+def select_structure(
+    u: Signals,
+    y: Signals,
+    *,
+    y_lags: Lags = 3,
+    u_lags: InputLags = 3,
+    degree: int = 3,
+    even_in_input: bool = False,
+    search: Search | None = None,
+    scaling: Scaling | None = None,
+) -> tuple[Term, ...]:
+    """Return the terms that :func:`select_terms` finds, without their covariance and stability."""
+    task = _task(u, y, y_lags, u_lags, degree, even_in_input, scaling)
+    return _searched(task, search, StabilityTest(task.segments), Trace())[0]
 
 
 def select_common_terms(
@@ -144,10 +158,50 @@ def select_common_terms(
     systems = [normalised(*each) for each in zip(checked, scales, strict=True)]
     trace, tests = Trace(), [StabilityTest(segments) for segments in systems]
     found = find(candidates, systems, tests, search or Refined(), trace)
-    return [
-        _model(each, scale, tried, trace)
-        for each, scale, tried in zip(found, scales, tests, strict=True)
+    fits = [
+        with_covariance(found.terms, minimum, segments)
+        for minimum, segments in zip(found.minima, systems, strict=True)
     ]
+    return [
+        _model(found.terms, fit.parameters, fit.covariance, scale, test, trace)
+        for fit, scale, test in zip(fits, scales, tests, strict=True)
+    ]
+
+
+class _Task(NamedTuple):
+    """What a search for one system starts from."""
+
+    candidates: tuple[Term, ...]
+    segments: list[Segment]  # normalised
+    scale: Scaling
+    labels: Labels
+
+
+def _task(
+    u: Signals | Record | Sequence[Record],
+    y: Signals | None,
+    y_lags: Lags,
+    u_lags: InputLags,
+    degree: int,
+    even_in_input: bool,
+    scaling: Scaling | None,
+) -> _Task:
+    candidates = _candidates(y_lags, u_lags, degree, even_in_input, _inputs_in(u))
+    lag, linear = max_lag(candidates), _linear(candidates)
+    inputs, outputs, labels = unpacked(u, y, lag, linear)
+    records = as_segments(inputs, outputs, lag, linear)
+    scale = scaling_of(records, not even_in_input) if scaling is None else scaling
+    return _Task(candidates, normalised(records, scale), scale, labels)
+
+
+def _searched(
+    task: _Task, search: Search | None, test: StabilityTest, trace: Trace
+) -> tuple[tuple[Term, ...], Minimum | None]:
+    """Return the terms, and their parameters where the search refines them."""
+    if isinstance(search, Forward | Orthogonal):
+        return _by_least_squares(task.candidates, task.segments, search, trace), None
+    found = find(task.candidates, [task.segments], [test], search or Refined(), trace)
+    return found.terms, found.minima[0]
 
 
 def _by_least_squares(
@@ -173,19 +227,19 @@ def _by_least_squares(
     return tuple(candidates[j] for j in subset)
 
 
-def _model(fit: FoundModel, scale: Scaling, test: StabilityTest, trace: Trace) -> NarxModel:
-    checked = assess(fit.terms, fit.parameters, scale, test)
+def _model(
+    terms: tuple[Term, ...],
+    parameters: Array,
+    covariance: Array,
+    scale: Scaling,
+    test: StabilityTest,
+    trace: Trace,
+) -> NarxModel:
+    checked = assess(terms, parameters, scale, test)
     if not checked.stable:
         warnings.warn(str(checked), UnstableModel, stacklevel=3)
-    return NarxModel(
-        fit.terms,
-        fit.parameters,
-        scale,
-        fit.covariance,
-        trace.to_dataset(),
-        fit.withheld,
-        checked,
-    )
+    described = trace.to_dataset()
+    return NarxModel(terms, parameters, scale, covariance, described, checked=checked)
 
 
 def _candidates(

@@ -103,9 +103,7 @@ def stretch(film: Film, table: Array, state: FilmState, supply: float, dt: float
 
 
 @njit(cache=True, error_model="numpy")
-def move(
-    film: Film, scalars: Array, forces: Forces | None, stiffness: float, dt: float
-) -> None:
+def move(film: Film, scalars: Array, forces: Forces | None, stiffness: float, dt: float) -> None:
     """Carry the ball over ``dt`` seconds at a constant stiffness: (M6), RK4.
 
     The step is divided where the dashpot alone would make it unstable.
