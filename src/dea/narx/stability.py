@@ -273,9 +273,7 @@ def _random_inputs(content: bytes, shape: tuple[int, ...], copies: int) -> Array
     rng = np.random.default_rng(0)  # every model of a record meets the same inputs
     runs = [same_class(u, rng) for _ in range(_RUNS)]
     surrogates = [phase_randomised(u, rng) for _ in range(_SURROGATES)]
-    found = _side_by_side(_repeated(each, copies) for each in (*runs, *surrogates))
-    found.flags.writeable = False
-    return found
+    return _side_by_side(_repeated(each, copies) for each in (*runs, *surrogates))
 
 
 def _repeated(u: Array, copies: int) -> Array:
@@ -284,8 +282,13 @@ def _repeated(u: Array, copies: int) -> Array:
 
 
 def _side_by_side(inputs: Iterable[Array]) -> Array:
-    """Return inputs of one length as :func:`dea.narx.simulation.bounded` takes them."""
-    return np.stack([by_input(u) for u in inputs], axis=-1)
+    """Return inputs of one length as :func:`dea.narx.simulation.bounded` takes them, read-only.
+
+    The kernel is compiled for arrays that may be written to apart from those that may not.
+    """
+    found = np.stack([by_input(u) for u in inputs], axis=-1)
+    found.flags.writeable = False
+    return found
 
 
 def assess(

@@ -66,11 +66,15 @@ def smooth(
     at
         Samples, ascending, at which the whole covariance is kept.
     """
-    Phi, y, q, theta_0, prior = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
-    passes = run_filter(Phi, y, q, theta_0, prior, True)
-    gain, innovation, S, predicted, _ = passes
+    Phi, y, q, theta_0, P_0 = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
+    passes = run_filter(Phi, y, q, theta_0, P_0, True)
+    gain, innovation, S, predicted, covariances = passes
     _, sigma2 = _concentrated(innovation, S)
-    theta, variance, covariance = run_smoother(Phi, *passes, np.asarray(at, dtype=np.int64))
+    instants = np.asarray(at, dtype=np.int64)
+    theta, variance, N = run_smoother(Phi, *passes, instants)
+    P = covariances[instants]
+    smoothed = P - P @ N @ P
+    covariance = 0.5 * (smoothed + smoothed.transpose(0, 2, 1))
     filtered = predicted + gain * np.nan_to_num(innovation)[:, None]
     return Smoothed(theta, sigma2 * variance, sigma2 * covariance, filtered, innovation, q, sigma2)
 
@@ -191,4 +195,4 @@ def _arrays(
     prior = np.array(np.broadcast_to(prior_variance, p), dtype=float)
     if np.any(q < 0.0) or np.any(prior < 0.0):
         raise InputError("a variance is negative", field="noise_ratio or prior_variance")
-    return Phi, y, q, np.array(theta_0, dtype=float), prior
+    return Phi, y, q, np.array(theta_0, dtype=float), np.diag(prior)

@@ -40,9 +40,9 @@ def _step(phi: Array, y: float, theta: Array, P: Array, K: Array) -> tuple[float
 
 @njit(cache=True)
 def run_filter(
-    Phi: Array, y: Array, q: Array, theta_0: Array, prior: Array, keep: bool
+    Phi: Array, y: Array, q: Array, theta_0: Array, P_0: Array, keep: bool
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """Run the filter forward.
+    """Run the filter forward from the mean (p,) and covariance (p, p) before the first sample.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def run_filter(
     rows = n if keep else 0
     predicted, covariance = np.empty((rows, p)), np.empty((rows, p, p))
     gain, innovation, S = np.empty((n, p)), np.empty(n), np.empty(n)
-    theta, P = theta_0.copy(), np.diag(prior)
+    theta, P = theta_0.copy(), P_0.copy()
     for t in range(n):
         for i in range(p):
             P[i, i] += q[i]
@@ -109,12 +109,12 @@ def run_smoother(
     Returns
     -------
     tuple
-        Means (n, p), variances (n, p), and the whole covariances (len(at), p, p) at the samples
-        ``at``, which ascend: those of all samples would be large.
+        Means (n, p), variances (n, p), and N (len(at), p, p) at the samples ``at``, which ascend:
+        for the whole covariances there. Products of matrices take seconds to compile.
     """
     n, p = Phi.shape
     theta, variance = np.empty((n, p)), np.empty((n, p))
-    covariance = np.empty((at.size, p, p))
+    adjoint = np.empty((at.size, p, p))
     r, N, NK = np.zeros(p), np.zeros((p, p)), np.empty(p)
     wanted = at.size - 1
     for t in range(n - 1, -1, -1):
@@ -130,10 +130,11 @@ def run_smoother(
             theta[t, i] = predicted[t, i] + shift
             variance[t, i] = P[t, i, i] - fall
         if wanted >= 0 and at[wanted] == t:
-            found = P[t] - P[t] @ N @ P[t]
-            covariance[wanted] = 0.5 * (found + found.T)
+            for i in range(p):
+                for k in range(p):
+                    adjoint[wanted, i, k] = N[i, k]
             wanted -= 1
-    return theta, variance, covariance
+    return theta, variance, adjoint
 
 
 @njit(cache=True)
