@@ -11,6 +11,7 @@ rule gfrf:
         "results/{system}/log/gfrf.log",
     benchmark:
         "results/{system}/benchmark/gfrf.tsv"
+    priority: 1
     params:
         settings=settings("gfrf"),
     shell:

@@ -28,6 +28,7 @@ rule select:
         "results/{system}/log/select.log",
     benchmark:
         "results/{system}/benchmark/select.tsv"
+    priority: 1
     params:
         settings=settings("identification"),
     shell:

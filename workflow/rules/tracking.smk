@@ -10,6 +10,7 @@ rule track:
         "results/{system}/log/track.log",
     benchmark:
         "results/{system}/benchmark/track.tsv"
+    priority: 1
     params:
         settings=settings("tracking"),
     shell:
