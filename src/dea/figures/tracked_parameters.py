@@ -175,7 +175,7 @@ def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
         if tracker in banded:
             ax.fill_between(
                 chosen["instant"].values, chosen["band_low"].values, chosen["band_high"].values,
-                color=colour, alpha=_PALENESS, lw=0, rasterized=True,
+                color=colour, alpha=_PALENESS, lw=0,
             )  # fmt: skip
     ax.set_title(Term.parse(term).mathematics())
     _limits(ax, track.sel(tracker=banded) if banded else None)
