@@ -87,7 +87,8 @@ def test_what_was_compiled_is_kept_where_the_mutant_cannot_reach_it(tmp_path):
     names = [
         "narx_1a2b/kernels.run-9.py311",
         "narx_1a2b/simulation.f-1.py311",
-        "modbus_3c/x.g-1.py311",
+        "modbus_3c/codec.g-1.py311",
+        "plant_4d/made_conditions.h-1.py311",  # of a test
     ]
     for name in names:
         (compiled / name).parent.mkdir(exist_ok=True)
@@ -103,6 +104,6 @@ def test_what_was_compiled_is_kept_where_the_mutant_cannot_reach_it(tmp_path):
 
     place._pytest = pytest_runs
     assert place.test("src/dea/narx/kernels.py", source + "\n", ["tests"], timeout=1.0) == 0
-    assert seen == ["x.g-1.py311.1.nbc", "x.g-1.py311.nbi"]
+    assert seen == ["codec.g-1.py311.1.nbc", "codec.g-1.py311.nbi"]
     assert (tmp_path / "copy/src/dea/narx/kernels.py").read_text() == source
-    assert len(list(compiled.rglob("*.nb?"))) == 6
+    assert len(list(compiled.rglob("*.nb?"))) == 8

@@ -67,19 +67,21 @@ class Workplace:
         """Yield a folder with the compiled functions of the modules that ``file`` cannot reach.
 
         Numba compiles a function again where its own module changed, and not where one did that it
-        calls or takes a constant from.
+        calls or takes a constant from. What the functions of tests call is not in the graph.
         """
         module = ".".join(Path(file).with_suffix("").relative_to("src").parts)
         module = module.removesuffix(".__init__")
         changed = {module, *self._graph.find_downstream_modules(module)}
-        with tempfile.TemporaryDirectory(dir=self.folder) as name:
+        modules = self._graph.modules
+        with tempfile.TemporaryDirectory(dir=self.folder) as folder:
             for kept in self._compiled.rglob("*.nb?"):
                 compiled = f"{kept.parent.name.rpartition('_')[0]}.{kept.name.split('.')[0]}"
-                if not any(f".{other}".endswith(f".{compiled}") for other in changed):
-                    copy = Path(name) / kept.relative_to(self._compiled)
+                own = {name for name in modules if f".{name}".endswith(f".{compiled}")}
+                if own and own.isdisjoint(changed):
+                    copy = Path(folder) / kept.relative_to(self._compiled)
                     copy.parent.mkdir(exist_ok=True)
                     os.link(kept, copy)
-            yield Path(name)
+            yield Path(folder)
 
     def _pytest(
         self, arguments: Sequence[str], compiled: Path, timeout: float | None
