@@ -129,6 +129,18 @@ def test_samples_whose_time_has_passed_are_left_out_and_never_sent_in_a_burst(cl
     assert np.diff(written[:, 1]).max() <= LARGEST_STEP
 
 
+def test_only_what_follows_samples_left_out_is_approached(clock):
+    """The ramp to the start of a loop may be faster than what the loop may ask for."""
+    module = Module(clock, holds={9: 0.03})  # late, by less than a period
+    sequence = Planned(COUNTS)
+    sequence.longest_step = LARGEST_STEP // 10
+    panel = Panel(module)
+    blocks = list(drive(panel, sequence, Laws(panel), late_after=0.005, tolerance=0.05))
+    assert [count for _, count in module.written] == COUNTS.tolist()
+    quality = np.concatenate([block.quality for block in blocks])
+    assert np.flatnonzero(quality).tolist() == [10]
+
+
 def test_a_device_that_counts_its_samples_gets_them_all_and_later(clock):
     module = Module(clock, holds={9: 0.15}, index=True)
     (position, index, _, _, _, quality, *_), failure = driven(module, COUNTS)
