@@ -92,6 +92,15 @@ def test_a_jump_of_the_coupling_to_the_output_is_found_where_it_is():
     assert found[3] == pytest.approx(1900 * INTERVAL, abs=0.6)
 
 
+def test_a_residual_that_grows_by_itself_is_no_jump_of_the_coupling():
+    rng = np.random.default_rng(6)
+    simulated = 3.0 + np.sin(2 * np.pi * 1.7 * T)
+    loud = np.where(np.arange(SAMPLES) < 800, 0.0, 1.0) * rng.standard_normal(SAMPLES)
+    residual = loud + (np.arange(SAMPLES) >= 1900) * (simulated - 3.0)
+    found = jumps(recorded(np.zeros(SAMPLES), simulated + residual), residual, WHOLE)
+    assert found[3] == pytest.approx(1900 * INTERVAL, abs=0.6)
+
+
 def fitted(residual, parameters):
     return Fit(
         SimpleNamespace(attached=()), np.zeros(parameters), residual,
