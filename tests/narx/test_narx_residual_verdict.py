@@ -51,6 +51,30 @@ def test_the_share_explained_is_that_of_the_input_in_the_residual():
     assert found.explained[2:4].max() < 0.01
 
 
+def test_units_do_not_matter():
+    rng = np.random.default_rng(4)
+    e, u = smooth(rng, 500, 0.8), smooth(rng, 500)
+    found, scaled = joint_tests(e, u, 25), joint_tests(1e-3 * e, 50.0 * u, 25)
+    np.testing.assert_allclose(scaled.p_value, found.p_value, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(scaled.explained, found.explained, rtol=1e-6, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_residual_is_made_white_by_as_many_lags_as_schwarz_s_criterion_says(seed):
+    """Against a regression for every number of lags."""
+    e = smooth(np.random.default_rng(seed), 300, 0.25)
+    e -= e.mean()
+    costs, whites = [], []
+    for order in range(21):
+        past = np.column_stack([np.zeros(280), *(e[20 - k : 300 - k] for k in range(1, order + 1))])
+        theta = np.linalg.lstsq(past, e[20:], rcond=None)[0]
+        costs.append(280 * np.log(np.sum((e[20:] - past @ theta) ** 2)) + order * np.log(280))
+        white = e[order:] - sum(theta[k] * e[order - k : 300 - k] for k in range(1, order + 1))
+        whites.append(1.0 - white.var() / e.var())
+    explained = max(whites[int(np.argmin(costs))], 0.0)
+    assert joint_tests(e, e, 10).explained[0] == pytest.approx(explained, rel=1e-6, abs=1e-12)
+
+
 def test_residuals_that_are_constant_or_not_finite_have_an_answer():
     u = np.sin(np.arange(200.0))
     assert (joint_tests(np.full(200, np.inf), u, 10).p_value == 0).all()
