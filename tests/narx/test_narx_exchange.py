@@ -1,0 +1,56 @@
+"""The structures that a search keeps, and what they cost."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from dea.narx import NarxModel, linear_terms, regressor_matrix
+from dea.narx.candidate_models import CandidateModels
+from dea.narx.descent import relative_sizes
+from dea.narx.exchange import Exchange, Fit, Structure, System
+
+CANDIDATES = linear_terms(2, 2)
+PRICE = 1e-3
+
+
+def system(seed):
+    """Return a system with its models and its record."""
+    rng = np.random.default_rng(seed)
+    u = rng.uniform(-1.0, 1.0, 200)
+    model = NarxModel.from_terms({"y(t-1)": 0.6, "u(t-1)": 0.4 * seed, "u(t-2)": -0.2})
+    y = model.simulate(u) + 0.02 * rng.standard_normal(200)
+    models = CandidateModels(CANDIDATES, [(u, y)])
+    return System([(u, y)], models.power, relative_sizes(models.triangle)), models, u, y
+
+
+def test_structures_come_by_cost_and_none_is_larger_than_allowed():
+    one, models, *_ = system(1)
+    exchange = Exchange(CANDIDATES, [one])
+    for size in (1, 2, 3):
+        for subset in combinations(range(len(CANDIDATES)), size):
+            exchange.fit(subset, [models([subset])[0].parameters])
+    kept = list(exchange.by_cost(PRICE, 2))
+    assert {len(each.subset) for each in kept} == {1, 2}
+    costs = [exchange.cost(each, PRICE) for each in kept]
+    assert np.isfinite(costs).all()
+    assert costs == sorted(costs)
+
+
+def test_a_term_has_its_price_and_one_that_others_cancel_costs_more():
+    """Error + price sum(1 + log2(max(1, size/4))), sizes averaged over the systems."""
+    systems = [system(1), system(2)]
+    subset, theta = (1, 2, 3), [np.array([9.0, -2.0, 0.5]), np.array([5.0, -0.1, 30.0])]
+    sizes = np.mean(
+        [
+            np.sqrt(np.mean((regressor_matrix(CANDIDATES, u, y, 2)[:, subset] * each) ** 2, axis=0))
+            / np.sqrt(np.mean(y[2:] ** 2))
+            for each, (_, _, u, y) in zip(theta, systems, strict=True)
+        ],
+        axis=0,
+    )
+    assert (sizes > 4.0).sum() == 2
+    expected = 0.3 + PRICE * (3 + np.log2(np.maximum(sizes / 4.0, 1.0)).sum())
+    exchange = Exchange(CANDIDATES, [each[0] for each in systems])
+    found = exchange.cost(Structure(subset, Fit(tuple(theta), 0.3)), PRICE)
+    assert found == pytest.approx(expected, rel=1e-9)
