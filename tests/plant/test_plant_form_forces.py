@@ -297,6 +297,11 @@ def test_damage_is_a_hyperbola_of_the_work():
     lost = -felt[at_five] / (K * path[at_five])
     work = K * (25.0 / 2 + 50.0 * np.arange(1, 40) + np.where(np.arange(1, 40) % 2, 25.0, 0.0))
     assert bend(1.0 / work, 1.0 / lost) < 0.02
+    # All of it is 0.2; a half is lost by a tenth to six tenths of the work of the whole motion, in
+    # which the mean force is half that of the travel.
+    slope, inverse = np.polyfit(1.0 / work, 1.0 / lost, 1)
+    assert 1.0 / inverse == pytest.approx(0.2, rel=0.01)
+    assert 0.1 < slope / inverse / (0.5 * K * TRAVEL * CONDITIONS.path) < 0.6
 
 
 @pytest.mark.parametrize("form", [form.name for form in EFFECTS["second_mode"].forms])
