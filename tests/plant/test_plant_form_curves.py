@@ -219,7 +219,7 @@ def test_the_converter_clips_at_both_ends():
     inside = (read > read.min() + 0.02) & (read < read.max() - 0.02)
     np.testing.assert_allclose(read[inside], Y[inside], atol=1e-9)
     assert read.max() == pytest.approx(CONDITIONS.top - 0.4 * TRAVEL)
-    assert 0.0 < read.min() - CONDITIONS.bottom < 0.08 * TRAVEL
+    assert 0.005 * TRAVEL < read.min() - CONDITIONS.bottom < 0.08 * TRAVEL
 
 
 def test_the_paralysed_counter_loses_exponentially_more():
