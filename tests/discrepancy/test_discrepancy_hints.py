@@ -33,6 +33,18 @@ def test_lines_are_found_between_the_bins(frequency):
     assert found[1] == pytest.approx(3.1, abs=0.1 / 60)
 
 
+def test_lines_at_the_ends_of_the_spectrum_are_found_in_any_unit():
+    rng = np.random.default_rng(7)
+    u = rng.standard_normal(SAMPLES)
+    slow = np.sin(2 * np.pi * 5.2 / 60.0 * T)
+    residual = 2.0 * slow + 0.3 * (-1.0) ** np.arange(SAMPLES)
+    found = lines(recorded(u, residual), residual)
+    assert found[:2] == pytest.approx([5.2 / 60.0, 0.5 / INTERVAL], abs=0.3 / 60)
+    assert found[1] == pytest.approx(0.5 / INTERVAL, rel=1e-12)
+    tiny = 1e-6 * residual
+    assert lines(recorded(u, tiny), tiny) == pytest.approx(found, rel=1e-6)
+
+
 def test_what_a_periodic_input_repeats_is_no_foreign_line():
     u = np.sign(np.sin(2 * np.pi * 0.2 * T + 0.1))
     own = np.sin(2 * np.pi * 0.6 * T) + 0.5 * np.cos(2 * np.pi * 1.4 * T)
@@ -55,14 +67,26 @@ def test_a_line_is_weighed_by_what_the_input_has_around_it():
     assert found[2] == pytest.approx(17.0, abs=0.2 / 60)
 
 
-@pytest.mark.parametrize("at", [700, 1500, 2400])
+@pytest.mark.parametrize("at", [60, 700, 1500, 2400])
 def test_a_jump_of_the_mean_is_found_where_it_is(at):
     rng = np.random.default_rng(3)
     residual = np.where(np.arange(SAMPLES) < at, 0.0, 1.0) + 0.05 * rng.standard_normal(SAMPLES)
     found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, WHOLE)
     assert found[0] == pytest.approx(at * INTERVAL, abs=1.01 * INTERVAL)
     assert len(found) == 2 * 3 + 8
+    # The neighbourhood of an instant, a twentieth of the record on either side, holds no other.
+    assert np.diff(np.sort(found[:3])).min() >= SAMPLES // 20 * INTERVAL - 1e-9
     np.testing.assert_allclose(found[-8:], 60.0 * np.arange(1, 16, 2) / 16)
+
+
+def test_a_change_that_passes_is_found_at_both_ends():
+    samples = np.arange(SAMPLES)
+    residual = 1.0 * ((samples >= 800) & (samples < 2200))
+    residual += 0.01 * np.random.default_rng(3).standard_normal(SAMPLES)
+    found = jumps(recorded(np.zeros(SAMPLES), np.sin(T) + residual), residual, WHOLE)
+    assert sorted(found[:2]) == pytest.approx(
+        [800 * INTERVAL, 2200 * INTERVAL], abs=1.01 * INTERVAL
+    )
 
 
 def test_a_jump_counts_from_the_start_of_its_own_record():
