@@ -53,7 +53,7 @@ def test_an_effect_of_another_form_is_named(name, size):
 
 def test_what_the_catalogue_lacks_is_not_named():
     """Backlash behind a sensor, with the effects of the catalogue that come nearest to it."""
-    made = record([("backlash", 3.0)], duration=40.0, seed=3)
+    made = record([("backlash", 3.0)], duration=20.0, seed=3)
     nearest = (
         "coulomb_friction", "rate_independent_hysteresis", "sensor_lag", "sensor_nonlinearity",
         "transport_delay",
