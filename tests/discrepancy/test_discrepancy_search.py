@@ -404,6 +404,20 @@ def test_a_name_that_the_evidence_is_against_is_not_given():
         assert (found.status, found.answer) == (status, chosen)
 
 
+@pytest.mark.parametrize(
+    ("left", "weight", "status"),
+    [(1.3, 0.2, "ambiguous"), (1.3, 0.5, "named"), (1.001, 0.2, "named")],
+)
+def test_an_unlikely_name_is_given_only_where_it_leaves_noise(left, weight, status):
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    chosen, pair = candidate(left, "dead_zone"), candidate(1.2, "sensor_lag", "second_mode")
+    weighed = Presence((pair, chosen), np.array([1.0 - weight, weight]))
+    found = decide(evidence, chosen, [chosen], [chosen], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer) == (status, chosen)
+    assert found.rivals == ((pair,) if status == "ambiguous" else ())
+
+
 def test_what_a_further_effect_surely_explains_is_not_called_noise():
     """What one effect leaves is coloured noise by every test, but a pair is much likelier."""
     evidence, candidate = graded()

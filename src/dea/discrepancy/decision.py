@@ -160,7 +160,8 @@ def decide(
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = _rivals(evidence, chosen, pool)
-    if weighed.least_of(chosen) <= 1.0 - rules.certain:
+    leaves_noise = chosen.rmse <= rules.clean * evidence.floor
+    if weighed.least_of(chosen) <= 1.0 - (rules.certain if leaves_noise else rules.likely):
         # The evidence is against a part of it, whatever is predicted on blocks left out.
         rivals += [c for c in weighed.candidates[:1] if c.effects != chosen.effects]
     if not rivals:
