@@ -404,6 +404,16 @@ def test_a_name_that_the_evidence_is_against_is_not_given():
         assert (found.status, found.answer) == (status, chosen)
 
 
+@pytest.mark.parametrize(("nominal", "named"), [(1.3, True), (1.1, False)])
+def test_of_a_simulation_that_leaves_noise_nothing_is_named_by_the_evidence_alone(nominal, named):
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules(), nominal=candidate(nominal).fit)
+    sure, rival = candidate(1.01, "sensor_lag"), candidate(1.05, "dead_zone")
+    weighed = Presence((sure, rival), np.array([0.95, 0.05]))
+    found = decide(evidence, None, [sure, rival], [], evidence.nominal.residual, weighed)
+    assert (found.answer is sure) == named
+
+
 @pytest.mark.parametrize(
     ("left", "weight", "status"),
     [(1.3, 0.2, "ambiguous"), (1.3, 0.5, "named"), (1.001, 0.2, "named")],

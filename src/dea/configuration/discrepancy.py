@@ -116,7 +116,9 @@ class Rules(Section):
         "log-odds that a parameter at its bound costs the presence of its effect", default=3.0
     )
     likely: Share = key(
-        "presence from which the sentence calls an effect, or a family, likely", default=0.6
+        "presence from which the sentence calls an effect, or a family, likely; no name is given to"
+        " one whose absence is likely, unless it leaves noise alone",
+        default=0.6,
     )
     poor: Number = key(
         "certified error, in what a complete simulation leaves, above which the sentence calls a"

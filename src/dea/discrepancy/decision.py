@@ -192,13 +192,13 @@ def _stands_alone(
 ) -> bool:
     """Return whether the explanation that the evidence leaves alone is good enough to be named.
 
-    Blocks left out, of which there may be few, need not tell it from its rivals. But no other
-    single effect may leave nearly its misfit, unless that predicts blocks left out much worse.
-    Pairs bend to what they see: none may have nearly the error of another. A part must leave room
-    for the rest.
+    Blocks left out, of which there may be few, need not tell it from its rivals. But the simulation
+    alone must leave more than noise, and no other single effect nearly the same misfit, unless that
+    predicts blocks left out much worse. Pairs bend to what they see: none may have nearly the error
+    of another. A part must leave room for the rest.
     """
     rules, floor = evidence.rules, evidence.floor
-    if not _explained(evidence, surest, weighed):
+    if evidence.nominal_error <= rules.clean * floor or not _explained(evidence, surest, weighed):
         return False
 
     def stands_against(other: Candidate) -> bool:
