@@ -11,7 +11,7 @@ from dea.narx.estimation import normalised
 from dea.narx.labels import pair
 from dea.narx.metrics import rmse
 from dea.narx.model import NarxModel
-from dea.narx.refinement import minimise_from_free_starts
+from dea.narx.refinement import fit_free_runs
 from dea.store import Record
 
 
@@ -62,8 +62,7 @@ def held_out_error(
             for piece in (slice(0, first), slice(last, outputs.size))
             if outputs[piece].size > model.max_lag
         ]
-        segments = normalised(others, model.scaling)
-        fitted = minimise_from_free_starts(model.terms, model.parameters, segments)
+        fitted = fit_free_runs(model.terms, model.parameters, normalised(others, model.scaling))
         if not np.isfinite(fitted.msse):
             return np.inf
         run = model.with_parameters(fitted.parameters).simulate(

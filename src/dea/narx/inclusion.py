@@ -8,7 +8,7 @@ import numpy as np
 from dea.errors import InputError
 from dea.narx.checks import Array
 from dea.narx.estimation import Signals, as_segments, scaling_of
-from dea.narx.selection import select_structure
+from dea.narx.selection import search_terms
 from dea.terms import Term
 
 
@@ -64,5 +64,5 @@ def inclusion_frequency(
     found = []
     for _ in range(resamples):
         drawn = [pieces[i] for i in rng.integers(0, len(pieces), len(pieces))]
-        found.append(select_structure(*map(list, zip(*drawn, strict=True)), **settings))
+        found.append(search_terms(*map(list, zip(*drawn, strict=True)), **settings).terms)
     return np.array([np.mean([term in each for each in found]) for term in terms])

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from dea.errors import InputError
 from dea.narx.candidate_models import Segment
 from dea.narx.descent import PRICES, Descent, Effort, price_by_folds
-from dea.narx.refinement import Minimum, minimise_from_free_starts
+from dea.narx.refinement import Fit, fit_free_runs
 from dea.narx.search import Refined
 from dea.narx.stability import StabilityTest
 from dea.narx.trace import Trace, Tried
@@ -18,15 +18,15 @@ _UNSTABLE_DATA = 100.0  # times the squared error that stable structures may lea
 
 
 class Found(NamedTuple):
-    """One structure, and of each system its parameters in normalised units."""
+    """One structure, and the fit to each system in normalised units."""
 
     terms: tuple[Term, ...]
-    minima: Sequence[Minimum]
+    fits: Sequence[Fit]
 
     @property
     def error(self) -> float:
         """The mean squared simulated error (6), mean of the systems."""
-        return sum(minimum.msse for minimum in self.minima) / len(self.minima)
+        return sum(fit.msse for fit in self.fits) / len(self.fits)
 
 
 def find(
@@ -58,12 +58,12 @@ def find(
         for subset, fit in descent.exchange.by_cost(price, effort.most):
             terms = tuple(candidates[j] for j in subset)
             starts = zip(fit.parameters, systems, strict=True)
-            yield Found(terms, [minimise_from_free_starts(terms, *each) for each in starts])
+            yield Found(terms, [fit_free_runs(terms, *each) for each in starts])
 
     def stable(found: Found) -> bool:
         return all(
-            each.passes(found.terms, minimum.parameters)
-            for each, minimum in zip(tests, found.minima, strict=True)
+            each.passes(found.terms, fit.parameters)
+            for each, fit in zip(tests, found.fits, strict=True)
         )
 
     first = next(polished(), None)

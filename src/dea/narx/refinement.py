@@ -1,6 +1,8 @@
 """Parameters that minimise the simulated error: Levenberg-Marquardt on exact sensitivities."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -63,16 +65,16 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
     """
     records = as_segments(u, y, model.max_lag, len(model.terms))
     segments = normalised(records, model.scaling)
-    found = minimise_from_free_starts(model.terms, model.parameters, segments, iterations)
-    if not np.isfinite(found.msse):
+    fit = fit_free_runs(model.terms, model.parameters, segments, iterations)
+    if not np.isfinite(fit.msse):
         raise InputError(
             "the free run of the model diverges on this record",
             field="model",
             remedy="Start from parameters with which it is stable, or choose other terms.",
         )
     start = _from_smoothed_outputs(model.terms, segments)
-    other = minimise_from_free_starts(model.terms, start, segments, iterations)
-    best = with_covariance(model.terms, min(found, other, key=lambda each: each.msse), segments)
+    other = fit_free_runs(model.terms, start, segments, iterations)
+    best = min(fit, other, key=lambda each: each.msse)
     return model.with_parameters(best.parameters, best.covariance)
 
 
@@ -128,64 +130,42 @@ def _from_smoothed_outputs(terms: tuple[Term, ...], segments: Sequence[Segment])
     return least_squares_of(terms, smoothed)[0]
 
 
-class Minimum(NamedTuple):
-    """A minimum of the simulated error by the parameters and the outputs that runs start from."""
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Parameters at a minimum of the simulated error, and how sure they are.
 
-    parameters: Array  # (terms,)
-    msse: float  # mean squared simulated error (6), normalised units
-    unknowns: Array  # the parameters, and after them starts and trend of each segment
+    The latter is computed when it is asked for: a search compares many fits by their errors.
 
-
-class Fit(NamedTuple):
-    """Parameters at a minimum of the simulated error, and how sure they are."""
-
-    parameters: Array  # (terms,)
-    covariance: Array  # (terms, terms)
-    msse: float  # mean squared simulated error (6), normalised units
-    energy: Array  # (terms, terms) of the run's derivative, less what starts and trends explain
-    unknowns: Array  # the parameters, and after them starts and trend of each segment
-
-
-def minimise_from_free_starts(
-    terms: tuple[Term, ...],
-    start: Array,
-    segments: Sequence[Segment],
-    iterations: int = 30,
-    tolerance: float = 1e-10,
-    trend: int = 0,
-) -> Minimum:
-    """Minimise the simulated error by the parameters and the outputs that each run starts from.
-
-    With a ``trend``, each measured output is the run plus a polynomial of time of that degree
-    without a constant, also unknown: a level that creeps beside the dynamics.
-
-    A start from which the run diverges comes back with an infinite error.
+    Parameters
+    ----------
+    parameters : (terms,)
+    msse
+        Mean squared simulated error (6), normalised units.
+    unknowns
+        The parameters, and after them starts and trend of each segment.
     """
-    task = _FreeRunsFromFreeStarts(terms, segments, trend)
-    point = least_squares.minimise(
-        task, task.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
-    )
-    return Minimum(point.x[: len(terms)].copy(), point.cost / task.samples, point.x)
 
+    parameters: Array
+    msse: float
+    unknowns: Array
+    _task: "_FreeRunsFromFreeStarts"
 
-def with_covariance(
-    terms: tuple[Term, ...], found: Minimum, segments: Sequence[Segment], trend: int = 0
-) -> Fit:
-    """Return what :func:`minimise_from_free_starts` found, and how sure it is.
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance (terms, terms) of the parameters; NaN where the run diverges."""
+        return self._spread[0]
 
-    Without covariance where the error is infinite.
-    """
-    count = len(terms)
-    theta = found.parameters
-    if not np.isfinite(found.msse):
-        unknown = np.full((count, count), np.nan)
-        return Fit(theta, unknown, np.inf, unknown, found.unknowns)
-    runs = _FreeRunsFromFreeStarts(terms, segments, trend).runs(found.unknowns)
-    covariance = covariance_of_free_runs(terms, theta, runs)
-    slope = np.vstack([run.slope for run in runs])
-    own, others = slope[:, :count], slope[:, count:]
-    own = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
-    return Fit(theta, covariance[:count, :count], found.msse, own.T @ own, found.unknowns)
+    @cached_property
+    def energy(self) -> Array:
+        """Energy (terms, terms) of the run's derivative, less what starts and trends explain."""
+        return self._spread[1]
+
+    @cached_property
+    def _spread(self) -> tuple[Array, Array]:
+        if np.isfinite(self.msse):
+            return self._task.spread(self.unknowns)
+        unknown = np.full((self.parameters.size,) * 2, np.nan)
+        return unknown, unknown
 
 
 def fit_free_runs(
@@ -196,9 +176,19 @@ def fit_free_runs(
     tolerance: float = 1e-10,
     trend: int = 0,
 ) -> Fit:
-    """Return the minimum by :func:`minimise_from_free_starts`, and how sure it is."""
-    found = minimise_from_free_starts(terms, start, segments, iterations, tolerance, trend)
-    return with_covariance(terms, found, segments, trend)
+    """Minimise the simulated error by the parameters and the outputs that each run starts from.
+
+    With a ``trend``, each measured output is the run plus a polynomial of time of that degree
+    without a constant, also unknown: a level that creeps beside the dynamics.
+
+    A start from which the run diverges comes back with an infinite error, and without covariance.
+    """
+    task = _FreeRunsFromFreeStarts(terms, segments, trend)
+    point = least_squares.minimise(
+        task, task.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
+    )
+    theta = point.x[: len(terms)].copy()
+    return Fit(theta, point.cost / task.samples, point.x, task)
 
 
 def curvature(
@@ -322,6 +312,15 @@ class _FreeRunsFromFreeStarts:
             left = y - output - powers @ unknown[self._lag :]
             runs.append(FreeRun(u, output, left, slope))
         return runs
+
+    def spread(self, x: Array) -> tuple[Array, Array]:
+        """Return covariance and energy of the parameters, as :class:`Fit` has them."""
+        runs, count = self.runs(x), len(self._terms)
+        covariance = covariance_of_free_runs(self._terms, x[:count], runs)
+        slope = np.vstack([run.slope for run in runs])
+        own, others = slope[:, :count], slope[:, count:]
+        own = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
+        return covariance[:count, :count], own.T @ own
 
     def _split(self, x: Array) -> tuple[Array, Array]:
         count = len(self._terms)

@@ -26,7 +26,7 @@ from dea.narx.forward import forward_and_prune
 from dea.narx.labels import Labels, records_in, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.refined_search import every_run_diverges, find
-from dea.narx.refinement import Minimum, with_covariance
+from dea.narx.refinement import Fit
 from dea.narx.scaling import Scaling
 from dea.narx.search import Forward, Orthogonal, Refined, Search
 from dea.narx.stability import StabilityTest, UnstableModel, assess
@@ -93,22 +93,34 @@ def select_terms(
     InputError
         If the records are not usable or too short, or if no model's run on them is bounded.
     """
-    task = _task(u, y, y_lags, u_lags, degree, even_in_input, scaling)
-    trace, test = Trace(), StabilityTest(task.segments)
-    terms, minimum = _searched(task, search, test, trace)
-    if minimum is None:
-        theta, covariance = least_squares(terms, task.segments)
-        withheld = reason_to_withhold(terms, theta, task.segments)
+    found = search_terms(
+        u, y, y_lags=y_lags, u_lags=u_lags, degree=degree, even_in_input=even_in_input,
+        search=search, scaling=scaling,
+    )  # fmt: skip
+    if found.fit is None:
+        theta, covariance = least_squares(found.terms, found.segments)
+        withheld = reason_to_withhold(found.terms, theta, found.segments)
     else:
-        fit = with_covariance(terms, minimum, task.segments)
-        theta, covariance, withheld = fit.parameters, fit.covariance, ""
-    found = _model(terms, theta, covariance, task.scale, test, trace)
-    return replace(found, withheld=withheld, labels=task.labels)
+        theta, covariance, withheld = found.fit.parameters, found.fit.covariance, ""
+    model = _model(found.terms, theta, covariance, found.scale, found.test, found.trace)
+    return replace(model, withheld=withheld, labels=found.labels)
 
 
-def select_structure(
-    u: Signals,
-    y: Signals,
+class Searched(NamedTuple):
+    """The terms that a search found for one system, and what it found them on."""
+
+    terms: tuple[Term, ...]
+    fit: Fit | None  # where the search refines parameters
+    segments: list[Segment]  # normalised
+    scale: Scaling
+    labels: Labels
+    test: StabilityTest
+    trace: Trace
+
+
+def search_terms(
+    u: Signals | Record | Sequence[Record],
+    y: Signals | None = None,
     *,
     y_lags: Lags = 3,
     u_lags: InputLags = 3,
@@ -116,10 +128,20 @@ def select_structure(
     even_in_input: bool = False,
     search: Search | None = None,
     scaling: Scaling | None = None,
-) -> tuple[Term, ...]:
-    """Return the terms that :func:`select_terms` finds, without their covariance and stability."""
-    task = _task(u, y, y_lags, u_lags, degree, even_in_input, scaling)
-    return _searched(task, search, StabilityTest(task.segments), Trace())[0]
+) -> Searched:
+    """Search as :func:`select_terms` does, which makes and assesses a model of what is found."""
+    candidates = _candidates(y_lags, u_lags, degree, even_in_input, _inputs_in(u))
+    lag, linear = max_lag(candidates), _linear(candidates)
+    inputs, outputs, labels = unpacked(u, y, lag, linear)
+    records = as_segments(inputs, outputs, lag, linear)
+    scale = scaling_of(records, not even_in_input) if scaling is None else scaling
+    segments, trace = normalised(records, scale), Trace()
+    test = StabilityTest(segments)
+    if isinstance(search, Forward | Orthogonal):
+        terms, fit = _by_least_squares(candidates, segments, search, trace), None
+    else:
+        terms, (fit,) = find(candidates, [segments], [test], search or Refined(), trace)
+    return Searched(terms, fit, segments, scale, labels, test, trace)
 
 
 def select_common_terms(
@@ -158,50 +180,10 @@ def select_common_terms(
     systems = [normalised(*each) for each in zip(checked, scales, strict=True)]
     trace, tests = Trace(), [StabilityTest(segments) for segments in systems]
     found = find(candidates, systems, tests, search or Refined(), trace)
-    fits = [
-        with_covariance(found.terms, minimum, segments)
-        for minimum, segments in zip(found.minima, systems, strict=True)
-    ]
     return [
         _model(found.terms, fit.parameters, fit.covariance, scale, test, trace)
-        for fit, scale, test in zip(fits, scales, tests, strict=True)
+        for fit, scale, test in zip(found.fits, scales, tests, strict=True)
     ]
-
-
-class _Task(NamedTuple):
-    """What a search for one system starts from."""
-
-    candidates: tuple[Term, ...]
-    segments: list[Segment]  # normalised
-    scale: Scaling
-    labels: Labels
-
-
-def _task(
-    u: Signals | Record | Sequence[Record],
-    y: Signals | None,
-    y_lags: Lags,
-    u_lags: InputLags,
-    degree: int,
-    even_in_input: bool,
-    scaling: Scaling | None,
-) -> _Task:
-    candidates = _candidates(y_lags, u_lags, degree, even_in_input, _inputs_in(u))
-    lag, linear = max_lag(candidates), _linear(candidates)
-    inputs, outputs, labels = unpacked(u, y, lag, linear)
-    records = as_segments(inputs, outputs, lag, linear)
-    scale = scaling_of(records, not even_in_input) if scaling is None else scaling
-    return _Task(candidates, normalised(records, scale), scale, labels)
-
-
-def _searched(
-    task: _Task, search: Search | None, test: StabilityTest, trace: Trace
-) -> tuple[tuple[Term, ...], Minimum | None]:
-    """Return the terms, and their parameters where the search refines them."""
-    if isinstance(search, Forward | Orthogonal):
-        return _by_least_squares(task.candidates, task.segments, search, trace), None
-    found = find(task.candidates, [task.segments], [test], search or Refined(), trace)
-    return found.terms, found.minima[0]
 
 
 def _by_least_squares(
