@@ -12,6 +12,7 @@ from math import log, nan, pi, sqrt
 import numpy as np
 from numba import njit
 
+from dea.simulation.cubic import weights
 from dea.simulation.devices import dea_membrane
 from dea.simulation.devices.dea_membrane import (
     GRAVITY,
@@ -83,9 +84,7 @@ def tabulated(x: np.ndarray, stress: float, p: np.ndarray, dx: np.ndarray) -> No
         derivative(x, field * p[10] / (p[11] * p[5] * p[5]), p, dx)
         return
     node = min(max(int(place) - 1, 0), NODES - 4)
-    a = place - node
-    b, c, d = a - 1.0, a - 2.0, a - 3.0
-    w0, w1, w2, w3 = -b * c * d / 6.0, 0.5 * a * c * d, -0.5 * a * b * d, a * b * c / 6.0
+    w0, w1, w2, w3 = weights(place - node)
     k0 = header + 2 + COLUMNS * node
     k1, k2, k3 = k0 + COLUMNS, k0 + 2 * COLUMNS, k0 + 3 * COLUMNS
     resisting = w0 * p[k0] + w1 * p[k1] + w2 * p[k2] + w3 * p[k3]

@@ -14,6 +14,7 @@ from math import inf, log, nan, pi, sqrt
 import numpy as np
 from numba import njit
 
+from dea.simulation.cubic import weights
 from dea.simulation.force_port import ForcePort
 from dea.simulation.input_action import InputAction
 from dea.simulation.parameter import Parameter
@@ -149,10 +150,9 @@ def stiffnesses(u: np.ndarray, scale: np.ndarray, p: np.ndarray) -> np.ndarray:
         if not tabulated or node + 3 >= whole:
             result[k] = stiffness(sqrt(pull[k]), p)
             continue
-        b = place - node
-        a, c, d = b + 1.0, b - 1.0, b - 2.0
-        result[k] = 0.5 * (nodes[node + 1] * a * c * d - nodes[node + 2] * a * b * d)
-        result[k] += (nodes[node + 3] * a * b * c - nodes[node] * b * c * d) / 6.0
+        w0, w1, w2, w3 = weights(place - node + 1.0)
+        result[k] = w0 * nodes[node] + w1 * nodes[node + 1]
+        result[k] += w2 * nodes[node + 2] + w3 * nodes[node + 3]
     return result
 
 

@@ -6,6 +6,8 @@ from functools import cache
 import numpy as np
 from numba import float64, njit, types
 
+from dea.simulation.cubic import weights
+
 _VECTOR = types.Array(float64, 1, "C")
 
 
@@ -76,9 +78,7 @@ def delayed_smoothly(u: np.ndarray, delay: float, interval: float) -> np.ndarray
     """
     shift = delay / interval
     whole = int(np.floor(shift))
-    p = shift - whole
-    later, here = -p * (p - 1.0) * (p - 2.0) / 6.0, (p + 1.0) * (p - 1.0) * (p - 2.0) / 2.0
-    before, earlier = -(p + 1.0) * p * (p - 2.0) / 2.0, (p + 1.0) * p * (p - 1.0) / 6.0
+    later, here, before, earlier = weights(shift - whole + 1.0)
     result = np.empty(u.size)
     last = u.size - 1
     for k in range(u.size):
