@@ -1,9 +1,9 @@
 """The cubic through four equidistant values."""
 
-from numba import float64, njit, types
+from numba import njit
 
 
-@njit(types.UniTuple(float64, 4)(float64), cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def weights(place: float) -> tuple[float, float, float, float]:
     """Return the weights of the values at 0, 1, 2 and 3 in their cubic's value at ``place``."""
     a, b, c, d = place, place - 1.0, place - 2.0, place - 3.0
