@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from dea.discrepancy.decision import Decision, Status, confirmed, decide, same_class
+from dea.discrepancy.decision import Decision, Reason, Status, confirmed, decide, same_class
 from dea.discrepancy.evidence.bootstrap import gains
+from dea.discrepancy.evidence.certificate import Certified
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut, folds
 from dea.discrepancy.evidence.localisation import localise
@@ -309,9 +310,32 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
         replace(fitted, residual=np.where(problem.certify, error, 0.0)) for error in (before, after)
     )
     chosen = None if status == "none" else Candidate(final, 0.0, 0.0, 0.0)
-    evidence = judged_by(problem, extended, noise=1.0)
-    found = confirmed(Decision(Status(status), chosen), evidence, nominal)
+    evidence = replace(judged_by(problem, extended, noise=1.0), nominal=nominal)
+    found = confirmed(Decision(Status(status), chosen), evidence, {}, {})
     assert found.status == expected
+
+
+@pytest.mark.parametrize(
+    ("left_out", "tested", "reason"),
+    [
+        ((9.0, 1.0), (9.0, 1.0), None),
+        ((9.0, 9.1), (9.0, 1.0), Reason.OF_ONE_RECORD),
+        ((1.0, 1.1), (9.0, 1.0), Reason.OF_ONE_RECORD),
+        ((9.0, 1.0), (9.0, 9.1), Reason.CONTRADICTED_ELSEWHERE),
+        # It leaves noise, as the simulation alone does there.
+        ((9.0, 1.0), (1.0, 1.1), None),
+    ],
+)
+def test_other_records_can_only_withdraw_a_verdict(left_out, tested, reason):
+    problem, extended = carriage(8)
+    named = Decision(
+        Status.NAMED, Candidate(at(problem, extended, np.zeros(extended.free.size)), 0.0, 0.0, 0.0)
+    )
+    evidence = judged_by(problem, extended, nominal_error=9.0, noise=1.0)
+    others = ({"other": Certified(*errors, 100)} for errors in (left_out, tested))
+    found = confirmed(named, evidence, *others)
+    assert (found.status == "named") is (reason is None)
+    assert found.reason is reason
 
 
 @pytest.mark.parametrize(("error", "expected"), [(0.2, "none"), (0.25, "unknown")])

@@ -231,7 +231,14 @@ def test_nothing_is_missing_for_a_reason(reason):
 
 
 @pytest.mark.parametrize(
-    "reason", [Reason.UNEXPLAINED, Reason.NO_EFFECT, Reason.CONTRADICTED, Reason.OF_ONE_RECORD]
+    "reason",
+    [
+        Reason.UNEXPLAINED,
+        Reason.NO_EFFECT,
+        Reason.CONTRADICTED,
+        Reason.OF_ONE_RECORD,
+        Reason.CONTRADICTED_ELSEWHERE,
+    ],
 )
 def test_what_is_unknown_is_described(reason):
     text = sentence(

@@ -1,17 +1,17 @@
 """From fitted candidates to a name, several, none, or "unknown"."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
 from dea.discrepancy.evidence.bootstrap import Gains, beaten
+from dea.discrepancy.evidence.certificate import Certified, serves
 from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, families_of, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.candidates import Candidate, EffectSet
@@ -44,6 +44,7 @@ class Reason(StrEnum):
     ONLY_CERTIFIED = "only the certified samples show it"
     OF_ONE_RECORD = "the best effect does not serve on the records left out"
     CONTRADICTED = "the best effect fails on the certified samples"
+    CONTRADICTED_ELSEWHERE = "the best effect fails on the test records"
 
 
 @dataclass(frozen=True)
@@ -281,14 +282,18 @@ def _share_of(evidence: Evidence, part: Candidate) -> Share:
 
 
 def confirmed(
-    decision: Decision, evidence: Evidence, nominal: Fit, transfers: bool = True
+    decision: Decision,
+    evidence: Evidence,
+    left_out: Mapping[str, Certified],
+    tested: Mapping[str, Certified],
 ) -> Decision:
-    """Withdraw what the certified samples contradict, or what does not transfer between records.
+    """Withdraw what the certified samples contradict, or other records of the device.
 
-    They choose nothing.
+    They choose nothing. ``left_out`` are the errors on records of a joint diagnosis that were left
+    out in turn, ``tested`` those on test records.
     """
     certify, floor, rules = evidence.problem.certify, evidence.floor, evidence.rules
-    before = rmse(nominal.residual, certify)
+    before = rmse(evidence.nominal.residual, certify)
     level = evidence.nominal_error if decision.reason is Reason.COLOURED else floor
     if decision.status is Status.NONE and before > rules.noise_like * level:
         return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)
@@ -296,8 +301,10 @@ def confirmed(
         after = rmse(decision.answer.fit.residual, certify)
         if after > max(before, rules.clean * floor):
             return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.CONTRADICTED)
-        if not transfers:
+        if not serves(left_out):
             return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.OF_ONE_RECORD)
+        if not serves(tested, rules.clean * floor):
+            return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.CONTRADICTED_ELSEWHERE)
     return decision
 
 

@@ -15,7 +15,7 @@ from dea.discrepancy.decision import (
 )
 from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
 from dea.discrepancy.evidence.bootstrap import Gains, gains
-from dea.discrepancy.evidence.certificate import certify
+from dea.discrepancy.evidence.certificate import Certificate, certify, certify_elsewhere
 from dea.discrepancy.evidence.confusion import confusion
 from dea.discrepancy.evidence.contributions import contributions, ladder
 from dea.discrepancy.evidence.evidence import Evidence
@@ -34,7 +34,7 @@ from dea.discrepancy.evidence.presence import (
     share_removed,
 )
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.evidence.transfer import leave_one_out, transfers
+from dea.discrepancy.evidence.transfer import leave_one_out
 from dea.discrepancy.fit import Fit, on_whole_record
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
@@ -134,18 +134,20 @@ def diagnose(
     chosen = best_extension(evidence, rounds, proven)
     unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
 
-    # Decide.
+    # Decide, and withdraw what samples not used so far contradict.
     decided = decide(evidence, chosen, pool, proven, nominal.residual, weighed)
+    answer = decided.answer.fit if decided.answer else nominal
     left_out = (
-        leave_one_out(problem, nominal, decided.answer.fit)
-        if decided.answer and len(records) > 1
-        else {}
+        leave_one_out(problem, nominal, answer) if decided.answer and len(records) > 1 else {}
     )
-    decision = confirmed(decided, evidence, nominal, transfers(left_out))
-    final = decision.answer.fit if decision.answer else nominal
-
-    # Describe, and certify.
     tell("the answer on samples not used so far")
+    tested = certify_elsewhere(others, nominal, answer)
+    decision = confirmed(decided, evidence, left_out, tested)
+    final = decision.answer.fit if decision.answer else nominal
+    if decision.answer is not decided.answer:
+        left_out, tested = {}, certify_elsewhere(others, nominal, nominal)
+
+    # Describe.
     where = Where(
         localise(problem, near.residual, own.inputs, own.output_unit, problem.seen, rng),
         localise(problem, final.residual, own.inputs, own.output_unit, problem.seen, rng),
@@ -166,7 +168,7 @@ def diagnose(
         where=where,
         unexplained=unexplained,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
-        certificate=certify(problem, nominal, final, others, left_out if decision.answer else {}),
+        certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),
         floor=floor,
         presence=weighed,
         error=error,

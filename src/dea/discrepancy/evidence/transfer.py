@@ -1,7 +1,5 @@
 """Whether what is named in some records of a device serves on the one that was left out."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from dea.discrepancy.evidence.certificate import Certified
@@ -38,8 +36,3 @@ def _on(problem: Problem, record: np.ndarray, fitted: Fit) -> float:
         columns=Columns(held=~extended.own_of_records),
     )
     return rmse(own.residual, record & problem.seen)
-
-
-def transfers(found: Mapping[str, Certified]) -> bool:
-    """Return whether the extension is better on at least half of the records left out."""
-    return 2 * sum(each.after < each.before for each in found.values()) >= len(found)
