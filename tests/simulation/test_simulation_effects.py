@@ -743,6 +743,14 @@ def test_a_line_beside_a_periodic_disturbance_is_no_harmonic(lines, beside):
         assert start[at] == (beside or 0.0)
 
 
+@pytest.mark.parametrize(("periods", "changes"), [(19, False), (21, True)])
+def test_the_phase_of_a_disturbance_changes_slowly_over_many_periods_alone(periods, changes):
+    told = replace(SCALES, foreign_frequencies=(periods / SCALES.duration,))
+    own = catalogue()["periodic_disturbance"].parameters(told)
+    free = [p.spread > 0 for p in own if p.name.startswith("phase")]
+    assert free == [changes] * 5
+
+
 @given(st.sampled_from(sorted(catalogue())), st.integers(0, 2**32 - 1))
 @settings(max_examples=60, deadline=None)
 def test_no_law_leaves_the_numbers_within_its_bounds(name, seed):
