@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from dea.errors import InputError
 from dea.gfrf import (
@@ -85,6 +86,30 @@ def test_each_set_of_parameters_has_its_own_covariance():
         single = frequency_response_band(alone, 1, F, RATE)
         np.testing.assert_allclose(pair.gain_high[i], single.gain_high)
         np.testing.assert_allclose(pair.phase_low[i], single.phase_low)
+
+
+@pytest.mark.parametrize("sets", [(), (4,), (2, 4)])
+def test_the_interval_of_a_linear_rest_is_that_of_error_propagation(sets):
+    """Of y0 = (c + b u0) / (1 - a), whose slopes by c, a and b are 1, y0 and u0 over 1 - a."""
+    rng = np.random.default_rng(4)
+    c, a, b = rng.uniform(0.1, 0.5, (3, *sets))
+    root = 0.02 * rng.standard_normal((*sets, 3, 3))
+    covariance = root @ np.swapaxes(root, -1, -2)
+    theta = np.stack([c, a, b], axis=-1)
+    own = dict(zip(("1", "y(t-1)", "u(t-1)"), theta.reshape(-1, 3)[0], strict=True))
+    found = zero_input_interval(
+        NarxModel.from_terms(own), level=0.9, parameters=theta if sets else None,
+        covariance=covariance, operating_point=0.7,
+    )  # fmt: skip
+    y0 = (c + 0.7 * b) / (1.0 - a)
+    slope = np.stack([np.ones(sets), y0, np.full(sets, 0.7)], axis=-1) / (1.0 - a)[..., None]
+    reach = norm.ppf(0.95) * np.sqrt(np.einsum("...j,...jk,...k", slope, covariance, slope))
+    np.testing.assert_allclose(found, [y0, y0 - reach, y0 + reach], rtol=1e-12)
+
+
+def test_a_variance_that_rounding_leaves_below_zero_is_none():
+    y0, low, high = zero_input_interval(SCALED, covariance=-1e-20 * np.eye(5))
+    assert low == y0 == high
 
 
 def test_a_withheld_band_is_missing_and_a_wrong_covariance_refused():
