@@ -54,3 +54,55 @@ def test_the_usual_interval_survives_jitter_and_gaps(interval):
 def test_times_that_fall_back_are_refused():
     with pytest.raises(InputError, match="sample 3 is at 1 s, the one before it at 2 s"):
         resample(np.array([0.0, 1.0, 2.0, 1.0, 3.0]), np.arange(5.0), np.arange(5.0), 1.0)
+
+
+def test_each_of_several_inputs_is_interpolated_for_itself():
+    time = 100.0 + np.r_[0.0:0.5:0.1, 0.54, 0.6:3.0:0.1]
+    slopes, starts = np.array([2.0, -1.0, 0.5]), np.array([1.0, 7.0, 0.0])
+    u = starts + slopes * time[:, None]
+    found = resample(time, u, straight(time)[1], 0.1)
+    assert found.u.shape == (30, 3)
+    np.testing.assert_allclose(found.u, starts + slopes * (100.0 + found.time[:, None]))
+
+
+@pytest.mark.parametrize("inputs", [1, 2])
+def test_an_interval_of_several_samples_is_missing_where_more_than_half_of_them_are(inputs):
+    """Of the others the output is the mean of what is there, the input that of straight lines."""
+    time = 7.0 + 0.001 * np.arange(200)
+    u = np.stack([straight(time)[0], 5.0 - 4.0 * time], axis=1)[:, :inputs].squeeze()
+    y = np.random.default_rng(4).normal(size=200)
+    lost = {20: 6, 60: 5, 100: 1, 140: 4, 160: 10}
+    kept = np.delete(np.arange(200), [n for at, count in lost.items() for n in at + np.r_[:count]])
+    found = resample(time[kept], u[kept], y[kept], 0.01)
+    np.testing.assert_array_equal(np.flatnonzero(found.missing), [2, 16])
+    expected = [y[kept[kept // 10 == n]].mean() for n in range(20) if n not in (2, 16)]
+    np.testing.assert_allclose(found.y[~found.missing], expected)
+    assert np.isnan(found.y[found.missing]).all()
+    np.testing.assert_allclose(found.u, u.reshape(20, 10, *u.shape[1:]).mean(axis=1))
+
+
+@pytest.mark.parametrize("gap", [(1, 4), (20, 31), (96, 99)])
+def test_a_gap_may_follow_the_first_sample_and_precede_the_last(gap):
+    time = 3.0 + 0.5 * np.arange(100)
+    kept = np.r_[0 : gap[0], gap[1] : 100]
+    found = resample(time[kept], *(signal[kept] for signal in straight(time)), 0.5)
+    np.testing.assert_array_equal(np.flatnonzero(found.missing), np.arange(*gap))
+
+
+def test_beside_a_gap_one_close_sample_is_enough_and_elsewhere_a_distant_one():
+    """Steps of 1.4 are no gap; a sample 0.2 from its place stands for it."""
+    steps = np.arange(100.0)
+    steps[[50, 60]] += 0.4, -0.4
+    steps[[19, 31]] += -0.2, 0.2
+    time = 3.0 + 0.5 * np.delete(steps, np.r_[20:31])
+    found = resample(time, *straight(time), 0.5)
+    np.testing.assert_array_equal(np.flatnonzero(found.missing), np.r_[20:31])
+    expected = straight(3.0 + 0.5 * np.arange(100))[1]
+    np.testing.assert_allclose(found.y[~found.missing], expected[~found.missing])
+
+
+def test_times_closer_than_the_samples_are_missing_but_those_of_a_sample():
+    time = 0.5 * np.arange(20)
+    found = resample(time, *straight(time), 0.2)
+    np.testing.assert_allclose(found.time, 0.2 * np.arange(48), atol=1e-12)
+    np.testing.assert_array_equal(np.flatnonzero(~found.missing), np.arange(0, 48, 5))
