@@ -9,6 +9,7 @@ from dea.narx import NarxModel, linear_terms, regressor_matrix
 from dea.narx.candidate_models import CandidateModels
 from dea.narx.descent import relative_sizes
 from dea.narx.exchange import Exchange, Fit, Structure, System
+from dea.narx.trace import Trace
 
 CANDIDATES = linear_terms(2, 2)
 PRICE = 1e-3
@@ -54,3 +55,44 @@ def test_a_term_has_its_price_and_one_that_others_cancel_costs_more():
     exchange = Exchange(CANDIDATES, [each[0] for each in systems])
     found = exchange.cost(Structure(subset, Fit(tuple(theta), 0.3)), PRICE)
     assert found == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("first", range(len(CANDIDATES)))
+def test_a_search_takes_as_many_steps_as_it_may_and_ends_at_the_least_cost(first):
+    """Each step changes one term, or exchanges one for another, and lowers the cost."""
+    one, models, *_ = system(1)
+    exchange = Exchange(CANDIDATES, [one])
+
+    def fitted(*subset):
+        return Structure(subset, exchange.fit(subset, [models([subset])[0].parameters]))
+
+    subsets = [each for n in range(1, 6) for each in combinations(range(5), n)]
+    least = min((fitted(*each) for each in subsets), key=lambda each: exchange.cost(each, PRICE))
+    now, found, steps = fitted(first), None, 0
+    while steps < 10:
+        trace = Trace()
+        found, taken = exchange.search(fitted(first), PRICE, steps + 1, 5, trace)
+        rows = trace.to_dataset()
+        accepted = ~rows.trial_status.isin(["rejected", "unstable"])
+        np.testing.assert_array_equal(rows.trial_step[accepted], np.arange(taken) + 1)
+        if taken == steps:
+            assert rows.trial_step.max() == steps + 1
+            break
+        steps += 1
+        assert taken == steps
+        assert len(set(found.subset) ^ set(now.subset)) in (1, 2)
+        assert exchange.cost(found, PRICE) < exchange.cost(now, PRICE)
+        last = rows.isel(trial=accepted).isel(trial=-1)
+        assert last.trial_msse == pytest.approx(found.fit.error * one.power)
+        assert last.trial_serr == pytest.approx(now.fit.error - found.fit.error)
+        now = found
+    assert steps >= 2
+    assert found.subset == least.subset
+
+
+def test_without_rounds_nothing_is_tried():
+    one, models, *_ = system(1)
+    exchange, trace = Exchange(CANDIDATES, [one]), Trace()
+    start = Structure((0,), exchange.fit((0,), [models([(0,)])[0].parameters]))
+    assert exchange.search(start, PRICE, 0, 5, trace) == (start, 0)
+    assert trace.to_dataset().sizes["trial"] == 0
