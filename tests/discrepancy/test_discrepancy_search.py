@@ -215,11 +215,12 @@ def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, statu
     assert found.status == status
 
 
+@pytest.mark.parametrize("names", [("dead_zone",), ("dead_zone", "second_mode")])
 @pytest.mark.parametrize(
     ("curve", "before", "status"),
     [(0.0, 9.0, "named"), (2.5, 9.0, "unknown"), (0.0, 4.0, "unknown")],
 )
-def test_an_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before, status):
+def test_effects_may_leave_noise_of_any_colour_and_nothing_else(curve, before, status, names):
     """What is left is three floors of coloured noise, in part replaced by a curve of the input."""
     problem, extended = hidden("dead_zone")
     plain = at(problem, extended, np.zeros(extended.free.size))
@@ -229,7 +230,9 @@ def test_an_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before,
     noise = NOISE * (rng.standard_normal(slow.size) + np.sqrt(8.0 - curve**2) * slow / slow.std())
     bent = problem.u**3
     left = noise + curve * bent / bent.std() * NOISE
-    attached = extended.attach(catalogue()["dead_zone"], told)
+    attached = extended
+    for name in names:
+        attached = attached.attach(catalogue()[name], told)
     error = problem.seen_rmse(left)
     chosen = Candidate(
         Fit(attached, plain.coordinates, left, plain.jacobian, 0.0), error, error, 9.0

@@ -331,7 +331,7 @@ def _explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool
         return True
     if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
         # Several laws together fit almost any residual, so that they must leave noise alone.
-        return False
+        return _leaves_coloured_noise(evidence, chosen, weighed)
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     if left > rules.misfit * whole:
         return _leaves_coloured_noise(evidence, chosen, weighed)
