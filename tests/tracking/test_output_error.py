@@ -33,6 +33,56 @@ def test_standing_parameters_are_those_of_the_least_free_run_error():
     np.testing.assert_allclose(found.theta, np.tile(best.x, (u.size - 1, 1)), rtol=2e-3)
 
 
+def gauss_newton(terms, theta, u, y):
+    """Five steps at most, each halved until the error falls; a fall below 1 % is the last."""
+
+    def run(theta):
+        return simulate(terms, theta, u, y[:1])
+
+    def squared(theta):
+        return np.mean((run(theta) - y) ** 2)
+
+    for _ in range(5):
+        columns = [(run(theta + d) - run(theta - d)) / 2e-6 for d in 1e-6 * np.eye(theta.size)]
+        step = np.linalg.lstsq(np.stack(columns, axis=1), y - run(theta))[0]
+        while not squared(theta + step) < squared(theta):
+            step /= 2.0
+        theta = theta + step
+        if squared(theta) > 0.99 * squared(theta - step):
+            break
+    return theta
+
+
+def offset_record(offset):
+    """Return a plant, and its record with noise and a constant that its structure lacks."""
+    rng = np.random.default_rng(1)
+    plant = NarxModel.from_terms({"y(t-1)": 0.9, "u(t-1)": 0.5})
+    u = np.repeat(rng.standard_normal(100), 4)
+    return plant, u, offset + plant.simulate(u) + 0.3 * rng.standard_normal(u.size)
+
+
+def test_where_the_structure_lacks_a_constant_the_free_runs_fit_stays_and_is_not_settled():
+    plant, u, y = offset_record(2.0)
+    start = np.array([0.5, 0.5])
+    model, walk = plant.with_parameters(start), RandomWalk(np.zeros(2), prior_variance=1e6)
+    found = smooth_simulation(model, standing(start, u.size - 1), u, y, walk)
+    assert found.reached
+    assert not found.settled
+    expected = gauss_newton(plant.terms, start, u, y)
+    np.testing.assert_allclose(found.smoothed.theta[[0, -1]], [expected] * 2, rtol=1e-5)
+
+
+def test_with_white_noise_alone_the_parameters_settle():
+    plant, u, y = offset_record(0.0)
+    start = np.array([0.5, 0.5])
+    model, walk = plant.with_parameters(start), RandomWalk(np.zeros(2), prior_variance=1e3)
+    found = smooth_simulation(model, standing(start, u.size - 1), u, y, walk)
+    assert found.reached
+    assert found.settled
+    deviation = np.sqrt(found.smoothed.variance[-1])
+    assert (np.abs(found.smoothed.theta[-1] - plant.parameters) < 3 * deviation).all()
+
+
 def test_where_no_step_lowers_the_error_the_result_is_the_start_itself():
     rng = np.random.default_rng(4)
     model = NarxModel.from_terms({"u(t-1)": 0.5})
