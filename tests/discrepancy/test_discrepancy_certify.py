@@ -123,6 +123,76 @@ def test_a_start_unlike_those_that_are_known_is_fitted():
     assert found["other"].after < 0.2
 
 
+DECAYS = np.exp(-np.arange(U.size)[:, None] * INTERVAL / [0.1, 0.2])
+STARTS = np.array([[0.0, 0.0], [0.4, -0.8]])
+
+
+def quickly_settling(x, u, p, dx):
+    """Two states whose courses are ``DECAYS``."""
+    dx[0] = -x[0] / 0.1
+    dx[1] = -x[1] / 0.2
+
+
+def quick_device():
+    """Return a fit to two records that begin at ``STARTS``."""
+    own = Simulation(
+        name="quickly_settling", input_unit="V", output_unit="V",
+        states=(State("fast", "V", 0.0, 3.0), State("slow", "V", 0.0, 3.0)),
+        parameters=(Parameter("gain", "1", 1.0, 0.3, 0.1, 10.0, log=True),),
+        derivative=quickly_settling, output=both, drive="gain", force_ports=(),
+    )  # fmt: skip
+    half = U.size // 2
+    extended = prepared(own, U, INTERVAL, 1e-3, (half, half))
+    values = extended.values(np.zeros(extended.free.size))
+    for record, start in zip(("", "record_2."), STARTS, strict=True):
+        for name, value in zip(("fast", "slow"), start, strict=True):
+            values[extended.names.index(f"{record}initial.{name}")] = value
+    y = extended.simulate(values, U, INTERVAL)
+    y += NOISE * np.random.default_rng(3).standard_normal(U.size)
+    everything = np.ones(U.size, bool)
+    problem = Problem(U, y, INTERVAL, everything, everything, everything, NOISE)
+    return at(problem, extended, extended.coordinates(values))
+
+
+def memory(residual):
+    """Return the sum of the autocorrelation about zero up to where it first is not positive."""
+    products = np.correlate(residual, residual, "full")[residual.size - 1 :] / (residual @ residual)
+    return 1.0 + 2.0 * products[1 : np.argmax(products <= 0.0)].sum()
+
+
+def errors_from_the_best_start(y):
+    """Return the errors from a start that is known or fitted, and whether it is the latter.
+
+    A start of two states gains its samples, in units of their memory, times the fall of the
+    logarithm of the error, and costs half a logarithm of their number for each state.
+    """
+    head = slice(y.size // 10)
+    own = np.linalg.lstsq(DECAYS[head], (y + U)[head])[0]
+    known = min(STARTS, key=lambda start: np.std((y + U - DECAYS @ start)[head]))
+    before, after = (y + U - DECAYS @ start for start in (known, own))
+    number = y[head].size
+    fall = 0.5 * np.log(np.mean(before[head] ** 2) / np.mean(after[head] ** 2))
+    fitted = number / memory(before[head]) * fall > 0.5 * 2 * np.log(number)
+    return (after if fitted else before), fitted
+
+
+@pytest.mark.parametrize("beside", [0, 1])
+def test_a_start_is_fitted_where_the_bayesian_information_criterion_takes_it(beside):
+    device = quick_device()
+    rng = np.random.default_rng(4)
+    others, expected, fitted = {}, {}, []
+    for away in (0.0, 0.01, 0.02, 0.04, 0.06, 0.1, 0.15):
+        start = STARTS[beside] + [away, 0.5 * away]
+        y = -U + DECAYS @ start + NOISE * rng.standard_normal(U.size)
+        others[str(away)] = Samples(-U, y, INTERVAL)
+        errors, own = errors_from_the_best_start(y)
+        expected[str(away)] = np.sqrt(np.mean(errors**2))
+        fitted.append(own)
+    found = certify_elsewhere(others, device, device)
+    assert {name: each.after for name, each in found.items()} == pytest.approx(expected, rel=1e-5)
+    assert fitted[0] is not fitted[-1]
+
+
 @pytest.mark.parametrize(
     ("after", "good"),
     [([], True), ([0.9], True), ([1.1], False), ([0.9, 1.1], True), ([0.9, 1.1, 1.1], False)],
