@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import permutations
 from math import pi
 from types import SimpleNamespace
 
@@ -26,8 +27,11 @@ from dea.simulation import (
     prepared,
     save_extended,
 )
+from dea.simulation import extended as extended_simulation
+from dea.simulation import integrate as integrator
+from dea.simulation.arguments import Equations, ForceLaw
 from dea.simulation.loading import built_in
-from dea.simulation.signatures import OUTPUT, compiled
+from dea.simulation.signatures import OUTPUT, SLOTS, compiled, no_force, no_update
 from user_simulation import SLOPE, write_simulation
 
 DT = 0.02
@@ -296,6 +300,53 @@ def test_only_so_many_forces_can_be_attached():
     extended = extended.attach(catalogue()["dead_zone"], told)
     with pytest.raises(InputError, match="3 forces are attached already"):
         extended.attach(catalogue()["viscoelastic_creep"], told)
+
+
+REMEMBERING = ("stress_relaxation", "viscoelastic_creep", "second_mode")
+
+
+def pushed(names):
+    """Return a carriage on which forces with memory act, its parameter values and an input."""
+    u = np.sin(2 * np.pi * 0.7 * T)
+    extended = prepared(load_simulation("mass_spring_damper"), u, DT, 1e-4)
+    values = extended.values(np.zeros(extended.free.size))
+    scales = measured_scales(extended, values, SimpleNamespace(u=u, y=u, interval=DT))
+    laws = {name: catalogue()[name].starts(scales)[0] for name in REMEMBERING}
+    laws["stress_relaxation"] = (0.5, 0.5, 0.8, 0.3)
+    for name in names:
+        extended = extended.attach(catalogue()[name], scales)
+    return extended, np.concatenate([values, *(laws[name] for name in names)]), u
+
+
+@pytest.mark.parametrize("names", [REMEMBERING[:2], REMEMBERING[::2], REMEMBERING[1:], REMEMBERING])
+def test_forces_add_up_in_any_order(names):
+    def output(order):
+        extended, values, u = pushed(order)
+        return extended.simulate(values, u, DT)
+
+    expected = output(names)
+    alone = output(names[:1])
+    assert np.abs(expected - alone).max() > 1e-2
+    for order in permutations(names):
+        np.testing.assert_allclose(output(order), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3])
+def test_the_integrator_stays_within_its_arrays(monkeypatch, count):
+    """Compiled code checks no index; the same steps in Python do."""
+    extended, values, u = pushed(REMEMBERING[:count])
+    compiled_run = extended.run(values, u[:50], DT)
+    empty = [ForceLaw(no_force, no_update)] * (SLOTS - count)
+    laws = [ForceLaw(a.effect.force, a.effect.update) for a in extended.attached]
+    own = extended.simulation
+
+    def interpreted(_, *arguments):
+        equations = Equations(own.compiled_derivative, own.compiled_output, *laws, *empty)
+        return integrator.integrate.py_func(equations, *arguments)
+
+    monkeypatch.setattr(integrator, "_positions", integrator._positions.py_func)
+    monkeypatch.setattr(extended_simulation, "integrate", interpreted)
+    np.testing.assert_allclose(extended.run(values, u[:50], DT), compiled_run, rtol=1e-6, atol=1e-9)
 
 
 def test_a_constant_can_add_to_the_input(tmp_path):
