@@ -123,6 +123,22 @@ def test_a_start_unlike_those_that_are_known_is_fitted():
     assert found["other"].after < 0.2
 
 
+@pytest.mark.parametrize("known", [slice(2, 4), slice(300, 1400)])
+def test_a_start_is_told_by_the_first_outputs_that_are_known(known):
+    fitted, extended, values = settling_device()
+    other = recorded(extended, values)
+    y = np.full(U.size, np.nan)
+    y[known] = other.y[known]
+    found = certify_elsewhere({"other": replace(other, y=y)}, fitted, fitted)
+    assert found["other"].after == pytest.approx(NOISE, rel=0.6)
+
+
+def test_a_record_that_is_met_exactly_leaves_no_error():
+    fitted, extended, values = settling_device()
+    other = Samples(-U, extended.simulate(values, -U, INTERVAL), INTERVAL)
+    assert certify_elsewhere({"other": other}, fitted, fitted)["other"].after < 1e-9
+
+
 DECAYS = np.exp(-np.arange(U.size)[:, None] * INTERVAL / [0.1, 0.2])
 STARTS = np.array([[0.0, 0.0], [0.4, -0.8]])
 

@@ -11,7 +11,7 @@ from dea.discrepancy.problem import Problem, Samples, rmse
 from dea.missing import filled
 from dea.simulation import ExtendedSimulation
 
-# Part of another record at its start that the state at the start is fitted to.
+# Part of the known outputs of another record, its first, that the state at the start is fitted to.
 _HEAD = 0.1
 
 
@@ -92,7 +92,7 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
     if not extended.at_start.any():
         return extended.simulate(known[0], other.u, other.interval)
     outputs, seen = filled(other.y)
-    head = seen & (np.arange(other.size) < max(10, round(_HEAD * other.size)))
+    head = seen & (np.cumsum(seen) <= max(10, round(_HEAD * seen.sum())))
     nothing = np.zeros_like(head)
     noise = max(rmse(fitted.residual, np.isfinite(fitted.residual)), 1e-12)
     problem = Problem(other.u, outputs, other.interval, head, nothing, nothing, noise)
@@ -105,6 +105,7 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
         return tried[-1]
     # Errors that are alike from sample to sample count as fewer.
     samples = max(head.sum() / memory_of((other.y - tried[nearest])[head], 0.0), 1.0)
-    gained = samples * np.log(errors[nearest] / max(errors[-1], 1e-300))
+    least = np.finfo(float).tiny
+    gained = samples * np.log(max(errors[nearest], least) / max(errors[-1], least))
     charge = 0.5 * int(extended.at_start.sum()) * np.log(head.sum())
     return tried[-1] if gained > charge else tried[nearest]

@@ -74,7 +74,7 @@ def memory_of(residual: np.ndarray, mean: float | None = None) -> float:
     """
     centre = residual.mean() if mean is None else mean
     spectrum = np.abs(np.fft.rfft(residual - centre, 2 * residual.size)) ** 2
-    correlation = np.fft.irfft(spectrum)[: residual.size // 4]
+    correlation = np.fft.irfft(spectrum)[: max(residual.size // 4, 1)]
     correlation /= correlation[0] or 1.0
     crossing = int(np.argmax(correlation <= 0)) or correlation.size
     return 1.0 + 2.0 * float(np.sum(correlation[1:crossing]))
