@@ -194,7 +194,6 @@ def test_many_idle_clients_do_not_keep_out_the_rest(bench, open_socket):
     assert soon(lambda: len(bench.server.connections) == 64)
     for each in idle[:5]:
         each.close()
-    assert soon(lambda: len(bench.server.connections) < 64)
     assert alive(open_socket)
 
 
