@@ -11,7 +11,7 @@ from dea.discrepancy.problem import Problem, Samples, rmse
 from dea.missing import filled
 from dea.simulation import ExtendedSimulation
 
-# Part of the known outputs of another record, its first, that the state at the start is fitted to.
+# Part of the known outputs of another record, from its start, that its initial state is fitted to.
 _HEAD = 0.1
 
 
@@ -68,8 +68,8 @@ def certify_elsewhere(
 
 
 def serves(found: Mapping[str, Certified], noise: float = 0.0) -> bool:
-    """Return whether an extension is better, or leaves noise, on at least half of other records."""
-    good = sum(each.after < each.before or each.after <= noise for each in found.values())
+    """Return whether an extension is no worse, or leaves noise, on half of other records."""
+    good = sum(each.after <= max(each.before, noise) for each in found.values())
     return 2 * good >= len(found)
 
 
