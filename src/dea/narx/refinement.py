@@ -143,19 +143,21 @@ class Fit:
         Mean squared simulated error (6), normalised units.
     unknowns
         The parameters, and after them starts and trend of each segment.
+    task
+        What was minimised, which refers to the segments.
     """
 
     parameters: Array
     msse: float
     unknowns: Array
-    _task: "_FreeRunsFromFreeStarts"
+    task: "_FreeRunsFromFreeStarts"
 
-    @cached_property
+    @property
     def covariance(self) -> Array:
         """Covariance (terms, terms) of the parameters; NaN where the run diverges."""
         return self._spread[0]
 
-    @cached_property
+    @property
     def energy(self) -> Array:
         """Energy (terms, terms) of the run's derivative, less what starts and trends explain."""
         return self._spread[1]
@@ -163,7 +165,7 @@ class Fit:
     @cached_property
     def _spread(self) -> tuple[Array, Array]:
         if np.isfinite(self.msse):
-            return self._task.spread(self.unknowns)
+            return self.task.spread(self.unknowns)
         unknown = np.full((self.parameters.size,) * 2, np.nan)
         return unknown, unknown
 
@@ -191,9 +193,7 @@ def fit_free_runs(
     return Fit(theta, point.cost / task.samples, point.x, task)
 
 
-def curvature(
-    terms: tuple[Term, ...], fit: Fit, segments: Sequence[Segment], trend: int = 0
-) -> float:
+def curvature(fit: Fit) -> float:
     """Return how far the free run is from linear within two standard deviations of an estimate.
 
     Along each direction that the output tells apart, the run at either end is set against its
@@ -201,19 +201,11 @@ def curvature(
     departure, as a share of what the linearisation predicts, is the largest over all directions: D.
     M. Bates and D. G. Watts, JRSS B 42 (1980), relative curvatures. Infinite where a run diverges
     or rounding has left a direction without a variance.
-
-    Parameters
-    ----------
-    fit, segments, trend
-        Of :func:`fit_free_runs`.
     """
     if not np.isfinite(fit.msse):
         return np.inf
-    task, count = _FreeRunsFromFreeStarts(terms, segments, trend), len(terms)
-    slope = np.vstack([run.slope for run in task.runs(fit.unknowns)])
-    own, others = slope[:, :count], slope[:, count:]
-    follow = np.linalg.lstsq(others, own, rcond=None)[0]
-    seen = own - others @ follow
+    task = fit.task
+    slope, seen, follow = task.told_apart(task.runs(fit.unknowns))
     norms = column_norms(seen)
     covariance = fit.covariance * np.outer(norms, norms)
     middle, largest = task.outputs(fit.unknowns), 0.0
@@ -317,10 +309,19 @@ class _FreeRunsFromFreeStarts:
         """Return covariance and energy of the parameters, as :class:`Fit` has them."""
         runs, count = self.runs(x), len(self._terms)
         covariance = covariance_of_free_runs(self._terms, x[:count], runs)
+        seen = self.told_apart(runs)[1]
+        return covariance[:count, :count], seen.T @ seen
+
+    def told_apart(self, runs: Sequence[FreeRun]) -> tuple[Array, Array, Array]:
+        """Return the slope, that by the parameters less what starts and trends explain, and how.
+
+        The latter is what starts and trends do as the parameters move, with the sign changed.
+        """
+        count = len(self._terms)
         slope = np.vstack([run.slope for run in runs])
         own, others = slope[:, :count], slope[:, count:]
-        own = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
-        return covariance[:count, :count], own.T @ own
+        follow = np.asarray(np.linalg.lstsq(others, own, rcond=None)[0], dtype=np.float64)
+        return slope, own - others @ follow, follow
 
     def _split(self, x: Array) -> tuple[Array, Array]:
         count = len(self._terms)

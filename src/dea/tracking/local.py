@@ -160,15 +160,8 @@ class _Windowed:
 
     def curvature(self, fits: list[Fit | None]) -> float:
         """Return the median over windows without common samples."""
-        chosen = zip(fits[:: self._overlap], self._windows[:: self._overlap], strict=True)
-        return float(
-            np.median(
-                [
-                    np.inf if fit is None else curvature(self._model.terms, fit, window, _TREND)
-                    for fit, window in chosen
-                ]
-            )
-        )
+        chosen = fits[:: self._overlap]
+        return float(np.median([np.inf if fit is None else curvature(fit) for fit in chosen]))
 
 
 def _stretches(u: Array, y: Array, least: int) -> list[tuple[Array, Array]]:
