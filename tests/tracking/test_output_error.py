@@ -53,19 +53,19 @@ def gauss_newton(terms, theta, u, y):
     return theta
 
 
-def offset_record(offset):
-    """Return a plant, and its record with noise and a constant that its structure lacks."""
+def smoothed_beside(offset, prior_variance):
+    """Return a plant, where it began, its record with noise and a constant, and the smoothed."""
     rng = np.random.default_rng(1)
     plant = NarxModel.from_terms({"y(t-1)": 0.9, "u(t-1)": 0.5})
     u = np.repeat(rng.standard_normal(100), 4)
-    return plant, u, offset + plant.simulate(u) + 0.3 * rng.standard_normal(u.size)
+    y = offset + plant.simulate(u) + 0.3 * rng.standard_normal(u.size)
+    start, walk = np.array([0.5, 0.5]), RandomWalk(np.zeros(2), prior_variance=prior_variance)
+    model = plant.with_parameters(start)
+    return plant, start, u, y, smooth_simulation(model, standing(start, u.size - 1), u, y, walk)
 
 
 def test_where_the_structure_lacks_a_constant_the_free_runs_fit_stays_and_is_not_settled():
-    plant, u, y = offset_record(2.0)
-    start = np.array([0.5, 0.5])
-    model, walk = plant.with_parameters(start), RandomWalk(np.zeros(2), prior_variance=1e6)
-    found = smooth_simulation(model, standing(start, u.size - 1), u, y, walk)
+    plant, start, u, y, found = smoothed_beside(2.0, prior_variance=1e6)
     assert found.reached
     assert not found.settled
     expected = gauss_newton(plant.terms, start, u, y)
@@ -73,10 +73,7 @@ def test_where_the_structure_lacks_a_constant_the_free_runs_fit_stays_and_is_not
 
 
 def test_with_white_noise_alone_the_parameters_settle():
-    plant, u, y = offset_record(0.0)
-    start = np.array([0.5, 0.5])
-    model, walk = plant.with_parameters(start), RandomWalk(np.zeros(2), prior_variance=1e3)
-    found = smooth_simulation(model, standing(start, u.size - 1), u, y, walk)
+    plant, *_, found = smoothed_beside(0.0, prior_variance=1e3)
     assert found.reached
     assert found.settled
     deviation = np.sqrt(found.smoothed.variance[-1])
