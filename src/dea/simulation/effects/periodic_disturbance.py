@@ -8,9 +8,11 @@ from dea.simulation.scales import Scales
 
 _HARMONICS = 5
 _WANDERS = range(2, 7)
-# Periods in a record by which two lines must differ at least, and with which the phase may change
-# slowly: with fewer, such a wave is almost any course in time.
-_APART, _MANY = 2.0, 20.0
+# Periods in a record by which two lines must differ at least.
+_APART = 2.0
+# Periods in a record from which the phase may change slowly: with fewer, such a wave is almost any
+# course in time.
+_MANY = 20.0
 
 
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
@@ -19,6 +21,8 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
     They may grow with the output: what disturbs the drive shows where the output is steep.
     """
     *wander, beside, cosine, sine, growth, duration, middle, half = q[1 + 2 * _HARMONICS :]
+    if q[0] * duration < _MANY:
+        wander = [0.0]
     slow = np.polynomial.legendre.legval(2.0 * t / duration - 1.0, [0.0, 0.0, *wander])
     phase = 2.0 * np.pi * q[0] * t + slow
     wave = np.zeros_like(y)
@@ -41,7 +45,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     nyquist = 0.5 / scales.interval
     frequency = scales.foreign_frequencies[0] if scales.foreign_frequencies else 0.1 * nyquist
     apart, resolved = _line_beside(scales), 0.1 / scales.duration
-    there, many = float(apart is not None), float(frequency * scales.duration >= _MANY)
+    there = float(apart is not None)
     return (
         Parameter("frequency", "Hz", frequency, resolved, 0.0, nyquist),
         *(
@@ -49,7 +53,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
             for n in range(_HARMONICS)
             for part in ("cosine", "sine")
         ),
-        *(Parameter(f"phase_{n}", "rad", 0.0, 0.3 * many, shape=True) for n in _WANDERS),
+        *(Parameter(f"phase_{n}", "rad", 0.0, 0.3, shape=True) for n in _WANDERS),
         Parameter("line_beside", "Hz", apart or 0.0, there * resolved, 0.0, nyquist, shape=True),
         *(
             Parameter(f"{part}_beside", unit, 0.0, there * size, shape=True)
