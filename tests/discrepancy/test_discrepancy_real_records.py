@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from dea import store
+from dea.configuration.record import is_part_of
 from dea.discrepancy import Settings, diagnose
 from dea.simulation import catalogue
 from measured_records import DATA, needs_records
@@ -37,7 +38,11 @@ def diagnosed(name, effects=(), **record):
     return diagnose(
         read(case["record"] | record),
         case["simulation"],
-        test_records={part: read(record) for part, record in case["test_records"].items()},
+        test_records={
+            part: read(test)
+            for part, test in case["test_records"].items()
+            if not is_part_of(test, case["record"] | record)
+        },
         settings=Settings.of(leaves),
     )
 

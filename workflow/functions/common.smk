@@ -8,6 +8,7 @@ import imports
 from dea.audit import collect, withdraw
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.case import read_cases, simulation_of
+from dea.configuration.record import is_part_of
 from dea.configuration.study import check_actuators, check_names, check_study
 from dea.configuration.study import settings as written
 

@@ -1,13 +1,3 @@
-def is_part_of(test, record):
-    """Whether a test record holds samples of the record, all of which a diagnosis sees."""
-    if {**test, "rows": None} != {**record, "rows": None}:
-        return False
-    rows, of_record = test.get("rows"), record.get("rows")
-    return of_record is None or (
-        rows is not None and of_record[0] <= rows[0] and rows[1] <= of_record[1]
-    )
-
-
 def test_records(wildcards):
     """Records of the same system under another excitation."""
     if wildcards.system in ACTUATORS:

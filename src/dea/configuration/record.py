@@ -1,6 +1,7 @@
 """A record made elsewhere: its file, and what the columns of the file are."""
 
-from typing import Annotated, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
@@ -88,4 +89,17 @@ class Record(Columns):
     file: str = key(
         "text table (.csv, .txt, .dat), NetCDF, MATLAB, .xlsx or .parquet file, relative to the"
         " project"
+    )
+
+
+def is_part_of(test: Mapping[str, Any], record: Mapping[str, Any]) -> bool:
+    """Return whether a test record holds samples of the record alone, all of which are diagnosed.
+
+    Both are descriptions as a case writes them.
+    """
+    if {**test, "rows": None} != {**record, "rows": None}:
+        return False
+    rows, of_record = test.get("rows"), record.get("rows")
+    return of_record is None or (
+        rows is not None and bool(of_record[0] <= rows[0] and rows[1] <= of_record[1])
     )
