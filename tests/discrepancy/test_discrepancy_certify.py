@@ -5,14 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dea.discrepancy import diagnose
 from dea.discrepancy.evidence.certificate import (
     Certified,
     certify_elsewhere,
-    serves,
+    contradicting,
     transferable,
 )
 from dea.discrepancy.fit import at
 from dea.discrepancy.problem import Problem, Samples
+from dea.errors import InputError
 from dea.simulation import (
     ExtendedSimulation,
     Parameter,
@@ -23,6 +25,7 @@ from dea.simulation import (
     measured_scales,
     prepared,
 )
+from dea.store import Record
 
 INTERVAL, NOISE = 0.02, 0.01
 U = np.repeat(np.random.default_rng(1).uniform(-1, 1, 60), 25)
@@ -210,10 +213,33 @@ def test_a_start_is_fitted_where_the_bayesian_information_criterion_takes_it(bes
 
 
 @pytest.mark.parametrize(
-    ("after", "good"),
-    [([], True), ([0.9], True), ([1.1], False), ([0.9, 1.1], True), ([0.9, 1.1, 1.1], False)],
+    ("after", "against"),
+    [
+        ([], []),
+        ([0.9], []),
+        ([1.1], [0]),
+        ([0.9, 1.1], []),
+        ([0.9, 1.1, 1.1], [1, 2]),
+        ([0.9, np.nan, 1.0], [1]),
+        ([0.9, np.inf], [1]),
+    ],
 )
-def test_an_extension_serves_on_half_of_the_other_records(after, good):
-    found = {f"record_{n}": Certified(1.0, error, 100) for n, error in enumerate(after)}
-    assert serves(found) is good
-    assert serves(found, noise=1.1)
+def test_an_extension_is_contradicted_by_most_other_records_or_where_it_runs_away(after, against):
+    found = {n: Certified(1.0, error, 100) for n, error in enumerate(after)}
+    assert list(contradicting(found)) == against
+    left = [n for n in against if not np.isfinite(after[n])]
+    assert list(contradicting(found, noise=1.1)) == left
+
+
+def test_where_both_run_away_nothing_is_contradicted_by_one_of_two():
+    found = {"away": Certified(np.inf, np.inf, 100), "near": Certified(1.0, 0.9, 100)}
+    assert not contradicting(found)
+
+
+def test_a_test_record_without_outputs_is_refused_by_its_name_before_anything_is_fitted():
+    whole, empty = (
+        Record.of(U, y, sampling_rate=1 / INTERVAL, units=("V", "V"))
+        for y in (U, np.full(U.size, np.nan))
+    )
+    with pytest.raises(InputError, match=r"test_records\.empty\.output: no output .* is known"):
+        diagnose(whole, "mass_spring_damper", test_records={"empty": empty})

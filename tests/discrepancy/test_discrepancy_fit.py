@@ -336,6 +336,22 @@ def test_other_records_can_only_withdraw_a_verdict(left_out, tested, reason):
     found = confirmed(named, evidence, *others)
     assert (found.status == "named") is (reason is None)
     assert found.reason is reason
+    by = {Reason.OF_ONE_RECORD: left_out, Reason.CONTRADICTED_ELSEWHERE: tested}
+    against = {"other": Certified(*by[reason], 100)} if reason else {}
+    assert found.contradicted == against
+
+
+@pytest.mark.parametrize(
+    ("reason", "after", "status"),
+    [(None, 2.0, "unknown"), (Reason.COLOURED, 2.0, "named"), (Reason.COLOURED, 3.0, "unknown")],
+)
+def test_beside_coloured_noise_an_answer_may_leave_as_much_elsewhere(reason, after, status):
+    problem, extended = carriage(8)
+    answer = Candidate(at(problem, extended, np.zeros(extended.free.size)), 2.0, 2.0, 0.0)
+    named = Decision(Status.NAMED, answer, reason=reason)
+    evidence = judged_by(problem, extended, nominal_error=9.0, noise=1.0)
+    found = confirmed(named, evidence, {}, {"other": Certified(1.5, after, 100)})
+    assert found.status == status
 
 
 @pytest.mark.parametrize(("error", "expected"), [(0.2, "none"), (0.25, "unknown")])

@@ -257,6 +257,21 @@ def test_what_is_unknown_is_described(reason):
     )
 
 
+def test_what_withdrew_an_answer_is_told():
+    withdrawn = found(Status.UNKNOWN, reason=Reason.CONTRADICTED_ELSEWHERE, share=None)
+    withdrawn.decision = Decision(
+        Status.UNKNOWN,
+        SimpleNamespace(labels=("dead_zone@left",)),
+        reason=Reason.CONTRADICTED_ELSEWHERE,
+        contradicted={"night": Certified(0.1, 0.2, 9), "day": Certified(0.1, 0.3, 9)},
+    )
+    assert sentence(withdrawn).startswith(
+        f"Something is missing, but {Reason.CONTRADICTED_ELSEWHERE} (with `dead_zone` at left the "
+        "error on night is 0.1 mm before and 0.2 mm after, on day is 0.1 mm before and 0.3 mm "
+        f"after): error 0.2 mm, {NOISE}."
+    )
+
+
 def test_what_only_the_certified_samples_show_is_not_described_by_the_others():
     text = sentence(
         found(

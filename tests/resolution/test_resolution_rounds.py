@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from made_devices import INTERVAL, LIMITS, NOISE, InMemory, as_record, hidden
 
-from dea.discrepancy import Budget, Fit, Rules, Settings
+from dea.discrepancy import Budget, Certified, Fit, Rules, Settings
 from dea.errors import InputError
 from dea.resolution import (
     ANOTHER,
@@ -243,3 +243,21 @@ def test_another_explanation_may_be_near_any_of_those_that_are_offered(monkeypat
     found = rounds._not_offered(knowledge, None, densities, errors)
     exact = np.log(0.1 / 0.7) + np.logaddexp(-50.0, -40.0) - np.log(2.0)
     assert found == pytest.approx(exact)
+
+
+@pytest.mark.parametrize(
+    ("after", "outcome", "status"),
+    [(0.9, Outcome.DECIDED, "named"), (1.1, Outcome.CONTRADICTED, "unknown")],
+)
+def test_a_fresh_record_can_withdraw_a_name(monkeypatch, after, outcome, status):
+    from dea.resolution import rounds
+
+    found, _ = solved_once("sensor_lag")
+    certified = Certified(1.0, after, 100)
+    monkeypatch.setattr(rounds, "certify_elsewhere", lambda *arguments: {"fresh": certified})
+    again = rounds._certified(
+        found, InMemory(DEVICES["sensor_lag"]), CARRIAGE, LIMITS, SETTINGS, OPTIONS
+    )
+    assert (again.outcome, again.certificate) == (outcome, certified)
+    assert again.last.verdict.status == status
+    assert resolution_dataset(again, OPTIONS.level)["status"].values[-1] == status

@@ -1,13 +1,13 @@
 """From fitted candidates to a name, several, none, or "unknown"."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
 
 from dea.discrepancy.evidence.bootstrap import Gains, beaten
-from dea.discrepancy.evidence.certificate import Certified, serves
+from dea.discrepancy.evidence.certificate import Certified, certify, contradicting
 from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, families_of, share_removed
@@ -17,6 +17,7 @@ from dea.discrepancy.rules import Rules, misfit
 from dea.discrepancy.search.candidates import Candidate, EffectSet
 from dea.discrepancy.search.rounds import Round
 
+_CERTIFIED = "certified samples"
 # Candidates of one size whose held-out errors are compared.
 _LEADING = 6
 
@@ -52,7 +53,8 @@ class Decision:
     """The status, the chosen candidate and, where it is not alone, its rivals.
 
     An answer that is not ``whole`` is a certain part of it: something else is missing, too. The
-    reason ``COLOURED`` of a whole one says what it leaves.
+    reason ``COLOURED`` of a whole one says what it leaves. Where samples not used so far have
+    withdrawn it, ``contradicted`` holds the errors on those that did, by the name of the record.
     """
 
     status: Status
@@ -60,11 +62,18 @@ class Decision:
     rivals: tuple[Candidate, ...] = ()
     reason: Reason | None = None
     whole: bool = True
+    contradicted: Mapping[str, Certified] = field(default_factory=dict)
 
     @property
     def answer(self) -> Candidate | None:
         """The candidate that is named, with or without rivals."""
         return self.chosen if self.status in (Status.NAMED, Status.AMBIGUOUS) else None
+
+    def noise(self, rules: Rules, floor: float) -> float:
+        """Return the error up to which an answer leaves noise: that which it is named beside."""
+        if self.reason is Reason.COLOURED and self.answer is not None:
+            floor = max(floor, self.answer.rmse)
+        return rules.clean * floor
 
 
 def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[Candidate]:
@@ -290,21 +299,28 @@ def confirmed(
     """Withdraw what the certified samples contradict, or other records of the device.
 
     They choose nothing. ``left_out`` are the errors on records of a joint diagnosis that were left
-    out in turn, ``tested`` those on test records.
+    out in turn, ``tested`` those on test records. These do not contradict ``none``, which says what
+    the records that were diagnosed could show.
     """
-    certify, floor, rules = evidence.problem.certify, evidence.floor, evidence.rules
-    before = rmse(evidence.nominal.residual, certify)
-    level = evidence.nominal_error if decision.reason is Reason.COLOURED else floor
-    if decision.status is Status.NONE and before > rules.noise_like * level:
-        return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)
-    if decision.answer is not None:
-        after = rmse(decision.answer.fit.residual, certify)
-        if after > max(before, rules.clean * floor):
-            return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.CONTRADICTED)
-        if not serves(left_out):
-            return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.OF_ONE_RECORD)
-        if not serves(tested, rules.clean * floor):
-            return Decision(Status.UNKNOWN, decision.chosen, reason=Reason.CONTRADICTED_ELSEWHERE)
+    problem, nominal, rules = evidence.problem, evidence.nominal, evidence.rules
+    answer = decision.answer
+    if answer is None:
+        coloured = decision.reason is Reason.COLOURED
+        level = evidence.nominal_error if coloured else evidence.floor
+        left = rmse(nominal.residual, problem.certify)
+        if decision.status is Status.NONE and left > rules.noise_like * level:
+            return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)
+        return decision
+    noise = decision.noise(rules, evidence.floor)
+    block = {_CERTIFIED: certify(problem, nominal, answer.fit)}
+    for reason, found, allowed in (
+        (Reason.CONTRADICTED, block, noise),
+        (Reason.OF_ONE_RECORD, left_out, 0.0),
+        (Reason.CONTRADICTED_ELSEWHERE, tested, noise),
+    ):
+        against = contradicting(found, allowed)
+        if against:
+            return Decision(Status.UNKNOWN, answer, reason=reason, contradicted=against)
     return decision
 
 
@@ -329,11 +345,10 @@ def _explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool
     floor, rules = evidence.floor, evidence.rules
     if chosen.rmse <= rules.clean * floor:
         return True
-    if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
-        # Several laws together fit almost any residual, so that they must leave noise alone.
-        return _leaves_coloured_noise(evidence, chosen, weighed)
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
-    if left > rules.misfit * whole:
+    # Several laws together fit almost any residual, so that they must leave noise alone.
+    several = len(chosen.names) > 1 and chosen.rmse > rules.grow * floor
+    if several or left > rules.misfit * whole:
         return _leaves_coloured_noise(evidence, chosen, weighed)
     if left <= 0.5 * rules.misfit * whole:
         return True

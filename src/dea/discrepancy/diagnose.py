@@ -37,7 +37,7 @@ from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out
 from dea.discrepancy.fit import Fit, on_whole_record
 from dea.discrepancy.parallel import in_parallel
-from dea.discrepancy.problem import Problem
+from dea.discrepancy.problem import Problem, Samples
 from dea.discrepancy.records import prepare, signals_of
 from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.degenerate import unfinish_degenerate
@@ -85,21 +85,23 @@ def diagnose(
     simulation
         A simulation, the name of one that comes with the study, or a Python file.
     test_records
-        Records of the same device under other excitations, to certify on.
+        Records of the same device under other excitations, to certify on: they can withdraw an
+        answer, but choose none.
     workers
         Threads that candidates are fitted on; the result does not depend on it.
 
     Raises
     ------
     InputError
-        If units do not match, the record is too short for the split, or the simulation diverges.
+        If units do not match, no output of a record is known, the record is too short for the
+        split, or the simulation diverges.
     """
     settings = settings or Settings()
     rules = settings.rules
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     rng = generator(settings.seed, settings.name, "diagnose")
     records = [signals_of(each, own) for each in _listed(record)]
-    others = {name: signals_of(other, own) for name, other in (test_records or {}).items()}
+    others = {name: _tested(name, other, own) for name, other in (test_records or {}).items()}
     offered = _offered(settings.effects)
 
     # Split the record, and fit the simulation alone.
@@ -176,6 +178,19 @@ def diagnose(
         rules=rules,
         not_offered=not_offered(rounds, offered),
     )
+
+
+def _tested(name: str, record: "Record | xr.Dataset", simulation: Simulation) -> Samples:
+    """Return the signals of a test record, which an error names."""
+    try:
+        return signals_of(record, simulation)
+    except InputError as error:
+        raise InputError(
+            error.problem,
+            file=error.file,
+            field=f"test_records.{name}.{error.field}",
+            remedy=error.remedy,
+        ) from None
 
 
 def _listed(

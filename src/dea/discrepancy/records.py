@@ -35,7 +35,8 @@ def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples
     Raises
     ------
     InputError
-        If they are not, or if several inputs are those of the simulation in another order.
+        If they are not, if several inputs are those of the simulation in another order, or if no
+        output is known.
     """
     from dea.store import Record, signals
 
@@ -72,6 +73,12 @@ def signals_of(record: "Record | xr.Dataset", simulation: Simulation) -> Samples
                 field=role,
                 remedy="Convert the record, or use a simulation in its units",
             )
+    if np.isnan(found.y).all():
+        raise InputError(
+            "no output of the record is known",
+            field="output",
+            remedy="Leave the record out, or check which column its output is",
+        )
     return Samples(found.u, found.y, 1.0 / found.sampling_rate)
 
 

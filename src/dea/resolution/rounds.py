@@ -66,12 +66,17 @@ class Outcome(StrEnum):
     OUTSIDE = "outside"
     ALONE = "nothing is missing"
     OPEN = "open"
+    CONTRADICTED = "contradicted"
 
 
-# Status and sentence of the verdict where no hypothesis with an effect is left.
+# Status and sentence of the verdict where no hypothesis with an effect is left, or none serves.
 _WITHOUT_NAME = {
     Outcome.OUTSIDE: (Status.UNKNOWN, "No effect of the catalogue explains the designed records."),
     Outcome.ALONE: (Status.NONE, "The simulation alone explains the designed records."),
+    Outcome.CONTRADICTED: (
+        Status.UNKNOWN,
+        "What explains the designed records makes the error on a fresh record larger.",
+    ),
 }
 
 
@@ -415,7 +420,7 @@ def _certified(
     settings: Settings,
     options: Options,
 ) -> Resolution:
-    """Certify on a fresh record, whose excitation was chosen by chance."""
+    """Certify on a fresh record, whose excitation was chosen by chance; it can withdraw a name."""
     diagnosis = found.last.diagnosis
     if not transferable(diagnosis.final.extended):
         return found
@@ -426,8 +431,13 @@ def _certified(
     if record is None:
         return replace(found, pending=CERTIFICATE)
     other = {"fresh": signals_of(record, simulation)}
-    certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)
-    return replace(found, certificate=certified["fresh"])
+    certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)["fresh"]
+    if certified.worse(diagnosis.decision.noise(diagnosis.rules, diagnosis.floor)):
+        last = found.rounds[-1]
+        after = replace(last.after, withdrawn=Outcome.CONTRADICTED)
+        rounds = (*found.rounds[:-1], replace(last, after=after))
+        found = replace(found, rounds=rounds, outcome=Outcome.CONTRADICTED)
+    return replace(found, certificate=certified)
 
 
 def fresh_design(

@@ -23,6 +23,15 @@ class Certified:
     after: float
     samples: int
 
+    def worse(self, noise: float) -> bool:
+        """Return whether the error has grown, and is more than noise."""
+        return not self.after <= max(self.before, noise)
+
+    @property
+    def diverges(self) -> bool:
+        """Whether the extended simulation alone runs away."""
+        return bool(np.isfinite(self.before) and not np.isfinite(self.after))
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -53,9 +62,9 @@ def certify_elsewhere(
 
     An extension that describes what happened during its record says nothing about others: then
     there are none to compare.
-    Only the state of the device at the start is chosen, on the first tenth of the record: that of
-    a record that was diagnosed, or one fitted there. That tenth counts in the errors, as it does in
-    published ones.
+    Only the state of the device at the start is chosen, on the first tenth of the known outputs:
+    that of a record that was diagnosed, or one fitted there. That tenth counts in the errors, as it
+    does in published ones.
     """
     return {
         name: Certified(
@@ -67,10 +76,15 @@ def certify_elsewhere(
     }
 
 
-def serves(found: Mapping[str, Certified], noise: float = 0.0) -> bool:
-    """Return whether an extension is no worse, or leaves noise, on half of other records."""
-    good = sum(each.after <= max(each.before, noise) for each in found.values())
-    return 2 * good >= len(found)
+def contradicting(found: Mapping[str, Certified], noise: float = 0.0) -> dict[str, Certified]:
+    """Return the records that together contradict an extension, if any do.
+
+    On more than half of them it is worse than the simulation alone and leaves more than noise, or
+    it runs away on one.
+    """
+    worse = {name: each for name, each in found.items() if each.worse(noise)}
+    several = 2 * len(worse) > len(found)
+    return worse if several or any(each.diverges for each in worse.values()) else {}
 
 
 def _error_on(other: Samples, fitted: Fit) -> float:
@@ -79,7 +93,7 @@ def _error_on(other: Samples, fitted: Fit) -> float:
 
 
 def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
-    """Return the output (n,) on another record from the start that its first tenth suggests.
+    """Return the output (n,) on another record from the start that its first outputs suggest.
 
     A slow state is hardly seen in so short a time, and going on from a poor estimate of it may be
     far off. A start that is known from another record needs no estimate; the fitted one is taken
@@ -103,6 +117,8 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
     nearest = int(np.argmin(np.nan_to_num(errors[:-1], nan=np.inf)))
     if not np.isfinite(errors[nearest]):
         return tried[-1]
+    if not np.isfinite(errors[-1]):
+        return tried[nearest]
     # Errors that are alike from sample to sample count as fewer.
     samples = max(head.sum() / memory_of((other.y - tried[nearest])[head], 0.0), 1.0)
     least = np.finfo(float).tiny

@@ -75,7 +75,8 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
             # They are of the samples that do not show it.
             hints = _nearest(found), equation_sentence(unexplained)
         return (
-            f"Something is missing, but {decision.reason}: error {block.before:.3g} {unit}, "
+            f"Something is missing, but {decision.reason}{_against(found)}: "
+            f"error {block.before:.3g} {unit}, "
             f"{noise}.{hints[0]} {place[0].upper()}{place[1:]}.{hints[1]}"
         )
     extended = found.extended.extended
@@ -99,6 +100,16 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
         return f"Certain, but not all: {removed}; {proof}. {_further(found)} {place}."
     doubt = f" In this record {rivals} of its class would do as well." if rivals else ""
     return f"{removed}: {proof}.{doubt}{_form(found)} {place}."
+
+
+def _against(found: "Diagnosis") -> str:
+    """Say with what, and on which records, the error grew."""
+    chosen, records = found.decision.chosen, found.decision.contradicted
+    if chosen is None or not records:
+        return ""
+    laws = " and ".join(label_in_words(label) for label in chosen.labels)
+    changes = (f"on {name} {_change(each, found.units[1])}" for name, each in records.items())
+    return f" (with {laws} the error {', '.join(changes)})"
 
 
 def _change(block: "Certified", unit: str) -> str:

@@ -43,6 +43,9 @@ def verdict_of(found: "Diagnosis") -> Verdict:
             "rmse_after": block.after,
             "samples": block.samples,
             "records": {name: asdict(each) for name, each in found.certificate.records.items()},
+            "contradicted": {
+                name: asdict(each) for name, each in found.decision.contradicted.items()
+            },
         },
         unit=found.units[1],
         ladder=rungs | {"noise floor": found.floor},
