@@ -186,7 +186,6 @@ def track(seed: int) -> xr.Dataset:
                 "band_high": over(("tracker", "instant", "term"), theta[:, ::40] + 0.06),
                 "estimator": over("tracker", np.array(TRACKERS, dtype=object)),
                 "withheld": over("tracker", np.array(["", "", ""], dtype=object)),
-                "parameters_withheld": over("tracker", np.array(["", "", ""], dtype=object)),
                 "innovation": over(("tracker", "time"), rng.standard_normal((3, t.size)), "mm"),
                 "simulated": over(("simulation", "time"), y + spread * np.sin(t), "mm"),
                 "simulated_low": over(("simulation", "time"), y + spread * np.sin(t) - 0.01, "mm"),

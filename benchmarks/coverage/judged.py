@@ -22,10 +22,7 @@ FREQUENCIES = {
 }
 PAIRS = ((0, 0), (0, 2), (1, 1), (1, 3), (3, 3))  # of these frequencies, for H2
 QUANTITIES = ("parameters", "H1 gain", "H1 phase", "H2 gain", "H2 phase")
-# Settings of each tracker where the parameters change by a tenth within a record.
-TRACKERS: dict[str, dict[str, int]] = {
-    "rls": {}, "kalman": {}, "output_error": {}, "local": {"window": 1000}
-}  # fmt: skip
+TRACKERS = ("rls", "kalman", "output_error", "local")
 INSTANTS = 8  # of a track that are judged
 
 
@@ -92,7 +89,7 @@ def judge_track(plant: Plant, kind: str, u: Array, y: Array, true: Array, tracke
     model = refine(estimate(terms(plant), u, y, scaling=Scaling()), u, y)
     followed = with_constant(model)
     try:
-        track = dea.track_parameters(model, u, y, method=tracker, **TRACKERS[tracker])
+        track = dea.track_parameters(model, u, y, method=tracker)
     except (InputError, np.linalg.LinAlgError) as error:
         points = {"parameters": len(followed.terms)} | {
             f"{label} {part}": len(FREQUENCIES[kind] if order == 1 else pairs)
@@ -123,7 +120,7 @@ def judge_track(plant: Plant, kind: str, u: Array, y: Array, true: Array, tracke
         phase = np.degrees(np.angle(response))
         inside[f"{label} gain"] = _inside(np.abs(response), band.gain_low, band.gain_high).ravel()
         inside[f"{label} phase"] = _phase_inside(phase, band.phase_low, band.phase_high).ravel()
-    return Judged(inside, str(track.attrs["parameters_withheld"]))
+    return Judged(inside, str(track.attrs["withheld"]))
 
 
 def _true_parameters(plant: Plant, model: NarxModel) -> Array:

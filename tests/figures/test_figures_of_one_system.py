@@ -176,7 +176,7 @@ def test_tracked_parameters_plot_each_parameter_with_its_95_percent_band():
 def test_a_withheld_band_is_not_drawn_and_the_figure_says_why():
     track = made.track(1)
     why = np.array(["", "biased", ""], dtype=object)
-    track["parameters_withheld"] = track["withheld"].copy(data=why)
+    track["withheld"] = track["withheld"].copy(data=why)
     track["estimator"] = track["estimator"].copy(
         data=np.array(["rls", "kalman", "kalman"], dtype=object)
     )
@@ -187,13 +187,13 @@ def test_a_withheld_band_is_not_drawn_and_the_figure_says_why():
     assert "output-error smoother: parameters of kalman" in said
     legend = [text.get_text() for text in lower.legends[0].get_texts()]
     assert legend[-1] == "95 % band of recursive least squares and output-error smoother"
-    track["parameters_withheld"][:] = ["", "biased", "biased"]
+    track["withheld"][:] = ["", "biased", "biased"]
     lower = tracked_parameters(made.record(1), track, "dea1").subfigs[1]
     said = lower.legends[0].get_title().get_text()
     assert said == "Kalman smoother, output-error smoother: no 95 % band, biased"
     legend = [text.get_text() for text in lower.legends[0].get_texts()]
     assert legend[-1] == "95 % band of recursive least squares"
-    track["parameters_withheld"][:] = ["biased"] * 3
+    track["withheld"][:] = ["biased"] * 3
     lower = tracked_parameters(made.record(1), track, "dea1").subfigs[1]
     assert not any("band" in text.get_text() for text in lower.legends[0].get_texts())
 

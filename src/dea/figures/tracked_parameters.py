@@ -85,7 +85,7 @@ def tracked_parameters(record: xr.Dataset, track: xr.Dataset, name: str) -> Figu
 
 def _banded(track: xr.Dataset) -> list[str]:
     """Return the trackers whose parameters have bands."""
-    withheld = track["parameters_withheld"]
+    withheld = track["withheld"]
     return [
         each for each in _in_order(track["tracker"]) if not str(withheld.sel(tracker=each).values)
     ]
@@ -107,9 +107,7 @@ def _reservations(track: xr.Dataset) -> str:
     notes: dict[str, list[str]] = {}
     for tracker in _in_order(track["tracker"]):
         chosen, name = track.sel(tracker=tracker), _TRACKER[tracker][0]
-        withheld, estimator = (
-            str(chosen[each].values) for each in ("parameters_withheld", "estimator")
-        )
+        withheld, estimator = (str(chosen[each].values) for each in ("withheld", "estimator"))
         if withheld:
             notes.setdefault(f"no 95 % band, {withheld}", []).append(name)
         elif estimator != tracker:

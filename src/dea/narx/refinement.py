@@ -152,22 +152,12 @@ class Fit:
     unknowns: Array
     task: "_FreeRunsFromFreeStarts"
 
-    @property
+    @cached_property
     def covariance(self) -> Array:
         """Covariance (terms, terms) of the parameters; NaN where the run diverges."""
-        return self._spread[0]
-
-    @property
-    def energy(self) -> Array:
-        """Energy (terms, terms) of the run's derivative, less what starts and trends explain."""
-        return self._spread[1]
-
-    @cached_property
-    def _spread(self) -> tuple[Array, Array]:
         if np.isfinite(self.msse):
-            return self.task.spread(self.unknowns)
-        unknown = np.full((self.parameters.size,) * 2, np.nan)
-        return unknown, unknown
+            return self.task.covariance(self.unknowns)
+        return np.full((self.parameters.size,) * 2, np.nan)
 
 
 def fit_free_runs(
@@ -305,12 +295,10 @@ class _FreeRunsFromFreeStarts:
             runs.append(FreeRun(u, output, left, slope))
         return runs
 
-    def spread(self, x: Array) -> tuple[Array, Array]:
-        """Return covariance and energy of the parameters, as :class:`Fit` has them."""
-        runs, count = self.runs(x), len(self._terms)
-        covariance = covariance_of_free_runs(self._terms, x[:count], runs)
-        seen = self.told_apart(runs)[1]
-        return covariance[:count, :count], seen.T @ seen
+    def covariance(self, x: Array) -> Array:
+        """Return the covariance of the parameters, as :class:`Fit` has it."""
+        count = len(self._terms)
+        return covariance_of_free_runs(self._terms, x[:count], self.runs(x))[:count, :count]
 
     def told_apart(self, runs: Sequence[FreeRun]) -> tuple[Array, Array, Array]:
         """Return the slope, that by the parameters less what starts and trends explain, and how.

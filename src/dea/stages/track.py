@@ -37,7 +37,6 @@ def track(settings: Mapping[str, Any], record: Path, model: Path, track: Path) -
     words = {
         "estimator": "method that the estimate is of",
         "withheld": "why no interval holds",
-        "parameters_withheld": "why no interval of single parameters holds",
     }
     together = xr.concat(
         [

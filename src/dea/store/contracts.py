@@ -202,7 +202,6 @@ CONTRACTS: Mapping[str, Contract] = {
             "band_high": _plain("tracker", "instant", "term", units="1"),
             "estimator": _plain("tracker", units="1"),
             "withheld": _plain("tracker", units="1"),
-            "parameters_withheld": _plain("tracker", units="1"),
             "innovation": _plain("tracker", "time"),
             "simulated": _plain("simulation", "time"),
             "simulated_low": _plain("simulation", "time"),

@@ -20,6 +20,10 @@ NOT_SETTLED = (
 WINDOWS_FAILED = (
     "{} windows of the record have no estimate: the free run diverges, or outputs are missing"
 )
+WINDOWS_FEW = (
+    "the record has {:.1f} windows without common samples: fewer than {} do not tell how far the "
+    "parameters move within one; take a window of {} samples"
+)
 UNDETERMINED = (
     "windows of the record tell too little of single parameters: within their intervals the free "
     "run is far from linear in them"
@@ -34,8 +38,7 @@ class Estimate(NamedTuple):
     """What a tracker found, of the samples after the largest lag.
 
     ``theta`` and ``std`` (n, p), ``innovation`` (n,), ``covariance`` (k, p, p) at the instants,
-    ``estimator`` the method that the estimate is of, ``withheld`` why no interval holds, and
-    ``parameters_withheld`` why none of single parameters does, where those of responses do.
+    ``estimator`` the method that the estimate is of, and ``withheld`` why no interval holds.
     """
 
     theta: Array
@@ -45,7 +48,6 @@ class Estimate(NamedTuple):
     estimator: str
     withheld: str
     noise_ratio: Array | None = None
-    parameters_withheld: str = ""
 
 
 def instants(samples: int, count: int) -> NDArray[np.int64]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from dea.errors import InputError
 from dea.narx import Fit, NarxModel, curvature, fit_free_runs
-from dea.tracking.scatter import scatter
+from dea.tracking.scatter import widened
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -26,7 +26,9 @@ _OVERLAP = 8  # windows that hold a sample
 _PER_UNKNOWN = 2  # samples of a stretch, at least
 _TREND = 2  # degree of the level within a window
 _STARTS = 4  # estimates of other windows that one may begin from
-_LONGEST, _QUARTERS = 4000, 4  # samples of a window that is judged, at least so many in a record
+_LONGEST = 4000  # samples of a window
+_QUARTERS = 4  # windows of a record, at least, whose curvature is judged
+SEPARATE = 8  # windows without common samples that tell how estimates scatter
 _ITERATIONS = 10
 _TOLERANCE = 1e-6  # of the squared error: a small part of a standard deviation
 
@@ -40,6 +42,11 @@ class Windows(NamedTuple):
     length: int
     failed: int  # windows without an estimate, which are left out
     curvature: float  # median over windows without common samples
+
+    @property
+    def separate(self) -> float:
+        """How many windows without common samples the estimates span."""
+        return float((self.centre[-1] - self.centre[0]) / self.length + 1.0)
 
     def at(self, t: Array) -> tuple[Array, Array]:
         """Return parameters (k, p) and covariances (k, p, p) at the samples ``t``, (k,)."""
@@ -82,6 +89,14 @@ class Windows(NamedTuple):
         return first, second, weight, np.maximum(1.0 - distance / self.length, 0.0)
 
 
+def usual_window(model: NarxModel, samples: int) -> int:
+    """Return how many samples of a record a window has unless it is told: an eighth, or 4000.
+
+    No fewer than its unknowns need.
+    """
+    return max(min(_LONGEST, samples // SEPARATE), _least(model))
+
+
 def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Windows:
     """Return the estimates of windows of ``length`` samples of a normalised record.
 
@@ -90,7 +105,7 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
 
     Each begins from the estimate of the window before; where the run diverges, from those of
     windows farther back, of windows after it, or from the model's own parameters. The covariance is
-    that of the noise of each window, times the factor by which estimates of separate windows
+    that of the noise of each window, wider in the directions in which estimates of separate windows
     scatter more than it explains.
 
     Raises
@@ -117,8 +132,7 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
     theta = np.stack([fit.parameters for fit in chosen])
     covariance = np.stack([fit.covariance for fit in chosen])
     centre = windows.starts[kept] + (length - 1) / 2.0
-    energy = np.stack([fit.energy for fit in chosen])
-    covariance *= scatter(centre, theta, covariance, energy, length)
+    covariance = widened(centre, theta, covariance, length)
     failed = int(np.sum(~kept))
     return Windows(centre, theta, covariance, length, failed, windows.curvature(fits))
 
@@ -138,7 +152,7 @@ class _Windowed:
 
     def __init__(self, model: NarxModel, u: Array, y: Array, length: int, overlap: int) -> None:
         self._model, self._overlap, self.length = model, overlap, length
-        self.least = _PER_UNKNOWN * (len(model.terms) + model.max_lag + _TREND)
+        self.least = _least(model)
         count = 1 + -(-(y.size - length) * overlap // max(length, 1))
         self.starts = np.linspace(0, y.size - length, count).astype(np.int64)
         self._windows = [
@@ -162,6 +176,10 @@ class _Windowed:
         """Return the median over windows without common samples."""
         chosen = fits[:: self._overlap]
         return float(np.median([np.inf if fit is None else curvature(fit) for fit in chosen]))
+
+
+def _least(model: NarxModel) -> int:
+    return _PER_UNKNOWN * (len(model.terms) + model.max_lag + _TREND)
 
 
 def _stretches(u: Array, y: Array, least: int) -> list[tuple[Array, Array]]:

@@ -4,9 +4,9 @@ The noise within a window gives the covariance C_k of its estimate theta_k. Para
 bend within a window, and a structure that lacks something, of which each window's input gives
 another approximation, add to its error. Both are seen in the second differences d_k = theta_{k-1} -
 2 theta_k + theta_{k+1} of windows that follow each other without common samples, in which a steady
-drift cancels. They are weighed as the output sees them, by the energy d^T G d that they give the
-free run, of which noise alone explains tr G (C_{k-1} + 4 C_k + C_{k+1}): directions that the record
-hardly determines, along which no linearisation holds, hardly count. The curvature's own bias,
+drift cancels, and of which noise alone explains 6 C. The generalised eigenvalues of their second
+moment and that covariance tell in which directions of the parameters they are larger: a walk of a
+gain, for instance, which a window determines best, and not of a pole. The curvature's own bias,
 theta'' L^2/24 = d/24, is a small part of this.
 """
 
@@ -15,9 +15,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+# Squared differences beyond so many medians count no more: those of windows in another minimum.
+_LARGEST = 10.0
 
-def scatter(centre: Array, theta: Array, covariance: Array, energy: Array, length: int) -> float:
-    """Return the factor on the covariances, 1 or more: the median over the record.
+
+def widened(centre: Array, theta: Array, covariance: Array, length: int) -> Array:
+    """Return the covariances (k, p, p) with the scatter, in no direction less than by the noise.
 
     Parameters
     ----------
@@ -25,20 +28,33 @@ def scatter(centre: Array, theta: Array, covariance: Array, energy: Array, lengt
         Centres of the windows in samples, ascending, shape (k,).
     theta, covariance
         Estimates (k, p) and their covariances (k, p, p) by the noise.
-    energy
-        G, of the derivative of each window's free run, (k, p, p).
     length
         Samples of a window. Fewer than three separate windows tell nothing.
     """
-    inside = np.flatnonzero((centre >= centre[0] + length) & (centre <= centre[-1] - length))
-    if not inside.size:
-        return 1.0
+    inside = (centre >= centre[0] + length) & (centre <= centre[-1] - length)
+    # Rounding leaves directions that a window hardly determines without a variance.
+    inside &= np.linalg.eigvalsh(covariance)[:, 0] > 0.0
+    if not inside.any():
+        return covariance
     before, after = (_interpolated(centre, theta, centre + step) for step in (-length, length))
-    difference = (before - 2.0 * theta + after)[inside]
-    G = energy[inside]
-    seen = np.einsum("ki,kij,kj->k", difference, G, difference)
-    explained = 6.0 * np.einsum("kij,kji->k", G, covariance[inside])
-    return max(1.0, float(np.median(seen / explained)))
+    difference = (before - 2.0 * theta + after)[inside] / np.sqrt(6.0)
+    root, inverse = _roots(covariance[inside].mean(axis=0))
+    white = difference @ inverse.T
+    squared = np.sum(white**2, axis=1)
+    weight = np.minimum(1.0, _LARGEST * np.median(squared) / np.maximum(squared, 1e-300))
+    value, direction = np.linalg.eigh((white * weight[:, None]).T @ white / len(white))
+    stretch = (direction * np.sqrt(np.maximum(value, 1.0))) @ direction.T
+    factor = root @ stretch @ inverse
+    wider: Array = factor @ covariance @ factor.T
+    return wider
+
+
+def _roots(covariance: Array) -> tuple[Array, Array]:
+    """Return R, with R R^T the covariance, and its inverse."""
+    scale = np.sqrt(np.diag(covariance))
+    value, direction = np.linalg.eigh(covariance / np.outer(scale, scale))
+    deviation = np.sqrt(np.maximum(value, np.finfo(float).eps))
+    return scale[:, None] * direction * deviation, (direction / deviation).T / scale
 
 
 def _interpolated(centre: Array, theta: Array, t: Array) -> Array:

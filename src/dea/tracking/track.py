@@ -16,12 +16,18 @@ from dea.tracking.bands import (
     TARGET_UNKNOWN,
     UNDETERMINED,
     WINDOWS_FAILED,
+    WINDOWS_FEW,
     Estimate,
     reason_to_withhold,
 )
 from dea.tracking.bands import instants as instants_of
 from dea.tracking.kalman import Smoothed, fit_common_ratio
-from dea.tracking.local import curvature_of_windows, local_estimates
+from dea.tracking.local import (
+    SEPARATE,
+    curvature_of_windows,
+    local_estimates,
+    usual_window,
+)
 from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
@@ -36,7 +42,7 @@ _DEFAULTS: dict[str, dict[str, Any]] = {
     "rls": {"forgetting": 0.999, "leakage": 1e-4, "delta": 1.0, "instants": 360},
     "kalman": _SMOOTHER,
     "output_error": _SMOOTHER,
-    "local": {"window": 4000, "instants": 360},
+    "local": {"window": None, "instants": 360},
 }
 METHODS = tuple(_DEFAULTS)
 
@@ -87,8 +93,9 @@ def track_parameters(
         For the smoothers, of the samples that the likelihood is taken over, by default 10; about
         the number of samples over which one-step prediction errors are correlated.
     window
-        Samples of a window of ``local``, by default 4000, 80 s at 50 Hz: so short that the
-        parameters' course is nearly straight within it; a shorter record is one window.
+        Samples of a window of ``local``, so short that the parameters' course is nearly straight
+        within it: by default an eighth of the record, and no more than 4000, 80 s at 50 Hz. Fewer
+        than eight windows give no intervals; a record shorter than a window is one window.
     instants
         At how many times, evenly spread, the whole covariance and the intervals are given; by
         default 360, at every sample of a shorter record.
@@ -105,10 +112,8 @@ def track_parameters(
         ``band_high(instant, term)``; ``innovation(time)`` in output units, missing for the first
         ``model.max_lag`` samples; for the smoothers ``noise_ratio(term)``. Its attribute
         ``estimator`` names the method that the estimate is of, which differs from ``method`` where
-        that fell back on another; ``withheld`` says why no interval can be given, and
-        ``parameters_withheld`` why none of single parameters: the same, or another reason where
-        intervals of responses hold. ``band_low`` and ``band_high`` are then missing
-        (docs/method/bands.md).
+        that fell back on another; ``withheld`` says why no interval can be given: ``band_low`` and
+        ``band_high`` are then missing (docs/method/bands.md).
 
     Raises
     ------
@@ -128,6 +133,8 @@ def track_parameters(
     )
     model = with_constant(model)
     record = normalised_record(model, *pair(u, y, model.max_lag))
+    if method == "local" and chosen["window"] is None:
+        chosen["window"] = usual_window(model, record.y.size)
     rate = sampling_rate or (u.sampling_rate if isinstance(u, store.Record) else None)
     at = np.maximum(instants_of(record.y.size, chosen.pop("instants")), model.max_lag)
     tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
@@ -256,10 +263,12 @@ def _local(
     std = np.stack([np.interp(samples, samples[at], each) for each in deviation.T], axis=1)
     innovation = target - np.sum(Phi * theta, axis=1)
     withheld = WINDOWS_FAILED.format(windows.failed) if windows.failed else ""
-    of_parameters = UNDETERMINED if windows.curvature > LARGEST_CURVATURE else ""
-    return Estimate(
-        theta, std, innovation, covariance, method, withheld, parameters_withheld=of_parameters
-    )
+    if not withheld and windows.separate < SEPARATE:
+        shorter = usual_window(model, record.y.size)
+        withheld = WINDOWS_FEW.format(windows.separate, SEPARATE, shorter)
+    if windows.curvature > LARGEST_CURVATURE:
+        withheld = withheld or UNDETERMINED
+    return Estimate(theta, std, innovation, covariance, method, withheld)
 
 
 def _settings(method: str, **given: Any) -> dict[str, Any]:
@@ -307,8 +316,7 @@ def _labelled(
     theta = lead_in(found.theta, lag)
     innovation = np.concatenate([np.full(lag, np.nan), found.innovation * model.scaling.y_scale])
     deviation = np.sqrt(np.maximum(np.einsum("kii->ki", found.covariance), 0.0))
-    withheld = found.withheld or found.parameters_withheld
-    reach = np.full_like(deviation, np.nan) if withheld else quantile(LEVEL) * deviation
+    reach = np.full_like(deviation, np.nan) if found.withheld else quantile(LEVEL) * deviation
     plain, seconds = {"units": "1"}, {"units": "s"}
     over, at_instants = ("time", "term"), ("instant", "term")
     normalised = "of the parameter, normalised signals"
@@ -356,11 +364,7 @@ def _labelled(
             "term": ("term", list(map(str, model.terms)), plain | {"long_name": "term"}),
         },
         attrs=attrs
-        | {
-            "estimator": found.estimator,
-            "withheld": found.withheld,
-            "parameters_withheld": withheld,
-        },
+        | {"estimator": found.estimator, "withheld": found.withheld},
     )  # fmt: skip
     if found.noise_ratio is not None:
         label = {"long_name": "variance of a step over that of the noise, per sample"}
