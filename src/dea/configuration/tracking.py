@@ -25,7 +25,12 @@ class Smoother(Section):
 class Local(Section):
     """Local output-error estimates."""
 
-    window: Count = key("length of the windows in which parameters are constant", unit="samples")
+    window: Count | None = key(
+        "length of the windows in which parameters are constant; an eighth of the record, and no"
+        " more than 4000, unless it is given",
+        unit="samples",
+        default=None,
+    )
 
 
 class Trackers(Section):
