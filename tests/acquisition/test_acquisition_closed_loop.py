@@ -60,7 +60,9 @@ def test_a_paced_loop_keeps_its_deadlines_too(serve_bench, tmp_path):
     settings = replace(SETTINGS, paced=True)
     acquired = acquire(bench.endpoint, loop(Law()), tmp_path / "a.partial", settings)
     written = acquired.link.write_time.values
-    assert written[-1] - written[0] == pytest.approx((written.size - 1) * 0.02, abs=0.05)
+    late = written - written[0] - 0.02 * np.arange(written.size)
+    # The host may pause once.
+    assert np.median(np.abs(late - np.median(late))) < 0.005
     assert np.array_equal(np.diff(acquired.record.device_index), np.ones(SAMPLES - 1))
 
 

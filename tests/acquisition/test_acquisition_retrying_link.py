@@ -83,7 +83,7 @@ def read_from(monkeypatch, client, reconnect_time):
 
 @pytest.mark.parametrize("code", [5, 6, 10, 11])
 def test_a_busy_device_is_asked_again_for_as_long_as_a_lost_one(monkeypatch, code):
-    client = BusyClient(code, length=0.3)
+    client = BusyClient(code, length=0.6)
     assert read_from(monkeypatch, client, reconnect_time=30.0) == [7, 7]
     assert client.requests > RETRIES + 1
 
