@@ -11,6 +11,7 @@ import argparse
 import json
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -41,9 +42,9 @@ def main(arguments: list[str] | None = None) -> None:
 def refresh() -> list[str]:
     """Write every quoted number into its document, those of results from the results themselves.
 
-    Returns the addresses of results that are not there now, whose kept values stay.
+    Returns the files of results that are not there now, whose kept values stay.
     """
-    kept, missing = _kept(), []
+    kept, missing = _kept(), Counter[Path]()
     quoted = [one.address for one in quotations() if _is_result(one.address)]
     found: dict[str, Any] = {}
     for address in sorted(set(quoted)):
@@ -51,7 +52,7 @@ def refresh() -> list[str]:
             found[address] = {"value": value(address), **_made(source(address))}
         elif address in kept:
             found[address] = kept[address]
-            missing.append(f"{source(address)} is not there: the value of {address!r} is kept")
+            missing[source(address)] += 1
         else:
             raise InputError(f"to be quoted as {address!r}", file=source(address),
                              remedy="Make it first: make study")  # fmt: skip
@@ -62,7 +63,7 @@ def refresh() -> list[str]:
         new = replaced(content, lambda address: printed(address, _value(address, found)))
         if new != content:
             document.write_text(new, encoding="utf-8")
-    return missing
+    return [f"{file} is not there; numbers kept from it: {n}" for file, n in missing.items()]
 
 
 def differences() -> Iterator[str]:
