@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 _ORDERS = (1, 2, 3, 4)
 _DELAYS = 24  # samples; the largest that is tried
 _NEAR = 1.1  # times the least error that a smaller model may leave
+_EXACT = 1e-6  # error, of the output's spread, below which models differ by rounding alone
 _LEARNT = 2 / 3  # share of the samples that parameters come from
 _SETTLED = 0.02  # of the step's final value
 _PER_UNKNOWN = 8  # samples
@@ -91,7 +92,7 @@ def linear_dynamics(u: Array, y: Array) -> Dynamics:
     tried = {(n, d): unseen(n, d) for n, d in product(orders, sorted(near))}
     least = min(error for error, _ in tried.values())
     order, found = min(
-        (key for key, (error, _) in tried.items() if error <= _NEAR * least),
+        (key for key, (error, _) in tried.items() if error <= _NEAR * max(least, _EXACT)),
         key=lambda key: (key[0], sum(d != 1 for d in key[1]), key[1]),
     )
     error, model = tried[order, found]
