@@ -233,6 +233,8 @@ def gfrf(seed: int) -> xr.Dataset:
                 "H2": over(("time_h2", "frequency_1", "frequency_2", "part"), parts(h2), "mm/V^2"),
                 "H3": over(("time_h2", "frequency_1", "frequency_2", "part"), parts(h3), "mm/V^3"),
                 **ends("", ("time", "frequency"), h1, "mm/V"),
+                "model_error_gain": over("frequency", np.full(f.size, 0.002)),
+                "model_error_phase": over("frequency", np.full(f.size, 0.1), "degree"),
                 **ends("H2_", ("time_h2", "frequency_1", "frequency_2"), h2, "mm/V^2"),
                 "y0": over("time", 1 + 0.1 * t / 1800, "mm"),
                 "y0_low": over("time", 0.99 + 0.1 * t / 1800, "mm"),

@@ -44,6 +44,23 @@ class ResponseBand(NamedTuple):
         """Angle of the response in degrees, -180 to 180."""
         return np.degrees(np.angle(self.response))
 
+    def widened(self, gain: Array, phase: Array, level: float = LEVEL) -> "ResponseBand":
+        """Return the band with further errors of these standard deviations.
+
+        Of relative gain and of phase (rad), independent of those that it holds.
+        """
+        reach = quantile(level)
+        # A response that is missing or zero has no interval.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            of_gain = np.exp(np.hypot(np.log(self.gain_high / self.gain), reach * gain))
+        of_phase = np.hypot(self.phase_high - self.phase, np.degrees(reach * phase))
+        return self._replace(
+            gain_low=self.gain / of_gain,
+            gain_high=self.gain * of_gain,
+            phase_low=self.phase - of_phase,
+            phase_high=self.phase + of_phase,
+        )
+
 
 def frequency_response_band(
     model: NarxModel,

@@ -10,8 +10,9 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
-from dea.gfrf.bands import frequency_response_band, zero_input_interval
+from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
+from dea.gfrf.model_error import ModelError, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
 from dea.narx import NarxModel, as_input
@@ -56,6 +57,7 @@ def response_over_time(
     u: ArrayLike,
     sampling_rate: float,
     *,
+    y: ArrayLike | None = None,
     grid: Grid = _GRID,
     excited_above: float = 1e-3,
 ) -> xr.Dataset:
@@ -71,6 +73,9 @@ def response_over_time(
         its instants that are nearest to the times of the grid.
     u, sampling_rate
         The excitation the parameters were tracked with, in physical units, and its rate in Hz.
+    y
+        The outputs they were tracked with, missing ones NaN: the intervals of H1 then hold what the
+        model's structure lacks, too.
     grid
         Times and frequencies of the responses.
     excited_above
@@ -84,7 +89,10 @@ def response_over_time(
         ``y0(time)``, ``input_spectrum(frequency)``, ``excited(frequency)`` and
         ``excited_h2(frequency_1, frequency_2)``. The ends of the 95 % intervals are ``gain_low``,
         ``gain_high``, ``phase_low``, ``phase_high`` (degrees) of H1, the same with ``H2_`` of H2,
-        ``y0_low`` and ``y0_high``. Of several inputs, H1, its intervals, ``input_spectrum``,
+        ``y0_low`` and ``y0_high``. With ``y``, ``model_error_gain`` (relative) and
+        ``model_error_phase`` (degrees) over frequency are the standard deviations that H1 has by
+        the structure (:mod:`dea.gfrf.model_error`); missing, and not in the intervals, where the
+        record does not tell. Of several inputs, H1, its intervals and errors, ``input_spectrum``,
         ``excited`` and H3, all of whose frequencies are then in one input, have the dimension
         ``input`` in front; H2, its intervals and ``excited_h2`` the dimension ``pair``, of the
         input of ``frequency_1`` and that of ``frequency_2``. Missing where the model of that time
@@ -99,6 +107,10 @@ def response_over_time(
             remedy=f"The model's terms are {terms}",
         )
     rows = _Rows(model, track, sampling_rate)
+    error = None
+    if y is not None:
+        course = track["parameter"].transpose("time", "term").values.astype(float)
+        error = model_error(model, course, u, y, sampling_rate, excited_above)
     at, at_plane = rows.spread(grid.instants), rows.nearest(grid.plane_times)
     f = sampling_rate * np.geomspace(grid.lowest, grid.highest, grid.count)
     steps = np.arange(1, grid.plane_count + 1)
@@ -115,12 +127,13 @@ def response_over_time(
     return xr.Dataset(
         _together(
             "input",
-            [rows.response(1, at, f, "H1", over, prefix="", inputs=(k,)) for k in numbers],
+            [rows.first(at, f, over, k, error) for k in numbers],
         )
+        | ({} if y is None else _together("input", [_lacking(error, f, k) for k in numbers]))
         | _together(
             "pair",
             [
-                rows.response(2, at_plane, (f1, f2), "H2", planes, prefix="H2_", inputs=pair)
+                _banded(rows.response(2, at_plane, (f1, f2), pair), "H2", planes, prefix="H2_")
                 for pair in pairs
             ],
         )
@@ -170,18 +183,20 @@ class _Rows:
         wanted = np.asarray(shares)[:, None] * self._end
         return np.asarray(np.argmin(np.abs(self.time - wanted), axis=1))
 
-    def response(
-        self,
-        order: int,
-        at: Rows,
-        frequencies: Any,
-        name: str,
-        dims: tuple[str, ...],
-        prefix: str,
-        inputs: tuple[int, ...],
+    def first(
+        self, at: Rows, f: Array, dims: tuple[str, ...], number: int, error: ModelError | None
     ) -> dict[str, Any]:
-        """Return a response, and the ends of its intervals under names that begin with prefix."""
-        band = frequency_response_band(
+        """Return the first-order response of an input, with what the structure lacks."""
+        band = self.response(1, at, f, (number,))
+        if error is not None:
+            band = band.widened(*error.at(f, number))
+        return _banded(band, "H1", dims)
+
+    def response(
+        self, order: int, at: Rows, frequencies: Any, inputs: tuple[int, ...]
+    ) -> ResponseBand:
+        """Return a response of this order with its band."""
+        return frequency_response_band(
             self._model,
             order,
             frequencies,
@@ -191,25 +206,6 @@ class _Rows:
             covariance=self._covariance[at],
             allow_missing=True,
         )
-        words = "first" if order == 1 else "second"
-        H = band.response
-        found = {
-            name: (
-                (*dims, "part"),
-                np.stack([H.real, H.imag], axis=-1),
-                {"long_name": f"{words}-order frequency response"},
-            )
-        }
-        for quantity in ("gain", "phase"):
-            for end, word in (("low", "lower"), ("high", "upper")):
-                label = {
-                    "long_name": f"{word} end of the 95 % interval of the {quantity} of {name}"
-                }
-                if quantity == "phase":
-                    label["units"] = "degree"
-                values = getattr(band, f"{quantity}_{end}")
-                found[f"{prefix}{quantity}_{end}"] = (dims, values, label)
-        return found
 
     def third(
         self, at: Rows, frequencies: Any, dims: tuple[str, ...], inputs: tuple[int, ...]
@@ -248,6 +244,45 @@ class _Rows:
                 "time", high, {"long_name": f"upper end of the 95 % interval of the {what}"}
             ),
         }  # fmt: skip
+
+
+def _banded(
+    band: ResponseBand, name: str, dims: tuple[str, ...], prefix: str = ""
+) -> dict[str, Any]:
+    """Return a response, and the ends of its intervals under names that begin with prefix."""
+    words = "first" if name == "H1" else "second"
+    H = band.response
+    found = {
+        name: (
+            (*dims, "part"),
+            np.stack([H.real, H.imag], axis=-1),
+            {"long_name": f"{words}-order frequency response"},
+        )
+    }
+    for quantity in ("gain", "phase"):
+        for end, word in (("low", "lower"), ("high", "upper")):
+            label = {"long_name": f"{word} end of the 95 % interval of the {quantity} of {name}"}
+            if quantity == "phase":
+                label["units"] = "degree"
+            values = getattr(band, f"{quantity}_{end}")
+            found[f"{prefix}{quantity}_{end}"] = (dims, values, label)
+    return found
+
+
+def _lacking(error: ModelError | None, f: Array, number: int) -> dict[str, Any]:
+    """Return what the structure lacks in the response to an input."""
+    gain, phase = np.full((2, f.size), np.nan) if error is None else error.at(f, number)
+    label = "standard deviation of the {} of H1 by what the structure lacks"
+    return {
+        "model_error_gain": (
+            ("frequency",), gain, {"units": "1", "long_name": label.format("relative gain")}
+        ),
+        "model_error_phase": (
+            ("frequency",),
+            np.degrees(phase),
+            {"units": "degree", "long_name": label.format("phase")},
+        ),
+    }  # fmt: skip
 
 
 def _each_input(model: NarxModel, u: ArrayLike) -> Array:

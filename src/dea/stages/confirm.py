@@ -30,6 +30,11 @@ def confirm(
     found = [nonparametric.best_linear(each) for each in stretches]
     f = measured["frequency"].values
     pairs = np.concatenate([-f[::-1], f])
+    responses = store.read(gfrf)
+    lacking = [
+        np.interp(f, responses["frequency"].values, np.nan_to_num(responses[name].values))
+        for name in ("model_error_gain", "model_error_phase")
+    ]
     modelled = []
     for stretch in stretches:
         now = tracked.sel(instant=stretch.time, method="nearest")
@@ -45,7 +50,8 @@ def confirm(
             operating_point=float(stretch.u.mean()),
             allow_missing=True,
         )
-        first, second = response(1, f), response(2, (pairs[:, None], pairs[None, :]))
+        first = response(1, f).widened(lacking[0], np.radians(lacking[1]))
+        second = response(2, (pairs[:, None], pairs[None, :]))
         modelled.append(
             nonparametric.Modelled(
                 first.response,
@@ -54,7 +60,6 @@ def confirm(
                 nonparametric.Band.around(second.response, second.gain_high, second.phase_high),
             )
         )
-    responses = store.read(gfrf)
     highest = float(responses["frequency"].values[responses["excited"].values == 1].max())
     result = nonparametric.confirmation(measured, found, modelled, highest)
     result.attrs["model_band_withheld"] = withheld

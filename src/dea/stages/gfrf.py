@@ -36,6 +36,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
         of_tracker,
         signals.u,
         signals.sampling_rate,
+        y=signals.y,
         grid=Grid(**{name: options.pop(name) for name in of_grid}),
         **options,
     )

@@ -223,6 +223,8 @@ CONTRACTS: Mapping[str, Contract] = {
                 f"H2_{part}_{end}": _for_each("pair", "time_h2", "frequency_1", "frequency_2")
                 for part, end in _ENDS
             },
+            "model_error_gain": _for_each("input", "frequency", units="1"),
+            "model_error_phase": _for_each("input", "frequency", units="degree"),
             "y0": _plain("time"),
             "y0_low": _plain("time"),
             "y0_high": _plain("time"),

@@ -1,0 +1,123 @@
+"""What a model's structure lacks, as its response: the model error model.
+
+The error of a free run whose parameters follow the record holds what the terms cannot describe: a
+creep slower than their lags, for instance. The best linear approximation from the input to that
+error, over that to the output, is how far the gain is off and the phase (L. Ljung, Automatica 35,
+1999, 403). It is measured with the record's own excitation, so that it tells how large the error of
+a response is, and not what the response around one operating point should be.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dea.inputs import by_input
+from dea.missing import filled
+from dea.narx import NarxModel, as_input, simulate_varying
+
+Array = NDArray[np.float64]
+
+_LONGEST = 4000  # samples of a segment, which overlap by half
+_SEGMENTS = 8  # without common samples, at least
+# Of 50 % overlapping Hann segments, so many count as one less alike: P. D. Welch, IEEE Trans. Audio
+# Electroacoust. 15 (1967) 70.
+_ALIKE = 11.0 / 9.0
+_CHANCE = 0.01  # with which noise alone is taken for an error, at a frequency
+_RESOLVED = 2.0  # periods in a segment
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Standard deviation of relative gain and of phase (rad) by input and frequency in Hz.
+
+    Parameters
+    ----------
+    frequency : (lines,)
+    gain, phase : (inputs, lines)
+    """
+
+    frequency: Array
+    gain: Array
+    phase: Array
+
+    def at(self, frequency: Array, number: int = 1) -> tuple[Array, Array]:
+        """Return gain and phase of an input at other frequencies; beyond the lines, the nearest."""
+        gain, phase = (
+            np.interp(frequency, self.frequency, each[number - 1])
+            for each in (self.gain, self.phase)
+        )
+        return gain, phase
+
+
+def model_error(
+    model: NarxModel,
+    parameters: Array,
+    u: ArrayLike,
+    y: ArrayLike,
+    sampling_rate: float,
+    excited_above: float,
+) -> ModelError | None:
+    """Return what the model lacks, or None where the record does not tell.
+
+    It does not where the free run diverges or the record is too short.
+
+    Parameters
+    ----------
+    model, parameters
+        With parameters (samples, terms) that follow the record.
+    u, y
+        The record in physical units, (samples,) or (samples, inputs); missing outputs are NaN.
+    excited_above
+        Share of the largest power density of an input above which a frequency counts as excited.
+    """
+    scaling, signals = model.scaling, as_input(u)
+    outputs, seen = filled(np.asarray(y, dtype=float))
+    run = simulate_varying(
+        model.terms, parameters, scaling.normalise_input(signals), scaling.normalise_output(outputs)
+    )
+    error = outputs - scaling.restore_output(run)
+    length = min(_LONGEST, error.size // _SEGMENTS)
+    if length < 4 * _RESOLVED:
+        return None
+    known = seen & np.isfinite(error)
+    every = range(0, known.size - length + 1, length // 2)
+    starts = np.array([a for a in every if known[a : a + length].all()], dtype=np.int64)
+    averages = starts.size / _ALIKE
+    if averages < _SEGMENTS:
+        return None
+    inputs = by_input(signals)
+    U, Y, E = (_transformed(each, starts, length) for each in (inputs, outputs[None], error[None]))
+    auto = np.einsum("ikf,jkf->fij", U.conj(), U)
+    power = np.einsum("fii->if", auto).real
+    frequency = np.fft.rfftfreq(length, 1.0 / sampling_rate)
+    usable = (power > excited_above * power.max(axis=1, keepdims=True)).all(axis=0)
+    usable &= frequency >= _RESOLVED * sampling_rate / length
+    if not usable.any():
+        return None
+    auto, U, Y, E = auto[usable], U[..., usable], Y[0][:, usable], E[0][:, usable]
+    to_error, to_output = (
+        np.linalg.solve(auto, np.einsum("ikf,kf->fi", U.conj(), each)[..., None])[..., 0].T
+        for each in (E, Y)
+    )
+    left = E - np.einsum("if,ikf->kf", to_error, U)
+    noise = np.mean(np.abs(left) ** 2, axis=0) * averages / (averages - len(inputs))
+    variance = _ALIKE * noise * np.einsum("fii->if", np.linalg.inv(auto)).real
+    relative = to_error / to_output
+    variance /= np.abs(to_output) ** 2
+    beyond_chance = np.abs(relative) ** 2 > -np.log(_CHANCE) * variance
+    gain, phase = (
+        np.sqrt(np.maximum(part**2 - 0.5 * variance, 0.0)) * beyond_chance
+        for part in (relative.real, relative.imag)
+    )
+    return ModelError(frequency[usable], gain, phase)
+
+
+def _transformed(signals: Array, starts: NDArray[np.int64], length: int) -> NDArray[np.complex128]:
+    """Return the spectra (signals, segments, lines) of segments without their line in time."""
+    from scipy.signal import detrend
+    from scipy.signal.windows import hann
+
+    cut = signals[:, starts[:, None] + np.arange(length)]
+    found: NDArray[np.complex128] = np.fft.rfft(detrend(cut, axis=-1) * hann(length, sym=False))
+    return found

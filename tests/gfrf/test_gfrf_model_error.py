@@ -1,0 +1,132 @@
+"""What the structure of a model lacks, against linear systems whose responses are known."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.signal import freqz, lfilter
+
+from dea.gfrf import Grid, response_over_time
+from dea.gfrf.model_error import model_error
+from dea.narx import NarxModel, Scaling
+
+RATE = 50.0
+FAST = NarxModel.from_terms({"y(t-1)": 0.8, "u(t-1)": 0.2}, scaling=Scaling())
+# Beside it in parallel, a slow pole that the model lacks.
+SLOW = [0.0, 5e-4], [1.0, -0.99]
+
+
+def excitation(samples, seed):
+    return lfilter([0.1], [1.0, -0.9], np.random.default_rng(seed).standard_normal(samples))
+
+
+def outputs(u, slow=True, noise=0.0, seed=9):
+    y = lfilter([0.0, 0.2], [1.0, -0.8], u) + slow * lfilter(*SLOW, u)
+    return y + noise * y.std() * np.random.default_rng(seed).standard_normal(u.size)
+
+
+def lacking(u, y, model=FAST, excited_above=1e-3):
+    course = np.tile(model.parameters, (len(u), 1))
+    return model_error(model, course, u, y, RATE, excited_above)
+
+
+def test_a_slow_pole_beside_the_models_own_is_seen_at_every_frequency():
+    u = excitation(90_000, 1)
+    found = lacking(u, outputs(u, noise=0.01))
+    _, slow = freqz(*SLOW, found.frequency, fs=RATE)
+    _, fast = freqz([0.0, 0.2], [1.0, -0.8], found.frequency, fs=RATE)
+    relative = slow / (fast + slow)
+    band = (found.frequency > 0.03) & (found.frequency < 0.5)
+    np.testing.assert_allclose(found.gain[0][band], np.abs(relative.real)[band], atol=0.002)
+    np.testing.assert_allclose(found.phase[0][band], np.abs(relative.imag)[band], atol=0.002)
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.95])
+def test_noise_alone_is_seldom_taken_for_an_error(colour):
+    seen = []
+    for seed in range(20):
+        u = excitation(16_000, seed)
+        white = np.random.default_rng(100 + seed).standard_normal(u.size)
+        noise = lfilter([1.0], [1.0, -colour], white)
+        found = lacking(u, outputs(u, slow=False) + 0.05 * u.std() * noise / noise.std())
+        seen += (found.gain[0] > 0.0).tolist()
+    # One of a hundred, and as many where the normal approximation of few segments is poor.
+    assert np.mean(seen) < 0.03
+
+
+def test_of_two_inputs_the_one_whose_response_lacks_something_is_told():
+    u = np.stack([excitation(60_000, 1), excitation(60_000, 2)], axis=1)
+    model = NarxModel.from_terms({"y(t-1)": 0.8, "u1(t-1)": 0.2, "u2(t-1)": 0.2}, scaling=Scaling())
+    y = outputs(u[:, 0]) + outputs(u[:, 1], slow=False)
+    found = lacking(u, y, model)
+    band = (found.frequency > 0.03) & (found.frequency < 0.3)
+    size = np.hypot(found.gain, found.phase)[:, band]
+    _, slow = freqz(*SLOW, found.frequency[band], fs=RATE)
+    _, fast = freqz([0.0, 0.2], [1.0, -0.8], found.frequency[band], fs=RATE)
+    np.testing.assert_allclose(size[0], np.abs(slow / (slow + fast)), atol=0.01)
+    assert np.median(size[1]) < 0.1 * np.median(size[0])
+
+
+def test_stretches_with_missing_outputs_are_left_out():
+    u = excitation(90_000, 1)
+    y = outputs(u)
+    whole = lacking(u, y)
+    y[::30_000] = np.nan
+    found = lacking(u, y)
+    np.testing.assert_array_equal(found.frequency, whole.frequency)
+    band = whole.frequency < 0.3
+    np.testing.assert_allclose(found.phase[0][band], whole.phase[0][band], atol=0.002)
+
+
+def test_a_record_that_does_not_tell_gives_none():
+    u = excitation(4000, 1)
+    unstable = NarxModel(FAST.terms, np.array([1.1, 0.2]), scaling=Scaling())
+    assert lacking(u, outputs(u), unstable) is None
+    assert lacking(u[:50], outputs(u[:50])) is None
+    y = outputs(u)
+    y[::400] = np.nan
+    assert lacking(u, y) is None
+
+
+def responses(u, y=None):
+    """Responses of the fast model alone, whose parameters are known to a thousandth."""
+    times = np.arange(u.size) / RATE
+    track = xr.Dataset(
+        {
+            "parameter": (("time", "term"), np.tile(FAST.parameters, (u.size, 1))),
+            "covariance": (
+                ("instant", "term", "term_2"), np.tile(1e-6 * np.eye(2), (3, 1, 1))
+            ),
+        },
+        coords={
+            "time": times, "instant": times[[10, 100, 1000]], "term": list(map(str, FAST.terms)),
+        },
+        attrs={"estimator": "local", "withheld": ""},
+    )  # fmt: skip
+    grid = Grid(instants=3, lowest=1e-3, highest=0.01, count=20, plane_count=2)
+    return response_over_time(FAST, track, u, RATE, y=y, grid=grid)
+
+
+def test_the_band_holds_the_response_that_the_structure_cannot_have():
+    u = excitation(90_000, 1)
+    found, alone = responses(u, outputs(u)), responses(u)
+    f = found["frequency"].values
+    true = sum(freqz(*each, f, fs=RATE)[1] for each in (([0.0, 0.2], [1.0, -0.8]), SLOW))
+    gain, phase = np.abs(true), np.degrees(np.angle(true))
+
+    def inside(band):
+        return (
+            (band["gain_low"] <= gain) & (gain <= band["gain_high"])
+            & (band["phase_low"] <= phase) & (phase <= band["phase_high"])
+        ).values  # fmt: skip
+
+    assert inside(found).all()
+    assert inside(alone).mean() < 0.5
+    np.testing.assert_array_equal(found["H2_gain_high"], alone["H2_gain_high"])
+
+
+def test_where_nothing_is_lacking_the_band_is_that_of_the_parameters():
+    u = excitation(90_000, 1)
+    found, alone = responses(u, outputs(u, slow=False, noise=0.01)), responses(u)
+    wider = (found["gain_high"] / found["gain_low"]) / (alone["gain_high"] / alone["gain_low"])
+    assert wider.median() == 1.0
+    assert wider.max() < 1.01
