@@ -215,12 +215,16 @@ def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, statu
     assert found.status == status
 
 
-@pytest.mark.parametrize("names", [("dead_zone",), ("dead_zone", "second_mode")])
 @pytest.mark.parametrize(
-    ("curve", "before", "status"),
-    [(0.0, 9.0, "named"), (2.5, 9.0, "unknown"), (0.0, 4.0, "unknown")],
+    ("curve", "before", "names", "status"),
+    [
+        (0.0, 9.0, ("dead_zone",), "named"),
+        (2.5, 9.0, ("dead_zone",), "unknown"),
+        (0.0, 4.0, ("dead_zone",), "unknown"),
+        (0.0, 9.0, ("dead_zone", "second_mode"), "unknown"),
+    ],
 )
-def test_effects_may_leave_noise_of_any_colour_and_nothing_else(curve, before, status, names):
+def test_one_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before, names, status):
     """What is left is three floors of coloured noise, in part replaced by a curve of the input."""
     problem, extended = hidden("dead_zone")
     plain = at(problem, extended, np.zeros(extended.free.size))
@@ -314,7 +318,7 @@ def test_the_certain_part_of_an_answer_is_named(without, left, named):
 )
 def test_two_effects_are_certain_where_nothing_replaces_the_second(presence, without, named):
     evidence, candidate = graded()
-    alone = candidate(2.8, "dead_zone")
+    alone = candidate(3.6, "dead_zone")
     pair = candidate(1.8, "dead_zone", "sensor_lag")
     rival = candidate(without, "dead_zone", "gain_drift")
     pool = [pair, rival, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "gain_drift")]
@@ -327,7 +331,7 @@ def test_of_three_effects_each_is_certain_only_where_nothing_replaces_it():
     evidence, candidate = graded()
     names = "dead_zone", "sensor_lag", "gain_drift"
     triple, pair = candidate(1.8, *names), candidate(1.9, *names[:2])
-    alone = candidate(2.8, "dead_zone")
+    alone = candidate(3.6, "dead_zone")
     pool = [triple, pair, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "gain_drift")]
     weighed = Presence((triple,), np.array([1.0]))
     found = decide(evidence, triple, pool, [alone], evidence.nominal.residual, weighed)
@@ -523,7 +527,7 @@ def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own
         assert not named or found.answer is alone
 
 
-@pytest.mark.parametrize(("left", "names"), [(2.8, 2), (2.0, 1)])
+@pytest.mark.parametrize(("left", "names"), [(3.6, 2), (2.0, 1)])
 def test_a_second_effect_of_the_same_family_must_leave_less_than_the_first_one(left, names):
     evidence, candidate = graded()
     alone = candidate(left, "sensor_lag")
@@ -534,6 +538,29 @@ def test_a_second_effect_of_the_same_family_must_leave_less_than_the_first_one(l
     )
     assert found.status == "named"
     assert found.answer.names == pair.names[:names]
+
+
+@pytest.mark.parametrize(("held_out", "names", "whole"), [(3.5, 1, False), (2.0, 2, True)])
+def test_a_second_effect_must_remove_half_of_what_is_left_where_it_was_not_fitted(
+    held_out, names, whole
+):
+    """Both leave noise alone where they were fitted."""
+    evidence, candidate = graded()
+    alone, pair = candidate(4.0, "dead_zone"), candidate(1.1, "dead_zone", "sensor_lag")
+    predicted = {pair.fit: candidate(held_out).fit.residual}
+
+    def residual(fitted):
+        return predicted.get(fitted, fitted.residual)
+
+    of_blocks = SimpleNamespace(
+        residual=residual, rmse=lambda fitted: evidence.problem.seen_rmse(residual(fitted))
+    )
+    evidence = replace(evidence, held_out=of_blocks)
+    pool = [pair, alone, candidate(6.0, "sensor_lag")]
+    weighed = Presence((pair,), np.ones(1))
+    found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer.names) == ("named", pair.names[:names])
+    assert found.whole is whole
 
 
 @pytest.mark.parametrize(("left", "named"), [(1.2, "part"), (3.0, "pair")])

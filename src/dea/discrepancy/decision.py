@@ -160,7 +160,7 @@ def decide(
         return Decision(Status.NAMED, surest, reason=_rest(evidence, surest, weighed))
     if chosen is None:
         return _nothing_proven(evidence, residual)
-    if not _explained(evidence, chosen, weighed):
+    if not (_explained(evidence, chosen, weighed) and _each_adds(evidence, chosen, pool)):
         part = _certain_part(evidence, pool, weighed)
         if part is not None:
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
@@ -209,6 +209,8 @@ def _stands_alone(
     """
     rules, floor = evidence.rules, evidence.floor
     if evidence.nominal_error <= rules.clean * floor or not _explained(evidence, surest, weighed):
+        return False
+    if not _each_adds(evidence, surest, pool):
         return False
 
     def stands_against(other: Candidate) -> bool:
@@ -279,9 +281,32 @@ def _certain_part(
         return None
 
     def completed_by(wider: Candidate) -> bool:
-        return all(ahead(wider, name, part.effects) for name in wider.effects - part.effects)
+        further = wider.effects - part.effects
+        return all(ahead(wider, name, part.effects) for name in further) and _each_adds(
+            evidence, wider, pool
+        )
 
     return next((c for c in certain if c.effects > part.effects and completed_by(c)), part)
+
+
+def _each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> bool:
+    """Return whether each of several effects removes much of what the others leave.
+
+    On blocks that were not fitted: a second law bends to the error of the first one's law, too,
+    where it has seen it.
+    """
+    if len(chosen.effects) == 1:
+        return True
+
+    def left(candidate: Candidate) -> float:
+        return misfit(evidence.held_out.rmse(candidate.fit), evidence.floor)
+
+    most = [
+        (1.0 - evidence.rules.part) * left(min(others, key=lambda c: c.rmse))
+        for effect in chosen.effects
+        if (others := [c for c in pool if c.finished and c.effects == chosen.effects - {effect}])
+    ]
+    return left(chosen) <= min(most, default=np.inf)
 
 
 def _share_of(evidence: Evidence, part: Candidate) -> Share:
@@ -345,10 +370,11 @@ def _explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool
     floor, rules = evidence.floor, evidence.rules
     if chosen.rmse <= rules.clean * floor:
         return True
-    left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     # Several laws together fit almost any residual, so that they must leave noise alone.
-    several = len(chosen.names) > 1 and chosen.rmse > rules.grow * floor
-    if several or left > rules.misfit * whole:
+    if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
+        return False
+    left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
+    if left > rules.misfit * whole:
         return _leaves_coloured_noise(evidence, chosen, weighed)
     if left <= 0.5 * rules.misfit * whole:
         return True

@@ -49,7 +49,8 @@ class Rules:
         Presence from which an effect, or a family of effects, is certain.
     part
         Part of the held-out misfit that certain effects must remove to be named where something
-        else remains, at the lower end of its interval.
+        else remains, at the lower end of its interval; and part of what the others leave that each
+        of several effects must remove to be named with them.
     ahead
         Such effects must leave less misfit than any explanation without their family by this part.
     at_bound
