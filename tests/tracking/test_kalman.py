@@ -128,3 +128,13 @@ def test_the_smoother_survives_thirty_minutes_of_collinear_regressors():
 def test_a_negative_variance_is_refused():
     with pytest.raises(InputError):
         smooth(np.ones((3, 1)), np.ones(3), [-1.0], theta_0=np.zeros(1), prior_variance=1.0)
+
+
+def test_a_sample_that_is_asked_for_twice_has_the_same_covariance_twice():
+    rng = np.random.default_rng(8)
+    Phi, y = rng.standard_normal((50, 2)), rng.standard_normal(50)
+    asked = {"noise_ratio": np.full(2, 1e-2), "theta_0": np.zeros(2), "prior_variance": 1.0}
+    once, twice = (
+        smooth(Phi, y, **asked, at=np.array(at)).covariance for at in ([0, 7], [0, 0, 0, 7, 7])
+    )
+    np.testing.assert_array_equal(twice, once[[0, 0, 0, 1, 1]])

@@ -129,7 +129,8 @@ def run_smoother(
                 fall += P[t, i, k] * total
             theta[t, i] = predicted[t, i] + shift
             variance[t, i] = P[t, i, i] - fall
-        if wanted >= 0 and at[wanted] == t:
+        # Instants before the largest lag all fall on the first sample.
+        while wanted >= 0 and at[wanted] == t:
             for i in range(p):
                 for k in range(p):
                     adjoint[wanted, i, k] = N[i, k]
