@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 from benchmarks.mutants.report import kill_rate, markdown
 from benchmarks.mutants.sites import Mutant, mutants
-from benchmarks.mutants.suite import TimedFile, select
+from benchmarks.mutants.suite import Suite, TimedFile, read_suite, select, statement
 from benchmarks.mutants.workplace import Workplace
+from coverage import CoverageData
 
 ROOT = Path(__file__).parents[1]
 SOURCE = '''"""Adds 1 and 2."""
@@ -50,17 +51,87 @@ def test_logic_alone_is_changed(places):
     }
 
 
+def suite_of(ran, *files):
+    data = CoverageData(no_disk=True)
+    for context, lines in ran.items():
+        data.set_context(context)
+        data.add_lines({MUTANT.file: lines})
+    return Suite(files, data)
+
+
+MUTANT = Mutant("src/dea/narx/terms.py", 2, 0, "parse", "NumberReplacer", 0)
+FILES = [
+    TimedFile("tests/gfrf/test_gfrf_x.py", "", {"tests/gfrf/test_gfrf_x.py::test_e": 0.1}),
+    TimedFile("tests/narx/test_narx_model.py", "", {"tests/narx/test_narx_model.py::test_d": 1.0}),
+    TimedFile(
+        "tests/narx/test_narx_other.py",
+        "parse",
+        {f"tests/narx/test_narx_other.py::{name}": 3.0 for name in ("test_b", "test_c[|-1]")}
+        | {"tests/narx/test_narx_other.py::test_long": 15.0},
+    ),
+    TimedFile("tests/narx/test_narx_terms.py", "", {"tests/narx/test_narx_terms.py::test_a": 5.0}),
+]
+EVERY = {f"{name}|run": [2, 3] for file in FILES for name in file.seconds}
+CALLED = "def parse():\n    x = [\n        1,\n    ]\n    return x\n"
+
+
+def chosen(ran, budget=20.0):
+    selection = select(MUTANT, CALLED, "narx", suite_of(ran, *FILES), budget)
+    return [test.split("::")[1] for test in selection.tests]
+
+
 def test_the_likeliest_tests_come_first_and_stay_in_the_budget():
-    mutant = Mutant("src/dea/narx/terms.py", 1, 0, "parse", "NumberReplacer", 0)
-    files = [
-        TimedFile("tests/narx/test_narx_model.py", "", {"test_d": 1.0}),
-        TimedFile("tests/narx/test_narx_other.py", "parse", {"test_b": 3.0, "test_c": 30.0}),
-        TimedFile("tests/narx/test_narx_terms.py", "", {"test_a": 5.0}),
-    ]
-    chosen = select(mutant, files, budget=20.0)
-    assert [test.split("::")[1] for test in chosen.tests] == ["test_a", "test_b", "test_d"]
-    assert chosen.seconds == pytest.approx(9.0)
-    assert len(select(mutant, files, budget=8.5).tests) == 2
+    assert chosen(EVERY) == ["test_a", "test_b", "test_c[|-1]", "test_e", "test_d"]
+    assert chosen(EVERY, budget=15.5) == ["test_a", "test_b", "test_c[|-1]", "test_e", "test_d"]
+    assert chosen(EVERY, budget=15.0 - 1e-3) == [
+        "test_a",
+        "test_e",
+        "test_d",
+    ]  # one file's is longer
+    assert select(MUTANT, CALLED, "narx", suite_of(EVERY, *FILES), 20.0).seconds == (
+        pytest.approx(12.1)
+    )
+
+
+def test_only_tests_that_run_the_statement_are_asked():
+    names = {name.split("::")[1]: name for file in FILES for name in file.seconds}
+    ran = {f"{names['test_c[|-1]']}|run": [4], f"{names['test_e']}|run": [5], "": [2]}
+    assert chosen(ran) == ["test_c[|-1]"]
+    # What a fixture runs may be what any test of the file uses.
+    assert chosen({f"{names['test_c[|-1]']}|setup": [3]}) == ["test_b", "test_c[|-1]"]
+
+
+def test_where_no_test_is_seen_to_run_a_line_those_of_its_module_and_room_are_asked():
+    ran = {"tests/gfrf/test_gfrf_x.py::test_e|run": [5], "": [2]}
+    assert chosen(ran) == ["test_a", "test_b", "test_c[|-1]", "test_e", "test_d"]
+    assert "test_e" not in chosen({"": [2]})
+
+
+def test_the_head_of_a_compound_statement_is_a_statement():
+    source = "if (\n    a\n    < b\n):\n    c = 1\nelse:\n    c = 2\n"
+    assert statement(source, 3) == range(1, 5)
+    assert statement(source, 5) == range(5, 6)
+    assert statement(source, 7) == range(7, 8)
+
+
+def test_tests_that_fail_or_are_skipped_on_the_code_as_it_is_are_not_asked(tmp_path):
+    (tmp_path / "tests/narx").mkdir(parents=True)
+    (tmp_path / "tests/narx/test_x.py").write_text("")
+    case = '<testcase classname="tests.narx.test_x{}" name="test_{}" time="2.5">{}</testcase>'
+    (tmp_path / "report.xml").write_text(
+        "<testsuites><testsuite>"
+        + case.format(".Good", "a[1]", "")
+        + case.format("", "b", '<failure message="" />')
+        + case.format("", "c", '<skipped message="" />')
+        + "</testsuite></testsuites>"
+    )
+    data = CoverageData(str(tmp_path / "ran"))
+    data.add_lines({"src/dea/narx/x.py": [1]})
+    data.write()
+    suite = read_suite(tmp_path, tmp_path / "report.xml", tmp_path / "ran")
+    [file] = suite.files
+    assert file.seconds == {"tests/narx/test_x.py::Good::test_a[1]": 2.5}
+    assert file.room == "narx"
 
 
 def test_the_rate_counts_what_could_be_tested():
@@ -75,8 +146,11 @@ def test_survivors_are_listed_with_their_change():
     row = {
         "room": "narx", "file": "src/dea/narx/x.py", "line": 3, "definition": "f",
         "operator": "AddNot", "outcome": "survived", "diff": ["-if a:", "+if not a:"],
+        "control": None,
     }  # fmt: skip
-    report = markdown([row, row | {"outcome": "killed"}], seed=1, budget=60.0)
+    killed = row | {"outcome": "killed", "control": "killed"}
+    report = markdown([row, killed], seed=1, budget=60.0)
+    assert "1 mutants were run beside: 1 of these runs failed" in " ".join(report.split())
     assert "| narx | 1 | 0 | 1 | 0 | 50.0 |" in report
     assert report.count("+if not a:") == 1
 
@@ -100,10 +174,14 @@ def test_what_was_compiled_is_kept_where_the_mutant_cannot_reach_it(tmp_path):
     def pytest_runs(arguments, folder, timeout):
         mutated = (tmp_path / "copy/src/dea/narx/kernels.py").read_text()
         seen.extend(sorted(path.name for path in folder.rglob("*.nb?")))
+        for name in ("codec.g-1.py311.2.nbc", "../narx_1a2b/kernels.run-9.py311.2.nbc"):
+            (folder / "modbus_3c" / name).parent.mkdir(exist_ok=True)
+            (folder / "modbus_3c" / name).touch()
         return 0 if mutated == source + "\n" else 1
 
     place._pytest = pytest_runs
     assert place.test("src/dea/narx/kernels.py", source + "\n", ["tests"], timeout=1.0) == 0
     assert seen == ["codec.g-1.py311.1.nbc", "codec.g-1.py311.nbi"]
     assert (tmp_path / "copy/src/dea/narx/kernels.py").read_text() == source
-    assert len(list(compiled.rglob("*.nb?"))) == 8
+    assert len(list(compiled.rglob("*.nb?"))) == 9
+    assert (compiled / "modbus_3c/codec.g-1.py311.2.nbc").exists()

@@ -2,7 +2,6 @@
 
 import json
 import random
-import tempfile
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
@@ -15,7 +14,7 @@ from rich.progress import Progress
 
 from benchmarks.bars import progress_bars
 from benchmarks.mutants.sites import Mutant, mutants
-from benchmarks.mutants.suite import Selection, TimedFile, read_report, select, test_files
+from benchmarks.mutants.suite import Selection, Suite, read_suite, select
 from benchmarks.mutants.workplace import Workplace
 
 # Rooms whose mistakes spoil a result or a device, as files and folders of src/dea.
@@ -37,7 +36,9 @@ DISPLAY = {"panel.py"}  # what is shown while a record is made
 OUTCOMES = {0: "survived", 1: "killed", 2: "incompetent", 3: "incompetent", 4: "incompetent",
             5: "survived", None: "timeout"}  # fmt: skip
 # A mutant has its tests' time this often, and the seconds that a start and a compilation take.
-PATIENCE, START = 4.0, 45.0
+PATIENCE, START = 4.0, 90.0
+# After so many mutants the tests of one are run on the code as it is: they must pass.
+MUTANTS_PER_CONTROL = 20
 
 
 @dataclass(frozen=True)
@@ -86,15 +87,15 @@ def run(campaign: Campaign, results: Path) -> list[dict[str, object]]:
         for number in range(campaign.workers)
     ]
     with progress_bars() as progress:
-        suites = _suites(campaign, copies, progress)
+        suite = _suite(campaign, copies[0], progress)
         for copy in copies:
             workplaces.put(copy)
         rows: list[dict[str, object]] = []
         bar = progress.add_task("mutants", total=len(drawn))
         with ThreadPoolExecutor(campaign.workers) as pool:
             tried = [
-                pool.submit(_row, campaign, room, mutant, suites[room], known, workplaces)
-                for room, mutant in drawn
+                pool.submit(_row, campaign, room, mutant, index, suite, known, workplaces)
+                for index, (room, mutant) in enumerate(drawn)
             ]
             try:
                 for done in as_completed(tried):
@@ -113,12 +114,13 @@ def _row(
     campaign: Campaign,
     room: str,
     mutant: Mutant,
-    files: Sequence[TimedFile],
+    index: int,
+    suite: Suite,
     known: dict[str, dict[str, object]],
     workplaces: "SimpleQueue[Workplace]",
 ) -> dict[str, object]:
     source = (campaign.root / mutant.file).read_text()
-    chosen = select(mutant, files, campaign.budget)
+    chosen = select(mutant, source, room, suite, campaign.budget)
     key = mutant.key(sha256(source.encode()).hexdigest() + chosen.state)
     if key in known:
         return known[key]
@@ -126,12 +128,23 @@ def _row(
     workplace = workplaces.get()
     try:
         outcome = _outcome(workplace, mutant, mutated, chosen)
+        control = None
+        if index % MUTANTS_PER_CONTROL == 0:
+            control = _outcome(workplace, mutant, source + "\n", chosen)
     finally:
         workplaces.put(workplace)
     lines = unified_diff(source.splitlines(), mutated.splitlines(), n=0, lineterm="")
     diff = [line.rstrip() for line in lines][3:]
-    return {"key": key, "room": room, "outcome": outcome, **asdict(mutant), "diff": diff,
-            "tests": len(chosen.tests), "seconds": round(chosen.seconds, 1)}  # fmt: skip
+    return {
+        "key": key,
+        "room": room,
+        "outcome": outcome,
+        "control": control,
+        **asdict(mutant),
+        "diff": diff,
+        "tests": len(chosen.tests),
+        "seconds": round(chosen.seconds, 1),
+    }
 
 
 def _outcome(workplace: Workplace, mutant: Mutant, mutated: str, chosen: Selection) -> str:
@@ -141,44 +154,21 @@ def _outcome(workplace: Workplace, mutant: Mutant, mutated: str, chosen: Selecti
     return OUTCOMES[workplace.test(mutant.file, mutated, chosen.tests, timeout)]
 
 
-def _suites(
-    campaign: Campaign, copies: Sequence[Workplace], progress: Progress
-) -> dict[str, list[TimedFile]]:
-    """Return the tests of each room with their times, after running them once as they are.
+def _suite(campaign: Campaign, copy: Workplace, progress: Progress) -> Suite:
+    """Return the tests, their times and the lines they run, from one run on the code as it is.
 
-    So no mutant is blamed for a test that fails anyway, and every copy has its compiled functions.
-    The times are kept for as long as the code and the file of tests stay what they are.
+    So no mutant is blamed for a test that fails anyway. The run is kept for as long as the code
+    and the tests stay what they are.
     """
-    chosen = {room: test_files(campaign.root, room) for room in campaign.rooms}
-    files = sorted({file for room in chosen.values() for file in room})
-    kept = campaign.folder / "times.json"
-    times = json.loads(kept.read_text()) if kept.exists() else {}
-    code = _state([*campaign.root.glob("src/**/*.py"), *campaign.root.glob("tests/**/[!t]*.py")])
-    suite = {}
-    bar = progress.add_task("tests as they are", total=len(files))
-    for file in files:
-        path = str(file.relative_to(campaign.root))
-        key = f"{path} {code} {_state([file])} {len(copies)}"
-        if key not in times:
-            times[key] = _times(copies, path)
-            kept.write_text(json.dumps(times))
-        suite[file] = TimedFile(path, file.read_text(), times[key])
-        progress.advance(bar)
-    return {room: [suite[file] for file in files] for room, files in chosen.items()}
-
-
-def _times(copies: Sequence[Workplace], path: str) -> dict[str, float]:
-    with tempfile.NamedTemporaryFile(suffix=".xml") as report:
-        arguments = [path, f"--junitxml={report.name}"]
-        status, compiled = copies[0].warm(arguments)
-        if compiled:  # the time of the first run is not that of the next
-            for copy in copies:
-                status, _ = copy.warm(arguments)
-        if status == 5:
-            return {}
-        if status != 0:
-            raise SystemExit(f"{path} fails on the code as it is: no mutant can be tried")
-        return read_report(Path(report.name))
+    code = [*campaign.root.glob("src/**/*.py"), *campaign.root.glob("tests/**/*.py")]
+    kept = (campaign.folder / f"suite-{_state(code)[:16]}").resolve()
+    report, ran = kept / "report.xml", kept / "ran.sqlite"
+    if not report.exists():
+        kept.mkdir(exist_ok=True)
+        bar = progress.add_task("the suite on the code as it is", total=None)
+        copy.run_all(campaign.workers, report, ran)
+        progress.update(bar, total=1, completed=1)
+    return read_suite(campaign.root, report, ran)
 
 
 def _state(files: Sequence[Path]) -> str:

@@ -9,9 +9,10 @@ from scipy.stats import binomtest
 OUTCOMES = ("killed", "timeout", "survived", "incompetent")
 HEAD = """# Mutants
 
-{count} mutants, drawn with seed {seed}, each put before at most {budget:g} s of its room's tests.
-A mutant with which no test can be run (incompetent) is left out of the rate; one with which the
-tests do not end in time (timeout) counts as killed.
+{count} mutants, drawn with seed {seed}, each put before at most {budget:g} s of the tests that run
+its line. A mutant with which no test can be run (incompetent) is left out of the rate; one with
+which the tests do not end in time (timeout) counts as killed. On the code as it is, the tests of
+{controls} mutants were run beside: {failed} of these runs failed.
 
 | room | killed | timeout | survived | incompetent | kill rate (%) | 95 % interval (%) |
 |---|---|---|---|---|---|---|
@@ -32,7 +33,11 @@ def kill_rate(outcomes: Sequence[str]) -> tuple[float, float, float] | None:
 def markdown(rows: Sequence[Mapping[str, Any]], seed: int, budget: float) -> str:
     """Return the report: outcomes by room, then every survivor with its change."""
     rooms = sorted({row["room"] for row in rows})
-    text = HEAD.format(count=len(rows), seed=seed, budget=budget)
+    controls = [row["control"] for row in rows if row["control"] is not None]
+    failed = sum(control != "survived" for control in controls)
+    text = HEAD.format(
+        count=len(rows), seed=seed, budget=budget, controls=len(controls), failed=failed
+    )
     for room in rooms:
         text += _line(room, [row["outcome"] for row in rows if row["room"] == room])
     text += _line("all", [row["outcome"] for row in rows])

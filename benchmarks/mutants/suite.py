@@ -1,12 +1,21 @@
-"""Which tests are asked about a mutant: those of its room, the likeliest to notice it first."""
+"""Which tests are asked about a mutant: those that run its line, the likeliest ones first."""
 
+import ast
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 
+from coverage import CoverageData
+
 from benchmarks.mutants.sites import Mutant
+
+# Lines that run in the set-up of a test may be those of a fixture that its whole file shares.
+_SETUP = "|setup"
+# Their jobs run in processes of their own, on a study that takes a minute.
+_LEFT_OUT = "workflow"
 
 
 @dataclass(frozen=True)
@@ -15,12 +24,34 @@ class TimedFile:
 
     path: str  # relative to the project
     text: str
-    seconds: dict[str, float]  # by the test's name, in the order of the file
+    seconds: Mapping[str, float]  # of those that pass, by pytest's name, in the order they ran
 
     @property
-    def total(self) -> float:
-        """Seconds of all tests."""
-        return sum(self.seconds.values())
+    def room(self) -> str:
+        """The folder of ``tests`` it is in, or what its name says."""
+        parts = Path(self.path).parts
+        return parts[1] if len(parts) > 2 else Path(self.path).stem.removeprefix("test_")
+
+
+@dataclass(frozen=True)
+class Suite:
+    """All tests, and what each of them ran on the code as it is."""
+
+    files: Sequence[TimedFile]
+    ran: CoverageData  # by pytest's name and phase of each test
+
+    def running(self, file: str, lines: Iterable[int] | None = None) -> set[str]:
+        """Return the tests that run any of these lines of a file, or any line of it at all.
+
+        Where a line runs while a test is set up, all tests of that test's file count.
+        """
+        contexts = self.ran.contexts_by_lineno(file)
+        wanted = contexts if lines is None else [line for line in lines if line in contexts]
+        found = {context for line in wanted for context in contexts[line] if context}
+        shared = {context.split("::")[0] for context in found if context.endswith(_SETUP)}
+        return {context.rpartition("|")[0] for context in found} | {
+            name for each in self.files if each.path in shared for name in each.seconds
+        }
 
 
 @dataclass(frozen=True)
@@ -32,37 +63,73 @@ class Selection:
     state: str  # a hash of the tests' files
 
 
-def test_files(root: Path, room: str) -> list[Path]:
-    """Return the files of tests of a room."""
-    files = sorted((root / "tests").rglob("test_*.py"))
-    return [file for file in files if room in file.parts or file.stem == f"test_{room}"]
+def read_suite(root: Path, report: Path, ran: Path) -> Suite:
+    """Return the tests that passed in one run, from its JUnit report and coverage's data."""
+    seconds: dict[str, dict[str, float]] = defaultdict(dict)
+    for case in ElementTree.parse(report).iter("testcase"):
+        if any(case.find(outcome) is not None for outcome in ("skipped", "failure", "error")):
+            continue
+        module, classes = _file_and_classes(case.attrib["classname"])
+        name = "::".join([module, *classes, case.attrib["name"]])
+        seconds[module][name] = float(case.attrib["time"])
+    data = CoverageData(str(ran))
+    data.read()
+    files = [
+        TimedFile(path, (root / path).read_text(), seconds[path])
+        for path in sorted(seconds)
+        if _LEFT_OUT not in Path(path).parts
+    ]
+    return Suite(files, data)
 
 
-def read_report(report: Path) -> dict[str, float]:
-    """Return the seconds of each test in a JUnit report, in the order they ran."""
-    return {
-        f"{'::'.join(_classes(case))}{case.attrib['name']}": float(case.attrib["time"])
-        for case in ElementTree.parse(report).iter("testcase")
-        if case.find("skipped") is None
-    }
-
-
-def select(mutant: Mutant, files: Sequence[TimedFile], budget: float) -> Selection:
+def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) -> Selection:
     """Return the tests to run, at most ``budget`` seconds of them.
 
-    First the files that carry the module's name, then those that name the function changed or
-    import the module, then the others of its room; among these the quicker ones before. A test
-    that alone takes more than half of the budget is left out.
+    They are those that run the changed line. Where none is seen to, as in compiled functions, in
+    constants and in other processes: those that run its module, and those of its room. First come
+    the files that carry the module's name, then those that name the function changed or import the
+    module, then the others; among these the quicker ones before. A test that alone takes more than
+    half of the budget is left out, and a file with one that takes more than all of it, since what
+    its tests share may be what takes long.
     """
+    running = suite.running(mutant.file, statement(source, mutant.line))
+    if not running:
+        running = suite.running(mutant.file) | {
+            name
+            for file in suite.files
+            if file.room == room or _distance(mutant, file) < 2
+            for name in file.seconds
+        }
+    chosen = [
+        (file, {name: time for name, time in file.seconds.items() if name in running})
+        for file in suite.files
+        if max(file.seconds.values()) <= budget
+    ]
+    chosen.sort(key=lambda pair: (_distance(mutant, pair[0]), sum(pair[1].values())))
     tests: list[str] = []
     seconds, state = 0.0, sha256()
-    for file in sorted(files, key=lambda file: (_distance(mutant, file), file.total)):
-        for name, time in file.seconds.items():
+    for file, times in chosen:
+        for name, time in times.items():
             if time <= budget / 2 and seconds + time <= budget:
-                tests.append(f"{file.path}::{name}")
+                tests.append(name)
                 seconds += time
-        state.update(file.text.encode())
+        if times:
+            state.update(file.text.encode())
     return Selection(tuple(tests), seconds, state.hexdigest())
+
+
+def statement(source: str, line: int) -> range:
+    """Return the lines of the innermost statement around a line; of a compound one, its head."""
+    found = range(line, line + 1)
+    first = 0
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.stmt | ast.ExceptHandler):
+            continue
+        body = getattr(node, "body", None)
+        last = max(body[0].lineno - 1, node.lineno) if body else node.end_lineno or node.lineno
+        if first < node.lineno <= line <= last:
+            found, first = range(node.lineno, last + 1), node.lineno
+    return found
 
 
 def _distance(mutant: Mutant, file: TimedFile) -> int:
@@ -75,7 +142,8 @@ def _distance(mutant: Mutant, file: TimedFile) -> int:
     return 2
 
 
-def _classes(case: ElementTree.Element) -> list[str]:
-    """Return the classes a test is in, each name of which starts with a capital."""
-    names = [name for name in case.attrib["classname"].split(".") if name[:1].isupper()]
-    return [*names, ""] if names else []
+def _file_and_classes(dotted: str) -> tuple[str, list[str]]:
+    """Return the file of a test and the classes it is in, each of which starts with a capital."""
+    parts = dotted.split(".")
+    classes = [part for part in parts if part[:1].isupper()]
+    return "/".join(parts[: len(parts) - len(classes)]) + ".py", classes

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -23,10 +23,14 @@ INTERPRETER_OPTIONS = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
 }
-PYTEST = (
-    "-x", "-q", "-m", "not slow", "-p", "no:cacheprovider", "-p", "no:xdist",
-    "--hypothesis-seed=0", "--hypothesis-profile=first_failure",
+ALWAYS = ("-q", "-p", "no:cacheprovider", "--hypothesis-seed=0")
+# A failure that does not come again is that of a busy machine.
+OF_A_MUTANT = (
+    "-x", "--reruns", "1", "-p", "no:xdist", "-p", "no:pytest_cov",
+    "--hypothesis-profile=first_failure",
 )  # fmt: skip
+OF_ALL = ("--dist", "loadfile", "--no-loadscope-reorder", "--cov", "--cov-context=test",
+          "--cov-report=")  # fmt: skip
 
 
 class Workplace:
@@ -44,11 +48,10 @@ class Workplace:
         self._compiled.mkdir(exist_ok=True)
         self._graph = _import_graph(folder / "src")
 
-    def warm(self, arguments: Sequence[str]) -> tuple[int | None, bool]:
-        """Run pytest on the code as it is, and keep what numba compiles; return whether it did."""
-        before = sum(1 for _ in self._compiled.rglob("*.nbc"))
-        status = self._pytest(arguments, self._compiled, None)
-        return status, sum(1 for _ in self._compiled.rglob("*.nbc")) > before
+    def run_all(self, workers: int, report: Path, ran: Path) -> None:
+        """Run the whole suite; write its JUnit report and which lines each test ran."""
+        arguments = [*OF_ALL, "--numprocesses", str(workers), f"--junitxml={report}"]
+        self._pytest(arguments, self._compiled, None, {"COVERAGE_FILE": str(ran)})
 
     def test(self, file: str, mutated: str, arguments: Sequence[str], timeout: float) -> int | None:
         """Run pytest on a mutated module; return its status, none where it took too long."""
@@ -57,7 +60,7 @@ class Workplace:
         path.write_text(mutated)
         try:
             with self._compiled_elsewhere(file) as compiled:
-                return self._pytest(arguments, compiled, timeout)
+                return self._pytest([*OF_A_MUTANT, *arguments], compiled, timeout)
         finally:
             path.write_bytes(original)
             os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
@@ -67,33 +70,48 @@ class Workplace:
         """Yield a folder with the compiled functions of the modules that ``file`` cannot reach.
 
         Numba compiles a function again where its own module changed, and not where one did that it
-        calls or takes a constant from. What the functions of tests call is not in the graph.
+        calls or takes a constant from. What the functions of tests call is not in the graph. What
+        is compiled of those modules meanwhile is kept for the next mutant.
         """
         module = ".".join(Path(file).with_suffix("").relative_to("src").parts)
         module = module.removesuffix(".__init__")
         changed = {module, *self._graph.find_downstream_modules(module)}
-        modules = self._graph.modules
         with tempfile.TemporaryDirectory(dir=self.folder) as folder:
-            for kept in self._compiled.rglob("*.nb?"):
-                compiled = f"{kept.parent.name.rpartition('_')[0]}.{kept.name.split('.')[0]}"
-                own = {name for name in modules if f".{name}".endswith(f".{compiled}")}
-                if own and own.isdisjoint(changed):
-                    copy = Path(folder) / kept.relative_to(self._compiled)
-                    copy.parent.mkdir(exist_ok=True)
-                    os.link(kept, copy)
+            for kept in self._out_of_reach(self._compiled, changed):
+                copy = Path(folder) / kept.relative_to(self._compiled)
+                copy.parent.mkdir(exist_ok=True)
+                os.link(kept, copy)
             yield Path(folder)
+            for made in self._out_of_reach(Path(folder), changed):
+                kept = self._compiled / made.relative_to(folder)
+                kept.parent.mkdir(exist_ok=True)
+                made.replace(kept)
+
+    def _out_of_reach(self, folder: Path, changed: set[str]) -> list[Path]:
+        """Return the files of compiled functions that are of none of the changed modules."""
+        found = []
+        for path in folder.rglob("*.nb?"):
+            compiled = f".{path.parent.name.rpartition('_')[0]}.{path.name.split('.')[0]}"
+            own = {name for name in self._graph.modules if f".{name}".endswith(compiled)}
+            if own and own.isdisjoint(changed):
+                found.append(path)
+        return found
 
     def _pytest(
-        self, arguments: Sequence[str], compiled: Path, timeout: float | None
+        self,
+        arguments: Sequence[str],
+        compiled: Path,
+        timeout: float | None,
+        variables: Mapping[str, str] | None = None,
     ) -> int | None:
         given = self.folder / "arguments"
         given.write_text("\n".join(arguments))
         environment = os.environ | INTERPRETER_OPTIONS | {
             "PYTHONPATH": str(self.folder / "src"),
-            "NUMBA_CACHE_DIR": str(compiled),
+            "NUMBA_CACHE_DIR": str(compiled), **(variables or {}),
         }  # fmt: skip
         process = subprocess.Popen(
-            [sys.executable, "-m", "pytest", *PYTEST, f"@{given}"],
+            [sys.executable, "-m", "pytest", *ALWAYS, f"@{given}"],
             cwd=self.folder, env=environment, start_new_session=True,
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
