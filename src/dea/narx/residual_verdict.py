@@ -6,7 +6,7 @@ first made white by an autoregression, so that drift and coloured noise, which n
 not pass for an effect of the input (Box and Jenkins 1970, chapter 11, on prewhitening).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,12 +18,24 @@ from dea.narx.residuals import PAIR_TEST, each_test, product
 LEVEL = 0.05  # of all tests of a system together
 _ORDERS = 20  # of the autoregression, at most
 _PRINCIPAL = 1e-3  # of the largest singular value; what is below is the collinearity of lags
-_MEANING = {  # of the names of the inputs, and of the same without an article
-    "phi_eu": "{0}",
-    "phi_e(eu)": "the product of residual and {short[0]}",
-    "phi_u2e": "the square of {0}",
-    "phi_u2e2": "the square of {0}, in the residual's power",
-    PAIR_TEST: "the product of {short[0]} and {short[1]}",
+
+
+class _Relation(NamedTuple):
+    """What a test looks for: the signal whose past it is of, and in what of the residual."""
+
+    meaning: str  # of the names of the inputs, and of the same without an article
+    signal: Callable[[Array, Array, Array], Array]  # of residual and two inputs
+    in_power: bool = False
+
+
+_RELATIONS = {
+    "phi_eu": _Relation("{0}", lambda e, u, v: u),
+    "phi_e(eu)": _Relation("the product of residual and {short[0]}", lambda e, u, v: e * u),
+    "phi_u2e": _Relation("the square of {0}", lambda e, u, v: product(u, u)),
+    "phi_u2e2": _Relation(
+        "the square of {0}, in the residual's power", lambda e, u, v: product(u, u), in_power=True
+    ),
+    PAIR_TEST: _Relation("the product of {short[0]} and {short[1]}", lambda e, u, v: product(u, v)),
 }
 
 
@@ -66,19 +78,13 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
     white = _filtered(residual, coefficients)
     found = [_portmanteau(residual, max_lag, 1.0 - float(white.var() / residual.var()))]
     for name, columns in tests:
-        instrument = _instrument(name, residual, inputs[columns[0]], inputs[columns[-1]])
-        target = white**2 if name == "phi_u2e2" else white
-        if name != "phi_u2e2":  # squares of a white residual are not coloured by its filter
+        relation = _RELATIONS[name]
+        instrument = relation.signal(residual, inputs[columns[0]], inputs[columns[-1]])
+        target = white**2 if relation.in_power else white
+        if not relation.in_power:  # squares of a white residual are not coloured by its filter
             instrument = _filtered(instrument, coefficients)
         found.append(_regression(target, instrument[-target.size :], max_lag))
     return JointTests(*np.array(found).T)
-
-
-def _instrument(test: str, residual: Array, u: Array, v: Array) -> Array:
-    """Return the signal whose past a test is of; ``v`` is ``u`` except in that of a pair."""
-    if test == "phi_eu":
-        return u
-    return residual * u if test == "phi_e(eu)" else product(u, v)
 
 
 def verdict(
@@ -110,7 +116,9 @@ def verdict(
     short = [name.removeprefix("the ") for name in inputs]
     _, *tests = each_test(len(inputs)).values()
     meanings = [
-        _MEANING[test].format(*(inputs[k] for k in columns), short=[short[k] for k in columns])
+        _RELATIONS[test].meaning.format(
+            *(inputs[k] for k in columns), short=[short[k] for k in columns]
+        )
         for test, columns in tests
     ]
     shown = [
