@@ -14,10 +14,9 @@ except ImportError as missing:
     ) from missing
 
 from dea.errors import InputError
-from dea.narx import Forward, NarxModel, Orthogonal, Refined, select_terms
+from dea.narx import SEARCHES, NarxModel, select_terms
 
 Array = NDArray[np.float64]
-SEARCHES = {"refined": Refined, "forward": Forward, "orthogonal": Orthogonal}
 
 
 class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]

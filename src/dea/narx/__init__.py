@@ -27,7 +27,7 @@ from dea.narx.refinement import Fit, curvature, estimate_refined, fit_free_runs,
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
-from dea.narx.search import Forward, Orthogonal, Refined
+from dea.narx.search import SEARCHES, Forward, Orthogonal, Refined
 from dea.narx.selection import select_common_terms, select_terms
 from dea.narx.simulation import BOUND, simulate, simulate_varying
 from dea.narx.stability import Stability, UnstableModel
@@ -37,6 +37,7 @@ __all__ = [
     "BOUND",
     "LEVEL",
     "NOT_WHITE",
+    "SEARCHES",
     "Fit",
     "ForecastPlan",
     "Forward",

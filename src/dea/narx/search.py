@@ -68,6 +68,11 @@ class Orthogonal:
 
 
 Search = Refined | Forward | Orthogonal
+SEARCHES: dict[str, type[Search]] = {
+    "refined": Refined,
+    "forward": Forward,
+    "orthogonal": Orthogonal,
+}
 
 
 def _at_least_one(max_terms: int | None) -> None:

@@ -68,20 +68,31 @@ def _every_lag(lags: int | Sequence[Any]) -> list[int]:
     return [0, *(lag for each in lags for lag in _every_lag(each))]
 
 
+# Keys of the section that say where models come from and how; all others are of `select_terms`.
+_OF_THE_STAGE = {"start", "length", "resamples"}
+_OF_THE_SEARCH = {"search", "threshold", "rounds"}
+
+
 def selection_arguments(identification: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings of the section that :func:`dea.select_terms` takes."""
+    own = _OF_THE_STAGE | _OF_THE_SEARCH
+    arguments = {name: value for name, value in identification.items() if name not in own}
+    return arguments | {"search": _search(identification)}
+
+
+def _search(identification: Mapping[str, Any]) -> Any:
     from dea.narx import Forward, Orthogonal, Refined
 
-    names = ("y_lags", "u_lags", "degree", "even_in_input")
     threshold = identification.get("threshold")
-    search: Forward | Orthogonal | Refined
-    if identification["search"] == "forward":
-        search = Forward() if threshold is None else Forward(threshold, threshold)
-    elif identification["search"] == "orthogonal":
-        search = Orthogonal()
-    else:
-        search = Refined(threshold, identification["rounds"])
-    return {name: identification[name] for name in names} | {"search": search}
+    match identification["search"]:
+        case "refined":
+            return Refined(threshold, identification["rounds"])
+        case "forward":
+            return Forward() if threshold is None else Forward(threshold, threshold)
+        case "orthogonal":
+            return Orthogonal()
+        case other:
+            raise ValueError(f"no search is called {other!r}")
 
 
 def as_found(search: Any, model: Any) -> Any:
