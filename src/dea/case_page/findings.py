@@ -122,11 +122,11 @@ class Findings:
             one = scores.sel(part=part)
             others = [
                 Score(
-                    label,
+                    _BASELINES[name],
                     float(one["baseline_nmse"].sel(baseline=name)),
                     float(one["baseline_rmse"].sel(baseline=name)),
                 )
-                for name, label in _BASELINES.items()
+                for name in sorted(map(str, one["baseline"].values), key=list(_BASELINES).index)
             ]
             model = Score(f"NARX, {len(self._terms)} terms", float(one["nmse"]), float(one["rmse"]))
             found[part] = [model, *others]

@@ -28,14 +28,13 @@ def forecast(found: Mapping[str, xr.Dataset]) -> Table:
     for name, dataset in found.items():
         rmse = dataset["rmse"]
         units = rmse.attrs["units"]
+        labels = {each: _NAMES[each] for each in map(str, rmse["forecaster"].values)}
         for horizon in dataset["horizon"].values:
-            errors = {
-                forecaster: float(rmse.sel(horizon=horizon, forecaster=forecaster))
-                for forecaster in _NAMES
-            }
+            at_horizon = rmse.sel(horizon=horizon)
+            errors = {each: float(at_horizon.sel(forecaster=each)) for each in labels}
             rows.append(
                 {"actuator": name, "horizon (s)": float(horizon)}
-                | {f"{label} ({units})": errors[each] for each, label in _NAMES.items()}
+                | {f"{label} ({units})": errors[each] for each, label in labels.items()}
                 | {
                     "NARX/cubic": errors["narx"] / errors["cubic"],
                     "NARX/Hammerstein": errors["narx"] / errors["hammerstein"],
