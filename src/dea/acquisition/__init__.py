@@ -6,12 +6,17 @@ from dea.acquisition.commissioning import report_file
 from dea.acquisition.flagged import clock_fault
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.laws import TripError
-from dea.acquisition.link_log import LinkSettings
 from dea.acquisition.partial import Recovered, recover
 from dea.acquisition.read_back import ReadBackError
 from dea.acquisition.recorder import GuardianLostError
 from dea.acquisition.reported import reported
-from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError, StoppedError
+from dea.acquisition.retrying_link import (
+    DeviceRefusedError,
+    Link,
+    LinkError,
+    LinkSettings,
+    StoppedError,
+)
 from dea.acquisition.samples import BrokenRecordError, Quality, Samples, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import check_excitation

@@ -12,13 +12,12 @@ import xarray as xr
 from dea import store
 from dea.acquisition import by_hand, commissioning, latch
 from dea.acquisition.flagged import clock_fault
-from dea.acquisition.link_log import LinkSettings
 from dea.acquisition.panel import Panel
 from dea.acquisition.partial import recover
 from dea.acquisition.preview import preview
 from dea.acquisition.record import record_dataset
 from dea.acquisition.reported import reported
-from dea.acquisition.retrying_link import Link
+from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.samples import Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import answering_as_described, open_described, verify_device
@@ -89,7 +88,7 @@ def _excitation_volts(options: argparse.Namespace, device: Device) -> np.ndarray
 def check(options: argparse.Namespace) -> None:
     """Compare the device with its description and print its registers; applies no voltage."""
     device = _device(options)
-    link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
+    link = Link(device, BY_HAND)
     open_described(link)
     try:
         panel = Panel(link)

@@ -8,10 +8,10 @@ import numpy as np
 from dea.acquisition.duty import Notice, Order, Phase, duty_file, look, order
 from dea.acquisition.guardian import Job
 from dea.acquisition.latch import latch_file, trip
-from dea.acquisition.link_log import LinkLog, LinkSettings
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import Output
 from dea.acquisition.recorder import Recorder
-from dea.acquisition.retrying_link import Link
+from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.settings import AcquisitionSettings
 from dea.modbus import Device
 
@@ -33,7 +33,7 @@ def status(device: Device) -> str:
     if (tripped := trip(device)) is not None:
         lines.append(f"tripped at {tripped['time']}: {tripped['reason']}")
     if not notice.alive:
-        link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
+        link = Link(device, BY_HAND)
         try:
             applied = Output(link).applied()
         finally:

@@ -16,10 +16,10 @@ import numpy as np
 from dea.acquisition.acquire import acquire
 from dea.acquisition.duty import duty_file, look
 from dea.acquisition.flagged import flags_said
-from dea.acquisition.link_log import LinkLog, LinkSettings
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.poll import Poll
-from dea.acquisition.retrying_link import Link
+from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.samples import Quality, Samples, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.atomic_file import atomic
@@ -72,7 +72,7 @@ def commission(
 
 def _read_together(device: Device) -> list[list[str]]:
     """Return the names of registers by the requests that a sample takes; applies no voltage."""
-    link = Link(device, LinkSettings(retries=1, reconnect_time=2.0))
+    link = Link(device, BY_HAND)
     try:
         poll = Poll(Panel(link))
         poll.learn()

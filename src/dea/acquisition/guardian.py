@@ -26,10 +26,16 @@ from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.latch import latch
 from dea.acquisition.launch import serve_nursery
 from dea.acquisition.laws import TripError
-from dea.acquisition.link_log import LinkLog, LinkSettings
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import Output, TakenError
 from dea.acquisition.read_back import ReadBackError
-from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError, StoppedError
+from dea.acquisition.retrying_link import (
+    DeviceRefusedError,
+    Link,
+    LinkError,
+    LinkSettings,
+    StoppedError,
+)
 from dea.acquisition.samples import Samples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import Plan, Planned

@@ -1,17 +1,8 @@
-"""How long a link tries, and what it logs of its exchanges."""
+"""What a link logs of its exchanges."""
 
 import time
 from collections import Counter
 from dataclasses import dataclass, field, replace
-
-
-@dataclass(frozen=True)
-class LinkSettings:
-    """Seconds to wait for a reply, repetitions of a request, seconds to try to reconnect."""
-
-    timeout: float = 2.0
-    retries: int = 5
-    reconnect_time: float = 10.0
 
 
 @dataclass

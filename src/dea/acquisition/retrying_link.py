@@ -10,6 +10,7 @@ import select
 import struct
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from pymodbus.client import ModbusTcpClient
 from pymodbus.exceptions import ConnectionException, ModbusException
@@ -26,7 +27,7 @@ from pymodbus.pdu.register_message import (
     WriteSingleRegisterRequest,
 )
 
-from dea.acquisition.link_log import LinkLog, LinkSettings
+from dea.acquisition.link_log import LinkLog
 from dea.acquisition.transport import Client, connect, place
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device, ReadWriteRequest
@@ -63,6 +64,19 @@ _READS = {
     "coil": ReadCoilsRequest,
     "discrete": ReadDiscreteInputsRequest,
 }
+
+
+@dataclass(frozen=True)
+class LinkSettings:
+    """Seconds to wait for a reply, repetitions of a request, seconds to try to reconnect."""
+
+    timeout: float = 2.0
+    retries: int = 5
+    reconnect_time: float = 10.0
+
+
+# Where a person waits for the answer.
+BY_HAND = LinkSettings(retries=1, reconnect_time=2.0)
 
 
 class LinkError(DeviceError, ConnectionError):
