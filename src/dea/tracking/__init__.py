@@ -1,5 +1,6 @@
 """Parameters that change with time: recursive least squares and Kalman smoothing."""
 
+from dea.tracking.free_runs import compare_free_runs
 from dea.tracking.kalman import fit_noise_ratio, log_likelihood, smooth
 from dea.tracking.random_walk import root_mean_square
 from dea.tracking.rls import (
@@ -10,7 +11,6 @@ from dea.tracking.rls import (
     update,
 )
 from dea.tracking.structure import with_constant
-from dea.tracking.success import compare_free_runs
 from dea.tracking.track import METHODS, track_parameters
 
 __all__ = [

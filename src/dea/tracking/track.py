@@ -21,6 +21,7 @@ from dea.tracking.bands import (
     reason_to_withhold,
 )
 from dea.tracking.bands import instants as instants_of
+from dea.tracking.free_runs import Record, normalised_record
 from dea.tracking.kalman import Smoothed, fit_common_ratio
 from dea.tracking.local import (
     SEPARATE,
@@ -32,7 +33,6 @@ from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
 from dea.tracking.structure import with_constant
-from dea.tracking.success import Record, normalised_record
 
 Array = NDArray[np.float64]
 _THINNING = 10
