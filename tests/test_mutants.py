@@ -83,11 +83,12 @@ def chosen(ran, budget=20.0):
 def test_the_likeliest_tests_come_first_and_stay_in_the_budget():
     assert chosen(EVERY) == ["test_a", "test_b", "test_c[|-1]", "test_e", "test_d"]
     assert chosen(EVERY, budget=15.5) == ["test_a", "test_b", "test_c[|-1]", "test_e", "test_d"]
-    assert chosen(EVERY, budget=15.0 - 1e-3) == [
+    # What the tests of a file with a longer one share may be what takes long.
+    assert chosen(EVERY, budget=14.9) == [
         "test_a",
         "test_e",
         "test_d",
-    ]  # one file's is longer
+    ]
     assert select(MUTANT, CALLED, "narx", suite_of(EVERY, *FILES), 20.0).seconds == (
         pytest.approx(12.1)
     )
