@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+import dea
+
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
     path
@@ -39,6 +41,13 @@ def test_every_page_is_in_the_navigation():
         for path in (ROOT / "docs").glob(kind)
     }
     assert named - {"decisions/README.md"} == pages
+
+
+def test_every_public_name_of_the_library_has_a_place_in_the_reference():
+    entries = re.findall(
+        r"^::: \S+\.(\w+)$", (ROOT / "docs/reference.md").read_text(), re.MULTILINE
+    )
+    assert set(dea.__all__) <= set(entries)
 
 
 def anchors(page):
