@@ -49,6 +49,15 @@ def test_a_broken_contract_writes_nothing(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_variable_beside_the_contract_needs_units_too(tmp_path):
+    dataset = record(10).assign(temperature=("time", np.zeros(10)))
+    with pytest.raises(InputError, match=r"record\.nc: temperature: the variable has no units"):
+        store.write(dataset, tmp_path / "record.nc", title="")
+    assert not list(tmp_path.iterdir())
+    dataset["temperature"].attrs["units"] = "K"
+    store.write(dataset, tmp_path / "record.nc", title="")
+
+
 def test_a_failed_write_leaves_the_old_file_alone(tmp_path):
     path = tmp_path / "result.txt"
     path.write_text("old")

@@ -60,6 +60,18 @@ class Contract:
                 )
 
 
+def check_units(dataset: xr.Dataset, file: Path) -> None:
+    """Raise :class:`InputError` where a variable, of the contract or beside it, has no units."""
+    for name, variable in dataset.data_vars.items():
+        if "units" not in variable.attrs:
+            raise InputError(
+                "the variable has no units",
+                file=file,
+                field=str(name),
+                remedy="Every variable names its units; '1' where it has none",
+            )
+
+
 def _plain(*dims: str, units: str | None = None) -> Variable:
     return Variable(dims, units)
 

@@ -15,7 +15,7 @@ import xarray as xr
 from dea.atomic_file import atomic
 from dea.errors import InputError
 from dea.provenance import current_job
-from dea.store.contracts import CONTRACTS
+from dea.store.contracts import CONTRACTS, check_units
 
 _PACKAGES = ("dea-study", "numpy", "scipy", "numba", "xarray", "netCDF4", "pymodbus", "snakemake")
 
@@ -47,6 +47,7 @@ def write(
     contract = _contract_name(dataset, path)
     if contract in CONTRACTS:
         CONTRACTS[contract].check(dataset, path)
+        check_units(dataset, path)
     attributes = {
         "Conventions": "CF-1.11",
         "title": title,
