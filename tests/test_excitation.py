@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dea.errors import InputError
-from dea.excitation import KINDS, design
+from dea.excitation import KINDS, _smooth, design
 
 STUDY = {"duration": 600.0, "sampling_rate": 50.0, "low": 1.1, "high": 3.75, "seed": 3}
 
@@ -125,3 +125,12 @@ def test_a_wrong_setting_is_named(change, field):
     with pytest.raises(InputError) as error:
         design(asked.pop("kind"), **asked)
     assert error.value.field == field
+
+
+@pytest.mark.parametrize("width", [1, 2, 5, 8])
+def test_a_smoothed_step_rises_within_its_width_and_alike_on_both_sides(width):
+    rise = _smooth(np.repeat([0.0, 1.0], [20, 20]), width)[19 : 20 + width]
+    assert rise[0] == 0.0
+    assert rise[-1] == pytest.approx(1.0)
+    assert np.all(np.diff(rise) > 0.0)
+    np.testing.assert_allclose(rise + rise[::-1], 1.0)

@@ -246,3 +246,13 @@ def test_a_sample_takes_one_request_where_its_registers_are_near(apart, requests
     windows = Poll(Panel(MemoryLink(device))).windows
     assert len(windows) == requests + 1
     assert "displacement" in [register.name for register in windows[0].registers]
+
+
+def test_of_played_samples_those_applied_beyond_the_tolerance_are_not_right():
+    """Half a volt is tolerated; the read-back counts tenths of a volt."""
+    register = ECHO | {"scale": 0.1}
+    panel = Panel(MemoryLink(module(limits=(0, 10), applied_output=register)))
+    counts = np.array([4000, 4000, 4000, 4000, 4000, 0])
+    applied = np.array([40, 36, 44, 34, 46, 0])
+    right = Echo(panel, "applied_output", 0.05).right(counts, applied)
+    assert right.tolist() == [True, True, True, False, False, True]

@@ -172,6 +172,8 @@ def test_memory_is_that_of_an_autoregression():
     """The sum of its autocorrelation is (1 + a) / (1 - a)."""
     noise = lfilter([1.0], [1.0, -0.9], np.random.default_rng(3).standard_normal(200_000))
     assert memory_of(noise) == pytest.approx(19.0, rel=0.12)
+    assert memory_of(noise + 5.0) == pytest.approx(memory_of(noise))
+    assert memory_of(noise + 5.0, 5.0) == pytest.approx(memory_of(noise, 0.0))
     assert memory_of(np.random.default_rng(4).standard_normal(100_000)) == pytest.approx(
         1.0, abs=0.1
     )

@@ -4,7 +4,7 @@ import pytest
 from dea.errors import InputError
 from dea.gfrf import zero_input_response
 from dea.narx import NarxModel, Scaling, UnstableModel, select_terms
-from dea.narx.rest import rests_over
+from dea.narx.rest import _nearest, rests_over
 from dea.narx.simulation import bounded, simulate
 from dea.narx.stability import StabilityTest
 from dea.narx.surrogates import phase_randomised, same_class
@@ -135,3 +135,9 @@ def test_runs_side_by_side_stay_bounded_where_each_alone_does():
     assert bounded(terms, parameters, together, 5.0).tolist() == alone
     assert not bounded(terms, parameters, together, 5.0, every=True).any()
     assert bounded(terms, parameters, together[:, :, alone], 5.0, every=True).all()
+
+
+@pytest.mark.parametrize(("near", "root"), [(0.8, 0.9), (-0.8, -1.0), (0.0, 0.9)])
+def test_the_rest_taken_is_the_nearest(near, root):
+    assert _nearest(np.array([-1.0, 0.9]), near) == root
+    assert np.isnan(_nearest(np.empty(0), near))

@@ -72,3 +72,15 @@ def test_it_moves_the_same_with_its_table_and_without(interpolation):
     # Between samples the voltage is interpolated without the table, its square with it.
     within = 1e-7 if interpolation == "zero" else 1e-3
     assert np.abs(found - expected).max() < within * np.ptp(expected)
+
+
+def test_the_rates_are_those_of_the_table_wherever_the_film_may_be():
+    film = load_simulation("dea_film")
+    p = film.nominal
+    [stress] = film.action.law(np.array([2.0]), np.ones(1), p)
+    table = film.action.table(p)
+    table[p.size + 2 :] = np.nan
+    for stretch in np.linspace(0.96, 1.2, 13):
+        found = np.zeros(2)
+        film.action.derivative(np.array([stretch, 7e-4]), stress, table, found)
+        assert np.isnan(found).any()

@@ -97,6 +97,12 @@ def test_between_and_beyond_centres_estimates_are_combined_with_what_they_share(
         np.testing.assert_allclose(covariance[0, 0, 0], row @ row, rtol=1e-12)
 
 
+def test_windows_that_have_no_samples_in_common_are_independent():
+    windows = Windows(np.array([4.0, 24.0]), np.zeros((2, 1)), np.ones((2, 1, 1)), 8, 0, 0.0)
+    _, covariance = windows.at(np.array([4.0, 9.0, 14.0, 24.0]))
+    np.testing.assert_allclose(covariance[:, 0, 0], [1.0, 0.75**2 + 0.25**2, 0.5, 1.0])
+
+
 @pytest.mark.parametrize("units", [np.eye(2), np.diag([1e3, 1e-3]), [[1.0, 2.0], [-3.0, 0.5]]])
 def test_a_covariance_is_wider_where_separate_windows_scatter_more(units):
     """Independent windows; in one direction nine times the variance stated, in one half of it."""
