@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dea.errors import InputError
 from dea.simulation import (
     ExtendedSimulation,
     Parameter,
@@ -16,6 +17,7 @@ from dea.simulation import (
     prepared,
     with_fine_steps,
 )
+from dea.simulation.loading import built_in
 from dea.simulation.preparation import slowest_time
 
 DT = 0.02
@@ -50,6 +52,45 @@ def test_the_bounds_of_a_value_are_those_of_its_coordinate(log, low, high, bound
     for far, end in ((-1e3, low), (1e3, high)):
         if np.isfinite(end) and (end > 0.0 or not log):
             assert parameter.value(far) == pytest.approx(end, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"spread": -0.5}, r"parameters\.rate\.spread: it is -0\.5"),
+        ({"low": 3.0, "high": 1.0}, r"parameters\.rate\.low: it is 3, and high is 1"),
+        ({"nominal": 0.0, "log": True}, r"parameters\.rate\.nominal: it is 0, without"),
+    ],
+)
+def test_a_prior_that_cannot_be_is_refused(changed, message):
+    usual = {"nominal": 2.0, "spread": 0.0, "low": 2.0, "high": 2.0}
+    Parameter("rate", "1/s", **usual)
+    with pytest.raises(InputError, match=message):
+        Parameter("rate", "1/s", **(usual | changed))
+
+
+# Positive like a scale, but counted from a zero that is a convention.
+FROM_A_ZERO = {"room", "limit", "upper_end"}
+TOLD = Scales("V", "V", 1.0, 4.0, 1.0, 0.5, 2.5, -1.0, 1.5, DT, 6.0, foreign_frequencies=(1.3,))
+
+
+def priors():
+    """Every prior of the simulations that come with the study, and of the catalogue of effects."""
+    for name in built_in():
+        yield from ((name, parameter) for parameter in load_simulation(name).parameters)
+    for name, effect in catalogue().items():
+        yield from ((name, parameter) for parameter in effect.parameters(TOLD))
+
+
+@pytest.mark.parametrize(
+    "parameter", [pytest.param(p, id=f"{owner}.{p.name}") for owner, p in priors()]
+)
+def test_a_prior_leaves_room_and_fits_a_positive_scale_by_its_logarithm(parameter):
+    assert parameter.low <= parameter.nominal <= parameter.high
+    if parameter.spread > 0.0:
+        assert parameter.low < parameter.high
+    if parameter.low > 0.0 and parameter.name not in FROM_A_ZERO:
+        assert parameter.log
 
 
 def test_known_parameters_stay_within_three_spreads_and_those_of_a_law_within_their_own():

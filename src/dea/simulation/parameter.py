@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dea.errors import InputError
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -25,6 +27,12 @@ class Parameter:
         found: freed earlier, it would adapt to an effect in the wrong place.
     at_start
         Whether it belongs to the state at the start of a record, and is fitted anew to another.
+
+    Raises
+    ------
+    InputError
+        If the spread is negative, the bounds are crossed, or a logarithm's nominal value is not
+        positive.
     """
 
     name: str
@@ -36,6 +44,20 @@ class Parameter:
     log: bool = False
     shape: bool = False
     at_start: bool = False
+
+    def __post_init__(self) -> None:
+        if self.spread < 0.0:
+            raise self._error("spread", f"it is {self.spread:g}", "Give a deviation, or zero")
+        if self.low > self.high:
+            problem = f"it is {self.low:g}, and high is {self.high:g}"
+            raise self._error("low", problem, "Give the smaller bound as low")
+        if self.log and self.nominal <= 0.0:
+            raise self._error(
+                "nominal", f"it is {self.nominal:g}, without a logarithm", "Leave log out"
+            )
+
+    def _error(self, field: str, problem: str, remedy: str) -> InputError:
+        return InputError(problem, field=f"parameters.{self.name}.{field}", remedy=remedy)
 
     def value(self, coordinate: float) -> float:
         """Return the value at a ``coordinate`` counted in spreads from the nominal value."""
