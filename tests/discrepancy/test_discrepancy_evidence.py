@@ -8,13 +8,14 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import norm
 
-from dea.discrepancy.evidence.bootstrap import beaten, energies, gains
+from dea.discrepancy.evidence.bootstrap import Gains, beaten, energies, gains
 from dea.discrepancy.evidence.confusion import confusion
+from dea.discrepancy.evidence.contributions import Contribution, Rung, contributions
 from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.evidence.null import coloured, null_gain
-from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.evidence.residual_model import dictionary, residual_model
 from dea.discrepancy.evidence.split import runs, split
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
@@ -370,3 +371,58 @@ def test_the_residual_model_finds_nothing_in_noise():
     assert 0.98 < found.ratio <= 1.0
     assert found.explained < 0.05
     assert found.explained > 0.0 or found.equation == "0"
+
+
+# The dictionary of a residual
+
+
+def test_the_dictionary_holds_what_its_names_say():
+    rng = np.random.default_rng(11)
+    u, simulated = rng.uniform(-1.0, 1.0, 400), rng.uniform(1.0, 5.0, 400)
+    names, columns = dictionary(problem_of(u, simulated), simulated)
+    told = dict(zip(names, columns.T, strict=True))
+    own = {"u": (u - u.mean()) / u.std(), "y": (simulated - simulated.mean()) / simulated.std()}
+    hinges = [name for name in names if name.startswith("max(")]
+    assert len(hinges) == 8
+    for name in hinges:
+        symbol, level = name[len("max(") : -len(", 0)")].split(" - ", 1)
+        # A name gives two digits of its level.
+        expected = np.maximum(own[symbol] - float(level), 0.0)
+        np.testing.assert_allclose(told[name], expected, atol=0.06)
+    for symbol, signal in own.items():
+        np.testing.assert_allclose(told[f"{symbol}^2"], signal**2)
+        np.testing.assert_allclose(told[f"{symbol}^3"], signal**3)
+    np.testing.assert_allclose(told["u y"], own["u"] * own["y"])
+
+
+# What each effect contributes
+
+
+def attached(*labels):
+    """A fit whose extension holds effects of these labels."""
+    return SimpleNamespace(extended=SimpleNamespace(attached=labels, label=lambda name: name))
+
+
+def evidence_of(samples):
+    problem = SimpleNamespace(seen=np.ones(samples, bool))
+    blocks = [slice(k, k + 50) for k in range(0, samples, 50)]
+    return SimpleNamespace(problem=problem, blocks=blocks, rng=np.random.default_rng(0))
+
+
+def test_a_single_effect_contributes_what_it_gained_among_the_catalogue():
+    rungs = [Rung(None, np.full(1000, 4.0)), Rung("b", np.full(1000, 2.0))]
+    singles = [SimpleNamespace(labels=(label,)) for label in "abc"]
+    gained = Gains(np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.5, 2.0]), np.full(3, 9.0), 0.1)
+    [found] = contributions(evidence_of(1000), rungs, attached("b"), singles, gained)
+    assert found == Contribution(4.0, 2.0, 2.0, 1.5, 9.0)
+
+
+def test_of_two_effects_each_contributes_the_step_that_it_makes():
+    """Beside residuals that shrink alike in every block, the interval is the step itself."""
+    rungs = [
+        Rung(label, np.full(1000, size)) for label, size in ((None, 4.0), ("a", 2.0), ("b", 0.5))
+    ]
+    first, second = contributions(evidence_of(1000), rungs, attached("a", "b"), (), None)
+    assert (first.before, first.after, second.before, second.after) == (4.0, 2.0, 2.0, 0.5)
+    for found, ratio in ((first, 2.0), (second, 4.0)):
+        np.testing.assert_allclose([found.low, found.gain, found.high], np.log(ratio), atol=1e-9)
