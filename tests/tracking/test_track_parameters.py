@@ -10,6 +10,7 @@ from dea.errors import InputError
 from dea.gfrf import frequency_response
 from dea.narx import NarxModel, Scaling, simulate_varying
 from dea.tracking import METHODS, compare_free_runs, track_parameters, with_constant
+from dea.tracking.free_runs import _reach
 from dea.tracking.sensitivity import sensitivity
 
 RATE = 50.0
@@ -291,3 +292,17 @@ def test_what_leakage_holds_is_as_uncertain_as_its_target():
     )
     found = np.sqrt(np.diagonal(track["covariance"].values, axis1=1, axis2=2))
     np.testing.assert_allclose(found, np.broadcast_to(deviation, found.shape), rtol=1e-3)
+
+
+def test_the_interval_of_a_free_run_takes_the_covariance_of_its_part_of_the_record():
+    """y = theta u(t-1): its deviation is that of theta times |u|."""
+    model = NarxModel.from_terms({"u(t-1)": 0.5}, scaling=Scaling(y_scale=3.0))
+    u = np.random.default_rng(5).standard_normal(400)
+    theta = np.full((u.size, 1), 0.5)
+    run = np.concatenate([[0.0], 0.5 * u[:-1]])
+    reach = _reach(model, theta, u, run, np.array([[[1.0]], [[4.0]]]))
+    expected = 1.959964 * 3.0 * np.repeat([1.0, 2.0], 200)[1:] * np.abs(u[:-1])
+    np.testing.assert_allclose(reach[1:], expected, rtol=1e-6)
+    assert reach[0] == 0.0
+    run[-1] = np.inf
+    assert np.isnan(_reach(model, theta, u, run, np.ones((1, 1, 1)))).all()
