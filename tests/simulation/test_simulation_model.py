@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from numba import njit
+from numba.core.errors import NumbaError
 from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
@@ -30,7 +31,7 @@ from dea.simulation import (
 from dea.simulation import extended as extended_simulation
 from dea.simulation import integrate as integrator
 from dea.simulation.arguments import Equations, ForceLaw
-from dea.simulation.loading import built_in
+from dea.simulation.loading import _explained, built_in
 from dea.simulation.signatures import OUTPUT, SLOTS, compiled, no_force, no_update
 from user_simulation import SLOPE, write_simulation
 
@@ -445,3 +446,58 @@ def test_names_are_unique():
             parameters=(Parameter("x", "1", 1.0, 0.0),), derivative=None, output=None, drive="x",
             force_ports=(ForcePort("x", "x", None),),
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("order", [("position", "velocity"), ("velocity", "position")])
+def test_a_second_mass_moves_as_its_equations_wherever_the_states_stand(order):
+    """Two masses by another integrator; the place and speed of the second are kept by the law."""
+    place, speed = order.index("position"), order.index("velocity")
+    own = load_simulation("mass_spring_damper")
+    omega, zeta = 2 * pi * 2.0, 0.2
+
+    def derivative(x, u, p, dx):
+        dx[place] = x[speed]
+        dx[speed] = omega * omega * (p[0] * u - x[place]) - 2.0 * zeta * omega * x[speed]
+
+    simulation = replace(
+        own, name="carriage", states=tuple(State(name, "V", 0.0) for name in order),
+        parameters=(own.parameters[2],), derivative=derivative,
+        output=lambda x, u, p: x[place], input_interpolation="zero",
+    )  # fmt: skip
+    u = np.sin(2 * np.pi * 0.7 * T)
+    extended = replace(prepared(simulation, u, DT, 1e-5), substeps=32)
+    values = extended.values(np.zeros(extended.free.size))
+    scales = measured_scales(extended, values, SimpleNamespace(u=u, y=u, interval=DT))
+    extended = extended.attach(catalogue()["second_mode"], scales)
+    unit = extended.normalisations[0]
+    coupling, own_omega, damping = 0.6, 2 * pi * 1.3, 0.1
+    law = [coupling, 1.3, damping, 0.0, 0.0, 0.0]
+
+    def slope(_, x, v):
+        z, w = (x[0] - unit.rest) / unit.scale, x[1] / unit.scale
+        stretch = z - x[2] + 2.0 * damping / own_omega * (w - x[3])
+        first = omega**2 * (v - x[0]) - 2.0 * zeta * omega * x[1]
+        return [x[1], first - unit.unit_force * coupling * stretch, x[3], own_omega**2 * stretch]
+
+    x, expected = np.zeros(4), []
+    for v in u:
+        expected.append(x[0])
+        x = solve_ivp(slope, (0, DT), x, args=(v,), rtol=1e-9, atol=1e-12).y[:, -1]
+    found = extended.simulate(np.concatenate([values, law]), u, DT)
+    np.testing.assert_allclose(found, expected, atol=2e-3 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("slope", ["1 / p[0] / x[0]", "1.0 / (x[0] - x[0])", "(x[0] - 1) ** 0.5"])
+def test_an_index_of_the_output_is_checked_beside_a_slope_that_python_refuses(tmp_path, slope):
+    path = write_own(tmp_path / "own.py", slope=slope)
+    path.write_text(path.read_text().replace("return x[0]", "return x[1]"))
+    with pytest.raises(InputError, match=r"output: .*not declared"):
+        load_simulation(path)
+
+
+def test_what_numba_says_in_one_line_leaves_the_problem_as_it_is(tmp_path):
+    error = InputError("it cannot be compiled", field="derivative", remedy="Simplify it")
+    error.__cause__ = NumbaError("out of memory")
+    explained = _explained(error, tmp_path / "own.py")
+    assert explained.problem == "it cannot be compiled"
+    assert (explained.file, explained.field) == (tmp_path / "own.py", "derivative")
