@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from copied_project import ROOT
 
-from conftest import ROOT
 from dea import store
 from dea.errors import InputError
 from dea.narx import rmse, select_terms

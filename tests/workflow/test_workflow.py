@@ -4,8 +4,7 @@ import resource
 import shutil
 
 import pytest
-
-from conftest import Project
+from copied_project import Project
 
 pytestmark = pytest.mark.slow
 

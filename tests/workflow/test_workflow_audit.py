@@ -4,8 +4,8 @@ import shutil
 from pathlib import Path
 
 import pytest
+from copied_project import ROOT
 
-from conftest import ROOT
 from dea.audit import Manifest, verify
 from dea.audit.recompute import recompute
 

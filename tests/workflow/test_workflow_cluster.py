@@ -8,8 +8,7 @@ import subprocess
 
 import pytest
 import yaml
-
-from conftest import ROOT
+from copied_project import ROOT
 
 KINDS = ("nc", "png", "pdf", "csv", "md", "tex")
 SLURM = ["--workflow-profile", "workflow/profiles/default", "--profile", "workflow/profiles/slurm"]

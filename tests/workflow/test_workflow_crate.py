@@ -6,9 +6,8 @@ import shutil
 import subprocess
 
 import pytest
+from copied_project import ROOT
 from rocrate.rocrate import ROCrate
-
-from conftest import ROOT
 
 pytestmark = pytest.mark.slow
 VALIDATOR = ROOT / ".venv-validator/bin/python"

@@ -14,8 +14,8 @@ from pathlib import Path
 import psutil
 import pytest
 import yaml
+from copied_project import ROOT, Project
 
-from conftest import ROOT, Project
 from dea.audit import Manifest, verify
 
 pytestmark = pytest.mark.slow

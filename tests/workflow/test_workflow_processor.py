@@ -5,8 +5,7 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
-
-from conftest import Project
+from copied_project import Project
 
 pytestmark = pytest.mark.campaign
 # Code for the oldest processors of 64 bits, and the linear algebra for them, round otherwise.

@@ -6,9 +6,8 @@ import sys
 import time
 
 import pytest
+from copied_project import ROOT
 from snakemake_interface_logger_plugins.common import LogEvent
-
-from conftest import ROOT
 
 
 @pytest.fixture

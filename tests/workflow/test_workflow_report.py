@@ -6,8 +6,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from copied_project import ROOT
 
-from conftest import ROOT
 from dea.errors import InputError
 from dea.report import write
 

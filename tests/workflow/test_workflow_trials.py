@@ -4,8 +4,8 @@ import json
 import re
 
 import pytest
+from copied_project import FOUR_TRIALS, Project
 
-from conftest import FOUR_TRIALS, Project
 from dea import store
 from dea.errors import InputError
 from dea.stages.trial_score import trial_score
