@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from benchmarks.mutants.campaign import judged
 from benchmarks.mutants.report import kill_rate, markdown
 from benchmarks.mutants.sites import Mutant, mutants
 from benchmarks.mutants.suite import Suite, TimedFile, read_suite, select, statement
@@ -186,3 +187,11 @@ def test_what_was_compiled_is_kept_where_the_mutant_cannot_reach_it(tmp_path):
     assert (tmp_path / "copy/src/dea/narx/kernels.py").read_text() == source
     assert len(list(compiled.rglob("*.nb?"))) == 9
     assert (compiled / "modbus_3c/codec.g-1.py311.2.nbc").exists()
+
+
+@pytest.mark.parametrize(
+    ("status", "outcome"),
+    [(0, "survived"), (1, "killed"), (-11, "killed"), (None, "timeout"), (2, "incompetent")],
+)
+def test_a_signal_that_ends_the_tests_notices_the_mutant(status, outcome):
+    assert judged(status) == outcome

@@ -151,7 +151,15 @@ def _outcome(workplace: Workplace, mutant: Mutant, mutated: str, chosen: Selecti
     if not chosen.tests:
         return "survived"
     timeout = START + PATIENCE * chosen.seconds
-    return OUTCOMES[workplace.test(mutant.file, mutated, chosen.tests, timeout)]
+    return judged(workplace.test(mutant.file, mutated, chosen.tests, timeout))
+
+
+def judged(status: int | None) -> str:
+    """Return the outcome of a status of pytest; none is one that took too long.
+
+    A signal ends the interpreter where compiled code leaves its arrays: it was noticed.
+    """
+    return "killed" if status is not None and status < 0 else OUTCOMES[status]
 
 
 def _suite(campaign: Campaign, copy: Workplace, progress: Progress) -> Suite:
