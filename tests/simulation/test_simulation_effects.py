@@ -75,6 +75,8 @@ def test_an_effect_is_complete(effect):
     for start in effect.starts(SCALES):
         assert len(start) == len(parameters)
         assert all(p.low <= v <= p.high for p, v in zip(parameters, start, strict=True))
+        known = [(p, v) for p, v in zip(parameters, start, strict=True) if p.spread == 0.0]
+        assert all(v == p.nominal for p, v in known)
 
 
 def test_dead_zone_subtracts_its_threshold_and_lets_nothing_through_below():
