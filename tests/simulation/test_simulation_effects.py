@@ -370,6 +370,20 @@ def test_slipping_stops_pull_harder_where_they_have_grown():
     assert np.allclose(found[2000:], expected, rtol=1e-3)
 
 
+def test_skewed_stops_pull_harder_at_their_upper_limit():
+    """Up and down, each stop that has slipped pulls by 1.3 and 0.7 of its limit."""
+    q = values(
+        "rate_independent_hysteresis", stiffness=1.0, largest_radius=0.2, weight_decay=1.5,
+        start_position=0.0, skew=0.3,
+    )  # fmt: skip
+    path = np.concatenate([np.linspace(0.0, 1.0, 1001), np.linspace(1.0, 0.0, 1001)])
+    found = forces("rate_independent_hysteresis", q, path)
+    rank = np.arange(1, 12)
+    slipping = np.sum(rank * np.exp(-1.5 * rank / 11) * 0.2 * (rank / 11) ** 2) / 11
+    assert np.allclose(found[500:1000], -1.3 * slipping)
+    assert np.allclose(found[-500:], 0.7 * slipping)
+
+
 def test_coulomb_friction_opposes_the_motion_with_one_force():
     q = values("coulomb_friction", force=0.1, slip_deflection=0.005)
     z = 0.7 + 0.3 * np.sin(2 * np.pi * 0.1 * T)

@@ -15,7 +15,7 @@ _VECTOR = types.Array(float64, 1, "C")
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
 def _growth(z: float, q: np.ndarray) -> float:
     """Return the factor on the stop operators at a position: larger at one end, or at both."""
-    place = min(max((z - q[6]) / q[7], -2.0), 2.0)
+    place = min(max((z - q[7]) / q[8], -2.0), 2.0)
     return float(1.0 + q[4] * place + q[5] * place * place)
 
 
@@ -26,14 +26,19 @@ def _radius(i: int, q: np.ndarray) -> float:
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
-    """Sum of stop operators; ``memory`` holds their forces and the last position."""
+    """Sum of stop operators; ``memory`` holds their forces and the last position.
+
+    With ``skew`` a stop resists more at its upper limit than at its lower one, so that the loop
+    has unlike branches.
+    """
     total = 0.0
     growth = _growth(z, q)
     gained = growth * (z - memory[OPERATORS])
     for i in range(OPERATORS):
         limit = growth * _radius(i, q)
         weight = (i + 1.0) * np.exp(-q[2] * (i + 1.0) / OPERATORS)
-        total -= weight * min(max(memory[i] + gained, -limit), limit)
+        stop = min(max(memory[i] + gained, -limit), limit)
+        total -= weight * stop * (1.0 + q[6] * stop / limit)
     return float(q[0] * total / OPERATORS)
 
 
@@ -56,7 +61,7 @@ def memory(q: np.ndarray) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return stiffness, largest radius, decay of the weight with it, start, and growth in space."""
+    """Return stiffness, radius, decay of the weight with it, start, growth in space, and skew."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
     return (
         Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True),
@@ -65,6 +70,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("start_position", "1", 0.0, span, at_start=True),
         Parameter("tilt", "1", 0.0, 0.3, -1.0, 1.0, shape=True),
         Parameter("growth_at_ends", "1", 0.0, 0.3, 0.0, 5.0, shape=True),
+        Parameter("skew", "1", 0.0, 0.3, -1.0, 1.0, shape=True),
         Parameter("middle", "1", middle, 0.0),
         Parameter("half_range", "1", 0.5 * span, 0.0),
     )
@@ -73,7 +79,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return loops narrower and wider than the motion."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
-    rest = (0.0, 0.0, 0.0, middle, 0.5 * span)
+    rest = (0.0, 0.0, 0.0, 0.0, middle, 0.5 * span)
     return tuple((0.2, part * span, 2.0, *rest) for part in (0.2, 0.6, 1.5))
 
 
@@ -82,7 +88,8 @@ EFFECT = Effect(
     port=Port.FORCE,
     family=Family.DISSIPATION,
     symptom="up and down differ by a loop that does not shrink when the motion is slow",
-    citation="Visintin (1994), Differential Models of Hysteresis, chapter III (Prandtl-Ishlinskii)",
+    citation="Visintin (1994), Differential Models of Hysteresis, III (Prandtl-Ishlinskii), "
+    "with unlike branches as in Al Janaideh, Rakheja and Su (2011)",
     parameters=parameters,
     starts=starts,
     force=force,
