@@ -95,6 +95,16 @@ def test_the_likeliest_tests_come_first_and_stay_in_the_budget():
     )
 
 
+def test_a_file_that_names_the_module_comes_before_one_that_names_the_function():
+    mutant = Mutant("src/dea/narx/dead_zone.py", 2, 0, "parse", "NumberReplacer", 0)
+    naming = TimedFile(
+        "tests/x/test_y.py", "effect('dead_zone')", {"tests/x/test_y.py::test_z": 9.0}
+    )
+    suite = suite_of({}, *FILES, naming)
+    names = [test.split("::")[1] for test in select(mutant, CALLED, "narx", suite, 20.0).tests]
+    assert names[:2] == ["test_z", "test_b"]
+
+
 def test_only_tests_that_run_the_statement_are_asked():
     names = {name.split("::")[1]: name for file in FILES for name in file.seconds}
     ran = {f"{names['test_c[|-1]']}|run": [4], f"{names['test_e']}|run": [5], "": [2]}

@@ -87,8 +87,9 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
 
     They are those that run the changed line. Where none is seen to, as in compiled functions, in
     constants and in other processes: those that run its module, and those of its room. First come
-    the files that carry the module's name, then those that name the function changed or import the
-    module, then the others; among these the quicker ones before. A test that alone takes more than
+    the files that carry the module's name in theirs, then those that import it or name it in their
+    text, as an effect's, then those that name the function changed, then the others; among these
+    the quicker ones before. A test that alone takes more than
     half of the budget is left out, and a file with one that takes more than all of it, since what
     its tests share may be what takes long.
     """
@@ -97,7 +98,7 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
         running = suite.running(mutant.file) | {
             name
             for file in suite.files
-            if file.room == room or _distance(mutant, file) < 2
+            if file.room == room or _distance(mutant, file) < 3
             for name in file.seconds
         }
     chosen = [
@@ -137,9 +138,11 @@ def _distance(mutant: Mutant, file: TimedFile) -> int:
     if module.name.strip("_") in Path(file.path).stem:
         return 0
     dotted = ".".join(module.parts)
-    if (mutant.definition and mutant.definition in file.text) or dotted in file.text:
+    if dotted in file.text or ("_" in module.name.strip("_") and module.name in file.text):
         return 1
-    return 2
+    if mutant.definition and mutant.definition in file.text:
+        return 2
+    return 3
 
 
 def _file_and_classes(dotted: str) -> tuple[str, list[str]]:
