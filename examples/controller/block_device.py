@@ -278,7 +278,7 @@ class BlockDevice:
 
     def status(self, session):
         """Return registers 0 to 73."""
-        volts = 15.0 * self.highest / 65536
+        volts = 15.0 * self.highest / 65535
         mine = 0 if not self.owner else 2 if session.token == self.owner else 1
         tick = self.end * 1000 // self.rate
         data = struct.pack(

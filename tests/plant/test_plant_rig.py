@@ -13,6 +13,7 @@ from scipy import signal
 
 from dea.errors import InputError
 from dea.excitation import design
+from dea.modbus import read_device, to_counts, to_physical
 from dea.plant import Rig
 from dea.plant.amplifier import Amplifier, amplify
 from dea.plant.converter import Converter
@@ -21,7 +22,7 @@ from dea.plant.sensor import AntiAliasFilter
 
 CONFIG = Path(__file__).parents[2] / "config" / "bench.yaml"
 ACTUATORS = list(yaml.safe_load(CONFIG.read_text())["actuators"])
-VOLT = 65536 / 15.0  # output counts
+VOLT = 65535 / 15.0  # output counts
 
 
 def excitation(seconds, seed=0):
@@ -69,7 +70,7 @@ def test_half_an_hour_stays_whole_and_in_range(actuator):
     assert rig.fault == 0
     assert measured.min() > 0
     assert measured.max() < 65535
-    displacement = measured * (10 / 65536)
+    displacement = measured * (10 / 65535)
     assert 0.03 < displacement[:5000].std() < 0.5
 
 
@@ -93,7 +94,7 @@ def test_seeds_change_the_noise_alone():
         first.history.samples()["displacement"], second.history.samples()["displacement"]
     )
     noise = read_parameters(CONFIG, "dea1").sensor.noise
-    assert difference.std() * 10e-3 / 65536 == pytest.approx(np.sqrt(2) * noise, rel=0.06)
+    assert difference.std() * 10e-3 / 65535 == pytest.approx(np.sqrt(2) * noise, rel=0.06)
 
 
 def test_zero_takes_the_output_away_and_the_film_returns():
@@ -119,10 +120,23 @@ def test_a_film_pulled_in_is_a_fault_and_still_measured(tmp_path):
 def test_the_converter_rounds_and_clips():
     converter = Converter(0.0, 10.0)
     np.testing.assert_array_equal(
-        converter.to_counts(np.array([-1.0, 0.0, 5.0, 9.9999, 12.0])), [0, 0, 32768, 65535, 65535]
+        converter.to_counts(np.array([-1.0, 0.0, 2.0, 9.9999, 12.0])), [0, 0, 13107, 65534, 65535]
     )
     counts = np.arange(65536).astype(np.uint16)
     np.testing.assert_array_equal(converter.to_counts(converter.to_values(counts)), counts)
+
+
+@pytest.mark.parametrize("name", ["output", "displacement"])
+def test_every_count_means_the_same_to_the_bench_and_to_its_description(name):
+    """To the last bit: a count is read from, and written to, the two by different code."""
+    converter = getattr(read_parameters(CONFIG, "dea1"), f"{name}_converter")
+    register = read_device(CONFIG.parent / "devices" / "virtual_bench.yaml")[name]
+    counts = np.arange(65536).astype(np.uint16)
+    np.testing.assert_array_equal(converter.to_values(counts), to_physical(register, counts))
+    np.testing.assert_array_equal(
+        converter.to_counts(converter.to_values(counts)),
+        to_counts(register, converter.to_values(counts)),
+    )
 
 
 def test_the_amplifier_keeps_its_limits():

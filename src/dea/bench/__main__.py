@@ -56,7 +56,7 @@ def build(
         )  # fmt: skip
     output, displacement = parameters.output_converter, parameters.displacement_converter
     low, high = limit_counts(description, "output")
-    ramp_step = max(1, int(RAMP_RATE * sample_period / (output.high - output.low) * 65535))
+    ramp_step = max(1, int(RAMP_RATE * sample_period / output.step))
     player = Player(rig, OutputLimits(low, high, rig.zero_count, ramp_step), watchdog_time=watchdog)
     limits = _volts(output, low), _volts(output, high)
     constants: dict[str, float | int | str] = {

@@ -98,7 +98,7 @@ class OutputConverter(Section):
     """The converter of the commanded voltage, 16 bits."""
 
     low: Number = key("voltage of count 0", unit="V", ge=-100.0, le=100.0)
-    high: Number = key("voltage of count 65536", unit="V", ge=-100.0, le=100.0)
+    high: Number = key("voltage of count 65535", unit="V", ge=-100.0, le=100.0)
 
     @model_validator(mode="after")
     def _relations(self) -> Self:
@@ -110,7 +110,7 @@ class DisplacementConverter(Section):
     """The converter of the measured displacement, 16 bits."""
 
     low: Number = key("displacement of count 0", unit="mm", ge=-1e3, le=1e3)
-    high: Number = key("displacement of count 65536", unit="mm", ge=-1e3, le=1e3)
+    high: Number = key("displacement of count 65535", unit="mm", ge=-1e3, le=1e3)
 
     @model_validator(mode="after")
     def _relations(self) -> Self:

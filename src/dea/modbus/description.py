@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from dea.configuration import device as described
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import validated
@@ -84,9 +86,9 @@ def _scaling(register: described.Register) -> tuple[float, float]:
         scale = 1.0 if register.scale is None else float(register.scale)
         return scale, 0.0 if register.offset is None else float(register.offset)
     low, high = map(float, register.range)
-    bits, signed = int(register.type.lstrip("uint")), not register.type.startswith("u")
-    scale = (high - low) / (2**bits - 1)
-    return scale, low + scale * 2 ** (bits - 1) * signed
+    counts = np.iinfo(register.type)
+    scale = (high - low) / (counts.max - counts.min)
+    return scale, low - scale * counts.min
 
 
 def _pair(interval: list[float] | None) -> tuple[float, float] | None:
