@@ -1,5 +1,6 @@
 """Run every benchmark, print a table of ratios and write ``results/benchmark.json``."""
 
+import argparse
 import json
 import os
 import platform
@@ -29,8 +30,9 @@ def peers_python() -> Path:
     return python
 
 
-def main() -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Run all benchmarks, print and store them; return 1 where a target is missed, else 0."""
+    argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__).parse_args(arguments)
     python = peers_python()
     modules = identification, tracking, discrepancy, acquisition
     rows: list[Row] = [row for module in modules for row in module.run(python)]

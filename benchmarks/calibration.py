@@ -5,6 +5,7 @@ film is taken in the middle of its record: after its own rest and a quarter of a
 voltage.
 """
 
+import argparse
 import csv
 import sys
 from collections.abc import Mapping
@@ -155,8 +156,10 @@ def _write(measured: Mapping[str, Character], made: Mapping[str, Character]) -> 
                 )
 
 
-def main() -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Write the table and the figure, print the misses; return 1 where one is too large."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration", description=__doc__)
+    parser.parse_args(arguments)
     models = load_published(PUBLISHED)
     rate = yaml.safe_load(PUBLISHED.read_text())["sampling_rate"]
     names = list(read_bench(BENCH).actuators)

@@ -1,5 +1,6 @@
 """Write ``results/report.html`` from the results that are there: ``make report``."""
 
+import argparse
 import sys
 
 from dea import provenance
@@ -7,8 +8,9 @@ from dea.errors import InputError
 from dea.report.page import write
 
 
-def main() -> None:
+def main(arguments: list[str] | None = None) -> None:
     """Write the report and say how large it is."""
+    argparse.ArgumentParser(prog="python -m dea.report", description=__doc__).parse_args(arguments)
     file = provenance.RESULTS / "report.html"
     try:
         write(file)
