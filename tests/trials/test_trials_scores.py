@@ -11,7 +11,9 @@ from scipy.stats import binomtest
 
 from dea import trials
 from dea.errors import InputError
+from dea.number_format import DASH
 from dea.store import CONTRACTS
+from dea.tables.trials import rates as tabulated
 from dea.trials.confidence import acceptable, confidence, risk_coverage
 
 
@@ -170,12 +172,24 @@ def test_a_name_that_leaves_a_rest_unnamed_is_a_name():
         ("drifting", "drifting readings"),
         ("quantised", "quantised readings"),
         ("shifted", "shifted readings"),
+        ("a new kind", "a new kind readings"),
     ],
 )
 def test_names_on_nothing_are_counted_by_the_kind_of_noise(noise, measure):
     _, rate = rates({"0": label(noise=noise)}, {"0": said("named", "dead_zone")})
     found = {name for name, value in rate.items() if "on nothing" in name and value == 1.0}
     assert found == {f"name given on nothing, {measure}"}
+
+
+def test_targets_of_wrong_and_undue_names_are_upper_ones():
+    scores, _ = rates({"0": label(noise="white")}, {"0": said("none")})
+    table = tabulated(scores).shown.set_index("measure")["target (%)"]
+    upper = {measure for measure, target in table.items() if target.startswith("at most")}
+    assert upper == {
+        name for name in table.index if name.startswith(("wrong name", "name given on"))
+    }
+    assert table["right name"] == "at least 88"
+    assert table["names given that are right"] == DASH
 
 
 def test_an_effect_that_the_catalogue_lacks_is_still_of_no_other_class():

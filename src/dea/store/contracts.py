@@ -346,6 +346,7 @@ CONTRACTS: Mapping[str, Contract] = {
             "device_kind_outcomes": _plain("device_kind", "possible_outcome", units="1"),
             "noise_kind_outcomes": _plain("noise_kind", "possible_outcome", units="1"),
             "rate": _plain("measure", units="1"),
+            "rate_at_most": _plain("measure", units="1"),
             "coverage": _plain("rank", units="1"),
             "risk": _plain("rank", units="1"),
         }

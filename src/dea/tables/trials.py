@@ -9,7 +9,7 @@ from dea.number_format import DASH
 from dea.store import Sources
 from dea.tables.table import Table
 
-_AT_MOST = ("wrong name", "name given on nothing", "name given on a foreign effect")
+_RATES = ("rate", "rate_low", "rate_high", "rate_trials", "rate_target")
 
 
 def tabulate(sources: Sources) -> Table:
@@ -19,14 +19,15 @@ def tabulate(sources: Sources) -> Table:
 
 def rates(scores: xr.Dataset) -> Table:
     """Rates with Wilson's 95 % intervals and their targets (contract ``scores``)."""
-    exact = scores[["rate", "rate_low", "rate_high", "rate_trials", "rate_target"]].to_dataframe()
+    exact = scores[list(_RATES)].to_dataframe()
+    at_most = scores["rate_at_most"].to_series()
     shown = [
         {
             "measure": str(measure),
             "rate (%)": _percent(row["rate"]),
             "95 % interval (%)": f"{_percent(row['rate_low'])} to {_percent(row['rate_high'])}",
             "trials": str(int(row["rate_trials"])),
-            "target (%)": _target(str(measure), row["rate_target"]),
+            "target (%)": _target(row["rate_target"], bool(at_most[measure])),
         }
         for measure, row in exact.iterrows()
     ]
@@ -37,7 +38,7 @@ def _percent(share: float) -> str:
     return DASH if isnan(share) else f"{100 * share:.0f}"
 
 
-def _target(measure: str, share: float) -> str:
+def _target(share: float, at_most: bool) -> str:
     if isnan(share):
         return DASH
-    return f"{'at most' if measure.startswith(_AT_MOST) else 'at least'} {_percent(share)}"
+    return f"{'at most' if at_most else 'at least'} {_percent(share)}"

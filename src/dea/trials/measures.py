@@ -10,14 +10,20 @@ from dea.trials.opened import Opened
 from dea.trials.proportion import Proportion, wilson
 
 CLOSE = 0.4  # noise RMS; the largest error to the noise-free truth after a right name
-COLOURED = ("coloured", "flicker")
+# Kinds of noise that are counted together, also where no trial has them; others by themselves.
+_NOISE = {
+    "white noise": ("white",),
+    "coloured noise": ("coloured", "flicker"),
+    **{f"{kind} readings": (kind,) for kind in ("drifting", "quantised", "shifted")},
+}
 
 
 class Measure(NamedTuple):
-    """A rate, and the share it should reach, or for wrong and undue names stay below."""
+    """A rate, and the share it should reach, or that it should stay below (``at_most``)."""
 
     share: Proportion
     target: float
+    at_most: bool = False
 
 
 def measures(trials: Sequence[Opened]) -> dict[str, Measure]:
@@ -28,14 +34,6 @@ def measures(trials: Sequence[Opened]) -> dict[str, Measure]:
     right = [t for t in trials if t.outcome == "right name"]
     named = [t for t in trials if t.said.status == "named"]
     covered = [inside for t in right for inside in t.covered]
-    nothing = {
-        "white noise": [t for t in null if t.label.noise == "white"],
-        "coloured noise": [t for t in null if t.label.noise in COLOURED],
-        **{
-            f"{kind} readings": [t for t in null if t.label.noise == kind]
-            for kind in ("drifting", "quantised", "shifted")
-        },
-    }
     return {
         "right name": Measure(_share(single, {"right name"}), 0.88),
         "right name, and nothing further missing": Measure(
@@ -43,18 +41,18 @@ def measures(trials: Sequence[Opened]) -> dict[str, Measure]:
             np.nan,
         ),
         "right class": Measure(_share(single, {"right name", "right class"}), 0.95),
-        "wrong name": Measure(_share(single, {"wrong name"}), 0.02),
+        "wrong name": Measure(_share(single, {"wrong name"}), 0.02, at_most=True),
         "both of two": Measure(_share(pair, {"right name"}), 0.75),
         "one or both of two, nothing wrong": Measure(
             _share(pair, {"right name", "one of two"}), 0.9
         ),
         **{
             f"name given on nothing, {noise}": Measure(
-                _named(drawn), 0.02 if noise == "white noise" else 0.05
+                _named(drawn), 0.02 if noise == "white noise" else 0.05, at_most=True
             )
-            for noise, drawn in nothing.items()
+            for noise, drawn in _by_noise(null).items()
         },
-        "name given on a foreign effect": Measure(_named(outside), 0.03),
+        "name given on a foreign effect": Measure(_named(outside), 0.03, at_most=True),
         "names given that are right": Measure(
             wilson(sum(acceptable(t.label, t.said.effects) for t in named), len(named)), np.nan
         ),
@@ -63,6 +61,14 @@ def measures(trials: Sequence[Opened]) -> dict[str, Measure]:
         ),
         "defining parameter within its interval": Measure(wilson(sum(covered), len(covered)), 0.85),
     }
+
+
+def _by_noise(trials: Sequence[Opened]) -> dict[str, list[Opened]]:
+    """Return each trial in the group of its kind of noise."""
+    shared = {kind for kinds in _NOISE.values() for kind in kinds}
+    alone = sorted({t.label.noise for t in trials} - shared)
+    groups = _NOISE | {f"{kind} readings": (kind,) for kind in alone}
+    return {name: [t for t in trials if t.label.noise in groups[name]] for name in groups}
 
 
 def _share(trials: Sequence[Opened], outcomes: set[str]) -> Proportion:

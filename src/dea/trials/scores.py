@@ -135,6 +135,8 @@ def _rates(trials: Sequence[Opened]) -> xr.Dataset:
             "rate_high": _share_of("measure", [p.high for p in shares], "upper end, 95 %"),
             "rate_trials": _counted(("measure",), [p.trials for p in shares]),
             "rate_target": _share_of("measure", targets, "target"),
+            "rate_at_most": ("measure", [int(measure.at_most) for measure in found.values()],
+                {"units": "1", "long_name": "1 where the rate should stay below its target"}),
             "median_truth_error": ((), float(np.median(right)) if right else np.nan,
                 {"units": "1", "long_name": "error to the truth in noise RMS after a right name"}),
         },
