@@ -1,9 +1,10 @@
-"""Guardians of these tests end with them."""
+"""A clock for tests; guardians of these tests end with them."""
 
 import time
 from pathlib import Path
 
 import pytest
+from memory_link import Clock
 
 from dea.acquisition import duty
 
@@ -20,3 +21,12 @@ def no_guardian_is_left(duty_folder: Path):
         time.sleep(0.02)
     for path in duty_folder.iterdir():
         path.unlink()
+
+
+@pytest.fixture
+def clock(monkeypatch) -> Clock:
+    """Return a clock by which laws and the way to zero go, that passes only while they sleep."""
+    made = Clock()
+    for module in ("laws", "zero"):
+        monkeypatch.setattr(f"dea.acquisition.{module}.time", made)
+    return made

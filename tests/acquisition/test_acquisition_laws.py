@@ -3,11 +3,11 @@
 import time
 from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-from memory_link import Clock, MemoryLink
+from made_device import described as device_with
+from memory_link import MemoryLink
 from plain_module import PlainModule
 
 from dea.acquisition import AcquisitionSettings, TripError, acquire, latch
@@ -17,7 +17,6 @@ from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import LinkError
 from dea.acquisition.zero import Evidence, WayToZero, ZeroNotVerifiedError
 from dea.errors import InputError
-from dea.modbus import parse_device
 
 OUTPUT = {"address": 0, "scale": 0.001, "limits": [0, 4], "unit": "V", "access": "write"}
 REGISTERS = {
@@ -38,24 +37,12 @@ SAFETY = {
 }
 
 
-def device(**changes):
-    content = {
-        "name": "module", "endpoint": {"host": "127.0.0.1", "port": 502}, "unit_id": 1,
-        "sampling_rate": 50, "quarantine": 0, "registers": REGISTERS, "safety": SAFETY,
-    }  # fmt: skip
-    return parse_device(content | changes, source=Path("module.yaml"))
+def device(registers=REGISTERS, safety=SAFETY):
+    return device_with(registers, safety=safety)
 
 
 def memory(**values):
     return MemoryLink(device(), **({"voltage": 4, "current": 0, "door": 1, "enable": 0} | values))
-
-
-@pytest.fixture
-def clock(monkeypatch):
-    made = Clock()
-    for room in ("laws", "zero"):
-        monkeypatch.setattr(f"dea.acquisition.{room}.time", made)
-    return made
 
 
 def way_to_zero(link):

@@ -1,8 +1,8 @@
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from made_device import described
 from memory_link import Clock
 
 from dea.acquisition import (
@@ -18,7 +18,6 @@ from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.polled import drive
 from dea.acquisition.voltage_plan import Planned
-from dea.modbus import parse_device
 
 POLLED = AcquisitionSettings(mode="polled", ramp_rate=50.0, timeout=0.5, reconnect_time=1.0)
 PERIOD = 0.02  # s
@@ -52,11 +51,7 @@ class Module:
                        "access": "read_write"},
             "displacement": {"address": 5, "unit": "mm"},
         } | ({"device_index": {"address": 6}} if index else {})  # fmt: skip
-        self.device = parse_device(
-            {"name": "module", "endpoint": {"host": "h", "port": 1}, "unit_id": 1,
-             "sampling_rate": 1 / PERIOD, "registers": registers},
-            source=Path("module.yaml"),
-        )  # fmt: skip
+        self.device = described(registers, sampling_rate=1 / PERIOD)
         self.clock, self.holds, self.loses, self.reads = clock, holds or {}, loses, reads
         self.log, self.check, self.written, self.settings = LinkLog(), None, [], POLLED
         self.jumps = jumps or {}  # samples that the device has measured by itself before a write

@@ -1,21 +1,19 @@
 """From samples to datasets."""
 
 import numpy as np
+from made_device import described
 
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.record import link_dataset, record_dataset
 from dea.acquisition.samples import Quality, Samples
-from dea.modbus import parse_device
 
 
 def device(**registers):
-    return parse_device(
-        {"name": "module", "endpoint": {"host": "h", "port": 1}, "unit_id": 1, "sampling_rate": 50,
-         "registers": {
-             "output": {"address": 0, "scale": 0.001, "unit": "V", "access": "write"},
-             "displacement": {"address": 1, "scale": 0.01, "offset": -1, "unit": "mm"},
-         } | registers}
-    )  # fmt: skip
+    given = {
+        "output": {"address": 0, "scale": 0.001, "unit": "V", "access": "write"},
+        "displacement": {"address": 1, "scale": 0.01, "offset": -1, "unit": "mm"},
+    }
+    return described(given | registers)
 
 
 def samples(quality):

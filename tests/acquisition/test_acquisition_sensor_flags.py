@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from made_device import described
 
 from dea.acquisition.record import record_dataset
 from dea.acquisition.samples import Quality, Samples
 from dea.acquisition.sensor_flags import STUCK_SAMPLES, flag_sensor
-from dea.modbus import parse_device
 
 STEPS = np.arange(200)
 MOVING = 1000 + 7 * STEPS % 501
@@ -17,10 +17,7 @@ def device(**displacement):
         "output": {"address": 0, "scale": 0.001, "limits": [0, 4], "unit": "V", "access": "write"},
         "displacement": {"address": 1, "unit": "mm"} | displacement,
     }
-    return parse_device(
-        {"name": "module", "endpoint": {"host": "h", "port": 1}, "unit_id": 1,
-         "sampling_rate": 50, "registers": registers}
-    )  # fmt: skip
+    return described(registers)
 
 
 def samples(displacement, requested=None, quality=0):

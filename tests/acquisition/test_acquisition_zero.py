@@ -1,46 +1,16 @@
-"""What counts as zero, as within the limits and as the device described, at the thresholds."""
-
-from pathlib import Path
+"""What counts as zero, and the way there: from the voltage asked for last, at its rate."""
 
 import numpy as np
 import pytest
-from memory_link import Clock, MemoryLink
+from made_device import ECHO, STEP, described, module
+from memory_link import MemoryLink
 
-from dea.acquisition import LinkError, ReadBackError, ZeroNotVerifiedError
+from dea.acquisition import LinkError, ZeroNotVerifiedError
 from dea.acquisition.output import Output
-from dea.acquisition.panel import CONFIRMATIONS, Panel
-from dea.acquisition.poll import NEIGHBOURS, Poll
-from dea.acquisition.read_back import Echo, ReadBack
-from dea.acquisition.verify import verify_device
-from dea.acquisition.voltage_plan import check_excitation
-from dea.acquisition.zero import STOP, Evidence, WayToZero
+from dea.acquisition.retrying_link import DeviceRefusedError
+from dea.acquisition.zero import LONGEST_STEP, STOP, Evidence, WayToZero
 from dea.errors import InputError
-from dea.modbus import parse_device
-
-STEP = 0.001  # V, one count
-OUTPUT = {"address": 0, "type": "int16", "access": "write", "scale": STEP, "unit": "V"}
-ECHO = {"address": 1, "type": "int16", "scale": STEP, "unit": "V"}
-
-
-def module(limits=(-10, 4), quarantine=0, **registers):
-    return parse_device(
-        {
-            "name": "module",
-            "endpoint": {"host": "127.0.0.1", "port": 502},
-            "unit_id": 1,
-            "sampling_rate": 100,
-            "quarantine": quarantine,
-            "registers": {"output": OUTPUT | {"limits": list(limits)}} | registers,
-        },
-        source=Path("module.yaml"),
-    )
-
-
-@pytest.fixture
-def clock(monkeypatch):
-    made = Clock()
-    monkeypatch.setattr("dea.acquisition.zero.time", made)
-    return made
+from dea.modbus import to_physical
 
 
 def way(link, ramp_rate=1.0, requested=0.0):
@@ -107,152 +77,123 @@ def test_a_tripped_device_is_at_zero_already(clock):
     assert link.written == []
 
 
+RATE, RAMP_RATE = 200.0, 40.0  # Hz, V/s
+COUNT = 15.0 / 65535  # V
+SPANNED = {"address": 0, "access": "read_write", "range": [0, 15], "limits": [0, 10], "unit": "V"}
+SPANNED_ECHO = {"address": 1, "range": [0, 15], "unit": "V"}
+
+
+def device(**registers):
+    return described(registers, sampling_rate=RATE, quarantine=0.3)
+
+
+class ModuleLink:
+    """A link to a module that applies what is written; ``fails`` says with what, and when."""
+
+    def __init__(self, device, clock, *, reads=1.0, takes=0.001, fails=lambda now: None):
+        self.device, self.clock, self.reads, self.takes = device, clock, reads, takes
+        self.fails, self.count, self.written = fails, 0, []
+        self.check = self.on_connect = None
+
+    def read(self, address, count, table):
+        return [round(self.reads * self.count)] * count
+
+    def write(self, address, words, table="holding", *, retry=True):
+        self.clock.sleep(self.takes)
+        if (failure := self.fails(self.clock.now)) is not None:
+            raise failure
+        (self.count,) = words
+        self.written.append((self.clock.now, self.count))
+
+    def close(self):
+        pass
+
+
+def to_zero(link, start):
+    """Take the output to zero as often as it takes."""
+    way = WayToZero(Output(link), ramp_rate=RAMP_RATE, requested=start)
+    for _ in range(10_000):
+        try:
+            return way()
+        except (LinkError, DeviceRefusedError):
+            link.clock.sleep(0.02)
+    raise AssertionError("it never arrives")
+
+
+def steps(link, start):
+    """Seconds and volts between writes, from ``start`` on; the first write is at time 0."""
+    times, counts = np.array(link.written).T
+    path = np.append(start, to_physical(link.device["output"], counts))
+    assert path[-1] == 0.0
+    return np.diff(times, prepend=0.0), -np.diff(path)
+
+
+CASES = {
+    "echo": {"output": SPANNED | {"access": "write"}, "applied_output": SPANNED_ECHO},
+    "output read back": {"output": SPANNED},
+    "no read-back": {"output": SPANNED | {"access": "write"}},
+}
+
+
+@pytest.mark.parametrize("start", [6.0, 1.0, 0.0])
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("takes", [0.001, 0.03, 0.7])
+def test_the_way_to_zero_begins_where_the_output_is(clock, case, start, takes):
+    link = ModuleLink(device(**CASES[case]), clock, takes=takes)
+    to_zero(link, start)
+    passed, fallen = steps(link, start)
+    assert (fallen >= 0.0).all()
+    assert (fallen <= RAMP_RATE * passed + COUNT).all(), "faster in time than its rate"
+    assert (fallen <= RAMP_RATE * LONGEST_STEP + COUNT).all()
+
+
+@pytest.mark.parametrize("reads", [0.001, 0.0], ids=["in kilovolts", "stuck at zero"])
+def test_the_ramp_begins_at_what_was_asked_for_whatever_is_read(clock, reads):
+    link = ModuleLink(device(**CASES["echo"]), clock, reads=reads)
+    to_zero(link, 6.0)
+    passed, fallen = steps(link, 6.0)
+    assert (fallen <= RAMP_RATE * passed + COUNT).all()
+    assert len(link.written) >= 6.0 * RATE / RAMP_RATE - 2
+
+
 @pytest.mark.parametrize(
-    ("volts", "counts"), [(-10.0, -10_000), (4.0, 4000), (4.0004, 4000), (-10.0004, -10_000)]
+    "failure", [LinkError("gone"), *(DeviceRefusedError(code, 6) for code in (4, 5, 6, 11))]
 )
-def test_the_limits_themselves_are_allowed(volts, counts):
-    assert check_excitation(module(), np.array([0.0, volts])).tolist() == [0, counts]
-
-
-@pytest.mark.parametrize("volts", [-10.001, 4.001, -10.0006, 4.0006])
-def test_a_count_beyond_the_limits_is_not(volts):
-    with pytest.raises(InputError, match=f"sample 1 .* {volts:g} V, outside -10 to 4 V"):
-        check_excitation(module(), np.array([0.0, volts]))
-
-
-@pytest.mark.parametrize("sign", [-1, 1])
-def test_a_voltage_that_no_count_stands_for_is_refused_from_half_a_count_on(sign):
-    everything = module(limits=(-40, 40))
-    edge = 32767 if sign > 0 else -32768
-    near, far = STEP * (edge + sign * 0.4), STEP * (edge + sign * 0.6)
-    assert check_excitation(everything, np.array([near])).tolist() == [edge]
-    with pytest.raises(InputError, match=r"outside -32\.768 to 32\.767 V"):
-        check_excitation(everything, np.array([far]))
-
-
-@pytest.mark.parametrize(("volts", "worst"), [([-11.5, 0, 5], 0), ([-10.5, 0, 5.1, 4.1], 2)])
-def test_the_sample_farthest_outside_is_told(volts, worst):
-    with pytest.raises(InputError, match=f"sample {worst} "):
-        check_excitation(module(), np.array(volts, float))
-
-
-def reported(**values):
-    """Return the panel of a module that reports ``values`` in float registers of their names."""
-    names = {
-        name: {"address": 10 + 2 * i, "type": "float32", "unit": "V"}
-        for i, name in enumerate(values)
-    }
-    return Panel(MemoryLink(module(**names), **values))
-
-
-@pytest.mark.parametrize("low", [-10.5, -10.0, -9.9995])
-@pytest.mark.parametrize("high", [4.5, 4.0, 3.9995])
-def test_a_device_may_clamp_at_its_limits_or_outside(low, high):
-    verify_device(reported(output_low_limit=low, output_high_limit=high))
-
-
-@pytest.mark.parametrize(("low", "high"), [(-9.998, 4.0), (-10.0, 3.998), (0.0, 4.0)])
-def test_a_device_that_clamps_inside_its_limits_is_refused(low, high):
-    with pytest.raises(InputError, match=r"the device clamps at .* inside the limit"):
-        verify_device(reported(output_low_limit=low, output_high_limit=high))
-
-
-@pytest.mark.parametrize("end", ["low", "high"])
-@pytest.mark.parametrize(("share", "same"), [(0.7e-5, True), (-0.7e-5, True), (1.4e-5, False)])
-def test_a_range_may_differ_by_a_hundred_thousandth_of_its_span(end, share, same):
-    device = module(
-        sensor={"address": 4, "range": [-3, 5], "unit": "V"},
-        **{f"sensor_range_{end}": {"address": 10, "type": "float32"}},
-    )
-    found = (5.0 if end == "high" else -3.0) + 8.0 * share
-    panel = Panel(MemoryLink(device, **{f"sensor_range_{end}": found}))
-    if same:
-        verify_device(panel)
-    else:
-        with pytest.raises(InputError, match=f"registers.sensor_range_{end}"):
-            verify_device(panel)
-
-
-READ_BACK = {"applied_output": ECHO, "state": {"address": 2}}
-
-
-def checked(volts, reading, *, state=2, at=(2, 4)):
-    """Read ``reading`` (V) after two of the samples ``volts`` were played; check it after four."""
-    link = MemoryLink(
-        module(limits=(0, 10), **READ_BACK), applied_output=round(reading / STEP), state=state
-    )
-    read_back = ReadBack(Panel(link), np.rint(np.array(volts) / STEP), 0.05)
-    for position in at:
-        read_back(position)
-    return read_back
-
-
-# volts[k] is applied after k + 1 samples: between two and four samples, 5 to 7 V are.
-PLAYED = [9.0, 5.0, 6.0, 7.0, 2.0]
-
-
-@pytest.mark.parametrize("reading", [4.6, 5.0, 7.0, 7.4])
-def test_a_reading_may_be_any_value_played_around_it(reading):
-    assert not checked(PLAYED, reading).pending
-
-
-@pytest.mark.parametrize("reading", [0.0, 4.4, 7.6])
-def test_a_reading_that_was_not_played_around_it_is_an_error(reading):
-    with pytest.raises(ReadBackError, match="while 5 to 7 V are played"):
-        checked(PLAYED, reading)
-
-
-@pytest.mark.parametrize(("volts", "state"), [(0.9, 2), (5.0, 1), (5.0, 3)])
-def test_a_reading_near_zero_or_of_a_device_that_does_not_play_says_nothing(volts, state):
-    assert checked([volts] * 5, 0.0, state=state).pending
-
-
-def test_a_reading_is_compared_only_with_the_output_clear_of_zero():
-    assert checked([3.0, 1.1, 1.1, 0.9, 3.0], 0.0).pending
-    with pytest.raises(ReadBackError):
-        checked([3.0, 1.1, 1.1, 1.1, 0.0], 0.0)
-
-
-def test_a_read_back_one_sample_late_is_trusted_but_its_sample_flagged():
-    panel = Panel(MemoryLink(module(limits=(0, 10), applied_output=ECHO)))
-    echo = Echo(panel, "applied_output", 0.05)  # 0.5 V
-    asked = [1000, 1400, 2000, 2600, 3200]
-    assert [echo(now, before) for before, now in zip([1000, *asked], asked, strict=False)] == [
-        True, True, False, False, False,
-    ]  # fmt: skip
-    assert [echo(count, 1000) for count in (4000, 5000)] == [False, False]
-    with pytest.raises(ReadBackError, match="cannot say whether the output is at zero"):
-        echo(6000, 1000)
-
-
-def test_a_value_is_confirmed_by_the_next_reading_alone():
-    def panel(readings):
-        return Panel(MemoryLink(module(state={"address": 2}), state=iter(readings).__next__))
-
-    assert panel([1, 2, 1, 3, 3]).confirmed("state") == 3
-    # A first reading and as many more as are allowed, of which the last two agree.
-    assert panel([*range(CONFIRMATIONS), CONFIRMATIONS - 1]).confirmed("state") == CONFIRMATIONS - 1
-    with pytest.raises(LinkError, match="reads differently each time"):
-        panel(range(CONFIRMATIONS + 1)).confirmed("state")
-
-
-@pytest.mark.parametrize(("apart", "requests"), [(NEIGHBOURS - 1, 1), (NEIGHBOURS, 2)])
-def test_a_sample_takes_one_request_where_its_registers_are_near(apart, requests):
-    device = module(
-        applied_output={"address": 10, "unit": "V"},
-        displacement={"address": 10 + apart, "unit": "mm"},
-        device_index={"address": 9, "table": "input"},
+def test_a_ramp_that_fails_for_a_while_is_continued_where_it_was(clock, failure):
+    link = ModuleLink(
+        device(**CASES["no read-back"]), clock,
+        fails=lambda now: failure if 0.05 < now < 15.0 else None,
     )  # fmt: skip
-    windows = Poll(Panel(MemoryLink(device))).windows
-    assert len(windows) == requests + 1
-    assert "displacement" in [register.name for register in windows[0].registers]
+    to_zero(link, 6.0)
+    passed, fallen = steps(link, 6.0)
+    assert clock.now > 15.0
+    assert (fallen <= RAMP_RATE * LONGEST_STEP + COUNT).all(), "it jumped after the pause"
+    assert (fallen <= RAMP_RATE * passed + COUNT).all()
 
 
-def test_of_played_samples_those_applied_beyond_the_tolerance_are_not_right():
-    """Half a volt is tolerated; the read-back counts tenths of a volt."""
-    register = ECHO | {"scale": 0.1}
-    panel = Panel(MemoryLink(module(limits=(0, 10), applied_output=register)))
-    counts = np.array([4000, 4000, 4000, 4000, 4000, 0])
-    applied = np.array([40, 36, 44, 34, 46, 0])
-    right = Echo(panel, "applied_output", 0.05).right(counts, applied)
-    assert right.tolist() == [True, True, True, False, False, True]
+@pytest.mark.parametrize("case", ["echo", "no read-back"])
+def test_a_write_that_a_gateway_held_back_is_undone(clock, case):
+    link = ModuleLink(device(**CASES[case]), clock)
+    held = iter([9000])
+
+    def late(now):
+        """The gateway carries it out now, while another request passes."""
+        if now > 0.15 and (count := next(held, None)):
+            link.count = count
+            link.written.append((now, count))
+            raise LinkError("no reply")
+
+    link.fails = late
+    to_zero(link, 0.0)
+    assert 9000 in [count for _, count in link.written]
+    assert link.count == 0
+    if case == "echo":  # where it is seen, the quarantine begins anew
+        redriven = next(now for now, count in link.written if count == 9000)
+        assert clock.now >= redriven + link.device.quarantine
+
+
+def test_the_way_to_zero_ends_at_once_where_nothing_was_ever_asked_for(clock):
+    link = ModuleLink(device(**CASES["no read-back"]), clock)
+    to_zero(link, 0.0)
+    assert {count for _, count in link.written} == {0}
+    assert clock.now == pytest.approx(link.device.quarantine, abs=0.2)
