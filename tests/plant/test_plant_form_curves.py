@@ -17,6 +17,7 @@ Y = np.linspace(CONDITIONS.bottom, CONDITIONS.top, 4001)
         "overlapped_valve",
         "yield_stress",
         "jumping_threshold",
+        "cracking_valve",
         "diode_drop",
         "square_law_foot",
     ],

@@ -71,6 +71,23 @@ def jumping_threshold(size: float, conditions: Conditions, rng: Generator) -> Bu
     return Built(law, {"threshold": threshold})
 
 
+@tuning("McCloy and Martin, Control of Fluid Power (1980): a relief valve that cracks open")
+def cracking_valve(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Nothing below the threshold, above it a lift in proportion, times the root of a pressure.
+
+    Of the pressure at the highest command 0.5 to 0.8 are constant, the rest is the command's.
+    """
+    threshold, gain = _threshold(size, conditions)
+    constant = rng.uniform(0.5, 0.8)
+
+    def flow(u: Array) -> Array:
+        pressure = constant + (1.0 - constant) * u / conditions.high
+        value: Array = gain * np.maximum(u - threshold, 0.0) * np.sqrt(pressure)
+        return value
+
+    return Built(command_curve(flow, conditions), {"threshold": threshold})
+
+
 @reporting("Banwell and Jayakumar, Electron. Lett. 36 (2000) 291: a diode in series with a load")
 def diode_drop(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The load's voltage v solves v + n ln(1 + v/s) = u, by Lambert's function."""
@@ -168,6 +185,36 @@ def sagging_rail(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(SignalLaw(_sagging, constants, [0.0, 0.0]), {})
 
 
+@tuning("Giannoulis et al., J. Audio Eng. Soc. 60 (2012) 399: a compressor with a soft knee")
+def peak_limiter(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Above the limit a root of order four to ten; between logarithms the knee is a parabola."""
+    limit, ratio = _ceiling(size, conditions), rng.uniform(4.0, 10.0)
+    width = rng.uniform(0.04, 0.2)
+
+    def compressed(u: Array) -> Array:
+        over = np.log(np.maximum(u, 1e-9) / limit)
+        inside = np.clip(over + 0.5 * width, 0.0, width)
+        bent = inside * inside / (2.0 * width) + np.maximum(over - 0.5 * width, 0.0)
+        value: Array = u * np.exp((1.0 / ratio - 1.0) * bent)
+        return value
+
+    return Built(command_curve(compressed, conditions), {"limit": limit})
+
+
+@tuning("Brauer, IEEE Trans. Magn. 11 (1975) 81: a core whose field grows exponentially")
+def magnetic_core(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The induction v solves v (1 + exp(b (v²/limit² - 1)) - exp(-b)) = u."""
+    limit, steep = _ceiling(size, conditions), rng.uniform(5.0, 12.0)
+    induced = np.linspace(0.0, 2.0 * limit, 20_001)
+    needed = induced * (1.0 + np.exp(steep * ((induced / limit) ** 2 - 1.0)) - np.exp(-steep))
+
+    def magnetised(u: Array) -> Array:
+        value: Array = np.interp(u, needed, induced)
+        return value
+
+    return Built(command_curve(magnetised, conditions), {"limit": limit})
+
+
 @reporting("Baum, IRE Trans. Inf. Theory 3 (1957) 193: the smooth limiter of an error integral")
 def error_integral(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A straight line up to a knee, and an error integral from there to the limit."""
@@ -198,12 +245,12 @@ def falling_tube(size: float, conditions: Conditions, rng: Generator) -> Built:
 EFFECTS = (
     EffectKind(
         "dead_zone", Port.INPUT, 0.04, 0.5, "1",
-        (rounded_threshold, overlapped_valve, yield_stress, jumping_threshold, diode_drop,
-         square_law_foot),
+        (rounded_threshold, overlapped_valve, yield_stress, jumping_threshold, cracking_valve,
+         diode_drop, square_law_foot),
     ),
     EffectKind(
         "input_saturation", Port.INPUT, 0.02, 0.45, "1",
-        (parabolic_shoulder, residual_gain, solid_state_amplifier, sagging_rail, error_integral,
-         falling_tube),
+        (parabolic_shoulder, residual_gain, solid_state_amplifier, sagging_rail, peak_limiter,
+         magnetic_core, error_integral, falling_tube),
     ),
 )  # fmt: skip

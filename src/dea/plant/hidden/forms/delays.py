@@ -84,6 +84,50 @@ def reflecting_line(size: float, conditions: Conditions, rng: Generator) -> Buil
 
 
 @njit(cache=True)
+def _buckets(c: Array, m: Array, u: Array) -> None:
+    """Pass charges on every c[0] sub-steps, all but a share c[1]; m: count and the buckets."""
+    if m[0] == 0.0:
+        m[1:] = u[0]
+    for k in range(u.shape[0]):
+        if m[0] % c[0] == 0.0:
+            for i in range(m.shape[0] - 1, 0, -1):
+                before = m[i - 1] if i > 1 else u[k]
+                m[i] = before + c[1] * (m[i] - before)
+        u[k] = m[m.shape[0] - 1]
+        m[0] += 1.0
+
+
+@tuning("Sangster and Teer, IEEE J. Solid-State Circuits 4 (1969) 131: a bucket brigade")
+def bucket_brigade(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """About sixteen to forty-eight buckets, each of which leaves a hundredth or so behind."""
+    mean = size * conditions.time / SUBSTEP
+    period = max(round(mean / int(rng.integers(16, 49))), 1)
+    buckets, left = max(round(mean / period), 1), rng.uniform(0.002, 0.015)
+    law = SignalLaw(_buckets, [period, left], np.zeros(1 + buckets))
+    return Built(law, {"delay": ((buckets / (1.0 - left) - 0.5) * period - 0.5) * SUBSTEP})
+
+
+@njit(cache=True)
+def _joined(c: Array, m: Array, u: Array) -> None:
+    """Join samples by lines, each while the next is awaited; m: count, two samples."""
+    if m[0] == 0.0:
+        m[1] = m[2] = u[0]
+    for k in range(u.shape[0]):
+        within = m[0] % c[0]
+        if within == 0.0:
+            m[1], m[2] = m[2], u[k]
+        u[k] = m[1] + within / c[0] * (m[2] - m[1])
+        m[0] += 1.0
+
+
+@tuning("Franklin et al., Digital Control of Dynamic Systems (1998): samples joined by lines")
+def joined_samples(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Samples ``size`` band periods apart, each reached along a line one period late."""
+    period = max(round(size * conditions.time / SUBSTEP), 1)
+    return Built(SignalLaw(_joined, [period], np.zeros(3)), {"delay": period * SUBSTEP})
+
+
+@njit(cache=True)
 def _jittered(c: Array, m: Array, u: Array) -> None:
     """c: mean, depth (s), (frequency, phase) of every sine of the delay.
 
@@ -125,7 +169,7 @@ def dispersed_plug_flow(size: float, conditions: Conditions, rng: Generator) -> 
 EFFECTS = (
     EffectKind(
         "transport_delay", Port.INPUT, 0.004, 0.6, "band periods",
-        (pure_delay, sampled_and_held, laminar_tube, reflecting_line, jittered_delay,
-         dispersed_plug_flow),
+        (pure_delay, sampled_and_held, laminar_tube, reflecting_line, bucket_brigade,
+         joined_samples, jittered_delay, dispersed_plug_flow),
     ),
 )  # fmt: skip

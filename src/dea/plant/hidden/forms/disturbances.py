@@ -106,6 +106,43 @@ def oil_whirl(size: float, conditions: Conditions, rng: Generator) -> Built:
 
 
 @njit(cache=True)
+def _hunting(c: Array, m: Array, y: Array) -> None:
+    """c: height, frequency and phase; swing, frequency and phase of what modulates the phase."""
+    for k in range(y.shape[0]):
+        swung = c[3] * np.sin(2.0 * np.pi * c[4] * m[0] + c[5])
+        y[k] += c[0] * np.sin(2.0 * np.pi * c[1] * m[0] + c[2] + swung)
+        m[0] += SUBSTEP
+
+
+@tuning("Carson, Proc. IRE 10 (1922) 57: a modulated frequency, here of a machine that hunts")
+def hunting_machine(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A sine on the reading whose phase swings by 0.3 to 0.9 several times more slowly."""
+    frequency, phases = _frequency(conditions, rng), rng.uniform(0.0, 2.0 * np.pi, 2)
+    constants = [
+        size * conditions.travel, frequency, phases[0],
+        rng.uniform(0.3, 0.9), frequency * rng.uniform(0.05, 0.2), phases[1],
+    ]  # fmt: skip
+    return Built(SignalLaw(_hunting, constants, output=True), {"frequency": frequency})
+
+
+@njit(cache=True)
+def _chopped(c: Array, m: Array, u: Array) -> None:
+    """c: height, frequency, phase (of 1) and duty of rectangular pulses without a mean."""
+    for k in range(u.shape[0]):
+        on = 1.0 if (c[1] * m[0] + c[2]) % 1.0 < c[3] else 0.0
+        u[k] += 2.0 * c[0] * (on - c[3])
+        m[0] += SUBSTEP
+
+
+@tuning("Rashid, Power Electronics (2004): the pulses of a chopper")
+def chopped_supply(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Rectangular pulses on the command, on for 0.3 to 0.7 of the time."""
+    frequency = _frequency(conditions, rng)
+    constants = [size * conditions.span, frequency, rng.random(), rng.uniform(0.3, 0.7)]
+    return Built(SignalLaw(_chopped, constants), {"frequency": frequency})
+
+
+@njit(cache=True)
 def _beat(c: Array, m: Array, y: Array) -> None:
     """Two lines of slightly different frequency."""
     height, first, second, share, phase = c
@@ -158,6 +195,6 @@ EFFECTS = (
     EffectKind(
         "periodic_disturbance", Port.OUTPUT, 0.002, 1.0, "travels",
         (machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing, oil_whirl,
-         beating_machines, cogging, rectified_sine),
+         hunting_machine, chopped_supply, beating_machines, cogging, rectified_sine),
     ),
 )  # fmt: skip

@@ -68,6 +68,25 @@ def _two_parts(conditions: Conditions, rng: Generator) -> Course:
     return lambda t: back * np.expm1(-t / slow) - np.expm1(-t / quick)
 
 
+def _ever_steeper(conditions: Conditions, rng: Generator) -> Course:
+    """Rise with a power of time, 1.5 to 3, to 1 at the end."""
+    power = rng.uniform(1.5, 3.0)
+    return lambda t: (t / conditions.duration) ** power
+
+
+def _spreading(conditions: Conditions, rng: Generator) -> Course:
+    """Rise as 1 - exp(-(t/T)^n) with n from 2 to 3.5."""
+    time, order = rng.uniform(0.35, 0.7) * conditions.duration, rng.uniform(2.0, 3.5)
+    return lambda t: -np.expm1(-((t / time) ** order))
+
+
+def _consolidation(conditions: Conditions, rng: Generator) -> Course:
+    """Rise with the root of time at first, then exponentially, to 1: diffusion out of a layer."""
+    time, order = rng.uniform(0.2, 0.6) * conditions.duration, 2.0 * np.arange(80) + 1.0
+    weights = order**-2 / (order**-2).sum()
+    return lambda t: -np.expm1(-np.outer(t, order**2) / time) @ weights
+
+
 def _logarithm(conditions: Conditions, rng: Generator) -> Course:
     """Rise with the logarithm of time, to 1 at the end."""
     time = rng.uniform(0.01, 0.1) * conditions.duration
@@ -132,6 +151,18 @@ def passing_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _gain(size, conditions, rng, _passing(conditions, rng))
 
 
+@tuning("Meeker and Escobar, Statistical Methods for Reliability Data (1998): ever faster wear")
+def wearing_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes ever faster, with a power of time."""
+    return _gain(size, conditions, rng, _ever_steeper(conditions, rng))
+
+
+@tuning("Avrami, J. Chem. Phys. 7 (1939) 1103: a transformation that starts and spreads")
+def crystallising_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes slowly, then faster, and ends."""
+    return _gain(size, conditions, rng, _spreading(conditions, rng))
+
+
 @reporting("Struik, Physical Aging in Amorphous Polymers (1978): ageing with the logarithm of time")
 def logarithmic_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The gain changes with the logarithm of time."""
@@ -180,6 +211,12 @@ def differential_expansion(size: float, conditions: Conditions, rng: Generator) 
     return _added(size, conditions, rng, _two_parts(conditions, rng))
 
 
+@tuning("Terzaghi, Theoretical Soil Mechanics (1943): a layer that consolidates")
+def consolidating_bed(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves with the root of time at first, and comes to an end."""
+    return _added(size, conditions, rng, _consolidation(conditions, rng))
+
+
 @reporting("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
 def wandering_baseline(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The reading's baseline wanders smoothly."""
@@ -205,11 +242,11 @@ EFFECTS = (
     EffectKind(
         "gain_drift", Port.TIME, 0.002, 1.0, "1",
         (ageing_gain, diffusing_gain, linear_gain, autocatalytic_gain, passing_gain,
-         logarithmic_gain, wandering_gain),
+         wearing_gain, crystallising_gain, logarithmic_gain, wandering_gain),
     ),
     EffectKind(
         "baseline_drift", Port.TIME, 0.005, 2.0, "travels",
         (warming_mount, swelling_mount, steady_zero, creeping_mount, differential_expansion,
-         wandering_baseline, daily_swing, settling_load),
+         consolidating_bed, wandering_baseline, daily_swing, settling_load),
     ),
 )  # fmt: skip

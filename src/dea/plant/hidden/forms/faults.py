@@ -102,6 +102,31 @@ def clearing_electrode(size: float, conditions: Conditions, rng: Generator) -> B
     return Built(SignalLaw(_clearing, constants), {"time": moment})
 
 
+@njit(cache=True)
+def _rescaled(c: Array, m: Array, y: Array) -> None:
+    """Scale by 1 + c[0] about the place c[3] from the moment c[1] on, within c[2] s."""
+    for k in range(y.shape[0]):
+        y[k] += c[0] * in_time.course(in_time.RAMP, c[1], c[2], m[0]) * (y[k] - c[3])
+        m[0] += SUBSTEP
+
+
+@tuning("Balaban et al., IEEE Sens. J. 9 (2009) 1907: a sensor whose scale changes")
+def rescaled_sensor(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading's distance from rest becomes 1 + ``size`` or 1 - ``size`` times as large."""
+    moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
+    constants = [size * sign(size, rng), moment, width, conditions.rest]
+    return Built(SignalLaw(_rescaled, constants, output=True), {"time": moment})
+
+
+@tuning("Gustafsson, Adaptive Filtering and Change Detection (2000): a load jumps", moving=True)
+def dropped_load(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A constant force of ``size`` device forces is there from the moment on."""
+    moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
+    height = conditions.device_forces(size) * rng.choice([-1.0, 1.0])
+    law = ForceLaw(forces.FORCE_COURSE, [height, in_time.RAMP, moment, width])
+    return Built(law, {"time": moment})
+
+
 @reporting("Isermann, Fault-Diagnosis Systems (2006): a fault whose consequence settles")
 def settling_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The gain leaves its value at once and settles exponentially at another."""
@@ -124,6 +149,6 @@ EFFECTS = (
     EffectKind(
         "step_fault", Port.TIME, 0.002, 1.0, "1",
         (abrupt_gain, cracked_spring, biased_sensor, biased_command, clearing_electrode,
-         settling_gain, slipped_mount),
+         rescaled_sensor, dropped_load, settling_gain, slipped_mount),
     ),
 )  # fmt: skip

@@ -104,6 +104,26 @@ def rim_contact(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(parallel(0.0, weights, mean * times / (weights @ times)), {"lag": mean})
 
 
+@njit(cache=True)
+def _bled(c: Array, m: Array, u: Array) -> None:
+    """A first-order lag that passes a share c[0] rising, c[1] falling; m: started and value."""
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, u[0]
+    for k in range(u.shape[0]):
+        error = u[k] - m[1]
+        m[1] += (c[0] if error > 0.0 else c[1]) * error
+        u[k] = m[1]
+
+
+@tuning("Horowitz and Hill, The Art of Electronics (2015): a bleeder that discharges alone")
+def bleeder_resistor(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Discharge through a bleeder is two to five times as slow as the charge from the source."""
+    ratio, mean = rng.uniform(2.0, 5.0), size * conditions.time
+    quick = 2.0 * mean / (1.0 + ratio)
+    shares = -np.expm1(-SUBSTEP / np.array([quick, quick * ratio]))
+    return Built(SignalLaw(_bled, shares, [0.0, 0.0]), {})
+
+
 @reporting("Cole and Cole, J. Chem. Phys. 9 (1941) 341: a distribution of relaxation times")
 def cole_cole(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Lags side by side, with Cole and Cole's density around a central time."""
@@ -195,6 +215,17 @@ def buried_sensor(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(cascade(mean * times / times.sum(), output=True), {"lag": mean})
 
 
+@tuning("Carslaw and Jaeger, Conduction of Heat in Solids (1959): the mean over a sphere")
+def thermistor_bead(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The mean over a sphere whose surface is heated, of together ``size`` band periods."""
+    mean = size * conditions.time
+    times = 1.0 / np.arange(1.0, 31.0) ** 2
+    weights = 6.0 / np.pi**2 * times
+    weights[-1] += 1.0 - weights.sum()
+    law = parallel(0.0, weights, mean * times / (weights @ times), output=True)
+    return Built(law, {"lag": mean})
+
+
 @reporting("Thomson, Proc. IEE 96 (1949) 487: a Bessel filter of fourth order")
 def bessel_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A Bessel filter of fourth order whose delay at low frequency is ``size`` band periods."""
@@ -225,11 +256,12 @@ def sheathed_probe(size: float, conditions: Conditions, rng: Generator) -> Built
 EFFECTS = (
     EffectKind(
         "electrode_lag", Port.INPUT, 0.01, 1.0, "band periods",
-        (cable_diffusion, two_stages, lead_inductance, rim_contact, cole_cole, stretched_electrode),
+        (cable_diffusion, two_stages, lead_inductance, rim_contact, bleeder_resistor, cole_cole,
+         stretched_electrode),
     ),
     EffectKind(
         "sensor_lag", Port.OUTPUT, 0.01, 1.0, "band periods",
-        (seismic_element, integrating_converter, bare_thermometer, buried_sensor, bessel_filter,
-         sheathed_probe),
+        (seismic_element, integrating_converter, bare_thermometer, buried_sensor, thermistor_bead,
+         bessel_filter, sheathed_probe),
     ),
 )  # fmt: skip

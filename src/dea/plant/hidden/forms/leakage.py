@@ -78,6 +78,28 @@ def interfacial_polarisation(size: float, conditions: Conditions, rng: Generator
     return Built(parallel(1.0, weights, times, settled=False), {})
 
 
+@njit(cache=True)
+def _captured(c: Array, m: Array, u: Array) -> None:
+    """Capture in proportion to field and empty traps, and emit; m: the screening voltage.
+
+    c: voltage of all traps, rate of capture over that of emission, time of emission, ceiling.
+    """
+    whole, ratio, time, ceiling = c
+    for k in range(u.shape[0]):
+        field = max(u[k] - m[0], 0.0)
+        m[0] += SUBSTEP / time * (ratio * field / ceiling * (whole - m[0]) - m[0])
+        u[k] = field
+
+
+@tuning("Shockley and Read, Phys. Rev. 87 (1952) 835: traps that capture and emit")
+def filling_traps(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Traps that fill the faster the stronger the field, and that can be full."""
+    ratio = rng.uniform(1.0, 5.0)
+    time = conditions.time * np.exp(rng.uniform(np.log(2.0), np.log(16.0)))
+    constants = [size * conditions.high * (1.0 + ratio) / ratio, ratio, time, conditions.high]
+    return Built(SignalLaw(_captured, constants), {})
+
+
 @reporting("Frenkel, Phys. Rev. 54 (1938) 647: conduction out of traps that the field lowers")
 def poole_frenkel(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Traps filled by a current proportional to the field times an exponential of its root."""
@@ -98,6 +120,6 @@ EFFECTS = (
     EffectKind(
         "charge_leakage", Port.INPUT, 0.005, 0.7, "1",
         (space_charge, schottky_emission, hopping, tunnelling, interfacial_polarisation,
-         poole_frenkel, curie_von_schweidler),
+         filling_traps, poole_frenkel, curie_von_schweidler),
     ),
 )  # fmt: skip

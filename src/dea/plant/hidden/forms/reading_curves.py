@@ -79,6 +79,15 @@ def overload_recovery(size: float, conditions: Conditions, rng: Generator) -> Bu
     return Built(SignalLaw(_recovering, constants, output=True), {"limit": limit})
 
 
+@tuning("Storm et al., IEEE J. Solid-State Circuits 41 (2006) 2095: linear, then logarithmic")
+def logarithmic_pixel(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Below a knee the reading is true; above, it grows with the logarithm."""
+    knee = _read_limit(size, conditions)
+    room = rng.uniform(0.01, 0.04) * conditions.travel
+    law = reading_curve(bent_above(knee, lambda d: room * np.log1p(d / room)), conditions)
+    return Built(law, {})
+
+
 @reporting("Zölzer, DAFX (2011): exponential distortion, 1 - exp(-x)")
 def exponential_rail(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Above a knee the reading approaches its limit exponentially."""
@@ -197,6 +206,36 @@ def segmented_converter(size: float, conditions: Conditions, rng: Generator) -> 
     return Built(law, {})
 
 
+@tuning("Razavi, Principles of Data Conversion System Design (1995): bits of unequal weight")
+def mismatched_bits(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Jumps where one of the four highest bits changes, smaller ones for the lower bits."""
+    order = np.arange(4)
+    height = 0.2 * min(size, 1.0) * conditions.travel
+    wrong = height * rng.choice([-1.0, 1.0], 4) * rng.uniform(0.3, 1.0, 4) / 2.0 ** (0.5 * order)
+
+    def converted(y: Array) -> Array:
+        place = np.clip((y - conditions.bottom) / conditions.travel, 0.0, 1.0 - 1e-9)
+        bits = np.floor(place[:, None] * 2.0 ** (order + 1)) % 2.0
+        value: Array = y + bits @ wrong
+        return value
+
+    return Built(reading_curve(converted, conditions), {})
+
+
+@tuning("Jones, J. Sci. Instrum. 38 (1961) 37: an optical lever, read on a straight scale")
+def optical_lever(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The tangent of the turned beam, stretched towards both ends, more to one of them."""
+    turn, centre = 0.8 * min(size, 1.25), rng.uniform(-0.3, 0.3)
+
+    def spot(y: Array) -> Array:
+        angle = turn * (_place(y, conditions) - centre)
+        inside = np.clip(angle, -1.3, 1.3)
+        value: Array = np.tan(inside) + angle - inside
+        return conditions.median + 0.5 * conditions.travel * value / turn
+
+    return Built(reading_curve(spot, conditions), {})
+
+
 @reporting("Doebelin, Measurement Systems (2003): an unbalanced Wheatstone bridge, x/(1 + a x)")
 def unbalanced_bridge(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A bridge whose reading falls short of (or exceeds) the straight line by a hyperbola."""
@@ -242,12 +281,12 @@ EFFECTS = (
     EffectKind(
         "output_saturation", Port.OUTPUT, 0.02, 0.7, "1",
         (hyperbolic_rail, leaking_rail, overloaded_converter, paralysed_counter, overload_recovery,
-         exponential_rail, arctangent_rail),
+         logarithmic_pixel, exponential_rail, arctangent_rail),
     ),
     EffectKind(
         "sensor_nonlinearity", Port.OUTPUT, 0.005, 1.5, "1",
         (calibration_polynomial, interpolation_error, loaded_potentiometer, oblique_cable,
-         approached_magnet, segmented_converter, unbalanced_bridge, lever_angle,
-         exponential_element),
+         approached_magnet, segmented_converter, mismatched_bits, optical_lever, unbalanced_bridge,
+         lever_angle, exponential_element),
     ),
 )  # fmt: skip

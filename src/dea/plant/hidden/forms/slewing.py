@@ -114,6 +114,57 @@ def stepping_motor(size: float, conditions: Conditions, rng: Generator) -> Built
 
 
 @njit(cache=True)
+def _smoothed_ramp(c: Array, m: Array, u: Array) -> None:
+    """Follow at a bounded rate, then take the mean; m: started, target, place, sum and a ring."""
+    most, length = SUBSTEP * c[0], m.shape[0] - 4
+    if m[0] == 0.0:
+        m[0], m[1], m[3] = 1.0, u[0], length * u[0]
+        m[4:] = u[0]
+    place = int(m[2])
+    for k in range(u.shape[0]):
+        m[1] += min(max(u[k] - m[1], -most), most)
+        m[3] += m[1] - m[4 + place]
+        m[4 + place] = m[1]
+        place = (place + 1) % length
+        u[k] = m[3] / length
+    m[2] = place
+
+
+@tuning("Biagiotti and Melchiorri, Control Eng. Pract. 20 (2012) 1385: a ramp, then a moving mean")
+def smoothed_ramp(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A bounded rate, of which the mean over 0.05 to 0.25 times the time for the range is taken."""
+    rate = _rate(size, conditions)
+    window = max(round(rng.uniform(0.05, 0.25) * size * conditions.time / SUBSTEP), 2)
+    return Built(SignalLaw(_smoothed_ramp, [rate], np.zeros(4 + window)), {"rate": rate})
+
+
+@njit(cache=True)
+def _switched_motor(c: Array, m: Array, u: Array) -> None:
+    """Run at c[0] from an error of c[1] on until it is gone; m: started, place and direction."""
+    step, band = SUBSTEP * c[0], c[1]
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, u[0]
+    for k in range(u.shape[0]):
+        error = u[k] - m[1]
+        if m[2] == 0.0 and abs(error) > band:
+            m[2] = np.sign(error)
+        if m[2] != 0.0 and m[2] * error > step:
+            m[1] += m[2] * step
+        elif m[2] != 0.0:
+            m[1] = u[k] if m[2] * error > 0.0 else m[1]
+            m[2] = 0.0
+        u[k] = m[1]
+
+
+@tuning("Isermann, Digital Control Systems (1989): a motor of constant speed, switched on and off")
+def switched_motor(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A motor that starts when its error exceeds 0.2 to 0.8 hundredths of the range."""
+    rate = _rate(size, conditions)
+    band = rng.uniform(0.002, 0.008) * conditions.span
+    return Built(SignalLaw(_switched_motor, [rate, band], np.zeros(3)), {"rate": rate})
+
+
+@njit(cache=True)
 def _orifice(c: Array, m: Array, u: Array) -> None:
     """A rate that is a root of the error up to c[1], and constant beyond."""
     rate, opening = c
@@ -162,6 +213,6 @@ EFFECTS = (
     EffectKind(
         "slew_limit", Port.INPUT, 0.05, 6.0, "band periods per range",
         (differential_pair, trapezoidal_speed, class_a_follower, rate_limited_servo, stepping_motor,
-         orifice_flow, foldback_current),
+         smoothed_ramp, switched_motor, orifice_flow, foldback_current),
     ),
 )  # fmt: skip
