@@ -23,7 +23,14 @@ def relaxation(form, seconds, size=0.3, y=1.0):
 
 
 @pytest.mark.parametrize(
-    "form", ["spring_pot", "stretched_exponential", "logarithmic_creep", "standard_linear_solid"]
+    "form",
+    [
+        "spring_pot",
+        "stretched_exponential",
+        "fractional_zener",
+        "logarithmic_creep",
+        "standard_linear_solid",
+    ],
 )
 def test_a_spectrum_has_its_size_after_one_band_period_and_is_linear(form):
     felt = relaxation(form, 1.0)
@@ -112,7 +119,9 @@ def test_hysteresis_takes_energy_around_a_loop(form):
     assert np.trapezoid(felt[loop], path[loop]) > 0.0
 
 
-@pytest.mark.parametrize("form", ["masing_loops", "menegotto_pinto", "preisach_product"])
+@pytest.mark.parametrize(
+    "form", ["masing_loops", "menegotto_pinto", "ramberg_osgood", "preisach_product"]
+)
 def test_reversals_are_remembered_and_smaller_ones_wiped_out(form):
     outer = resist(built("rate_independent_hysteresis", form, 1.0)[0], sweep(10, 2, 7))
     path = sweep(10, 2, 6, 4, 5.5, 4.5, 7)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from dea.plant.array import Array, Values
 from dea.plant.force_laws.contact import (
     air_cushion,
+    cone_stop,
     disc_stop,
     hertz_stop,
     padded_stop,
@@ -39,6 +40,7 @@ from dea.plant.force_laws.elastic import (
     gent_force,
     power_force,
     snap_force,
+    toe_force,
 )
 from dea.plant.force_laws.friction import (
     ageing_friction,
@@ -48,6 +50,7 @@ from dea.plant.force_laws.friction import (
     carry_bristle,
     carry_dahl,
     composite_friction,
+    lorentzian_friction,
     stribeck_friction,
 )
 from dea.plant.force_laws.hysteresis import (
@@ -63,9 +66,11 @@ from dea.plant.force_laws.in_time import force_in_time, pulse_train, stiffness_i
 from dea.plant.force_laws.mode import (
     carry_column,
     carry_mode,
+    carry_series,
     carry_twins,
     column_force,
     mode_force,
+    series_force,
     twin_force,
 )
 from dea.plant.force_laws.viscoelastic import (
@@ -121,7 +126,11 @@ WIDTH = 64  # length of a row of constants or memory
     DISC,
     DRAG,
     PUMPED,
-) = range(41)
+    TOE,
+    LORENTZIAN,
+    SERIES,
+    CONE,
+) = range(45)
 
 
 class Forces(NamedTuple):
@@ -233,6 +242,14 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += drag_force(c, v)
         elif kind == PUMPED:
             total += pumped_force(c, m, y)
+        elif kind == TOE:
+            total += toe_force(c, y)
+        elif kind == LORENTZIAN:
+            total += lorentzian_friction(c, v)
+        elif kind == SERIES:
+            total += series_force(c, m, y, v)
+        elif kind == CONE:
+            total += cone_stop(c, y)
     return total
 
 
@@ -279,3 +296,5 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             carry_column(c, m, y, v, dt)
         elif kind == TWINS:
             carry_twins(c, m, y, v, dt)
+        elif kind == SERIES:
+            carry_series(c, m, y, v, dt)

@@ -74,3 +74,11 @@ def disc_stop(c: Array, y: float) -> float:
     bent = ((c[2] - d) * (c[2] - 0.5 * d) + square) / (c[2] * c[2] + square)
     value: float = c[0] * d * bent + c[4] * (depth - d)
     return value
+
+
+@njit(cache=True, error_model="numpy")
+def cone_stop(c: Array, y: float) -> float:
+    """Return c[0] times the square of the depth: I. N. Sneddon, Int. J. Eng. Sci. 3 (1965) 47."""
+    depth = max(y - c[1], 0.0)
+    force: float = c[0] * depth * depth
+    return force

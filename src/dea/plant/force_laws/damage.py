@@ -7,7 +7,7 @@ from numba import njit
 
 from dea.plant.array import Array
 
-POWER, LOGARITHM, SATURATING = range(3)
+POWER, LOGARITHM, SATURATING, STAGES = range(4)
 
 
 @njit(cache=True, error_model="numpy")
@@ -31,7 +31,8 @@ def cycle_damage(c: Array, m: Array) -> float:
 
     c[6] is the shape: POWER, c[3] of the cycles (O. H. Basquin, Proc. ASTM 10 (1910) 625);
     LOGARITHM; SATURATING, exponentially with c[3] time constants in c[2] cycles (J. Lemaitre and
-    J.-L. Chaboche, Mechanics of Solid Materials, 1990).
+    J.-L. Chaboche, Mechanics of Solid Materials, 1990); STAGES, c[3] for a share c[7] and c[8] for
+    the rest (H. Mao and S. Mahadevan, Compos. Struct. 58 (2002) 405).
     """
     cycles = m[0] / c[2]
     lost = 0.0
@@ -41,6 +42,8 @@ def cycle_damage(c: Array, m: Array) -> float:
         lost = np.log1p(20.0 * cycles) / np.log(21.0)
     elif c[6] == SATURATING:
         lost = np.expm1(-c[3] * cycles) / np.expm1(-c[3])
+    elif c[6] == STAGES:
+        lost = c[7] * cycles ** c[3] + (1.0 - c[7]) * cycles ** c[8]
     value: float = min(c[1] * lost, 0.9)
     return value
 

@@ -97,3 +97,16 @@ def cable_force(c: Array, y: float) -> float:
     d = max(y - c[2], 0.0)
     force: float = c[0] * d * (1.0 - c[1] / np.hypot(d, c[1]))
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def toe_force(c: Array, y: float) -> float:
+    """Return c[0] (exp(d/c[1]) - 1) for d = y - c[2] > 0, and its tangent beyond d = c[3].
+
+    J. A. Weiss et al., Comput. Methods Appl. Mech. Eng. 135 (1996) 107.
+    """
+    d = max(y - c[2], 0.0)
+    inside = min(d, c[3])
+    grown = np.exp(inside / c[1])
+    force: float = c[0] * (grown - 1.0 + (d - inside) / c[1] * grown)
+    return force

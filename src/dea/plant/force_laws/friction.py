@@ -90,3 +90,14 @@ def bearing_friction(c: Array, y: float, v: float) -> float:
     """
     force: float = max(c[0] + c[1] * (y - c[2]), 0.0) * v / np.hypot(v, c[3])
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def lorentzian_friction(c: Array, v: float) -> float:
+    """Return friction that falls as 1/(1 + (v/c[2])²) from c[1] to c[0], regularised at c[3].
+
+    D. P. Hess and A. Soom, J. Tribol. 112 (1990) 147.
+    """
+    ratio = v / c[2]
+    force: float = (c[0] + (c[1] - c[0]) / (1.0 + ratio * ratio)) * v / np.hypot(v, c[3])
+    return force

@@ -26,13 +26,29 @@ def _masing_branch(c: Array, start: float, end: float) -> float:
 
     Around the length c[1] it falls to a share c[5], the more sharply the higher c[4] (M. Menegotto
     and P. E. Pinto, IABSE Symposium Lisbon (1973) 15); branches are stiffer by the square of their
-    distance from the place c[2] over c[3].
+    distance from the place c[2] over c[3]. Where c[6] is 1, the length is f + f^c[4] for the force
+    f instead (W. Ramberg and W. R. Osgood, NACA Technical Note 902, 1943), both over their scales.
     """
     length = abs(end - start)
     middle = (0.5 * (start + end) - c[2]) / c[3]
-    bent = c[5] + (1.0 - c[5]) / (1.0 + (length / c[1]) ** c[4]) ** (1.0 / c[4])
+    if c[6] == 1.0:
+        bent = _ramberg_osgood(length / c[1], c[4])
+    else:
+        bent = c[5] + (1.0 - c[5]) / (1.0 + (length / c[1]) ** c[4]) ** (1.0 / c[4])
     gained: float = c[0] * length * bent * (1.0 + middle * middle)
     return gained if end > start else -gained
+
+
+@njit(cache=True, error_model="numpy")
+def _ramberg_osgood(x: float, order: float) -> float:
+    """Return f/x for f + f^order = x, by Newton's rule from above."""
+    if x < 1e-9:
+        return 1.0
+    f: float = min(x, x ** (1.0 / order))
+    for _ in range(12):
+        power = f ** (order - 1.0)
+        f -= (f + f * power - x) / (1.0 + order * power)
+    return f / x
 
 
 @njit(cache=True, error_model="numpy")

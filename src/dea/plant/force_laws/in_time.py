@@ -5,7 +5,18 @@ from numba import njit
 
 from dea.plant.array import Array
 
-POWER, EXPONENTIALS, LOGARITHM, PELEG, SIGMOID, SETTLING, INSTANT, DRAINING, RAMP = range(9)
+(
+    POWER,
+    EXPONENTIALS,
+    LOGARITHM,
+    PELEG,
+    SIGMOID,
+    SETTLING,
+    INSTANT,
+    DRAINING,
+    RAMP,
+    STRETCHED,
+) = range(10)
 
 
 @njit(cache=True, error_model="numpy")
@@ -16,7 +27,8 @@ def course(shape: float, a: float, b: float, t: float) -> float:
     ln(1 + t/a)/ln(1 + b/a), 1 at time b; PELEG: t/(a + t) (M. Peleg, J. Food Sci. 44 (1979) 277);
     SIGMOID: logistic at a of width b; SETTLING: exponential after a with time constant b;
     INSTANT: at a; DRAINING: with one exponential of the root of t/a and one of t/a (Y. Hu et al.,
-    Appl. Phys. Lett. 96 (2010) 121904, a sphere); RAMP: a straight line from a over b.
+    Appl. Phys. Lett. 96 (2010) 121904, a sphere); RAMP: a straight line from a over b;
+    STRETCHED: exponential in (t/a)^b (R. Kohlrausch, Ann. Phys. 91 (1854) 179).
     """
     value: float = 0.0
     if shape == POWER:
@@ -38,6 +50,8 @@ def course(shape: float, a: float, b: float, t: float) -> float:
         value = 1.0 - 0.491 * np.exp(-0.908 * np.sqrt(x)) - 0.509 * np.exp(-1.679 * x)
     elif shape == RAMP:
         value = min(max((t - a) / b, 0.0), 1.0)
+    elif shape == STRETCHED:
+        value = -np.expm1(-((t / a) ** b))
     return value
 
 

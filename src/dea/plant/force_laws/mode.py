@@ -77,3 +77,23 @@ def carry_twins(c: Array, m: Array, y: float, v: float, dt: float) -> None:
     for i in range(2):
         m[2 * i + 1] += dt / c[3 * i] * _twin(c, m, i, y, v)
         m[2 * i] += dt * m[2 * i + 1]
+
+
+@njit(cache=True, error_model="numpy")
+def series_force(c: Array, m: Array, y: float, v: float) -> float:
+    """Return the force of a mass that carries another; mass, spring and dashpot of each in c.
+
+    L. Zuo, J. Vib. Acoust. 131 (2009) 031003. m: place and velocity of each.
+    """
+    value: float = _twin(c, m, 0, y, v)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_series(c: Array, m: Array, y: float, v: float, dt: float) -> None:
+    """Carry both masses over a sub-step, by the symplectic Euler rule."""
+    between = _twin(c, m, 1, m[0], m[1])
+    m[1] += dt / c[0] * (_twin(c, m, 0, y, v) - between)
+    m[3] += dt / c[3] * between
+    m[0] += dt * m[1]
+    m[2] += dt * m[3]

@@ -9,18 +9,20 @@ from dea.plant.hidden.forms import (
     faults,
     foreign,
     foreign_motion,
+    friction,
     lags,
     leakage,
     mechanics,
     memory,
     reading_curves,
     slewing,
+    stops,
 )
 
 # The reporting set draws by this order; tuning sets change when forms are added.
 _MODULES = (
-    command_curves, reading_curves, slewing, delays, lags, leakage, memory, mechanics, drifts,
-    faults, disturbances, foreign_motion, foreign,
+    command_curves, reading_curves, slewing, delays, lags, leakage, memory, friction, mechanics,
+    stops, drifts, faults, disturbances, foreign_motion, foreign,
 )  # fmt: skip
 
 EFFECTS: dict[str, EffectKind] = {

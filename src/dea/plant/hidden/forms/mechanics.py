@@ -1,4 +1,4 @@
-"""Forces of stiffening, softening, a second mass and stops."""
+"""Forces of stiffening, softening and a second mass."""
 
 from math import gamma
 
@@ -61,6 +61,15 @@ def taut_cables(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _static(forces.CABLES, [stiffness, span * conditions.travel, conditions.bottom])
 
 
+@tuning("Weiss et al., Comput. Methods Appl. Mech. Eng. 135 (1996) 107: a toe, then a line")
+def tendon_toe(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """An exponential up to 0.5 to 0.8 of the travel, and from there its tangent."""
+    end, steep = rng.uniform(0.5, 0.8), rng.uniform(4.0, 7.0)
+    top = np.expm1(steep) + (1.0 / end - 1.0) * steep * np.exp(steep)
+    force, toe = conditions.device_forces(size) / top, end * conditions.travel
+    return _static(forces.TOE, [force, toe / steep, conditions.bottom, toe])
+
+
 @reporting("Gent, Rubber Chem. Technol. 69 (1996) 59: limited extensibility")
 def gent(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that rises without bound at 1.15 to 1.5 travels."""
@@ -81,10 +90,12 @@ def langevin_chain(size: float, conditions: Conditions, rng: Generator) -> Built
     )
 
 
-def _cycling(size: float, conditions: Conditions, shape: int, exponent: float) -> Built:
+def _cycling(
+    size: float, conditions: Conditions, shape: int, exponent: float, *others: float
+) -> Built:
     constants = [
         conditions.stiffness, size, max(conditions.cycles, 2.0), exponent,
-        0.1 * conditions.travel, conditions.travel, float(shape),
+        0.1 * conditions.travel, conditions.travel, float(shape), *others,
     ]  # fmt: skip
     return Built(ForceLaw(forces.CYCLES, constants), {})
 
@@ -124,6 +135,13 @@ def paris_crack(size: float, conditions: Conditions, rng: Generator) -> Built:
         0.1 * conditions.travel, conditions.travel, order,
     ]  # fmt: skip
     return Built(ForceLaw(forces.CRACK, constants), {})
+
+
+@tuning("Mao and Mahadevan, Compos. Struct. 58 (2002) 405: a quick, a steady and a last stage")
+def three_stages(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The stiffness lost is a sum of a power of 0.2 to 0.4 and one of 4 to 8 of the cycles."""
+    first, share, last = rng.uniform(0.2, 0.4), rng.uniform(0.3, 0.7), rng.uniform(4.0, 8.0)
+    return _cycling(size, conditions, damage.STAGES, first, share, last)
 
 
 @reporting("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
@@ -198,6 +216,23 @@ def twin_masses(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.TWINS, [*first, *other], memory), {"frequency": frequency})
 
 
+@tuning("Zuo, J. Vib. Acoust. 131 (2009) 031003: tuned masses in series")
+def masses_in_series(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A mass that carries a second one of 0.1 to 0.5 of it; the lower frequency is as of others."""
+    frequency = rng.uniform(0.6, 1.6) / conditions.time
+    share, pace = rng.uniform(0.1, 0.5), rng.uniform(0.8, 1.6)
+    # Squares of the angular frequencies over that of the first mass alone on its spring.
+    half = 0.5 * (1.0 + pace * (1.0 + share))
+    lower = half - np.sqrt(half * half - pace)
+    damping = rng.uniform(0.02, 0.06)
+    mass, spring, dashpot = _attached(size, conditions, frequency / np.sqrt(lower), damping)
+    carried = share * mass, share * pace * spring
+    between = 2.0 * rng.uniform(0.02, 0.06) * np.sqrt(carried[0] * carried[1])
+    constants = [mass, spring, dashpot, *carried, between]
+    law = ForceLaw(forces.SERIES, constants, [conditions.rest, 0.0, conditions.rest])
+    return Built(law, {"frequency": frequency})
+
+
 @reporting("Ren, J. Sound Vib. 245 (2001) 762: an absorber damped to the ground")
 def grounded_damper(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A second mass on a hardening spring, damped against the ground."""
@@ -210,82 +245,20 @@ def sloshing_pendulum(size: float, conditions: Conditions, rng: Generator) -> Bu
     return _second(size, conditions, rng, mode.PENDULUM, 0.0)
 
 
-def _stopped(
-    kind: int, size: float, conditions: Conditions, stiffness: float, *others: float
-) -> Built:
-    """Return a stop that takes away ``size`` travels, with constants after its place."""
-    place = conditions.top - size * conditions.travel
-    return Built(ForceLaw(kind, [stiffness, place, *others]), {"limit": place})
-
-
-@tuning("Hunt and Crossley, J. Appl. Mech. 42 (1975) 440: Hertz contact with damping")
-def hertz_contact(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Contact stiff enough to take the device force within two hundredths of the travel."""
-    depth = 0.02 * conditions.travel
-    stiffness = rng.uniform(5.0, 20.0) * conditions.stiffness / np.sqrt(depth)
-    damping = rng.uniform(0.0, 0.2) / conditions.speed
-    return _stopped(forces.HERTZ, size, conditions, stiffness, damping)
-
-
-@tuning("Goldsmith, Impact (1960): a spring and dashpot that never pull")
-def sprung_contact(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A stop of eight to thirty times the device's stiffness, with a dashpot."""
-    stiffness = rng.uniform(8.0, 30.0) * conditions.stiffness
-    dashpot = rng.uniform(0.0, 0.02) * stiffness * conditions.time
-    return _stopped(forces.PADDED, size, conditions, stiffness, dashpot)
-
-
-@tuning("Shaw and Holmes, J. Sound Vib. 90 (1983) 129: a piecewise linear stop")
-def stepped_pad(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A pad two to six times as stiff as the device, and behind it a stop of fifteen to forty."""
-    soft, hard = conditions.stiffness * np.array([rng.uniform(2.0, 6.0), rng.uniform(15.0, 40.0)])
-    thickness = rng.uniform(0.02, 0.06) * conditions.travel
-    return _stopped(forces.STEPPED, size, conditions, soft, thickness, hard)
-
-
-@tuning("Almen and László, Trans. ASME 58 (1936) 305: disc springs, softer before they are flat")
-def disc_springs(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A stop whose stiffness falls to nearly nothing until the discs are flat."""
-    height = rng.uniform(0.02, 0.06) * conditions.travel
-    thickness = height / rng.uniform(0.9, 1.35)
-    stiffness = rng.uniform(10.0, 30.0) * conditions.stiffness
-    flat = 2.0 * stiffness
-    return _stopped(forces.DISC, size, conditions, stiffness, height, thickness, flat)
-
-
-@reporting("Lindley, Engineering Design with Natural Rubber (1974): a bumper")
-def rubber_bumper(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A soft bumper that stiffens exponentially within a few hundredths of the travel."""
-    depth = rng.uniform(0.01, 0.03) * conditions.travel
-    stiffness = rng.uniform(1.0, 4.0) * conditions.stiffness
-    return _stopped(forces.RUBBER, size, conditions, stiffness, depth)
-
-
-@reporting("Andersen, The Analysis and Design of Pneumatic Systems (1967): an air cushion")
-def air_cushion(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """A cylinder that closes: an adiabatic cushion a tenth of the travel long."""
-    length = rng.uniform(0.06, 0.15) * conditions.travel
-    stiffness = rng.uniform(1.5, 4.0) * conditions.stiffness
-    return _stopped(forces.CUSHION, size, conditions, stiffness, length)
-
-
 EFFECTS = (
     EffectKind(
         "strain_stiffening", Port.FORCE, 0.01, 20.0, "device forces",
-        (fung, ogden_term, demiray, recruited_fibres, taut_cables, gent, langevin_chain),
+        (fung, ogden_term, demiray, recruited_fibres, taut_cables, tendon_toe, gent,
+         langevin_chain),
     ),
     EffectKind(
         "cyclic_softening", Port.FORCE, 0.002, 0.8, "1",
-        (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, damage_by_work,
-         logarithm_of_cycles),
+        (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, three_stages,
+         damage_by_work, logarithm_of_cycles),
     ),
     EffectKind(
         "second_mode", Port.FORCE, 0.002, 2.0, "stiffnesses",
-        (hardening_absorber, shared_damping, liquid_column, twin_masses, grounded_damper,
-         sloshing_pendulum),
-    ),
-    EffectKind(
-        "end_stop", Port.FORCE, 0.02, 0.7, "travels",
-        (hertz_contact, sprung_contact, stepped_pad, disc_springs, rubber_bumper, air_cushion),
+        (hardening_absorber, shared_damping, liquid_column, twin_masses, masses_in_series,
+         grounded_damper, sloshing_pendulum),
     ),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Forces with memory: creep, relaxation, hysteresis and dry friction."""
+"""Forces with memory: creep, relaxation and hysteresis."""
 
 import numpy as np
 from numpy.random import Generator
@@ -79,6 +79,14 @@ def quasi_linear(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.QUASI_LINEAR, constants), {})
 
 
+@tuning("Caputo and Mainardi, Pure Appl. Geophys. 91 (1971) 134: the fractional Zener solid")
+def fractional_zener(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Relaxation as Mittag-Leffler's function of (t/T)^a, by its spectrum."""
+    order, middle = rng.uniform(0.5, 0.75), np.exp(rng.uniform(np.log(0.5), np.log(5.0)))
+    spectrum = 1.0 / (np.cosh(order * np.log(_TIMES / middle)) + np.cos(order * np.pi))
+    return _spectrum(spectrum, conditions, size)
+
+
 @reporting("Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896: creep with the logarithm of time")
 def logarithmic_creep(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Relaxation with the logarithm of time: equal elements over two to three decades."""
@@ -134,6 +142,13 @@ def draining_gel(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _relaxing(size, conditions, in_time.DRAINING, time, 1.0)
 
 
+@tuning("Kohlrausch, Ann. Phys. 91 (1854) 179: a stretched exponential of the time")
+def stretched_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The prestress relaxes as 1 - exp(-(t/T)^b)."""
+    time = rng.uniform(0.1, 0.6) * conditions.duration
+    return _relaxing(size, conditions, in_time.STRETCHED, time, rng.uniform(0.5, 0.8))
+
+
 @reporting("Kubát, Nature 205 (1965) 378: stress relaxation with the logarithm of time")
 def logarithmic_relaxation(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The prestress relaxes as ln(1 + t/T)."""
@@ -175,6 +190,16 @@ def menegotto_pinto(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
 
 
+@tuning("Ramberg and Osgood, NACA Technical Note 902 (1943): a line and a power, by Masing's rule")
+def ramberg_osgood(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Branches of stiffness ``size`` whose path is the force and a power of 3 to 7 of it."""
+    constants = [
+        size * conditions.stiffness, rng.uniform(0.1, 0.4) * conditions.travel,
+        conditions.median, np.inf, rng.uniform(3.0, 7.0), 0.0, 1.0,
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
+
+
 @tuning("Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249, after Bouc")
 def bouc_wen(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Wen's hysteretic deflection on a spring of ``size`` stiffnesses."""
@@ -185,7 +210,7 @@ def bouc_wen(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.BOUC_WEN, constants, [0.0, conditions.rest]), {})
 
 
-def _sliders(stiffnesses: Array, stretches: Array, conditions: Conditions) -> Built:
+def sliders(stiffnesses: Array, stretches: Array, conditions: Conditions) -> Built:
     """Return springs on sliders, each of which moves at a stretch of its own."""
     pairs = np.column_stack([stiffnesses, stretches]).ravel()
     constants = np.append(float(stretches.size), pairs)
@@ -199,7 +224,7 @@ def prandtl_sliders(size: float, conditions: Conditions, rng: Generator) -> Buil
     """Six springs of together ``size`` stiffnesses that slide after 0.1 to 0.5 travels."""
     shares = rng.uniform(0.3, 1.0, 6)
     stretches = np.linspace(0.1, rng.uniform(0.3, 0.5), 6) * conditions.travel
-    return _sliders(size * conditions.stiffness * shares / shares.sum(), stretches, conditions)
+    return sliders(size * conditions.stiffness * shares / shares.sum(), stretches, conditions)
 
 
 @reporting("Biorci and Pescetti, Nuovo Cimento 7 (1958) 829: Preisach's model, density a product")
@@ -220,92 +245,20 @@ def coleman_hodgdon(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(ForceLaw(forces.DUHEM, constants, [0.0, conditions.rest]), {})
 
 
-@tuning("Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419: LuGre")
-def lugre(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Bristles that bend by a few thousandths of the travel, with static friction above sliding."""
-    sliding, speed = conditions.device_forces(size), conditions.speed
-    bend = rng.uniform(1e-3, 4e-3) * conditions.travel
-    constants = [
-        sliding / bend, 0.0, sliding, sliding * rng.uniform(1.0, 1.4),
-        speed * rng.uniform(0.1, 0.4),
-    ]  # fmt: skip
-    return Built(ForceLaw(forces.LUGRE, constants), {})
-
-
-@tuning("Armstrong-Hélouvry et al., Automatica 30 (1994) 1083: Tustin's exponential of the speed")
-def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Friction that falls with the speed, regularised near standstill."""
-    sliding, speed = conditions.device_forces(size), conditions.speed
-    static = sliding * rng.uniform(1.1, 1.6)
-    constants = [sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed]
-    return Built(ForceLaw(forces.STRIBECK, constants), {})
-
-
-@tuning("Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip")
-def maxwell_slip(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Four blocks on springs that slip after 0.3 to 3 hundredths of the travel."""
-    sliding = conditions.device_forces(size)
-    shares = rng.uniform(0.4, 1.0, 4)
-    stretches = np.geomspace(0.003, 0.03, 4) * conditions.travel
-    return _sliders(sliding * shares / shares.sum() / stretches, stretches, conditions)
-
-
-@tuning("Dieterich, J. Geophys. Res. 84 (1979) 2161: contacts that strengthen as they age")
-def ageing_contacts(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Friction that grows with the logarithm of the time of rest, and falls with the speed."""
-    sliding, speed = conditions.device_forces(size), conditions.speed
-    slip = rng.uniform(0.005, 0.02) * conditions.travel
-    constants = [sliding, rng.uniform(0.05, 0.12), slip / speed, slip, 0.03 * speed]
-    return Built(ForceLaw(forces.AGEING, constants), {})
-
-
-@tuning("Harris, Rolling Bearing Analysis (2001): friction in proportion to the load")
-def loaded_bearing(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Friction that grows with the place, for the load does."""
-    sliding, speed = conditions.device_forces(size), conditions.speed
-    growth = rng.uniform(0.6, 1.1)
-    low = sliding * (1.0 - 0.5 * growth)
-    constants = [low, sliding * growth / conditions.travel, conditions.bottom, 0.03 * speed]
-    return Built(ForceLaw(forces.BEARING, constants), {})
-
-
-@reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
-def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Dahl's friction, which saturates within about two hundredths of the travel."""
-    sliding = conditions.device_forces(size)
-    stiffness = sliding / (rng.uniform(0.008, 0.025) * conditions.travel)
-    return Built(ForceLaw(forces.DAHL, [sliding, stiffness], [0.0, conditions.rest]), {})
-
-
-@reporting("Makkar et al., IEEE/ASME AIM (2005) 600: a continuous friction, stronger one way")
-def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Three tanh terms of the speed, and up to a fifth more friction in one direction."""
-    sliding, speed = conditions.device_forces(size), conditions.speed
-    excess = sliding * rng.uniform(0.1, 0.5)
-    steepness = np.array([rng.uniform(15.0, 25.0), rng.uniform(1.0, 3.0), 20.0]) / speed
-    uneven = rng.uniform(-0.2, 0.2)
-    constants = [excess, steepness[0], steepness[1], sliding, steepness[2], uneven]
-    return Built(ForceLaw(forces.COMPOSITE, constants), {})
-
-
 EFFECTS = (
     EffectKind(
         "viscoelastic_creep", Port.FORCE, 0.005, 1.5, "stiffnesses",
         (spring_pot, stretched_exponential, standard_linear_solid, norton_dashpot, quasi_linear,
-         logarithmic_creep, activated_dashpot),
+         fractional_zener, logarithmic_creep, activated_dashpot),
     ),
     EffectKind(
         "stress_relaxation", Port.FORCE, 0.001, 0.5, "1",
-        (power_relaxation, two_times, maxwell_relaxation, draining_gel, logarithmic_relaxation,
-         hyperbolic_relaxation),
+        (power_relaxation, two_times, maxwell_relaxation, draining_gel, stretched_relaxation,
+         logarithmic_relaxation, hyperbolic_relaxation),
     ),
     EffectKind(
         "rate_independent_hysteresis", Port.FORCE, 0.005, 4.0, "stiffnesses",
-        (masing_loops, menegotto_pinto, bouc_wen, prandtl_sliders, preisach_product,
-         coleman_hodgdon),
-    ),
-    EffectKind(
-        "coulomb_friction", Port.FORCE, 0.002, 0.2, "device forces",
-        (lugre, stribeck_curve, maxwell_slip, ageing_contacts, loaded_bearing, dahl, makkar),
+        (masing_loops, menegotto_pinto, bouc_wen, prandtl_sliders, ramberg_osgood,
+         preisach_product, coleman_hodgdon),
     ),
 )  # fmt: skip

@@ -1,0 +1,95 @@
+"""Dry friction."""
+
+import numpy as np
+from numpy.random import Generator
+
+from dea.plant import forces
+from dea.plant.forces import ForceLaw
+from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
+from dea.plant.hidden.forms.memory import sliders
+
+
+@tuning("Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419: LuGre")
+def lugre(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Bristles that bend by a few thousandths of the travel, with static friction above sliding."""
+    sliding, speed = conditions.device_forces(size), conditions.speed
+    bend = rng.uniform(1e-3, 4e-3) * conditions.travel
+    constants = [
+        sliding / bend, 0.0, sliding, sliding * rng.uniform(1.0, 1.4),
+        speed * rng.uniform(0.1, 0.4),
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.LUGRE, constants), {})
+
+
+@tuning("Armstrong-Hélouvry et al., Automatica 30 (1994) 1083: Tustin's exponential of the speed")
+def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that falls with the speed, regularised near standstill."""
+    sliding, speed = conditions.device_forces(size), conditions.speed
+    static = sliding * rng.uniform(1.1, 1.6)
+    constants = [sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed]
+    return Built(ForceLaw(forces.STRIBECK, constants), {})
+
+
+@tuning("Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip")
+def maxwell_slip(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Four blocks on springs that slip after 0.3 to 3 hundredths of the travel."""
+    sliding = conditions.device_forces(size)
+    shares = rng.uniform(0.4, 1.0, 4)
+    stretches = np.geomspace(0.003, 0.03, 4) * conditions.travel
+    return sliders(sliding * shares / shares.sum() / stretches, stretches, conditions)
+
+
+@tuning("Dieterich, J. Geophys. Res. 84 (1979) 2161: contacts that strengthen as they age")
+def ageing_contacts(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that grows with the logarithm of the time of rest, and falls with the speed."""
+    sliding, speed = conditions.device_forces(size), conditions.speed
+    slip = rng.uniform(0.005, 0.02) * conditions.travel
+    constants = [sliding, rng.uniform(0.05, 0.12), slip / speed, slip, 0.03 * speed]
+    return Built(ForceLaw(forces.AGEING, constants), {})
+
+
+@tuning("Harris, Rolling Bearing Analysis (2001): friction in proportion to the load")
+def loaded_bearing(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that grows with the place, for the load does."""
+    sliding, speed = conditions.device_forces(size), conditions.speed
+    growth = rng.uniform(0.6, 1.1)
+    low = sliding * (1.0 - 0.5 * growth)
+    constants = [low, sliding * growth / conditions.travel, conditions.bottom, 0.03 * speed]
+    return Built(ForceLaw(forces.BEARING, constants), {})
+
+
+@tuning("Hess and Soom, J. Tribol. 112 (1990) 147: a fall with the square of the speed")
+def hess_soom(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that falls as 1/(1 + (v/v0)²), regularised near standstill."""
+    sliding, speed = conditions.device_forces(size), conditions.speed
+    static = sliding * rng.uniform(1.1, 1.6)
+    constants = [sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed]
+    return Built(ForceLaw(forces.LORENTZIAN, constants), {})
+
+
+@reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
+def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Dahl's friction, which saturates within about two hundredths of the travel."""
+    sliding = conditions.device_forces(size)
+    stiffness = sliding / (rng.uniform(0.008, 0.025) * conditions.travel)
+    return Built(ForceLaw(forces.DAHL, [sliding, stiffness], [0.0, conditions.rest]), {})
+
+
+@reporting("Makkar et al., IEEE/ASME AIM (2005) 600: a continuous friction, stronger one way")
+def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Three tanh terms of the speed, and up to a fifth more friction in one direction."""
+    sliding, speed = conditions.device_forces(size), conditions.speed
+    excess = sliding * rng.uniform(0.1, 0.5)
+    steepness = np.array([rng.uniform(15.0, 25.0), rng.uniform(1.0, 3.0), 20.0]) / speed
+    uneven = rng.uniform(-0.2, 0.2)
+    constants = [excess, steepness[0], steepness[1], sliding, steepness[2], uneven]
+    return Built(ForceLaw(forces.COMPOSITE, constants), {})
+
+
+EFFECTS = (
+    EffectKind(
+        "coulomb_friction", Port.FORCE, 0.002, 0.2, "device forces",
+        (lugre, stribeck_curve, maxwell_slip, ageing_contacts, loaded_bearing, hess_soom, dahl,
+         makkar),
+    ),
+)  # fmt: skip
