@@ -175,6 +175,8 @@ MINE = {
         (["record", "output", "units"], REMOVED, "record.output.units", "missing"),
         (["test_records"], {"a/b": MINE["record"]}, "test_records.a/b", "letters, digits"),
         (["test_records"], {"later": {}}, "test_records.later.output", "missing"),
+        (["records"], {"resolve_motor": MINE["record"]}, "records.resolve_motor", "another name"),
+        (["records"], {"resolve_0": MINE["record"]}, "records.resolve_0", "designed records"),
         (["identification"], {"y_lag": 2}, "identification.y_lag", "Did you mean 'y_lags'?"),
         (["identification"], {"y_lags": 0}, "identification.y_lags", "at least 1"),
         (["identification"], 3, "identification", "mapping"),
@@ -192,6 +194,13 @@ def test_a_wrong_case_is_named_with_its_file(place, value, field, words):
     assert str(caught.value).startswith(f"mine.yaml: {field}: ")
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_designed_records_may_be_handed_in():
+    designed = dict.fromkeys(("resolve_1", "resolve_12", "resolve_fresh"), MINE["record"])
+    assert set(check_case(MINE | {"records": designed}, check_study(STUDY)).records) == set(
+        designed
+    )
 
 
 def test_a_record_whose_time_has_other_units_is_refused():

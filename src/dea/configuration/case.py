@@ -18,6 +18,9 @@ from dea.configuration.study import RESERVED, Study, check_simulation, check_tra
 from dea.configuration.tracking import Tracking
 from dea.errors import InputError
 
+# What names of designed records begin with: resolve_1, resolve_2 and so on, and resolve_fresh. They
+# are keys of `records`, and of hardware names of excitations.
+DESIGNED = "resolve_"
 SECTIONS = ("identification", "orders", "validation", "tracking", "gfrf")
 
 
@@ -61,6 +64,18 @@ class Case(Section):
                 f"lags of {len(lags)} inputs for a record with {count}",
                 "Give one list for every input, or one for all.",
             )
+        return self
+
+    @model_validator(mode="after")
+    def _designed_records_are_meant(self) -> Self:
+        """Refuse a record whose key `make resolve` would take for that of a designed one."""
+        for name in self.records:
+            if name.startswith(DESIGNED) and not re.fullmatch(rf"{DESIGNED}([1-9]\d*|fresh)", name):
+                raise refuse(
+                    f"records.{name}",
+                    f"names that begin with {DESIGNED} are those of designed records",
+                    "Give it another name; for a designed one see next_experiment.md.",
+                )
         return self
 
     @model_validator(mode="after")

@@ -14,7 +14,7 @@ from dea import acquisition, archive, modbus, resolution, seeds, store
 from dea.audit import withdraw
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
-from dea.configuration.case import Case, read_cases, simulation_of
+from dea.configuration.case import DESIGNED, Case, read_cases, simulation_of
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, Study, check_actuators, check_study
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 RESULTS = Path("results")
 CASES = Path("config/cases")
-# Name of a designed record: the excitation of a record of hardware, the key in a case.
-_PREFIX = "resolve_"
 # Part of a designed record that must be there, and by which part of its deviation the input may be
 # off (root mean square), since it may be measured; and the samples by which it may be late.
 _LEAST, _OFF = 0.95, 0.25
@@ -77,7 +75,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         case = cases[name]
         simulation = simulation_of(case, CASES / f"{name}.yaml")
         leaves["split"] = written(case.split) if case.split else {}
-        given = [key for key in case.records if not key.startswith(_PREFIX)]
+        given = [key for key in case.records if not key.startswith(DESIGNED)]
         records += [store.read_record(further / f"{key}.nc") for key in given]
         limits = _of_records(study, records)
         desk = ByHand(folder, first, limits, further, case)
@@ -260,7 +258,7 @@ class Driven(Kept):
         return {
             "seed": self.study.seed,
             "system": self.actuator.name,
-            "excitation_name": f"{_PREFIX}{number}",
+            "excitation_name": f"{DESIGNED}{number}",
             "excitation_sha256": store.sha256(self.place(number) / "excitation.csv"),
             "first_record": store.sha256(self.first),
             "acquisition": written(self.study.acquisition),
@@ -384,7 +382,7 @@ def _off(played: np.ndarray, asked: np.ndarray, shift: int) -> float:
 
 
 def _key(number: int) -> str:
-    return f"{_PREFIX}{'fresh' if number == CERTIFICATE else number}"
+    return f"{DESIGNED}{'fresh' if number == CERTIFICATE else number}"
 
 
 def _write_json(path: Path, content: Mapping[str, Any]) -> None:
