@@ -29,6 +29,7 @@ RegisterType = Literal[
     "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "string", "bool"
 ]
 
+INTEGERS: tuple[RegisterType, ...] = ("uint16", "int16", "uint32", "int32", "uint64", "int64")
 # 16-bit registers that one value occupies.
 WORDS: Mapping[RegisterType, int] = {
     "uint16": 1,
@@ -121,7 +122,7 @@ class Register(Section):
     @model_validator(mode="after")
     def _relations(self) -> Self:
         scaled = self.scale is not None or self.offset is not None
-        if self.range is not None and (scaled or "int" not in self.type):
+        if self.range is not None and (scaled or self.type not in INTEGERS):
             raise refuse(
                 "range",
                 "only for an integer type and without scale and offset",
@@ -231,7 +232,7 @@ class DeviceDescription(Section):
                     "Give the address of the one value; describe its neighbours apart.",
                 )
         output = self.registers.get("output")
-        if output and "int" not in output.type:
+        if output and output.type not in INTEGERS:
             raise refuse(
                 "registers.output.type",
                 f"{output.type}, and the output is driven in whole counts",

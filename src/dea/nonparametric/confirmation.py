@@ -94,16 +94,35 @@ def confirmation(
             "share of the predicted power from pairs of lines in the band",
         ),
     }
-    for name, units_of, label in (
-        ("gain", "1", "relative difference of the measured gain from the model's"),
-        ("phase", "degree", "difference of the measured phase from the model's"),
-        ("gain_band", "1", "half-width of the joint 95 % band of the relative difference"),
-        ("phase_band", "degree", "half-width of the joint 95 % band of the difference"),
+    for name, field, units_of, label in (
+        (
+            "gain_difference",
+            "gain",
+            "1",
+            "relative difference of the measured gain from the model's",
+        ),
+        (
+            "phase_difference",
+            "phase",
+            "degree",
+            "difference of the measured phase from the model's",
+        ),
+        (
+            "gain_band",
+            "gain_band",
+            "1",
+            "half-width of the joint 95 % band of the relative difference",
+        ),
+        (
+            "phase_band",
+            "phase_band",
+            "degree",
+            "half-width of the joint 95 % band of the difference",
+        ),
     ):
-        values = np.stack([getattr(each, name) for each in agreements])
+        values = np.stack([getattr(each, field) for each in agreements])
         values = np.degrees(values) if units_of == "degree" else values
-        kind = name if name.endswith("band") else f"{name}_difference"
-        variables[kind] = (at_lines, values, units_of, label)
+        variables[name] = (at_lines, values, units_of, label)
     variables["inside"] = (
         at_lines,
         np.stack([each.inside for each in agreements]).astype(np.int8),

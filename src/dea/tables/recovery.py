@@ -6,6 +6,8 @@ import xarray as xr
 from dea.store import Sources
 from dea.tables.table import Table, score
 
+_ERRORS = ("nmse", "h1_error", "h2_error")
+
 
 def tabulate(sources: Sources) -> Table:
     """Make it from ``recovery.nc``."""
@@ -14,7 +16,6 @@ def tabulate(sources: Sources) -> Table:
 
 def recovery(scores: xr.Dataset) -> Table:
     """Errors and terms of each published model (``recovery.nc``), by excitation and search."""
-    errors = [name for name in scores.data_vars if not str(name).startswith("terms")]
     counts = ["terms found", "foreign terms"]
     exact, shown = [], []
     for plant in scores["plant"].values:
@@ -24,7 +25,7 @@ def recovery(scores: xr.Dataset) -> Table:
                 own = int(case["plant_terms"])
                 found, foreign = (int(case[n].round()) for n in ("terms_common", "terms_foreign"))
                 row = {"plant": str(plant), "excitation": str(excitation), "search": str(search)}
-                values = {str(name): float(case[name]) for name in errors}
+                values = {name: float(case[name]) for name in _ERRORS}
                 exact.append(row | values | dict(zip(counts, (found, foreign), strict=True)))
                 shown.append(
                     row
