@@ -38,7 +38,7 @@ _LONG_RANGE = 1e3  # the same, above which 2 and 5 are too many
 
 # Okabe and Ito (2008): distinguishable with common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 THREE = (BLUE, ORANGE, VERMILION)  # three times, in their order
 GREY = "#6E6E6E"
 PALE = "#D9D9D9"
