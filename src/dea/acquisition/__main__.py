@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -26,6 +27,7 @@ from dea.acquisition.watched import acquire_watched
 from dea.errors import DeviceError, InputError
 from dea.excitation import KINDS, design
 from dea.modbus import BLOCK, REPLY, Device, Register, Value, read_device
+from dea.progress import heard_by
 
 WHOLE = 2.0**53  # up to which a float holds every whole number
 Command = Callable[[argparse.Namespace], None]
@@ -130,7 +132,9 @@ def status(options: argparse.Namespace) -> None:
 def zero(options: argparse.Namespace) -> None:
     """Take the output to zero, whoever drives it on this machine, and show that it is there."""
     settings = AcquisitionSettings.from_mapping({"ramp_rate": options.ramp_rate})
-    print(by_hand.zero(_device(options), settings))
+    with heard_by(lambda step: print(step, file=sys.stderr)):
+        evidence = by_hand.zero(_device(options), settings)
+    print(evidence)
 
 
 def acknowledge(options: argparse.Namespace) -> None:

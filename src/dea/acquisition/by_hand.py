@@ -1,6 +1,5 @@
 """What a person does to an output: look at it, take it to zero, dismiss its guardian."""
 
-import sys
 import time
 
 import numpy as np
@@ -14,6 +13,7 @@ from dea.acquisition.recorder import Recorder
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.settings import AcquisitionSettings
 from dea.modbus import Device
+from dea.progress import tell
 
 _DOING = {
     Phase.NEVER: "nothing was driven since this machine started",
@@ -46,6 +46,8 @@ def status(device: Device) -> str:
 def zero(device: Device, settings: AcquisitionSettings) -> str:
     """Take an output to zero, whoever drives it on this machine; return what shows it.
 
+    What its guardian does meanwhile is told as progress.
+
     Raises
     ------
     ZeroNotVerifiedError
@@ -56,7 +58,7 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     path = duty_file(device)
     while look(path).alive:
         order(path, Order.ZERO)
-        print(f"{device.name}: {_guardian(look(path))}", file=sys.stderr)
+        tell(f"{device.name}: {_guardian(look(path))}")
         time.sleep(1.0)
     log = LinkLog()
     nothing = np.zeros(0, np.int64)
