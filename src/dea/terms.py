@@ -112,6 +112,11 @@ class Term(NamedTuple):
         return Counter(self.input_columns)
 
     @property
+    def is_delayed_output(self) -> bool:
+        """Whether it is one lagged output alone: part of the poles of the linear part."""
+        return len(self.y_lags) == 1 and not self.u_lags
+
+    @property
     def input_part(self) -> "Term":
         """The product of the input factors alone."""
         return self._replace(y_lags=())

@@ -26,6 +26,13 @@ def test_a_printed_term_reads_back(term):
     assert Term.parse(str(term)) == term
 
 
+def test_a_delayed_output_is_one_output_alone():
+    alone = {text: Term.parse(text).is_delayed_output for text in (
+        "y(t-3)", "y(t-1)^2", "y(t-1)y(t-2)", "y(t-1)u(t)", "u(t-1)", "1",
+    )}  # fmt: skip
+    assert [text for text, found in alone.items() if found] == ["y(t-3)"]
+
+
 @given(terms)
 def test_a_term_as_mathematics_holds_every_factor(term):
     found = re.findall(r"([yu])_\{t(?:-(\d+))?\}(?:\^\{(\d+)\})?", term.mathematics())

@@ -73,7 +73,7 @@ def spectral_radius(expanded: Polynomial) -> Array:
 
     Below 1 the operating point attracts, and small inputs have a steady-state response.
     """
-    linear = {term.y_lags[0]: c for term, c in expanded.items() if _is_linear_output(term)}
+    linear = {term.y_lags[0]: c for term, c in expanded.items() if term.is_delayed_output}
     if not linear:
         return np.zeros(np.shape(next(iter(expanded.values()), 0.0)))
     order = max(linear)
@@ -83,10 +83,6 @@ def spectral_radius(expanded: Polynomial) -> Array:
         companion[..., 0, lag - 1] = coefficient
     largest: Array = np.abs(np.linalg.eigvals(companion)).max(axis=-1)
     return largest
-
-
-def _is_linear_output(term: Term) -> bool:
-    return len(term.y_lags) == 1 and not term.u_lags
 
 
 def _subsets(count: int) -> chain[tuple[int, ...]]:

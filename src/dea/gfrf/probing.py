@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.gfrf.expansion import Polynomial
-from dea.terms import Term
 
 Complex = NDArray[np.complex128]
 Factor = tuple[int, int]  # the column of the input, or _OUTPUT, and the lag
@@ -42,7 +41,7 @@ def probe(
     inputs
         The column of the input that each tone is in.
     """
-    poles = [(term.y_lags[0], c) for term, c in expanded.items() if _is_pole(term)]
+    poles = [(term.y_lags[0], c) for term, c in expanded.items() if term.is_delayed_output]
     driving = [
         (
             (
@@ -52,7 +51,7 @@ def probe(
             c,
         )
         for term, c in expanded.items()
-        if not _is_pole(term)
+        if not term.is_delayed_output
     ]
 
     @cache
@@ -94,10 +93,6 @@ def probe(
 
     order = len(omega)
     return G((1 << order) - 1) / factorial(order)
-
-
-def _is_pole(term: Term) -> bool:
-    return len(term.y_lags) == 1 and not term.u_lags
 
 
 def _members(tones: int) -> Iterator[int]:
