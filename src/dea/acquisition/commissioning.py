@@ -16,6 +16,7 @@ import numpy as np
 from dea.acquisition.acquire import acquire
 from dea.acquisition.duty import duty_file, look
 from dea.acquisition.flagged import flags_said
+from dea.acquisition.latch import utc_now
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.poll import Poll
@@ -62,7 +63,7 @@ def commission(
     together = _read_together(device)
     acquired = acquire(device, np.repeat(stairs, hold), partial, polled)
     partial.unlink()
-    report: dict[str, Any] = {"device": device.name, "time": _now()}
+    report: dict[str, Any] = {"device": device.name, "time": utc_now()}
     report |= {"armed_by": settings.armed_by, "read_together": together}
     report |= {"highest": float(stairs[-1])} | _learnt(acquired.record, acquired.link, hold)
     if "watchdog_time" in device and "watchdog_latched" in device:
@@ -244,7 +245,3 @@ def _failed(report: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _hash(description: Path) -> str:
     return sha256(description.read_bytes()).hexdigest()
-
-
-def _now() -> str:
-    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())

@@ -25,7 +25,7 @@ _MODE = 0o666 | stat.S_ISVTX
 def latch(path: Path, device: str, reason: str) -> None:
     """Note a trip at :func:`latch_file`; its output is not driven until it is acknowledged."""
     with atomic(path) as partial:
-        partial.write_text(json.dumps({"device": device, "reason": reason, "time": _now()}))
+        partial.write_text(json.dumps({"device": device, "reason": reason, "time": utc_now()}))
         partial.chmod(_MODE)
 
 
@@ -68,7 +68,7 @@ def acknowledge(device: Device, person: str) -> str | None:
     if found is None:
         return None
     path = latch_file(device)
-    line = json.dumps(found | {"acknowledged_by": person, "acknowledged": _now()}) + "\n"
+    line = json.dumps(found | {"acknowledged_by": person, "acknowledged": utc_now()}) + "\n"
     handle = open_shared(path.with_name(f"{path.name}.log"))
     try:
         os.lseek(handle, 0, os.SEEK_END)
@@ -103,5 +103,6 @@ def _refuse_without_folder(folder: Path) -> None:
         )
 
 
-def _now() -> str:
+def utc_now() -> str:
+    """Return the date and time as files keep it."""
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
