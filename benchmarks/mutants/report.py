@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from scipy.stats import binomtest
+from dea.trials import wilson
 
 OUTCOMES = ("killed", "timeout", "survived", "incompetent")
 HEAD = """# Mutants
@@ -25,9 +25,8 @@ def kill_rate(outcomes: Sequence[str]) -> tuple[float, float, float] | None:
     noticed = counts["killed"] + counts["timeout"]
     if noticed + counts["survived"] == 0:
         return None
-    test = binomtest(noticed, noticed + counts["survived"])
-    interval = test.proportion_ci(method="wilson")
-    return test.statistic, interval.low, interval.high
+    rate = wilson(noticed, noticed + counts["survived"])
+    return rate.value, rate.low, rate.high
 
 
 def markdown(rows: Sequence[Mapping[str, Any]], seed: int, budget: float) -> str:
