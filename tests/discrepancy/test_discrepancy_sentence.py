@@ -42,8 +42,7 @@ def extension(*names):
     """An extended simulation with two parameters of its own, which are fitted, and effects."""
     return SimpleNamespace(
         attached=[SimpleNamespace(effect=catalogue()[name]) for name in names],
-        input_of=lambda attached: None,
-        force_port_of=lambda attached: None,
+        label=lambda attached: attached.effect.name,
         simulation=SimpleNamespace(
             parameters=[Parameter(name, "1", 1.0, 0.1) for name in NAMES[:2]], accuracy=0.0
         ),

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.evidence.localisation import Localisation
 from dea.number_format import share, written_out
-from dea.simulation import Attached, ExtendedSimulation
 
 if TYPE_CHECKING:
     from dea.discrepancy.diagnosis import Diagnosis
@@ -81,7 +80,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
         )
     extended = found.extended.extended
     laws = " and ".join(
-        f"`{effect.name}`{_at(extended, attached)} ({_main(effect)})"
+        f"{label_in_words(extended.label(attached))} ({_main(effect)})"
         for effect, attached in zip(effects, extended.attached, strict=True)
     )
     rivals = " or ".join(rivals_in_words(found))
@@ -179,20 +178,6 @@ def label_in_words(label: str) -> str:
 def rivals_in_words(found: "Diagnosis") -> list[str]:
     """Return each rival's effects, joined."""
     return ["+".join(rival.names).replace("@", " at ") for rival in found.decision.rivals]
-
-
-def _at(extended: ExtendedSimulation, attached: Attached) -> str:
-    """Say at which of several inputs or force ports an effect acts."""
-    at = extended.input_of(attached)
-    if at is not None:
-        return f" at {at.name}"
-    port = extended.force_port_of(attached)
-    if port is None:
-        return ""
-    equation = port.equation.replace("_", " ")
-    if port.reaction is None:
-        return f" at {equation}"
-    return f" from {equation} to {port.reaction.replace('_', ' ')}"
 
 
 def _main(effect: "NamedEffect") -> str:
