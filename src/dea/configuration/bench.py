@@ -94,28 +94,27 @@ class Sensor(Section):
         return self
 
 
-class OutputConverter(Section):
+class _Converter(Section):
+    """A converter of 16 bits, between the values of its lowest and its highest count."""
+
+    @model_validator(mode="after")
+    def _relations(self) -> Self:
+        _below(self, "low", "high")
+        return self
+
+
+class OutputConverter(_Converter):
     """The converter of the commanded voltage, 16 bits."""
 
     low: Number = key("voltage of count 0", unit="V", ge=-100.0, le=100.0)
     high: Number = key("voltage of count 65535", unit="V", ge=-100.0, le=100.0)
 
-    @model_validator(mode="after")
-    def _relations(self) -> Self:
-        _below(self, "low", "high")
-        return self
 
-
-class DisplacementConverter(Section):
+class DisplacementConverter(_Converter):
     """The converter of the measured displacement, 16 bits."""
 
     low: Number = key("displacement of count 0", unit="mm", ge=-1e3, le=1e3)
     high: Number = key("displacement of count 65535", unit="mm", ge=-1e3, le=1e3)
-
-    @model_validator(mode="after")
-    def _relations(self) -> Self:
-        _below(self, "low", "high")
-        return self
 
 
 class Plant(Section):
