@@ -23,6 +23,7 @@ from dea.tracking.kalman_passes import run_filter, run_smoother, score
 
 Array = NDArray[np.float64]
 NOWHERE = np.empty(0, dtype=np.int64)
+LOWEST_RATIO, HIGHEST_RATIO = 1e-14, 1e-2  # bounds of the noise ratios
 
 
 class Smoothed(NamedTuple):
@@ -99,8 +100,8 @@ def fit_noise_ratio(
     theta_0: Array,
     prior_variance: Array | float,
     thinning: int = 1,
-    lowest: float = 1e-14,
-    highest: float = 1e-2,
+    lowest: float = LOWEST_RATIO,
+    highest: float = HIGHEST_RATIO,
 ) -> Array:
     """Return the noise ratios of largest likelihood, shape (p,).
 
@@ -158,8 +159,8 @@ def fit_common_ratio(
     theta_0: Array,
     prior_variance: Array | float,
     thinning: int = 1,
-    lowest: float = 1e-14,
-    highest: float = 1e-2,
+    lowest: float = LOWEST_RATIO,
+    highest: float = HIGHEST_RATIO,
 ) -> float:
     """Return the one noise ratio of all parameters that has the largest likelihood.
 
