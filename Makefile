@@ -19,8 +19,8 @@ SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --nolock --logger p
 comma := ,
 
 .DEFAULT_GOAL := help
-.PHONY: help study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
-	real trials records faults peers interoperability soak coverage intervals configuration docs audit sign crate slurm \
+.PHONY: help env study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
+	container calibration real trials records faults peers interoperability soak coverage intervals configuration docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
 
@@ -227,7 +227,7 @@ mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=3
 calibration: $(VENV)/installed ## the virtual actuators beside the measured ones, in a table and a figure
 	python -m benchmarks.calibration
 
-benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's (COUNT=40 SET=tuning SEED=1)
+benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's (COUNT=40 SET=tuning SEED=1 LONGEST=6000 RECORDS=cascaded_tanks)
 	python -m benchmarks.naming --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %) \
 		$(SEED:%=--seed %) $(LONGEST:%=--longest %) $(if $(RECORDS),--records $(RECORDS))
 
