@@ -100,7 +100,7 @@ def acquire(
     refuse_without_room(partial, max(plan.counts.size, plan.lead + plan.length))
     log, broken = LinkLog(), None
     for attempt in range(settings.restarts + 1 if settings.on_break == "restart" else 1):
-        # A latch that the device has set meanwhile is not the restart's to clear.
+        # Only the first attempt clears the latch of the device: one set since then is a new trip.
         again = reset and attempt == 0
         token = randbits(31) + 1
         job = Job(

@@ -51,7 +51,7 @@ ANSWER_TIME = 1.0  # s that a controller may take for one sample
 WAITING = 0.05  # s between two signs of life before the recorder begins
 RETRY = 0.1  # s between two attempts to reach zero
 ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
-# Signals whose default is to end or stop a process, and that ask nothing of this one.
+# Signals that would by default end or stop the process; it ignores them.
 DEAF = (
     signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF,
     signal.SIGPIPE, signal.SIGIO, signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU,
@@ -171,7 +171,7 @@ class Guardian:
             return self.duty.before.requested
         try:
             return self.output.applied() or 0.0
-        except Exception:  # the way to zero meets it again, and repeats
+        except Exception:  # whatever failed: the way to zero tries again until it is there
             return 0.0
 
     def _refuse_after_a_crash(self) -> None:
@@ -307,7 +307,7 @@ class Guardian:
                     return
                 evidence = Evidence.RELEASED
                 break
-            except Exception as error:  # nothing may end this loop but zero, or somebody's word
+            except Exception as error:  # only zero, or a person's order to dismiss, ends this loop
                 failing = failing or time.monotonic()
                 if time.monotonic() - failing >= self.job.settings.reconnect_time:
                     self._raise_alarm(error)

@@ -15,10 +15,10 @@ from dea.atomic_file import atomic
 from dea.errors import InputError
 from dea.modbus import Device
 
-# On a disk, unlike the files of locks: a trip outlives a restart of the computer. A folder of its
-# own, since in one with the sticky bit only the account that tripped could acknowledge.
+# On a disk, unlike the files of locks: a trip outlives a restart of the computer. The folder has no
+# sticky bit, with which only the account that kept a trip could delete, and so acknowledge, it.
 FOLDER = Path("/var/tmp/dea")
-# Readable whatever the umask; the sticky bit keeps it from what tidies temporary files up.
+# Readable whatever the umask. Programs that delete old temporary files spare one with a sticky bit.
 _MODE = 0o666 | stat.S_ISVTX
 
 

@@ -35,7 +35,7 @@ def launch() -> Wire:
 
 def serve_nursery(control: socket.socket, guard: Callable[[Wire], None]) -> None:
     """Fork a process that runs ``guard`` for each way to a recorder that ``control`` hands over."""
-    # The kernel buries the children: nobody waits for them here.
+    # The kernel removes children that have ended, since nobody waits for them here.
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     while True:
         _, handles, _, _ = socket.recv_fds(control, 1, 2)

@@ -84,7 +84,7 @@ class LinkError(DeviceError, ConnectionError):
 
 
 class StoppedError(DeviceError):
-    """Somebody asked for the end, or is not there any more to ask for anything."""
+    """The drive is to end: somebody asked for it, or the recorder has died or stalls."""
 
 
 class DeviceRefusedError(DeviceError):

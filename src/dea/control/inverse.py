@@ -64,7 +64,7 @@ def inverse_input(
             field="predict",
             remedy="Check the model's stability, or narrow the limits.",
         )
-    # Of infinite errors the sign says nothing.
+    # The sign of an infinite error does not tell on which side of the reference it is.
     bounded = np.isfinite(errors[:-1]) & np.isfinite(errors[1:])
     crossed = np.flatnonzero(bounded & (np.signbit(errors[:-1]) != np.signbit(errors[1:])))
     if not crossed.size:

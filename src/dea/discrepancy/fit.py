@@ -200,7 +200,7 @@ class _FreeRun:
         def step(damping: float) -> np.ndarray:
             return step_in_box(A + damping * np.diag(np.diag(A)), g, low, high)
 
-        # Kept columns are all the fit may use: a fit with them ends where they lead.
+        # Kept columns are never computed anew, so that no more exact model exists.
         return Model(point.cost, step, exact=whole or kept is not None)
 
 

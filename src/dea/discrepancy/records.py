@@ -116,7 +116,7 @@ def prepare(
     noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
     tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
     extended = prepared(simulation, u, interval, tolerance, lengths)
-    # The instant at which a sample is logged is as sure as before.
+    # The time offset is as certain as at the recorded rate: fewer samples do not add to it.
     extended = replace(extended, timing_spread=extended.timing_spread / factor)
     slowest = settings.slowest_time
     if slowest is None:

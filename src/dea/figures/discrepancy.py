@@ -18,19 +18,19 @@ from dea.store import Sources
 _BESIDE = 1.3
 # Upper limit of the axis over the largest value, which leaves room for the legend.
 _HEADROOM = 1.3
-# Points of a law that are drawn, and parameters that are told above it, at most.
+# Most points of a law that are drawn, and most parameters in the text above it.
 _MOST_POINTS = 3000
 _TOLD = 3
-# Samples of the runs that are drawn at most: more are a block.
+# Most samples of the runs that are drawn: more would look like a filled area.
 _RUN = 1000
-# Bars that a panel has room for: at least, so that one alone is no block, and at most.
+# Bars that a panel has room for: at least, so that one alone is not too thick, and at most.
 _FEW, _MOST_BARS = 3, 8
-# Intervals of an axis, whose labels may be as long as -1500.
+# Intervals of an axis, so that labels as long as -1500 do not overlap.
 _TICKS = 4
-# The same of a law beside another.
+# The same where two laws stand side by side.
 _TICKS_BESIDE = 2
 
-# Legends of three above an axis half a page wide, beside its letter.
+# A legend of three entries above an axis of half the page's width, beside the letter of the panel.
 _ABOVE: Mapping[str, Any] = {
     "ncols": 3, "loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.0,
     "columnspacing": 0.9, "handlelength": 1.1,

@@ -41,7 +41,7 @@ def compiled(function: Callable[..., Any], signature: Any) -> Any:
     made_for = [str(own) for own in getattr(function, "nopython_signatures", ())]
     if options.get("error_model") == "numpy" and made_for == [str(signature)]:
         return function
-    # Divisions by zero give infinities, which are data; an exception would not be.
+    # A division by zero gives an infinity, which a fit can reject; an exception would end the fit.
     return njit(signature, error_model="numpy")(getattr(function, "py_func", function))
 
 

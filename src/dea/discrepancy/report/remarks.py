@@ -29,7 +29,7 @@ def _timing(found: "Diagnosis") -> str:
     """Say by how much the output is logged early or late."""
     fitted, problem = found.final, found.problem
     if found.decision.status not in (Status.NAMED, Status.NONE):
-        # What is missing may pass for a wrong instant.
+        # An effect that is missing may look like a time offset.
         return ""
     names = [fitted.extended.names[i] for i in fitted.extended.free]
     if TIMING_OFFSET not in names:

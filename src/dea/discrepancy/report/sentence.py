@@ -71,7 +71,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     if decision.status is Status.UNKNOWN:
         hints = "", ""
         if decision.reason is not Reason.ONLY_CERTIFIED:
-            # They are of the samples that do not show it.
+            # Both come from the other samples, which do not show what is missing.
             hints = _nearest(found), equation_sentence(unexplained)
         return (
             f"Something is missing, but {decision.reason}{_against(found)}: "
