@@ -23,7 +23,8 @@ from dea.discrepancy.evidence.split import split
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.records import signals_of
 from dea.errors import InputError
-from dea.resolution.rounds import Options, begun
+from dea.resolution import Options
+from dea.resolution.weighing import begun
 from dea.simulation import ExtendedSimulation, catalogue, load_extended, save_extended
 from dea.store import CONTRACTS
 from two_inputs import INTERVAL, NAMES, excitation, simulation

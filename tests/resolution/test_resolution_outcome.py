@@ -18,7 +18,7 @@ from dea.resolution import (
     resolution_dataset,
 )
 from dea.resolution.posterior import Posterior
-from dea.resolution.rounds import _offered, _parts
+from dea.resolution.weighing import _offered, _parts
 from dea.stages.resolve import said
 
 PRIOR = {"none": 0.1, "a": 0.4, "b": 0.3, "a+b": 0.1, ANOTHER: 0.1}

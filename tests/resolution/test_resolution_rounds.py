@@ -25,7 +25,7 @@ from dea.resolution.design import Question
 from dea.resolution.error import Error
 from dea.resolution.law_error import LawError, Motion
 from dea.resolution.posterior import Posterior
-from dea.resolution.rounds import fresh_design, next_design
+from dea.resolution.question import fresh_design, next_design
 from dea.stages.resolve import said
 from made_carriage import CARRIAGE
 
@@ -111,7 +111,7 @@ def test_records_too_short_to_be_diagnosed_are_refused():
 
 def test_the_motion_in_several_records_does_not_count_the_jump_from_one_to_the_next():
     """Two records of one wave, the second of which is displaced by ten times its size."""
-    from dea.resolution.rounds import _law_error
+    from dea.resolution.weighing import _law_error
 
     wave = np.sin(np.arange(400) / 20)
     y = np.concatenate([wave, wave + 10.0])
@@ -212,35 +212,35 @@ def test_why_no_record_was_designed_is_said(monkeypatch):
 )
 def test_what_is_asked_counts_by_itself(monkeypatch, logs, asked):
     """What another explanation or a rejection has taken is not what rivals may be mistaken for."""
-    from dea.resolution import rounds
+    from dea.resolution import question
 
     questions = []
-    monkeypatch.setattr(rounds, "_shortest", lambda *arguments: 1.0)
-    monkeypatch.setattr(rounds, "designed", lambda question, *rest: questions.append(question))
+    monkeypatch.setattr(question, "_shortest", lambda *arguments: 1.0)
+    monkeypatch.setattr(question, "designed", lambda asked, *rest: questions.append(asked))
     knowledge = known()
     prior = dict.fromkeys(logs, 0.25)
     knowledge = replace(knowledge, posterior=Posterior.of(prior).after(logs))
     next_design(knowledge, LIMITS, SETTINGS, OPTIONS, 1)
-    (question,) = questions
-    found = dict(zip([e.name for e in question.explanations], question.probabilities, strict=True))
+    (asking,) = questions
+    found = dict(zip([e.name for e in asking.explanations], asking.probabilities, strict=True))
     assert found == pytest.approx(asked)
 
 
 def test_another_explanation_may_be_near_any_of_those_that_are_offered(monkeypatch):
     """Not near the leading one alone, which the record may have shown to be far off."""
-    from dea.resolution import rounds
+    from dea.resolution import weighing
 
     told = {("none", 1.0): -900.0, ("a", 1.0): -50.0, ("none", 2.0): -800.0, ("a", 2.0): -40.0}
 
     def predicted(explanation, samples, error):
         return SimpleNamespace(log_density=told[explanation.name, error.coloured])
 
-    monkeypatch.setattr(rounds, "predicted", predicted)
+    monkeypatch.setattr(weighing, "predicted", predicted)
     now = {"none": 0.6, "a": 0.1, "away": 0.2, ANOTHER: 0.1}
     knowledge = replace(known(), posterior=Posterior.of(now))
     densities = {"none": -1000.0, "a": -100.0, "away": -np.inf}
     errors = [Error(0.1, 1.0, 9.0), Error(0.1, 2.0, 9.0)]
-    found = rounds._not_offered(knowledge, None, densities, errors)
+    found = weighing._not_offered(knowledge, None, densities, errors)
     exact = np.log(0.1 / 0.7) + np.logaddexp(-50.0, -40.0) - np.log(2.0)
     assert found == pytest.approx(exact)
 

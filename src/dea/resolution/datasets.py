@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dea.resolution.rounds import Knowledge, Resolution
+from dea.resolution.knowledge import Knowledge
+from dea.resolution.rounds import Resolution
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,0 +1,114 @@
+"""What is known of a device after some records, and how far the question is decided."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from dea.discrepancy import Diagnosis, Status, Verdict
+from dea.resolution.design import Forms
+from dea.resolution.explanation import NONE, Explanation
+from dea.resolution.law_error import LawError
+from dea.resolution.posterior import Posterior
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from dea.store import Record
+
+ANOTHER = "another"
+
+
+class Outcome(StrEnum):
+    """How far the question is decided."""
+
+    DECIDED = "decided"
+    PART = "decided in part"
+    OUTSIDE = "outside"
+    ALONE = "nothing is missing"
+    OPEN = "open"
+    CONTRADICTED = "contradicted"
+
+
+# Status and sentence of the verdict where no hypothesis with an effect is left, or none serves.
+WITHOUT_NAME = {
+    Outcome.OUTSIDE: (Status.UNKNOWN, "No effect of the catalogue explains the designed records."),
+    Outcome.ALONE: (Status.NONE, "The simulation alone explains the designed records."),
+    Outcome.CONTRADICTED: (
+        Status.UNKNOWN,
+        "What explains the designed records makes the error on a fresh record larger.",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a question is resolved.
+
+    Parameters
+    ----------
+    records
+        Designed records at most.
+    duration
+        Longest duration of one in s.
+    level
+        Probability at which the right hypothesis may be rejected, over all rounds together.
+    another
+        Prior probability of an explanation that was not offered.
+    forms
+        Forms of excitation that compete: free ones beside fixed ones, fixed ones alone, or none,
+        which plays a random one of free form.
+    """
+
+    records: int = 3
+    duration: float = 120.0
+    level: float = 0.01
+    another: float = 0.1
+    forms: Forms = Forms.FREE
+
+
+@dataclass(frozen=True)
+class Knowledge:
+    """What is known after some records.
+
+    ``explanations`` hold a hypothesis each by its name; ``posterior`` also holds ``another``.
+    ``withdrawn`` is the outcome where it leaves no effect, so that no name is given.
+    """
+
+    records: "tuple[Record | xr.Dataset, ...]"
+    diagnosis: Diagnosis
+    explanations: Mapping[str, Explanation]
+    posterior: Posterior
+    error: LawError
+    driven: float = 0.0
+    withdrawn: Outcome | None = None
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """The verdict on all records, without a name where no hypothesis with an effect is left."""
+        found = self.diagnosis.verdict
+        if self.withdrawn is None:
+            return found
+        status, sentence = WITHOUT_NAME[self.withdrawn]
+        return replace(found, status=status, sentence=sentence, effects=(), share=None)
+
+    def outcome(self, level: float) -> Outcome:
+        """Return whether all hypotheses that are left hold the verdict, or none has an effect.
+
+        It is decided where one of them is the verdict, and nothing more.
+        """
+        left = self.posterior.left(level)
+        if left <= {ANOTHER}:
+            return Outcome.OUTSIDE
+        if left == {NONE}:
+            return Outcome.ALONE
+        verdict = self.diagnosis.verdict
+        if verdict.status != Status.NAMED or ANOTHER in left:
+            return Outcome.OPEN
+        named = set(verdict.names)
+        held = [self.explanations[name].effects for name in left]
+        if not all(named <= effects for effects in held):
+            return Outcome.OPEN
+        # Where every hypothesis that is left holds more, what is named is a part of the answer.
+        return Outcome.DECIDED if verdict.whole and named in held else Outcome.PART

@@ -1,0 +1,213 @@
+"""How probable each explanation is: by the first diagnosis, and by every further record."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dea.discrepancy import (
+    Candidate,
+    Diagnosis,
+    Samples,
+    Settings,
+    Status,
+    diagnose,
+    memory_of,
+    misfit,
+    signals_of,
+)
+from dea.errors import InputError
+from dea.resolution.error import Error
+from dea.resolution.explanation import NONE, Explanation, explained
+from dea.resolution.knowledge import ANOTHER, WITHOUT_NAME, Knowledge, Options
+from dea.resolution.law_error import Errors, LawError, Motion
+from dea.resolution.posterior import Posterior
+from dea.resolution.prediction import predicted
+from dea.simulation import Simulation
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from dea.store import Record
+
+# Part of the prior that all hypotheses share equally: the laws of a first record are never quite
+# right, and its evidence may be too sure.
+_EQUAL = 0.2
+# Part of what another explanation has that goes to explanations found later.
+_TO_NEW = 0.5
+
+
+def begun(
+    records: "Sequence[Record | xr.Dataset]",
+    simulation: Simulation,
+    settings: Settings,
+    options: Options,
+    workers: int,
+) -> Knowledge:
+    """Return what is known before any designed record: the diagnosis gives hypotheses and prior.
+
+    Raises
+    ------
+    InputError
+        If the simulation has several inputs, as well as for what the diagnosis refuses.
+    """
+    if len(simulation.inputs) > 1:
+        raise InputError(
+            f"the design of a further record is of one input, and it has {len(simulation.inputs)}",
+            file=simulation.source or f"simulation {simulation.name}",
+            field="input_name",
+            remedy="Diagnose its records together, under `records:` of the case",
+        )
+    found = diagnose(records, simulation, settings=settings, workers=workers)
+    error = _law_error(found)
+    explanations = _explanations(found, error.seen)
+    shares = _shares(found)
+    prior = {
+        name: (1.0 - options.another)
+        * ((1.0 - _EQUAL) * shares.get(name, 0.0) + _EQUAL / len(explanations))
+        for name in explanations
+    }
+    return Knowledge(
+        tuple(records),
+        found,
+        explanations,
+        Posterior.of(prior | {ANOTHER: options.another}),
+        error,
+    )
+
+
+def learnt(
+    known: Knowledge,
+    record: "Record | xr.Dataset",
+    simulation: Simulation,
+    settings: Settings,
+    options: Options,
+    workers: int,
+) -> tuple[Knowledge, dict[str, float]]:
+    """Return what is known after a further record, and the density that each hypothesis gave it."""
+    samples = signals_of(record, simulation)
+    error, beyond = _errors_on(known, samples)
+    told = {name: predicted(each, samples, error) for name, each in known.explanations.items()}
+    log_densities = {name: each.log_density for name, each in told.items()}
+    log_densities[ANOTHER] = _not_offered(known, samples, log_densities, beyond)
+    posterior = known.posterior.after(log_densities)
+    records = (*known.records, record)
+    offered = replace(settings, effects=_offered(known, posterior, settings, options))
+    found = diagnose(records, simulation, settings=offered, workers=workers)
+    now = _law_error(found)
+    fitted = _explanations(found, now.seen)
+    shares = _shares(found)
+    new = {name: share for name, share in shares.items() if name not in posterior.now}
+    posterior = posterior.with_new(_parts(new), ANOTHER)
+    explanations = {name: each.informed for name, each in told.items()} | {
+        name: each for name, each in fitted.items() if name in posterior.now
+    }
+    driven = known.driven + samples.u.size * samples.interval
+    after = Knowledge(records, found, explanations, posterior, now, driven)
+    outcome = after.outcome(options.level)
+    withdrawn = outcome if outcome in WITHOUT_NAME else None
+    return replace(after, withdrawn=withdrawn), log_densities
+
+
+def _parts(shares: Mapping[str, float]) -> dict[str, float]:
+    """Return the parts of what another explanation has that go to these new ones."""
+    total = sum(shares.values())
+    # A share may be so small that nothing can be divided by it.
+    parts = {name: share / total for name, share in shares.items() if share > 0.0}
+    return {name: _TO_NEW * part for name, part in parts.items() if part > 0.0}
+
+
+def _not_offered(
+    known: Knowledge,
+    samples: Samples,
+    log_densities: Mapping[str, float],
+    errors: Sequence[Error],
+) -> float:
+    """Return the density that an explanation which is not offered gives a record, as a logarithm.
+
+    It predicts as any of those that are offered, by their probabilities, with any of these larger
+    ``errors``. Of this sum the terms of the leading one and of the one that predicted best are
+    taken, which are most of it. One that diverges on the record says nothing.
+    """
+    before = known.posterior.log_now
+    finite = [name for name, value in log_densities.items() if np.isfinite(value)]
+    shown = finite or list(log_densities)
+    whole = np.logaddexp.reduce([before[name] for name in shown])
+    near = {max(shown, key=before.__getitem__), max(shown, key=log_densities.__getitem__)}
+    terms = [
+        before[name] - whole + predicted(known.explanations[name], samples, error).log_density
+        for name in sorted(near)  # in the same order in every process, whose sums then agree
+        for error in errors
+    ]
+    return float(np.logaddexp.reduce(terms) - np.log(len(errors)))
+
+
+def _offered(
+    known: Knowledge, posterior: Posterior, settings: Settings, options: Options
+) -> tuple[str, ...]:
+    """Return the effects of the hypotheses that are left; all while another one may be right.
+
+    All, too, where none of those that are left has one, or where the verdict so far leaves more
+    than a right one would.
+    """
+    left = posterior.left(options.level)
+    verdict = known.verdict
+    if ANOTHER in left or verdict.status == Status.UNKNOWN or not verdict.whole:
+        return settings.effects
+    effects = frozenset[str]().union(*(known.explanations[name].effects for name in left))
+    return tuple(sorted(effects)) or settings.effects
+
+
+def _explanations(found: Diagnosis, error: Error) -> dict[str, Explanation]:
+    """Return the simulation alone and every candidate that may be right, by their names.
+
+    These are the candidates that were weighed, those that the verdict speaks of, and every single
+    effect that was fitted to the end.
+    """
+    decision = found.decision
+    candidates = [
+        *found.presence.candidates,
+        *([decision.chosen] if decision.chosen else []),
+        *decision.rivals,
+        *(c for c in found.singles.candidates if c.finished),
+    ]
+    explanations = {NONE: explained(found.nominal, error)}
+    for candidate in candidates:
+        if _name(candidate) not in explanations:
+            explanations[_name(candidate)] = explained(candidate.fit, error)
+    return explanations
+
+
+def _name(candidate: Candidate) -> str:
+    return "+".join(sorted(candidate.labels))
+
+
+def _shares(found: Diagnosis) -> dict[str, float]:
+    """Return the weight that each explanation has by the records of a diagnosis."""
+    pairs = zip(found.presence.candidates, found.presence.weights, strict=True)
+    shares = {_name(candidate): float(weight) for candidate, weight in pairs}
+    return shares | {NONE: max(0.0, 1.0 - sum(shares.values()))}
+
+
+def _law_error(found: Diagnosis) -> LawError:
+    """Return the error of a right explanation: one that left more would not be called right.
+
+    It may be as slow as what the simulation alone leaves, and as fast as the device has moved.
+    """
+    simulated = found.problem.y - found.nominal.residual
+    motion = Motion.of(*(simulated[samples] for samples in found.nominal.records))
+    unexplained = misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
+    left = min(found.error.left, found.rules.misfit * unexplained)
+    fastest = max(motion.size / motion.pace, 1.0) if motion.pace else 1.0
+    slowest = max(found.error.memory, memory_of(found.nominal.residual), fastest)
+    seen = Error(found.error.white, left, slowest, fastest)
+    return LawError(seen, motion, found.rules.law_error, unexplained, found.rules.misfit)
+
+
+def _errors_on(known: Knowledge, samples: Samples) -> Errors:
+    """Return the errors on a record, from its excitation and what was known before it."""
+    names = list(known.explanations)
+    outputs = [known.explanations[n].simulated(samples.u, samples.interval) for n in names]
+    without = outputs[names.index(NONE)]
+    return known.error.on(outputs, [known.posterior.now[n] for n in names], without)
