@@ -16,8 +16,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import DeviceError, InputError
 from dea.resolution import CERTIFICATE, Design
-from dea.resolution.excitation import express, genes
-from dea.stages.resolve import Driven, _of_device, _plays, main, resolve
+from dea.stages.resolve import Driven, _of_device, main, resolve
 
 pytestmark = pytest.mark.slow
 
@@ -67,34 +66,6 @@ def case(tmp_path, monkeypatch):
         )
     )
     return file
-
-
-@pytest.mark.parametrize(
-    ("change", "taken"),
-    [
-        (lambda u: np.roll(u, 1), True),
-        (lambda u: u + 0.02 * np.random.default_rng(0).standard_normal(u.size), True),
-        (lambda u: u[:290], True),
-        (lambda u: u[:200], False),
-        (lambda u: -u, False),
-        (lambda u: u + 0.5, False),
-    ],
-)
-def test_an_input_played_by_hand_may_be_a_little_off(change, taken):
-    u = np.sin(np.arange(300) / 10)
-    assert _plays(change(u), u) is taken
-
-
-@pytest.mark.parametrize("shift", [-2, -1, 1, 2])
-def test_an_input_may_be_a_sample_late_however_fast_it_moves(shift):
-    """The sines of a design reach an eighth of the sampling rate."""
-    rng = np.random.default_rng(0)
-    wide = replace(LIMITS, rate=1e9)
-    for _ in range(20):
-        u = express(rng.random(genes()), 20.0, wide)
-        played = np.roll(u, shift)
-        assert _plays(played, u)
-        assert not _plays(express(rng.random(genes()), 20.0, wide), u)
 
 
 def hand_in(file, key, u, seed):
@@ -291,7 +262,7 @@ def test_a_voltage_beyond_the_limits_is_refused_before_anything_is_driven(desk):
 
 def test_a_design_that_was_changed_or_is_of_another_record_is_refused(desk):
     own = desk("film1")
-    own._write_table = lambda path, u: put(own, 1, u)
+    own.write_table = lambda path, u: put(own, 1, u)
     made = Design(np.linspace(1.2, 1.3, 40), -5.0, ("a", "b"), 3.0, "free")
     kept = own.design(1, lambda: made)
     np.testing.assert_array_equal(kept.u, made.u)
@@ -303,7 +274,7 @@ def test_a_design_that_was_changed_or_is_of_another_record_is_refused(desk):
 
 def test_a_design_that_was_not_driven_obeys_the_limits_of_today(desk):
     own = desk("dea1")
-    own._write_table = lambda path, u: put(own, 1, u)
+    own.write_table = lambda path, u: put(own, 1, u)
     fast, slow = np.array([0.0, 0.4, 0.0]), np.array([0.0, 0.1, 0.0])
     own.design(1, lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
     own.limits = replace(LIMITS, rate=10.0)

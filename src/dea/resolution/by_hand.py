@@ -1,17 +1,77 @@
 """A designed record for a device that no program drives: what to run, and how to hand it in."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dea import store
+from dea.configuration.case import DESIGNED, Case
+from dea.errors import InputError
 from dea.resolution.design import Design
 from dea.resolution.excitation import Limits
+from dea.resolution.kept import Kept
+from dea.resolution.question import CERTIFICATE
+from dea.resolution.rounds import Resolution
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Part of a designed record that must be there, and by which part of its deviation the input may be
+# off (root mean square), since it may be measured; and the samples by which it may be late.
+_LEAST, _OFF = 0.95, 0.25
+_LATE = 2
 
 
-def excitation_table(u: np.ndarray, sampling_rate: float, units: str) -> str:
-    """Return the excitation as CSV with times in s; reading it back gives the same numbers."""
-    rows = (f"{k / sampling_rate:.9g},{value!r}" for k, value in enumerate(u.tolist()))
-    return "\n".join([f"time (s),input ({units})", *rows]) + "\n"
+@dataclass
+class ByHand(Kept):
+    """A case, whose designed records are made by hand and handed in with the case."""
+
+    further: Path
+    case: Case
+    case_file: Path
+
+    def file(self, number: int) -> Path:
+        """Return the file of a record as the workflow has imported it."""
+        return self.further / f"{record_key(number)}.nc"
+
+    def recorded(self, number: int) -> bool:
+        """Return whether it was handed in."""
+        return record_key(number) in self.case.records
+
+    def record(self, number: int, u: np.ndarray) -> "xr.Dataset | None":
+        """Return the record of an excitation that was handed in."""
+        if not self.recorded(number):
+            return None
+        found = store.read_record(self.file(number))
+        if not plays(store.signals(found).u, u):
+            raise InputError(
+                f"its input is not the excitation of {self.place(number) / 'excitation.csv'}",
+                file=self.case_file,
+                field=f"records.{record_key(number)}",
+                remedy="Play that excitation, or name the record otherwise to begin with it",
+            )
+        return found
+
+    def finish(self, found: Resolution) -> None:
+        """Write what is to be made next, and how to hand it in."""
+        pages = [self.folder / "next_excitation.csv", self.folder / "next_experiment.md"]
+        if found.pending is None:
+            for path in pages:
+                path.unlink(missing_ok=True)
+            return
+        design = self.kept(found.pending)
+        self.write_table(pages[0], design.u)
+        with store.atomic(pages[1]) as partial:
+            partial.write_text(
+                experiment_page(
+                    self.folder.name, record_key(found.pending), design, self.limits,
+                    found.last.posterior.now, found.last.diagnosis.units,
+                ),
+                encoding="utf-8",
+            )  # fmt: skip
 
 
 def experiment_page(
@@ -72,3 +132,23 @@ def experiment_page(
         "```",
     ]
     return "\n".join(lines) + "\n"
+
+
+def plays(played: np.ndarray, asked: np.ndarray) -> bool:
+    """Return whether an input that was recorded is the one asked for, but for noise and ends."""
+    allowed = _OFF * np.std(asked)
+    return any(_off(played, asked, shift) <= allowed for shift in range(-_LATE, _LATE + 1))
+
+
+def _off(played: np.ndarray, asked: np.ndarray, shift: int) -> float:
+    """Return the root mean square by which an input is off, if it was played this much late."""
+    late, early = played[max(shift, 0) :], asked[max(-shift, 0) :]
+    common = min(late.size, early.size)
+    if common < _LEAST * asked.size:
+        return np.inf
+    return float(np.sqrt(np.mean((late[:common] - early[:common]) ** 2)))
+
+
+def record_key(number: int) -> str:
+    """Return the key of a designed record in a case."""
+    return f"{DESIGNED}{'fresh' if number == CERTIFICATE else number}"

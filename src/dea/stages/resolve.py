@@ -1,10 +1,9 @@
 """Leave one explanation, by designed records: ``python -m dea.stages.resolve --help``."""
 
 import argparse
-import json
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ from dea import acquisition, archive, modbus, resolution, seeds, store
 from dea.audit import withdraw
 from dea.configuration.acquisition import Actuator
 from dea.configuration.bench import BENCH, read_bench
-from dea.configuration.case import DESIGNED, Case, read_cases, simulation_of
+from dea.configuration.case import DESIGNED, read_cases, simulation_of
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, Study, check_actuators, check_study
@@ -22,17 +21,13 @@ from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.errors import InputError
 from dea.progress import heard_by, part_of
-from dea.resolution import CERTIFICATE, Design, Limits, Options, Resolution, Round
+from dea.resolution import CERTIFICATE, ByHand, Kept, Limits, Options, Resolution, record_key
 
 if TYPE_CHECKING:
     import xarray as xr
 
 RESULTS = Path("results")
 CASES = Path("config/cases")
-# Part of a designed record that must be there, and by which part of its deviation the input may be
-# off (root mean square), since it may be measured; and the samples by which it may be late.
-_LEAST, _OFF = 0.95, 0.25
-_LATE = 2
 
 
 def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> Resolution:
@@ -78,7 +73,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         given = [key for key in case.records if not key.startswith(DESIGNED)]
         records += [store.read_record(further / f"{key}.nc") for key in given]
         limits = _of_records(study, records)
-        desk = ByHand(folder, first, limits, further, case)
+        desk = ByHand(folder, first, limits, further, case, CASES / f"{name}.yaml")
     withdraw()
     found = resolution.resolve(
         records, simulation, desk, limits,
@@ -94,7 +89,7 @@ def resolve(name: str, operator: str, threads: int, results: Path = RESULTS) -> 
         inputs={
             "record": first,
             **{key: further / f"{key}.nc" for key in given},
-            **{_key(number): desk.file(number) for number in driven},
+            **{record_key(number): desk.file(number) for number in driven},
         },
         settings=leaves,
         seed=study.seed,
@@ -141,87 +136,6 @@ def _of_records(study: Study, records: "list[xr.Dataset]") -> Limits:
     """Return what the records of a device allow, at the rate of the study if it gives one."""
     signals = [store.signals(record) for record in records]
     return Limits.of(signals, study.resolution.output_margin, study.resolution.rate)
-
-
-@dataclass
-class Kept:
-    """Designs and findings in ``results/resolve/NAME/round_N/``; nothing there is made twice."""
-
-    folder: Path
-    first: Path
-    limits: Limits
-
-    def place(self, number: int) -> Path:
-        """Return the folder of a designed record."""
-        return self.folder / ("certificate" if number == CERTIFICATE else f"round_{number}")
-
-    def file(self, number: int) -> Path:
-        """Return the file of a designed record."""
-        raise NotImplementedError
-
-    def recorded(self, number: int) -> bool:
-        """Return whether there is a record of the excitation that is kept."""
-        raise NotImplementedError
-
-    def design(self, number: int, make: Callable[[], Design | None]) -> Design | None:
-        """Return the design that is kept, if it rests on the same record, or make it.
-
-        One that has not been driven yet is made anew where today's limits forbid it.
-        """
-        file = self.place(number) / "design.json"
-        kept = self._kept(number) if file.exists() else None
-        if kept is not None and (self.recorded(number) or self.limits.allows(kept.u)):
-            return kept
-        made = make()
-        if made is None:
-            return None
-        table = file.with_name("excitation.csv")
-        self._write_table(table, made.u)
-        said = asdict(made) | {
-            "first_record": store.sha256(self.first),
-            "sha256": store.sha256(table),
-        }
-        del said["u"]
-        _write_json(file, said)
-        return self._kept(number)
-
-    def _kept(self, number: int) -> Design:
-        """Return the design that is kept, if it rests on the same record."""
-        file = self.place(number) / "design.json"
-        table = file.with_name("excitation.csv")
-        said = json.loads(file.read_text())
-        begun = store.sha256(self.first)
-        if said.pop("first_record") != begun or said.pop("sha256") != store.sha256(table):
-            raise InputError(
-                "it was designed for another record, or its excitation was changed",
-                file=file,
-                remedy=f"Move {self.folder} away; records of hardware stay in {archive.ROOT}",
-            )
-        u = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
-        return Design(**said | {"u": u, "closest": tuple(said["closest"])})
-
-    def keep(self, found: Round) -> None:
-        """Write the verdict and the probabilities after a round."""
-        place = self.place(found.number)
-        found.after.verdict.write(place / "verdict.json")
-        posterior = {
-            name: {
-                "prior": found.after.posterior.prior[name],
-                "before": found.before.posterior.now.get(name),
-                "log_density": found.log_densities.get(name),
-                "after": value,
-            }
-            for name, value in found.after.posterior.now.items()
-        }
-        _write_json(place / "posterior.json", posterior)
-
-    def _write_table(self, path: Path, u: np.ndarray) -> None:
-        first = store.signals(store.read_record(self.first))
-        units = first.unit_of_one_input("the design of a further record")
-        with store.atomic(path) as partial:
-            partial.write_text(
-                resolution.excitation_table(u, self.limits.sampling_rate, units), encoding="utf-8"
-            )
 
 
 @dataclass
@@ -316,78 +230,6 @@ class Driven(Kept):
             if archive.FAULT not in content
             and all(content["settings"].get(key) == settings[key] for key in asked)
         ]
-
-
-@dataclass
-class ByHand(Kept):
-    """A case, whose designed records are made by hand and handed in with the case."""
-
-    further: Path
-    case: Case
-
-    def file(self, number: int) -> Path:
-        """Return the file of a record as the workflow has imported it."""
-        return self.further / f"{_key(number)}.nc"
-
-    def recorded(self, number: int) -> bool:
-        """Return whether it was handed in."""
-        return _key(number) in self.case.records
-
-    def record(self, number: int, u: np.ndarray) -> "xr.Dataset | None":
-        """Return the record of an excitation that was handed in."""
-        if not self.recorded(number):
-            return None
-        found = store.read_record(self.file(number))
-        if not _plays(store.signals(found).u, u):
-            raise InputError(
-                f"its input is not the excitation of {self.place(number) / 'excitation.csv'}",
-                file=CASES / f"{self.folder.name}.yaml",
-                field=f"records.{_key(number)}",
-                remedy="Play that excitation, or name the record otherwise to begin with it",
-            )
-        return found
-
-    def finish(self, found: Resolution) -> None:
-        """Write what is to be made next, and how to hand it in."""
-        pages = [self.folder / "next_excitation.csv", self.folder / "next_experiment.md"]
-        if found.pending is None:
-            for path in pages:
-                path.unlink(missing_ok=True)
-            return
-        design = self._kept(found.pending)
-        self._write_table(pages[0], design.u)
-        with store.atomic(pages[1]) as partial:
-            partial.write_text(
-                resolution.experiment_page(
-                    self.folder.name, _key(found.pending), design, self.limits,
-                    found.last.posterior.now, found.last.diagnosis.units,
-                ),
-                encoding="utf-8",
-            )  # fmt: skip
-
-
-def _plays(played: np.ndarray, asked: np.ndarray) -> bool:
-    """Return whether an input that was recorded is the one asked for, but for noise and ends."""
-    allowed = _OFF * np.std(asked)
-    return any(_off(played, asked, shift) <= allowed for shift in range(-_LATE, _LATE + 1))
-
-
-def _off(played: np.ndarray, asked: np.ndarray, shift: int) -> float:
-    """Return the root mean square by which an input is off, if it was played this much late."""
-    late, early = played[max(shift, 0) :], asked[max(-shift, 0) :]
-    common = min(late.size, early.size)
-    if common < _LEAST * asked.size:
-        return np.inf
-    return float(np.sqrt(np.mean((late[:common] - early[:common]) ** 2)))
-
-
-def _key(number: int) -> str:
-    return f"{DESIGNED}{'fresh' if number == CERTIFICATE else number}"
-
-
-def _write_json(path: Path, content: Mapping[str, Any]) -> None:
-    with store.atomic(path) as partial:
-        partial.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
 def said(name: str, found: Resolution) -> str:
