@@ -18,6 +18,7 @@ from dea.narx.intervals import (
     simulation_interval,
 )
 from dea.narx.labels import Labels, pair, rate_of
+from dea.narx.lags import Compared, LagChoice, lag_choices, select_lags
 from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
@@ -38,12 +39,14 @@ __all__ = [
     "LEVEL",
     "NOT_WHITE",
     "SEARCHES",
+    "Compared",
     "Fit",
     "ForecastPlan",
     "Forward",
     "FreeRun",
     "Interval",
     "Labels",
+    "LagChoice",
     "NarxModel",
     "Orthogonal",
     "Refined",
@@ -71,6 +74,7 @@ __all__ = [
     "fpe",
     "held_out_error",
     "inclusion_frequency",
+    "lag_choices",
     "linear_model",
     "linear_terms",
     "load_published",
@@ -86,6 +90,7 @@ __all__ = [
     "rmse",
     "scaling_of",
     "select_common_terms",
+    "select_lags",
     "select_terms",
     "simulate",
     "simulate_varying",

@@ -16,7 +16,12 @@ from dea.store import Record
 
 
 def held_out_error(
-    model: NarxModel, u: ArrayLike | Record, y: ArrayLike | None = None, *, parts: int = 6
+    model: NarxModel,
+    u: ArrayLike | Record,
+    y: ArrayLike | None = None,
+    *,
+    parts: int = 6,
+    start: int | None = None,
 ) -> float:
     """Free-run error of a model's structure by cross-validation on one record.
 
@@ -34,6 +39,9 @@ def held_out_error(
         :class:`dea.Record` alone, of which no sample may be missing.
     parts
         At least two.
+    start
+        The sample of each part at which its run starts, by default the model's largest lag. Errors
+        of models whose lags differ are comparable where all start at the same.
 
     Returns
     -------
@@ -44,13 +52,20 @@ def held_out_error(
     Raises
     ------
     InputError
-        If a part is too short for the model's lags.
+        If a part is too short for the model's lags, or a run is to start before them.
     """
+    given = model.max_lag if start is None else start
+    if given < model.max_lag:
+        raise InputError(
+            f"it is {given}, and the model's largest lag {model.max_lag}",
+            field="start",
+            remedy="Start runs after as many outputs as the largest lag.",
+        )
     whole = pair(u, y, model.max_lag)
     inputs, outputs = as_record(*whole, model.max_lag, len(model.terms))
-    if parts < 2 or outputs.size // parts < model.max_lag + 2:
+    if parts < 2 or outputs.size // parts < given + 2:
         raise InputError(
-            f"{parts} parts of {outputs.size} samples, for a largest lag of {model.max_lag}",
+            f"{parts} parts of {outputs.size} samples, for a largest lag of {given}",
             field="parts",
             remedy="Cut the record into at least two parts, each longer than the lags.",
         )
@@ -65,8 +80,7 @@ def held_out_error(
         fitted = fit_free_runs(model.terms, model.parameters, normalised(others, model.scaling))
         if not np.isfinite(fitted.msse):
             return np.inf
-        run = model.with_parameters(fitted.parameters).simulate(
-            inputs[first:last], outputs[first:last]
-        )
-        errors[i] = rmse(outputs[first:last][model.max_lag :], run[model.max_lag :])
+        part = slice(first + given - model.max_lag, last)
+        run = model.with_parameters(fitted.parameters).simulate(inputs[part], outputs[part])
+        errors[i] = rmse(outputs[part][model.max_lag :], run[model.max_lag :])
     return float(np.sqrt(np.mean(errors**2)))
