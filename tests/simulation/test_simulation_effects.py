@@ -93,6 +93,18 @@ def test_dead_zone_subtracts_its_threshold_and_lets_nothing_through_below():
     assert np.allclose(catalogue()["dead_zone"].shape_input(u, gated, DT)[away], expected[away])
 
 
+def test_beyond_its_threshold_a_dead_zone_may_flow_as_a_power_or_bend():
+    """Above a yield stress a flow is a power of the excess; a valve's pressure rises with it."""
+    u = np.linspace(-4, 4, 801)
+    law, peak = catalogue()["dead_zone"].shape_input, SCALES.u_peak
+    excess = np.maximum(np.abs(u) - 1.5, 0.0) / peak
+    power = values("dead_zone", threshold=1.5, corner_width=1e-6, exponent=1.7)
+    assert np.allclose(law(u, power, DT), np.sign(u) * peak * excess**1.7, atol=1e-5)
+    bent = values("dead_zone", threshold=1.5, corner_width=1e-6, bend=0.4)
+    expected = np.sign(u) * peak * (excess + 0.4 * excess**2)
+    assert np.allclose(law(u, bent, DT), expected, atol=1e-5)
+
+
 def test_sharp_saturations_clip_and_soft_ones_follow_their_formula():
     q = values("input_saturation", limit=2.5, sharpness=200.0)
     found = catalogue()["input_saturation"].shape_input(U, q, DT)
@@ -233,6 +245,38 @@ def test_sensor_lag_has_the_frequency_response_of_second_order(damping):
     gain = 1.0 / (1.0 - (omega / natural) ** 2 + 1j * omega * tau)
     expected = 0.8 + 0.4 * np.imag(gain * np.exp(1j * omega * T))
     assert np.allclose(smooth[1000:], expected[1000:], atol=2e-4)
+
+
+def test_a_part_of_a_sensor_lag_may_be_faster():
+    tau, omega, part = 0.3, 2 * np.pi * 0.23, 0.4
+    q = values("sensor_lag", time_constant=tau, damping=1.0, fast_part=part)
+    smooth = catalogue()["sensor_lag"].shape_output(Y, T, q, DT)
+    slow = 1.0 / (1.0 - (0.5 * omega * tau) ** 2 + 1j * omega * tau)
+    gain = (1.0 - part) * slow + part / (1.0 + 0.15j * omega * tau)
+    expected = 0.8 + 0.4 * np.imag(gain * np.exp(1j * omega * T))
+    assert np.allclose(smooth[1000:], expected[1000:], atol=2e-4)
+
+
+def test_an_electrode_may_discharge_more_slowly_than_it_charges():
+    """Against an integrator of another kind, at the ends of the intervals."""
+    tau, falling = 0.3, 3.0
+    u = np.repeat([1.0, 2.5, 0.5, 2.0], 100)
+    q = values(
+        "electrode_lag", time_constant=tau, fast_ratio=1e-3, near_weight=0.0, falling_ratio=falling
+    )
+    found = catalogue()["electrode_lag"].shape_input(u, q, DT)
+    level, ends = 1.0, [1.0]
+    for target in (1.0, 2.5, 0.5, 2.0):
+        times = DT * np.arange(1, 101)
+        path = solve_ivp(
+            lambda t, v, at=target: (at - v) / (tau if v[0] < at else tau * falling),
+            (0.0, times[-1]), [level], t_eval=times, rtol=1e-9, atol=1e-12,
+        ).y[0]  # fmt: skip
+        level = path[-1]
+        ends += path.tolist()
+    middles = 0.5 * (np.array(ends[1:]) + np.array(ends[:-1]))
+    away = np.arange(u.size) % 100 > 2
+    assert np.allclose(found[away], middles[away], atol=2e-3)
 
 
 def test_a_sensor_that_lags_is_at_rest_before_the_record():

@@ -40,20 +40,26 @@ def limited(x: float, limit: float, sharpness: float) -> float:
     return result
 
 
-@njit(_VECTOR(_VECTOR, float64, float64, float64), cache=True, error_model="numpy")
-def held_lag(u: np.ndarray, start: float, tau: float, interval: float) -> np.ndarray:
+@njit(_VECTOR(_VECTOR, float64, float64, float64, float64), cache=True, error_model="numpy")
+def held_lag(
+    u: np.ndarray, start: float, tau: float, falling: float, interval: float
+) -> np.ndarray:
     """Return the mean over each interval of a held input behind a first-order lag, exactly.
 
-    The lag stands at ``start`` when the record begins.
+    The lag stands at ``start`` when the record begins. Its time constant is ``tau`` while it rises
+    and ``falling`` times that while it falls.
     """
-    ratio = interval / tau
-    decay = np.exp(-ratio)
-    mean_weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
+    decays, mean_weights = np.empty(2), np.empty(2)
+    for down in range(2):
+        ratio = interval / (tau * falling if down else tau)
+        decays[down] = np.exp(-ratio)
+        mean_weights[down] = (1.0 - decays[down]) / ratio if ratio > 1e-9 else 1.0
     result = np.empty(u.size)
     v = start
     for k in range(u.size):
-        result[k] = u[k] + (v - u[k]) * mean_weight
-        v = u[k] + (v - u[k]) * decay
+        down = 1 if u[k] < v else 0
+        result[k] = u[k] + (v - u[k]) * mean_weights[down]
+        v = u[k] + (v - u[k]) * decays[down]
     return result
 
 

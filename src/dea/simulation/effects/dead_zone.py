@@ -11,20 +11,22 @@ from dea.simulation.scales import Scales
 
 @njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Pass the excess over the threshold (gate 0), or beyond it the whole input (gate 1)."""
-    threshold, width, gate, ratio, slope, jump = q[0], q[1], q[2], q[3], q[4], q[5]
+    """Pass a power of the excess over the threshold (gate 0), or the whole input there (gate 1)."""
+    threshold, width, gate, ratio, slope = q[0], q[1], q[2], q[3], q[4]
+    exponent, bend, jump, peak = q[5], q[6], q[7], q[8]
     result = np.empty(u.size)
     for k in range(u.size):
         limit = threshold if u[k] >= 0 else threshold * ratio
         beyond = abs(u[k]) - limit
-        rest = slope * knee(beyond, width)
+        excess = knee(beyond, width) / peak
+        rest = slope * peak * excess**exponent * (1.0 + bend * excess)
         opened = 1.0 / (1.0 + np.exp(-2.0 * beyond / jump))
         result[k] = np.sign(u[k]) * ((1.0 - gate) * rest + gate * abs(u[k]) * opened)
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return threshold, corner width, gate, ratio of the negative threshold, slope, jump width."""
+    """Return the threshold, its corner and gate, and the course of what passes beyond it."""
     unit, peak = scales.u_unit, scales.u_peak
     return (
         Parameter("threshold", unit, 0.5 * peak, 0.3 * peak, 0.0, peak),
@@ -32,7 +34,10 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("gate", "1", 0.0, 0.5, 0.0, 1.0, shape=True),
         Parameter("negative_ratio", "1", 1.0, 0.5 if scales.bipolar else 0.0, 0.0, 5.0),
         Parameter("slope", "1", 1.0, 0.3, 0.3, 5.0, log=True),
+        Parameter("exponent", "1", 1.0, 0.3, 0.4, 3.0, log=True, shape=True),
+        Parameter("bend", "1", 0.0, 0.3, -0.9, 5.0, shape=True),
         Parameter("jump_width", unit, 0.01 * peak, 0.0),
+        Parameter("range", unit, peak, 0.0),
     )
 
 
@@ -40,21 +45,13 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return thresholds through the range of the input, with both kinds of gate."""
     low, high, peak = max(scales.u_low, 0.0), scales.u_high, scales.u_peak
 
-    def slope(part: float) -> float:
+    def zone(part: float, gate: float) -> tuple[float, ...]:
         # The largest input passes unchanged, as in the fitted simulation.
-        return high / ((1.0 - part) * (high - low))
+        slope = high / ((1.0 - part) * (high - low))
+        threshold = low + part * (high - low)
+        return (threshold, 0.04 * peak, gate, 1.0, slope, 1.0, 0.0, 0.01 * peak, peak)
 
-    return tuple(
-        (low + part * (high - low), 0.04 * peak, gate, 1.0, slope(part), 0.01 * peak)
-        for part, gate in (
-            (0.05, 0.0),
-            (0.15, 0.0),
-            (0.25, 0.0),
-            (0.37, 0.0),
-            (0.5, 0.0),
-            (0.3, 1.0),
-        )
-    )
+    return (*(zone(part, 0.0) for part in (0.05, 0.15, 0.25, 0.37, 0.5)), zone(0.3, 1.0))
 
 
 EFFECT = Effect(
@@ -63,7 +60,7 @@ EFFECT = Effect(
     family=Family.THRESHOLD,
     symptom="below a threshold of the input the simulation moves and the device does not",
     citation="Tao and Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor "
-    "Nonlinearities, chapter 2",
+    "Nonlinearities, chapter 2; beyond a yield as a power: Herschel and Bulkley (1926)",
     parameters=parameters,
     starts=starts,
     shape_input=law,

@@ -15,29 +15,34 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
     That is a ladder of two resistances and capacitances: without a near part a cascade, and from a
     near part of the lags' ratio on what two lags in parallel are. Its charge at the start of the
-    record is unknown.
+    record is unknown. It may discharge through another resistance than it charges through.
     """
-    slow, ratio, part, start = q[0], q[1], q[2], q[3]
-    near = held_lag(u, u[0], slow * ratio, interval)
-    far = held_lag(near, u[0] + start, slow, interval)
+    slow, ratio, part, start, falling = q[0], q[1], q[2], q[3], q[4]
+    near = held_lag(u, u[0], slow * ratio, falling, interval)
+    far = held_lag(near, u[0] + start, slow, falling, interval)
     result: np.ndarray = (1.0 - part) * far + part * near
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the slow time, the fast one's ratio to it, the near part, and the charge at start."""
+    """Return the slow time, the fast one's ratio, the near part, charge at start, falling time."""
     dt = scales.interval
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
         Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
         Parameter("near_weight", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
         Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span, at_start=True),
+        Parameter("falling_ratio", "1", 1.0, 0.3, 0.1, 10.0, log=True, shape=True),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return slow time constants of a few intervals."""
-    return tuple((samples * scales.interval, 0.1, 0.1, 0.0) for samples in (2.0, 8.0, 30.0))
+    """Return slow time constants of a few intervals, and discharge that is slower."""
+    dt = scales.interval
+    return (
+        *((samples * dt, 0.1, 0.1, 0.0, 1.0) for samples in (2.0, 8.0, 30.0)),
+        *((samples * dt, 0.1, 0.1, 0.0, 3.0) for samples in (4.0, 16.0)),
+    )
 
 
 EFFECT = Effect(
@@ -46,7 +51,7 @@ EFFECT = Effect(
     family=Family.LAG,
     symptom="the device answers to a smoothed input",
     citation="Graf and Maas (2012), Smart Materials and Structures 21:094001, on electrode "
-    "resistance",
+    "resistance; Horowitz and Hill (2015), The Art of Electronics, on bleeders",
     parameters=parameters,
     starts=starts,
     shape_input=law,
