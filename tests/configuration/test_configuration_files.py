@@ -23,7 +23,7 @@ SHIPPED = [
 STUDY = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 # Where a mapping's keys are names of the user's own, ``*`` standing for any one of them.
 OWN_NAMES = {
-    "config/cases/*.yaml": ["test_records"],
+    "config/cases/*.yaml": ["records", "test_records"],
     "config/devices/*.yaml": ["registers"],
     "config/bench.yaml": ["actuators"],
     "config/published_models.yaml": ["models", "models.*"],

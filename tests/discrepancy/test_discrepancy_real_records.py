@@ -36,7 +36,7 @@ def diagnosed(name, effects=(), **record):
         "system": name,
     }
     return diagnose(
-        read(case["record"] | record),
+        [read(case["record"] | record), *map(read, case.get("records", {}).values())],
         case["simulation"],
         test_records={
             part: read(test)
@@ -83,6 +83,17 @@ def test_the_cubic_spring_of_the_silverbox_is_named_and_serves_beyond_what_was_s
     assert weights[1] < 0.0
     assert (odd - X @ weights).std() < 0.05 * (weights[1] * z**3).std()
     assert verdict.certified["records"]["arrow"]["after"] <= 1.12e-3
+
+
+def test_the_loops_of_the_piezo_are_named_and_each_record_predicts_the_other():
+    """One amplitude does not tell a loop from creep beside a bent sensor; a falling one does."""
+    verdict = diagnosed("piezo_stage").verdict
+    assert verdict.status == "named", verdict.sentence
+    assert verdict.names == ("rate_independent_hysteresis",)
+    records = verdict.certified["records"]
+    for name in ("record_1", "record_2"):
+        assert records[name]["after"] < 0.25 * records[name]["before"]
+    assert records["second_fall"]["after"] < records["second_fall"]["before"]
 
 
 @pytest.mark.parametrize("name", ["two_heaters_1", "two_heaters_2"])
