@@ -20,7 +20,7 @@ comma := ,
 
 .DEFAULT_GOAL := help
 .PHONY: help env study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
-	container calibration real trials records faults peers interoperability soak coverage intervals configuration docs audit sign crate slurm \
+	container calibration real trials records faults peers interoperability soak coverage intervals configuration laws docs audit sign crate slurm \
 	killed processor numbers fresh \
 	check test compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
 
@@ -151,6 +151,9 @@ docs: .venv-docs/installed ## the documentation as a site, in build/site (instal
 
 configuration: $(VENV)/installed ## write docs/configuration.md from the models of the config
 	python -m dea.configuration page > docs/configuration.md
+
+laws: $(VENV)/installed ## write docs/laws.md, priors, bounds and starts of every law, from the catalogue
+	python -m dea.simulation > docs/laws.md
 
 audit: $(VENV)/installed ## compare the results with what their jobs made (SAMPLE=5 makes that many again)
 	python -m dea.audit $(SAMPLE:%=--sample %) $(SEED:%=--seed %) $(SIGNERS:%=--signers "%")
