@@ -105,6 +105,25 @@ def test_beyond_its_threshold_a_dead_zone_may_flow_as_a_power_or_bend():
     assert np.allclose(law(u, bent, DT), expected, atol=1e-5)
 
 
+@pytest.mark.parametrize(("low", "high"), [(1.1, 3.75), (0.0, 5.0), (-2.0, 4.0)])
+def test_the_largest_input_passes_a_dead_zone_unchanged_wherever_its_fit_starts(low, high):
+    effect, scales = catalogue()["dead_zone"], replace(SCALES, u_low=low, u_high=high)
+    thresholds = [start[0] for start in effect.starts(scales)]
+    assert (np.array(thresholds) > max(low, 0.0)).all()
+    assert (np.array(thresholds) < high).all()
+    for start in effect.starts(scales):
+        passed = effect.shape_input(np.array([high]), np.array(start), DT)
+        np.testing.assert_allclose(passed, high, rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["dead_zone", "input_saturation"])
+def test_a_law_has_a_negative_side_of_its_own_where_the_input_goes_there(name):
+    for low, free in ((1.1, False), (-1.1, True)):
+        told = catalogue()[name].parameters(replace(SCALES, u_low=low))
+        [ratio] = [each for each in told if each.name == "negative_ratio"]
+        assert (ratio.nominal, ratio.spread > 0.0) == (1.0, free)
+
+
 def test_sharp_saturations_clip_and_soft_ones_follow_their_formula():
     q = values("input_saturation", limit=2.5, sharpness=200.0)
     found = catalogue()["input_saturation"].shape_input(U, q, DT)

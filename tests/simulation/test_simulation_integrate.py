@@ -1,0 +1,101 @@
+"""Force laws within the integrator, against other integrators."""
+
+from dataclasses import replace
+from math import pi
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from dea.simulation import (
+    ForcePort,
+    Parameter,
+    Simulation,
+    State,
+    catalogue,
+    load_simulation,
+    measured_scales,
+    prepared,
+)
+from dea.simulation.signatures import MEMORY
+
+DT = 0.02
+T = np.arange(150) * DT
+U = np.sin(2 * pi * 0.7 * T)
+
+
+def attached(simulation, name, law, substeps):
+    """Return a simulation with a law, its parameter values, and the units of its port."""
+    extended = prepared(simulation, U, DT, 1e-5)
+    values = extended.values(np.zeros(extended.free.size))
+    scales = measured_scales(extended, values, SimpleNamespace(u=U, y=U, interval=DT))
+    longer = replace(extended.attach(catalogue()[name], scales), substeps=substeps)
+    return longer, np.concatenate([values, law]), extended.normalisations[0]
+
+
+@pytest.mark.parametrize("gain", [1e-3, 1.0, 1e3])
+def test_a_step_sees_the_stop_that_it_runs_into_whatever_the_unit_of_length(gain):
+    omega, zeta = 2 * pi * 2.0, 0.2
+    own = load_simulation("mass_spring_damper")
+
+    def derivative(x, u, p, dx):
+        dx[0] = x[1]
+        dx[1] = omega * omega * (p[0] * u - x[0]) - 2.0 * zeta * omega * x[1]
+
+    simulation = replace(
+        own, name="carriage", derivative=derivative, input_interpolation="zero",
+        parameters=(replace(own.parameters[2], nominal=gain, low=0.0, high=1e9),),
+    )  # fmt: skip
+    law = [0.5, -9.0, 30.0, 0.005, 1.0, 0.1, 0.0, 0.5]  # at half the excursion, with a sharp corner
+    extended, values, unit = attached(simulation, "end_stop", law, substeps=2)
+    contact = catalogue()["end_stop"].force
+
+    def slope(_, x, v):
+        z, w = (x[0] - unit.rest) / unit.scale, x[1] / unit.scale
+        push = unit.unit_force * contact(z, w, np.zeros(MEMORY), np.array(law))
+        return [x[1], omega**2 * (gain * v - x[0]) - 2.0 * zeta * omega * x[1] + push]
+
+    x, expected = np.zeros(2), []
+    for v in U:
+        expected.append(x[0])
+        x = solve_ivp(
+            slope, (0, DT), x, args=(v,), rtol=1e-8, atol=1e-10 * gain, max_step=DT / 20
+        ).y[:, -1]
+    found = extended.simulate(values, U, DT)
+    np.testing.assert_allclose(found, expected, atol=4e-3 * np.ptp(expected))
+
+
+@pytest.mark.parametrize("order", [("speed", "behind"), ("behind", "speed")])
+def test_friction_where_no_state_is_a_position_acts_on_the_speed_wherever_it_stands(order):
+    speed, behind = order.index("speed"), order.index("behind")
+
+    def derivative(x, u, p, dx):
+        dx[speed] = (p[0] * u - x[speed]) / 0.2
+        dx[behind] = (x[speed] - x[behind]) / 0.1
+
+    simulation = Simulation(
+        name="wheel", input_unit="V", output_unit="m/s",
+        states=tuple(State(name, "m/s", 0.0) for name in order),
+        parameters=(Parameter("gain", "m/s/V", 2.0, 0.2),), derivative=derivative,
+        output=lambda x, u, p: x[behind], drive="gain", input_interpolation="zero",
+        force_ports=(ForcePort("speed", None, "speed"),),
+    )  # fmt: skip
+    # Stiction that the speed ends, by which a wrong speed shows.
+    law = np.array([0.2, 0.02, 2.0, 0.3, 0.0, 1.0, 0.0])
+    extended, values, unit = attached(simulation, "coulomb_friction", law, substeps=16)
+    friction = catalogue()["coulomb_friction"]
+    memory, fine = friction.memory(law), 2000
+    v = after = place = 0.0
+    expected, h = [], DT / fine
+    for u in U:
+        expected.append(after)
+        for _ in range(fine):
+            push = unit.unit_force * friction.force(place, v / unit.scale, memory, law)
+            v_next = v + h * ((2.0 * u - v) / 0.2 + push)
+            after += h * (v - after) / 0.1
+            moved = place + 0.5 * h * (v + v_next) / unit.scale
+            friction.update(place, moved, h, memory, law)
+            v, place = v_next, moved
+    found = extended.simulate(values, U, DT)
+    np.testing.assert_allclose(found, expected, atol=4e-3 * np.ptp(expected))
