@@ -6,8 +6,12 @@ import pytest
 
 
 @pytest.mark.parametrize(
-    "module", ["benchmarks.__main__", "benchmarks.calibration", "dea.report.__main__"]
-)
+    "module",
+    [
+        "benchmarks.__main__", "benchmarks.calibration", "dea.report.__main__",
+        "dea.simulation.__main__",
+    ],
+)  # fmt: skip
 @pytest.mark.parametrize(("asked", "status"), [("--help", 0), ("--unknown", 2)])
 def test_a_program_that_is_asked_for_help_does_not_run(
     module, asked, status, tmp_path, monkeypatch

@@ -31,6 +31,7 @@ PRESENT = {
     "dead_zone": {"threshold": 0.4},
     "sensor_lag": {"time_constant": 0.12},
     "stress_relaxation": {"relaxation": 0.3, "time": 10.0},
+    "viscoelastic_creep": {"stiffness": 0.2},
     "charge_leakage": {"loss": 0.2, "field_growth": 3.0, "time_constant": 2.0},
 }
 
@@ -112,14 +113,15 @@ def test_the_order_of_two_laws_on_the_inputs_way_is_found(first):
 
 
 @pytest.mark.parametrize("relaxes", [True, False])
-def test_a_drift_does_not_bear_the_name_of_a_relaxation(relaxes):
-    """A prestress lost alone is a force that drifts; the stress itself must relax."""
-    problem, extended = hidden(*["stress_relaxation"] * relaxes)
+@pytest.mark.parametrize("name", ["stress_relaxation", "viscoelastic_creep"])
+def test_a_drift_does_not_bear_the_name_of_a_relaxation(name, relaxes):
+    """A prestress lost alone is a force that drifts; the stress must relax, or answer motion."""
+    problem, extended = hidden(*[name] * relaxes)
     if not relaxes:
         late = (problem.time / 10.0) ** 0.8
         problem = replace(problem, y=problem.y + 0.2 * (1.0 - np.exp(-late)))
     nominal = fit(problem, extended, np.zeros(extended.free.size))
-    effect = catalogue()["stress_relaxation"]
+    effect = catalogue()[name]
     alone = extend_by_each(problem, [nominal], [effect], Budget(), 1)
     assert alone.candidates[0].finished
     assert alone.candidates[0].rmse < 1.5 * NOISE

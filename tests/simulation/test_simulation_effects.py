@@ -124,6 +124,17 @@ def test_a_law_has_a_negative_side_of_its_own_where_the_input_goes_there(name):
         assert (ratio.nominal, ratio.spread > 0.0) == (1.0, free)
 
 
+@pytest.mark.parametrize("exponent", [0.4, 1.0, 3.0])
+@pytest.mark.parametrize("bend", [-0.28, 5.0])
+def test_a_dead_zone_never_falls(exponent, bend):
+    """Otherwise it would be a sensor that folds."""
+    [lowest] = [p.low for p in catalogue()["dead_zone"].parameters(SCALES) if p.name == "bend"]
+    u = np.linspace(-1, 1, 2001) * SCALES.u_peak
+    q = values("dead_zone", threshold=0.0, exponent=exponent, bend=max(bend, lowest))
+    assert lowest == -0.28
+    assert np.diff(catalogue()["dead_zone"].shape_input(u, q, DT)).min() >= 0.0
+
+
 def test_sharp_saturations_clip_and_soft_ones_follow_their_formula():
     q = values("input_saturation", limit=2.5, sharpness=200.0)
     found = catalogue()["input_saturation"].shape_input(U, q, DT)
@@ -391,6 +402,12 @@ def test_a_stretched_film_relaxes_while_it_does_not_move():
     assert np.allclose(forces("viscoelastic_creep", q, np.full(T.size, 0.7)), expected, rtol=1e-9)
 
 
+def test_creep_that_does_not_respond_to_the_motion_relaxes_as_if_there_were_none():
+    q, stiffness, tau = creep(response=0.0, stretch=2.0, age=9.0)
+    expected = -0.3 * np.exp(-(9.0 + T[:-1, None]) / tau) @ (2.0 * stiffness)
+    assert np.allclose(forces("viscoelastic_creep", q), expected, rtol=1e-9)
+
+
 def test_hysteresis_is_rate_independent_and_keeps_return_point_memory():
     q = values("rate_independent_hysteresis", stiffness=0.4, largest_radius=0.3, weight_decay=0.5)
     path = np.concatenate(
@@ -431,6 +448,16 @@ def test_slipping_stops_pull_harder_where_they_have_grown():
     slipping = np.sum(rank * np.exp(-1.5 * rank / 11) * 0.2 * (rank / 11) ** 2) / 11
     expected = -slipping * (1.0 + 0.4 * place + 0.3 * place**2)
     assert np.allclose(found[2000:], expected, rtol=1e-3)
+
+
+def test_stops_that_have_shrunk_to_nothing_have_no_force():
+    q = values(
+        "rate_independent_hysteresis", stiffness=1.0, largest_radius=0.2, tilt=-0.5, skew=0.3,
+        middle=0.0, half_range=0.5,
+    )  # fmt: skip
+    found = forces("rate_independent_hysteresis", q, np.linspace(0.0, 2.0, 401))
+    assert np.isfinite(found).all()
+    assert np.allclose(found[201:], 0.0)
 
 
 def test_skewed_stops_pull_harder_at_their_upper_limit():

@@ -220,8 +220,13 @@ def test_an_extended_simulation_saves_and_loads(tmp_path):
     loaded, same, interval = load_extended(path)
     assert interval == DT
     assert (loaded.simulate(same, u, DT) == extended.simulate(values, u, DT)).all()
-    path.write_text(path.read_text().replace("dead_zone", "dead_zoo"))
+    text = path.read_text()
+    path.write_text(text.replace("dead_zone", "dead_zoo"))
     with pytest.raises(InputError, match="no effect 'dead_zoo'"):
+        load_extended(path)
+    # A file made before the law had got a parameter.
+    path.write_text(text.replace("dead_zone.bend", "dead_zone.bent"))
+    with pytest.raises(InputError, match=r"parameters\.dead_zone\.bend: it has no value"):
         load_extended(path)
 
 

@@ -47,7 +47,8 @@ a positive parameter. The last column tells what a fit does with the parameter:
 * free: it is fitted from the beginning;
 * shape: it only shapes the law, and is held until place and size of the effect are found;
 * start: it belongs to the state at the start of a record, and is fitted anew to another;
-* known: it is never changed.
+* known: it is never changed; a ratio of one side to the other is fitted where the input has both
+  signs, and that of falling to rising where it has one.
 
 The second table of each law is of the points from which it is fitted. A parameter that is not in it
 starts from its prior.

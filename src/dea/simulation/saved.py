@@ -88,7 +88,16 @@ def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, flo
             tuple(Normalisation(**each) for each in content["frames"]),
             content["substeps"],
         )
-        values = np.array([content["parameters"][name]["value"] for name in extended.names])
+        own = content["parameters"]
+        for name in extended.names:
+            if name not in own:
+                raise InputError(
+                    f"it has no value of {name}, which this version of the law has",
+                    file=file,
+                    field=f"parameters.{name}",
+                    remedy="Make it again with `dea.diagnose` or the rule diagnose",
+                )
+        values = np.array([own[name]["value"] for name in extended.names])
         return extended, values, float(content["interval"])
     except (KeyError, TypeError) as error:
         raise InputError(

@@ -35,7 +35,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("negative_ratio", "1", 1.0, 0.5 if scales.bipolar else 0.0, 0.0, 5.0),
         Parameter("slope", "1", 1.0, 0.3, 0.3, 5.0, log=True),
         Parameter("exponent", "1", 1.0, 0.3, 0.4, 3.0, log=True, shape=True),
-        Parameter("bend", "1", 0.0, 0.3, -0.9, 5.0, shape=True),
+        # At the least exponent and bend the law is flat at the end of the range, and never falls.
+        Parameter("bend", "1", 0.0, 0.3, -0.28, 5.0, shape=True),
         Parameter("jump_width", unit, 0.01 * peak, 0.0),
         Parameter("range", unit, peak, 0.0),
     )

@@ -38,7 +38,8 @@ def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
         limit = growth * _radius(i, q)
         weight = (i + 1.0) * np.exp(-q[2] * (i + 1.0) / OPERATORS)
         stop = min(max(memory[i] + gained, -limit), limit)
-        total -= weight * stop * (1.0 + q[6] * stop / limit)
+        share = stop / limit if limit != 0.0 else 0.0
+        total -= weight * stop * (1.0 + q[6] * share)
     return float(q[0] * total / OPERATORS)
 
 
@@ -70,7 +71,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("start_position", "1", 0.0, span, at_start=True),
         Parameter("tilt", "1", 0.0, 0.3, -1.0, 1.0, shape=True),
         Parameter("growth_at_ends", "1", 0.0, 0.3, 0.0, 5.0, shape=True),
-        Parameter("skew", "1", 0.0, 0.3, -1.0, 1.0, shape=True),
+        Parameter("skew", "1", 0.0, 0.3, -0.5, 0.5, shape=True),
         Parameter("middle", "1", middle, 0.0),
         Parameter("half_range", "1", 0.5 * span, 0.0),
     )

@@ -7,8 +7,8 @@ from dea.simulation.effects._laws import delayed, low_pass
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
-# Time constant of the fast part over that of the slow one: the mean of the further modes of heat
-# that diffuses into a body, whose times fall as 1/n².
+# Time constant of the fast part over that of the slow one: about the mean of the further modes of
+# heat that diffuses into a sphere, whose times fall as 1/n² (0.13 by their parts).
 _FAST = 0.15
 
 

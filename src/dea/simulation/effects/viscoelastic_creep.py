@@ -22,9 +22,10 @@ _FASTEST, _SLOWEST = 2.0, 2.0
 _FARTHEST = 5.0
 # Places in the parameters: of the deviation of the first branch's stiffness, and of what follows.
 _OWN = 2
-_START, _STRETCH, _AGE, _TILT, _CURVE, _RATE, _RATE_STRETCH, _FIRST, _RATIO, _MIDDLE, _HALF = range(
-    _OWN + BRANCHES, _OWN + BRANCHES + 11
-)
+(
+    _START, _STRETCH, _AGE, _TILT, _CURVE, _RATE, _RATE_STRETCH, _RESPONSE, _FIRST, _RATIO, _MIDDLE,
+    _HALF,
+) = range(_OWN + BRANCHES, _OWN + BRANCHES + 12)  # fmt: skip
 # Places in the memory behind the dashpots: the stiffnesses of the branches, the parts by which they
 # relax in a step, the sum of the stiffnesses and that of the dashpots times them, the step.
 _STIFFNESS, _PART = BRANCHES, 2 * BRANCHES
@@ -40,7 +41,7 @@ def _place(z: float, q: np.ndarray) -> float:
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
 def _strain(place: float, q: np.ndarray) -> float:
     """Return what the branches are stretched by at a place: its slope changes along the range."""
-    return float(place + q[_CURVE] * place * place / (1.0 + abs(place)))
+    return float(q[_RESPONSE] * (place + q[_CURVE] * place * place / (1.0 + abs(place))))
 
 
 @njit(FORCE, cache=True, error_model="numpy")
@@ -92,7 +93,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return stiffnesses of the branches, the film's history, the law's shape, and the times.
 
     At a mean stretch of the springs of ``rate_stretch`` half ranges the dashpots flow 2 to the
-    power of ``rate_exponent`` times as fast as without stress.
+    power of ``rate_exponent`` times as fast as without stress. Where the branches do not respond to
+    the motion, what they were stretched by before relaxes, and the law is a force that drifts.
     """
     first, ratio = _times(scales)
     duration = scales.duration
@@ -110,6 +112,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("curve", "1", 0.0, 0.4, -0.95, 0.95, shape=True),
         Parameter("rate_exponent", "1", 0.0, 0.5, -1.0, 3.0, shape=True),
         Parameter("rate_stretch", "1", 0.2, 1.0, 0.01, 5.0, log=True, shape=True),
+        Parameter("response", "1", 1.0, 0.34, 0.0, 1.0, shape=True),
         Parameter("fastest_time", "s", first, 0.0),
         Parameter("time_ratio", "1", ratio, 0.0),
         Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
@@ -122,7 +125,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     first, ratio = _times(scales)
     branch = np.arange(BRANCHES)
     middle, half = 0.5 * (scales.z_low + scales.z_high), 0.5 * scales.z_span
-    end = (0.1 * scales.duration, 0.0, 0.0, 0.0, 0.2, first, ratio, middle, half)
+    end = (0.1 * scales.duration, 0.0, 0.0, 0.0, 0.2, 1.0, first, ratio, middle, half)
     return tuple(
         (0.05, 0.9, *(1.0 - ((branch - strongest) / 4.0) ** 2), position, 0.0, *end)
         for strongest, position in ((3.5, 0.0), (3.5, -1.0), (6.5, 0.0), (0.5, 0.0))
@@ -147,4 +150,5 @@ EFFECT = Effect(
     force=force,
     update=update,
     memory=memory,
+    essential="response",
 )
