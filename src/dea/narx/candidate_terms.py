@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import combinations_with_replacement
+from numbers import Integral
 from typing import cast
 
 from dea.errors import InputError
@@ -74,7 +75,12 @@ def input_lag_lists(u_lags: InputLags, inputs: int) -> list[list[int]]:
 
 def lag_list(lags: Lags, field: str) -> list[int]:
     """Return the lags themselves where a largest lag may stand for 1 to it."""
-    listed = list(range(1, lags + 1)) if isinstance(lags, int) else sorted(set(lags))
-    if isinstance(lags, int) and lags < 0:
-        raise InputError(f"a lag of {lags}", field=field, remedy="Lags are 0 or more.")
-    return listed
+    if isinstance(lags, int):
+        if lags < 0:
+            raise InputError(f"a lag of {lags}", field=field, remedy="Lags are 0 or more.")
+        return list(range(1, lags + 1))
+    if not all(isinstance(lag, Integral) for lag in lags):
+        raise InputError(
+            f"{lags}", field=field, remedy="Give the largest lag, or a list of whole numbers."
+        )
+    return sorted({int(lag) for lag in lags})

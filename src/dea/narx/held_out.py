@@ -63,12 +63,7 @@ def held_out_error(
         )
     whole = pair(u, y, model.max_lag)
     inputs, outputs = as_record(*whole, model.max_lag, len(model.terms))
-    if parts < 2 or outputs.size // parts < given + 2:
-        raise InputError(
-            f"{parts} parts of {outputs.size} samples, for a largest lag of {given}",
-            field="parts",
-            remedy="Cut the record into at least two parts, each longer than the lags.",
-        )
+    check_parts(parts, outputs.size, given)
     edges = np.linspace(0, outputs.size, parts + 1).astype(int)
     errors = np.empty(parts)
     for i, (first, last) in enumerate(pairwise(edges)):
@@ -84,3 +79,19 @@ def held_out_error(
         run = model.with_parameters(fitted.parameters).simulate(inputs[part], outputs[part])
         errors[i] = rmse(outputs[part][model.max_lag :], run[model.max_lag :])
     return float(np.sqrt(np.mean(errors**2)))
+
+
+def check_parts(parts: int, samples: int, start: int) -> None:
+    """Check that every part of a record is longer than what its run starts after.
+
+    Raises
+    ------
+    InputError
+        If one is not, or there are fewer than two.
+    """
+    if parts < 2 or samples // parts < start + 2:
+        raise InputError(
+            f"{parts} parts of {samples} samples, for a largest lag of {start}",
+            field="parts",
+            remedy="Cut the record into at least two parts, each longer than the lags.",
+        )

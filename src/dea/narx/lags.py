@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dea.errors import InputError
-from dea.narx.candidate_terms import lag_list
-from dea.narx.checks import Array, as_record
-from dea.narx.held_out import held_out_error
+from dea.inputs import input_count
+from dea.narx.candidate_terms import InputLags, Lags, input_lag_lists, lag_list
+from dea.narx.checks import Array, as_record, as_signal
+from dea.narx.held_out import check_parts, held_out_error
 from dea.narx.labels import pair
 from dea.narx.model import NarxModel
 from dea.narx.search import Refined
@@ -27,10 +28,10 @@ _LONGEST = 0.1  # share of the record that the largest lag may be
 
 
 class LagChoice(NamedTuple):
-    """Lags of the output, and of every input."""
+    """Lags of the output and those of the inputs: the same for all, or a tuple for each."""
 
     y_lags: tuple[int, ...]
-    u_lags: tuple[int, ...]
+    u_lags: tuple[int, ...] | tuple[tuple[int, ...], ...]
 
 
 class Compared(NamedTuple):
@@ -45,7 +46,7 @@ class Compared(NamedTuple):
 def select_lags(
     u: ArrayLike | Record,
     y: ArrayLike | None = None,
-    choices: Sequence[tuple[int | Sequence[int], int | Sequence[int]]] | None = None,
+    choices: Sequence[tuple[Lags, InputLags]] | None = None,
     *,
     degree: int = 3,
     even_in_input: bool = False,
@@ -56,15 +57,16 @@ def select_lags(
 
     Each model is that of :func:`dea.select_terms`. Its error is :func:`dea.narx.held_out_error`,
     geometric mean over several numbers of parts, since one way of cutting a short record ranks
-    models by where the cuts happen to be. All runs start after the longest lag of all choices.
+    models by where the cuts happen to be. All runs start after the longest lag of all models.
 
     Parameters
     ----------
     u, y
         One record, as for :func:`dea.narx.held_out_error`.
     choices
-        Pairs of output lags and input lags: the largest, or a list, of inputs the same for all. By
-        default :func:`lag_choices` of the record.
+        Pairs of output lags and input lags, as for :func:`dea.select_terms`. By default
+        :func:`dea.narx.lag_choices` of the record. Those from which nothing can be selected, or
+        that are longer than a part, are left out.
     degree, even_in_input
         As for :func:`dea.select_terms`.
     thresholds
@@ -76,15 +78,16 @@ def select_lags(
     Returns
     -------
     list of Compared
-        The least error first. Models that are not stable come last.
+        The least error first. Models whose :meth:`~dea.NarxModel.stability` is not ``stable`` come
+        last; that of a model with a pole too slow for the record, ``slow``, is not.
 
     Raises
     ------
     InputError
-        If there is nothing to choose from or the record is too short for the lags.
+        If there is nothing to choose from, or no choice is left.
     """
     inputs, outputs = as_record(*pair(u, y, 1))
-    offered: Sequence[tuple[int | Sequence[int], int | Sequence[int]]] = (
+    offered: Sequence[tuple[Lags, InputLags]] = (
         lag_choices(outputs, even_in_input=even_in_input) if choices is None else choices
     )
     if not offered or not thresholds or not cuts:
@@ -93,17 +96,29 @@ def select_lags(
             field="choices, thresholds, cuts",
             remedy="Give at least one of each.",
         )
-    settings = [
-        LagChoice(tuple(lag_list(y_lags, "y_lags")), tuple(lag_list(u_lags, "u_lags")))
-        for y_lags, u_lags in offered
-    ]
-    longest = _longest(settings)
-    compared = []
+    settings = [_choice(y_lags, u_lags, input_count(inputs)) for y_lags, u_lags in offered]
+    found: list[tuple[LagChoice, float | None, NarxModel]] = []
+    refused: list[InputError] = []
     for lags, threshold in product(settings, thresholds):
-        model = select_terms(
-            inputs, outputs, y_lags=lags.y_lags, u_lags=lags.u_lags, degree=degree,
-            even_in_input=even_in_input, search=Refined(threshold),
-        )  # fmt: skip
+        try:
+            for parts in cuts:
+                check_parts(parts, outputs.size, _longest(lags))
+            model = select_terms(
+                u if isinstance(u, Record) else inputs, outputs,
+                y_lags=lags.y_lags, u_lags=lags.u_lags, degree=degree,
+                even_in_input=even_in_input, search=Refined(threshold),
+            )  # fmt: skip
+        except InputError as refusal:
+            tell(f"lags {lags.y_lags} and {lags.u_lags} are left out: {refusal}")
+            refused.append(refusal)
+            continue
+        tell(f"lags {lags.y_lags} and {lags.u_lags}: {len(model.terms)} terms")
+        found.append((lags, threshold, model))
+    if not found:
+        raise refused[0]
+    longest = max(_longest(lags) for lags, _, _ in found)
+    compared = []
+    for lags, threshold, model in found:
         errors = [
             held_out_error(model, inputs, outputs, parts=parts, start=longest) for parts in cuts
         ]
@@ -127,9 +142,15 @@ def lag_choices(y: ArrayLike, *, even_in_input: bool = False) -> list[LagChoice]
     time until the output's autocorrelation is least, every lag, or every second from the first or
     the second on, beside two to four lags of the output.
 
-    No lag is longer than a tenth of the record.
+    No lag is longer than a tenth of the record. Of one shorter than 20 samples the only choice is
+    lags 1 and 2.
+
+    Raises
+    ------
+    InputError
+        If the output is not one-dimensional, or a sample of it is missing.
     """
-    outputs = np.asarray(y, dtype=np.float64)
+    outputs = as_signal(y, "y")
     centred = outputs - outputs.mean()
     if even_in_input:
         unit = _first_least(centred)
@@ -148,11 +169,17 @@ def lag_choices(y: ArrayLike, *, even_in_input: bool = False) -> list[LagChoice]
             for lags in [tuple(1 + spacing * k for k in range(count))]
         ]
     most = _LONGEST * outputs.size
-    return [lags for lags in found if _longest([lags]) <= most] or [LagChoice((1, 2), (1, 2))]
+    return [lags for lags in found if _longest(lags) <= most] or [LagChoice((1, 2), (1, 2))]
 
 
-def _longest(settings: Sequence[LagChoice]) -> int:
-    return max(max((*y_lags, *u_lags), default=0) for y_lags, u_lags in settings)
+def _choice(y_lags: Lags, u_lags: InputLags, inputs: int) -> LagChoice:
+    of_each = [tuple(lags) for lags in input_lag_lists(u_lags, inputs)]
+    same = all(lags == of_each[0] for lags in of_each)
+    return LagChoice(tuple(lag_list(y_lags, "y_lags")), of_each[0] if same else tuple(of_each))
+
+
+def _longest(lags: LagChoice) -> int:
+    return max((*lags.y_lags, *(max(np.atleast_1d(each)) for each in lags.u_lags)), default=0)
 
 
 def _spacings(most: int) -> Iterator[int]:
