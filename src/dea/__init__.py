@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         NarxModel,
         parameter_interval,
         select_common_terms,
+        select_lags,
         select_terms,
         simulation_interval,
     )
@@ -44,6 +45,7 @@ __all__ = [
     "parameter_interval",
     "read_record",
     "select_common_terms",
+    "select_lags",
     "select_terms",
     "simulation_interval",
     "to_c",
@@ -70,6 +72,7 @@ _ROOM_OF = {
     "parameter_interval": "dea.narx",
     "read_record": "dea.store",
     "select_common_terms": "dea.narx",
+    "select_lags": "dea.narx",
     "select_terms": "dea.narx",
     "simulation_interval": "dea.narx",
     "to_c": "dea.control",
