@@ -2,6 +2,7 @@
 
 from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from dea.excitation import design
 from dea.plant.drive import Drive
 from dea.plant.hidden import EFFECTS, Use
 from dea.plant.hidden.devices import DEVICES
-from dea.plant.hidden.draw import FEWEST, MOST, STRONGEST, WEAKEST, draw
+from dea.plant.hidden.draw import FEWEST, MOST, _sized, draw
 from dea.plant.hidden.effect import Port
 from dea.plant.hidden.noise import Noise, NoiseKind
 from dea.plant.hidden.schedule import AMBIGUOUS, INSIDE, ROUND, ambiguous_plans, forms_of, plans
@@ -72,10 +73,20 @@ def test_a_drawn_trial_hides_what_its_plan_says_at_a_strength_in_range(trials):
         assert trial.noise.kind is plan.noise
         for effect in trial.effects:
             known = EFFECTS[effect.name]
-            assert WEAKEST <= effect.strength <= STRONGEST
+            assert 3.0 <= effect.strength <= 30.0
             assert known.smallest <= effect.size <= known.largest
         samples = design(**trial.excitation).size
         assert FEWEST <= samples <= MOST
+
+
+@pytest.mark.parametrize(("strength", "taken"), [(2.9, 0), (3.1, 1), (29.0, 1), (31.0, 0)])
+def test_an_effect_that_cannot_be_made_as_strong_as_it_may_be_is_not_taken(strength, taken):
+    """Its strength is between 3 and 30 times the noise; here it has one, whatever its size."""
+    effect = EFFECTS["modulated_gain"]
+    yardstick = SimpleNamespace(linear_strength=lambda _: strength, strength=lambda _: strength)
+    found = _sized(effect, effect.forms[0], yardstick, CONDITIONS, np.random.default_rng(1))
+    assert (found is not None) == taken
+    assert found is None or found.strength == strength
 
 
 def test_drawing_again_gives_the_same(trials):
@@ -108,14 +119,14 @@ def test_a_record_of_the_drive_begins_where_the_first_command_holds_it():
 
 def test_a_served_trial_keeps_its_truth_whatever_the_cuts():
     trial = draw(CONFIG, SEED, 0, Use.TUNING, ambiguous=True)
-    counts = np.rint(design(**trial.excitation)[:600] * 65536 / 15).astype(np.uint16)
+    counts = np.rint(design(**trial.excitation)[:600] * 65535 / 15).astype(np.uint16)
     whole, pieces = trial.served(CONFIG), trial.served(CONFIG)
     applied, measured = whole.advance(counts)
     np.testing.assert_array_equal(applied, counts)
     parts = [pieces.advance(piece)[1] for piece in np.split(counts, [1, 13, 500])]
     np.testing.assert_array_equal(measured, np.concatenate(parts))
     np.testing.assert_array_equal(whole.truth, pieces.truth)
-    wrong = measured * 10.0 / 65536 - whole.truth
+    wrong = measured * 10.0 / 65535 - whole.truth
     assert wrong.std() == pytest.approx(1e3 * trial.noise.rms, rel=0.15)
 
 

@@ -9,6 +9,7 @@ from dea.excitation import Span, gaussian
 from dea.gfrf import frequency_response
 from dea.narx import Refined, select_terms
 from dea.plant import Rig
+from dea.plant.converter import Converter
 from dea.seeds import generator
 from dea.tracking import track_parameters, with_constant
 
@@ -21,9 +22,9 @@ SAMPLES = round(60 * MINUTES * RATE)
 
 def displacement(volts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Drive dea1, freshly mounted; return applied volts and millimetres."""
-    counts = np.clip(np.rint(volts / 15.0 * 65536.0), 0, 65535).astype(np.uint16)
-    applied, measured = Rig.from_config(BENCH, "dea1", 1).advance(counts)
-    return applied * 15.0 / 65536.0, measured * 10.0 / 65536.0
+    command, reading = Converter(0.0, 15.0), Converter(0.0, 10.0)
+    applied, measured = Rig.from_config(BENCH, "dea1", 1).advance(command.to_counts(volts))
+    return command.to_values(applied), reading.to_values(measured)
 
 
 def small_signal_response(at: np.ndarray) -> np.ndarray:
