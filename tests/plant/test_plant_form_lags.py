@@ -41,7 +41,9 @@ def test_a_lag_settles_and_its_mean_delay_is_as_stated(effect, form, seed):
     elif form == "sampled_and_held":
         assert mean == pytest.approx(defining["delay"], rel=0.34)  # depends on when it samples
     elif form == "joined_samples":
-        assert mean == pytest.approx(defining["delay"], rel=0.51)  # so does this
+        # The step meets a sample, and half a line is over on average.
+        early = 0.5 * (defining["delay"] - SUBSTEP)
+        assert mean == pytest.approx(defining["delay"] - early, rel=1e-9)
     elif form == "bucket_brigade":
         assert mean == pytest.approx(defining["delay"], rel=0.05)  # and, less, this
     elif form == "reflecting_line":  # its delay is the first arrival
@@ -88,6 +90,14 @@ def test_the_held_sample_is_between_one_period_and_two_late():
     period = 0.2
     assert [late.min(), late.max()] == pytest.approx([period, 2 * period], abs=2 * SUBSTEP)
     assert late.mean() == pytest.approx(defining["delay"], abs=2 * SUBSTEP)
+
+
+def test_joined_samples_are_one_period_late():
+    ramp = np.arange(5000) * SUBSTEP
+    law, defining = built("transport_delay", "joined_samples", 0.3)
+    late = (ramp - through(law, ramp))[1000:]
+    assert defining["delay"] == 0.3
+    np.testing.assert_allclose(late, 0.3, rtol=1e-9)
 
 
 def test_the_laminar_stream_arrives_as_danckwerts_says():
