@@ -253,3 +253,14 @@ def test_a_ramp_that_is_none_is_refused(module, tmp_path, rate):
     with pytest.raises(InputError, match="ramp_rate"):
         acquire(described(module), np.ones(5), tmp_path / "a", replace(SETTINGS, ramp_rate=rate))
     assert not module.history
+
+
+def test_the_first_check_is_due_at_once_and_the_next_after_the_interval(clock):
+    laws = Laws(Panel(memory()))
+    assert laws.due()
+    laws.check(0.0, 0.0)
+    assert not laws.due()
+    clock.sleep(0.9 * laws.interval)
+    assert not laws.due()
+    clock.sleep(0.2 * laws.interval)
+    assert laws.due()

@@ -3,13 +3,16 @@
 import time
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from memory_link import Clock
 from pymodbus.exceptions import ModbusIOException
 from pymodbus.pdu import ExceptionResponse
 from pymodbus.pdu.register_message import ReadHoldingRegistersResponse
 
-from dea.acquisition import DeviceRefusedError, Link, LinkError, LinkSettings
+from dea.acquisition import DeviceRefusedError, Link, LinkError, LinkSettings, StoppedError
 from dea.acquisition.panel import Panel
+from dea.acquisition.retrying_link import LONGEST_SLEEP
 from dea.modbus import read_device
 from served_bench import DESCRIPTION
 
@@ -99,3 +102,28 @@ def test_any_other_refusal_ends_the_request_after_its_retries(monkeypatch, code,
 def test_a_device_that_stays_busy_is_given_up(monkeypatch):
     with pytest.raises(DeviceRefusedError, match="exception 6"):
         read_from(monkeypatch, BusyClient(6, length=30.0), reconnect_time=0.3)
+
+
+def test_a_rest_lasts_its_whole_time_and_checks_meanwhile(monkeypatch):
+    clock, checked = Clock(), []
+    monkeypatch.setattr("dea.acquisition.retrying_link.time", clock)
+    link = Link(read_device(DESCRIPTION), SETTINGS)
+    link.check = lambda: checked.append(clock.now)
+    link.rest(1.0)
+    assert clock.now == pytest.approx(1.0)
+    assert checked[-1] == clock.now
+    assert max(np.diff([0.0, *checked])) <= LONGEST_SLEEP + 1e-9
+
+
+def test_a_check_ends_a_rest(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr("dea.acquisition.retrying_link.time", clock)
+    link = Link(read_device(DESCRIPTION), SETTINGS)
+
+    def stop():
+        raise StoppedError("somebody asked for zero")
+
+    link.check = stop
+    with pytest.raises(StoppedError):
+        link.rest(1.0)
+    assert clock.now <= LONGEST_SLEEP

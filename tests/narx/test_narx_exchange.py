@@ -10,6 +10,7 @@ from dea.narx.candidate_models import CandidateModels
 from dea.narx.descent import relative_sizes
 from dea.narx.exchange import Exchange, Fit, Structure, System
 from dea.narx.trace import Trace
+from dea.terms import Term
 
 CANDIDATES = linear_terms(2, 2)
 PRICE = 1e-3
@@ -96,3 +97,33 @@ def test_without_rounds_nothing_is_tried():
     start = Structure((0,), exchange.fit((0,), [models([(0,)])[0].parameters]))
     assert exchange.search(start, PRICE, 0, 5, trace) == (start, 0)
     assert trace.to_dataset().sizes["trial"] == 0
+
+
+@pytest.mark.parametrize("samples", [60, 400])
+def test_where_runs_are_linear_in_the_parameters_a_move_s_prediction_is_its_error(samples):
+    terms = tuple(Term.parse(f"u(t-{lag})") for lag in (1, 2, 3, 4, 5))
+    rng = np.random.default_rng(3)
+    u = rng.standard_normal(samples)
+    y = np.convolve(u, [0.0, 1.0, 0.7, -0.4, 0.3, 0.1])[:samples]
+    y += 0.2 * rng.standard_normal(samples)
+    models = CandidateModels(terms, [(u, y)])
+    sizes = relative_sizes(models.triangle)
+    exchange = Exchange(terms, [System([(u, y)], models.power, sizes)])
+
+    def least_squares(*subset):
+        # A run is scored from the largest lag of its terms on.
+        start = subset[-1] + 1
+        columns = regressor_matrix(terms, u, y, start)[:, subset]
+        theta = np.linalg.lstsq(columns, y[start:], rcond=None)[0]
+        error = np.mean((y[start:] - columns @ theta) ** 2) / models.power
+        return Structure(subset, Fit((theta,), float(error)))
+
+    now = least_squares(0, 1, 4)
+    moves = [*exchange._additions(now), *exchange._removals(now, "")]
+    predicted = {move.subset: move.predicted for move in moves}
+    # Without its largest lag, of which the prediction does not know, a run is scored from earlier.
+    assert predicted.keys() - {(0, 1)} == {(0, 1, 2, 4), (0, 1, 3, 4), (0, 4), (1, 4)}
+    for subset in predicted.keys() - {(0, 1)}:
+        error = least_squares(*subset).fit.error
+        assert abs(error - now.fit.error) > 0.01
+        assert predicted[subset] == pytest.approx(error, rel=1e-6)

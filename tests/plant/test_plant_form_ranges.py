@@ -45,7 +45,8 @@ def times_quicker(c):
     return np.sqrt(c[4] / c[3] / (c[1] / c[0]))
 
 
-# What is drawn, from the constants and the frequency of a law, and its range as the form states it.
+# What is drawn, from the constants and the frequency of a law, and its range as the form states it,
+# or what its law takes it for (the place of a level, a power of time).
 STATED = {
     ("strain_stiffening", "ogden_term"): (lambda c, f: c[1], 3.5, 6.0),
     ("strain_stiffening", "taut_cables"): (lambda c, f: c[1] / TRAVEL, 0.5, 1.2),
@@ -57,7 +58,9 @@ STATED = {
     ("second_mode", "shared_damping"): (lambda c, f: f * TIME, 0.6, 2.0),
     ("second_mode", "grounded_damper"): (lambda c, f: f * TIME, 0.6, 2.0),
     ("second_mode", "sloshing_pendulum"): (lambda c, f: f * TIME, 0.6, 2.0),
-    ("second_mode", "twin_masses"): (lambda c, f: times_quicker(c), 1.3, 1.8),
+    ("second_mode", "twin_masses"): (
+        lambda c, f: [f * TIME, times_quicker(c)], [0.6, 1.3], [1.6, 1.8]
+    ),
     ("cyclic_softening", "three_stages"): (lambda c, f: c[[3, 8]], [0.2, 4.0], [0.4, 8.0]),
     ("strain_stiffening", "tendon_toe"): (lambda c, f: c[3] / TRAVEL, 0.5, 0.8),
     ("second_mode", "masses_in_series"): (lambda c, f: c[3] / c[0], 0.1, 0.5),
@@ -82,6 +85,10 @@ STATED = {
         lambda c, f: (c[2] - c[1]) * CONDITIONS.duration, 2.0, 6.0
     ),
     ("modulated_gain", "modulated_gain"): (lambda c, f: c[1] * TIME, 0.316, 5.01),
+    ("coarse_commands", "coarse_commands"): (
+        lambda c, f: (c[1] - CONDITIONS.low) / c[0], 0.0, 1.0
+    ),
+    ("drifting_clock", "drifting_clock"): (lambda c, f: c[2], 0.7, 2.0),
     ("pumped_stiffness", "pumped_stiffness"): (lambda c, f: c[2] * TIME, 0.316, 5.01),
 }  # fmt: skip
 
