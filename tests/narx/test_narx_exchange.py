@@ -99,24 +99,31 @@ def test_without_rounds_nothing_is_tried():
     assert trace.to_dataset().sizes["trial"] == 0
 
 
+@pytest.mark.parametrize("systems", [1, 3])
 @pytest.mark.parametrize("samples", [60, 400])
-def test_where_runs_are_linear_in_the_parameters_a_move_s_prediction_is_its_error(samples):
+def test_where_runs_are_linear_in_the_parameters_a_move_s_prediction_is_its_error(samples, systems):
     terms = tuple(Term.parse(f"u(t-{lag})") for lag in (1, 2, 3, 4, 5))
-    rng = np.random.default_rng(3)
-    u = rng.standard_normal(samples)
-    y = np.convolve(u, [0.0, 1.0, 0.7, -0.4, 0.3, 0.1])[:samples]
-    y += 0.2 * rng.standard_normal(samples)
-    models = CandidateModels(terms, [(u, y)])
-    sizes = relative_sizes(models.triangle)
-    exchange = Exchange(terms, [System([(u, y)], models.power, sizes)])
+    records, powers, searched = [], [], []
+    for seed in range(systems):
+        rng = np.random.default_rng(3 + seed)
+        u = rng.standard_normal(samples)
+        y = (1.0 + seed) * np.convolve(u, [0.0, 1.0, 0.7, -0.4, 0.3, 0.1])[:samples]
+        y += 0.2 * rng.standard_normal(samples)
+        models = CandidateModels(terms, [(u, y)])
+        records.append((u, y))
+        powers.append(models.power)
+        searched.append(System([(u, y)], models.power, relative_sizes(models.triangle)))
+    exchange = Exchange(terms, searched)
 
     def least_squares(*subset):
-        # A run is scored from the largest lag of its terms on.
+        # A run is scored from the largest lag of its terms on; systems count alike.
         start = subset[-1] + 1
-        columns = regressor_matrix(terms, u, y, start)[:, subset]
-        theta = np.linalg.lstsq(columns, y[start:], rcond=None)[0]
-        error = np.mean((y[start:] - columns @ theta) ** 2) / models.power
-        return Structure(subset, Fit((theta,), float(error)))
+        found, errors = [], []
+        for (u, y), power in zip(records, powers, strict=True):
+            columns = regressor_matrix(terms, u, y, start)[:, subset]
+            found.append(np.linalg.lstsq(columns, y[start:], rcond=None)[0])
+            errors.append(np.mean((y[start:] - columns @ found[-1]) ** 2) / power)
+        return Structure(subset, Fit(tuple(found), float(np.mean(errors))))
 
     now = least_squares(0, 1, 4)
     moves = [*exchange._additions(now), *exchange._removals(now, "")]

@@ -228,7 +228,7 @@ class Exchange:
             )
             scaled = parameters * norms
             diagonal = np.maximum(np.diag(inverse), np.finfo(float).tiny)
-            rise += scaled**2 / diagonal / (system.power * point.residual.size)
+            rise += scaled**2 / diagonal / (len(self._systems) * system.power * point.residual.size)
             # Column i: the parameters at the minimum of the quadratic model without term i.
             moved.append((scaled[:, None] - inverse * (scaled / diagonal)) / norms[:, None])
         moves = []
@@ -258,7 +258,7 @@ class Exchange:
             usable = energy > _DEPENDENT * np.einsum("ij,ij->j", slope, slope)
             explained = np.where(usable, (off.T @ point.residual) ** 2, 0.0)
             explained /= np.where(usable, energy, 1.0)
-            fall += explained / (system.power * point.residual.size)
+            fall += explained / (len(self._systems) * system.power * point.residual.size)
         fall[present] = 0.0
         moves = []
         for j in np.argsort(-fall, kind="stable")[:_FITTED]:
