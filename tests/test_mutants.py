@@ -95,11 +95,18 @@ def test_the_likeliest_tests_come_first_and_stay_in_the_budget():
     )
 
 
-def test_a_file_that_names_the_module_comes_before_one_that_names_the_function():
-    mutant = Mutant("src/dea/narx/dead_zone.py", 2, 0, "parse", "NumberReplacer", 0)
-    naming = TimedFile(
-        "tests/x/test_y.py", "effect('dead_zone')", {"tests/x/test_y.py::test_z": 9.0}
-    )
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("dead_zone", "effect('dead_zone')"),
+        ("mode", "from dea.narx import (\n    kernels,\n    mode,\n)"),
+        ("mode", "import dea.narx.mode"),
+    ],
+)
+def test_a_file_that_names_the_module_comes_before_one_that_names_the_function(name, text):
+    """And one whose own name only begins like the module's, as test_narx_model, after both."""
+    mutant = Mutant(f"src/dea/narx/{name}.py", 2, 0, "parse", "NumberReplacer", 0)
+    naming = TimedFile("tests/x/test_y.py", text, {"tests/x/test_y.py::test_z": 9.0})
     suite = suite_of({}, *FILES, naming)
     names = [test.split("::")[1] for test in select(mutant, CALLED, "narx", suite, 20.0).tests]
     assert names[:2] == ["test_z", "test_b"]

@@ -1,6 +1,7 @@
 """Which tests are asked about a mutant: those that run its line, the likeliest ones first."""
 
 import ast
+import re
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -135,10 +136,12 @@ def statement(source: str, line: int) -> range:
 
 def _distance(mutant: Mutant, file: TimedFile) -> int:
     module = Path(mutant.file).with_suffix("").relative_to("src")
-    if module.name.strip("_") in Path(file.path).stem:
+    name = module.name.strip("_")
+    if f"_{name}_" in f"_{Path(file.path).stem}_":
         return 0
-    dotted = ".".join(module.parts)
-    if dotted in file.text or ("_" in module.name.strip("_") and module.name in file.text):
+    package, dotted = ".".join(module.parts[:-1]), ".".join(module.parts)
+    imported = re.search(rf"from {re.escape(package)} import [^)]*?\b{module.name}\b", file.text)
+    if dotted in file.text or imported or ("_" in name and module.name in file.text):
         return 1
     if mutant.definition and mutant.definition in file.text:
         return 2
