@@ -164,7 +164,7 @@ def decide(
         part = _certain_part(evidence, pool, weighed)
         if part is not None:
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
-        # What an effect removes on blocks it was not fitted to is no noise.
+        # If an effect lowers the error on held-out blocks, the residual is not noise.
         unaffected = _share_of(evidence, chosen).low <= rules.margin
         if unaffected and is_coloured_noise(evidence.problem, residual, evidence.blocks):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
@@ -224,12 +224,12 @@ def _stands_alone(
             return False
         predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))
         worse, low = beaten(predicted, rivalling, evidence.blocks, evidence.rng)
-        # Of few blocks, the one that tells them apart is often not among those resampled.
+        # With few blocks, resampling often omits the one that separates them.
         return low <= rules.needed_gain and worse <= np.log(rules.near)
 
     if any(stands_against(c) for c in pool if c.finished):
         return False
-    # Readings drift and hum of themselves: their course in time must be predicted.
+    # A drift or hum of a sensor is common: held-out blocks must show its course in time.
     laws = [a.effect for a in surest.fit.extended.attached]
     of_readings = any(law.only_reads and not law.transferable for law in laws)
     complete = rules.completes(surest.rmse, evidence.nominal_error, floor)

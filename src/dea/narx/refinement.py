@@ -386,7 +386,7 @@ class _Segments:
         self._ends = np.cumsum([y.size for _, y in segments], dtype=np.int64)
         self._bounds = np.array([_bound(y) for _, y in segments])
         begins = (0, *self._ends[:-1].tolist())
-        # Before its start a run is given, not simulated.
+        # Outputs before the start are given, not simulated.
         self.scored = [
             slice(min(begin + self._shape.start, end), end)
             for begin, end in zip(begins, self._ends.tolist(), strict=True)

@@ -87,7 +87,7 @@ class Presence:
         for candidate, weight in zip(self.candidates, self.weights, strict=True):
             for part in parts(candidate):
                 found[part] = found.get(part, 0.0) + float(weight)
-        # Those that are as sure stand in the order of their names, the same in every process.
+        # Ties are sorted by name.
         return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
 
 

@@ -12,7 +12,7 @@ from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.rounds import Round
 
-# Of the fit at the limit, which starts where the others of its parameters serve already.
+# Steps of the fit with the essential parameter at its bound.
 _STEPS = 8
 
 

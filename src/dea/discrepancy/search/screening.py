@@ -109,7 +109,7 @@ def screen(
 
     cheap = [first_steps(start) for start in starts]
     if min(map(error, cheap), default=0.0) > error(base.fit):
-        # A law contains the simulation without it.
+        # Where it does nothing, a law leaves the simulation's own fit.
         nothing = where_it_does_nothing(problem, base, starts[0].extended, offer)
         cheap += [] if nothing is None else [first_steps(nothing)]
     cheap.sort(key=error)

@@ -61,7 +61,7 @@ class TrialRig:
             law.advance(output)
         if self._shift >= 0:
             return output[self._shift :: self.substeps].copy()
-        # Earlier readings come from before the piece: keep as much of it as is read.
+        # An early reading needs outputs of the piece before: keep the last ones.
         before = np.full(-self._shift, output[0]) if self._tail is None else self._tail
         joined = np.concatenate([before, output])
         self._tail = joined[joined.size + self._shift :].copy()
