@@ -50,7 +50,16 @@ def test_laws_are_shown_in_the_order_in_which_they_act():
     np.testing.assert_array_equal(first.along.values, second.value.values)
 
 
-def test_a_force_that_dissipates_is_shown_over_the_velocity():
+def test_a_loop_is_shown_over_the_position():
+    stops = {"stiffness": 0.3, "largest_radius": 0.2}
+    extended, values = attached(("rate_independent_hysteresis", stops))
+    [course] = law_courses(extended, values, U, INTERVAL)
+    position = extended.simulate(values, U, INTERVAL)
+    np.testing.assert_allclose(course.along.values, position, atol=1e-9)
+    assert course.along.unit == "V"
+
+
+def test_a_force_that_does_not_look_at_the_position_is_shown_over_the_velocity():
     extended, values = attached(("coulomb_friction", {"force": 0.2, "slip_deflection": 1e-4}))
     [course] = law_courses(extended, values, U, INTERVAL)
     position = extended.simulate(values, U, INTERVAL)

@@ -41,8 +41,9 @@ def law_courses(
 ) -> list[LawCourse | None]:
     """Return the course of each effect attached, in their order.
 
-    A force is shown along the velocity where it dissipates, along the position where it does not.
-    There is none where its port has no position, or is not the simulation's first.
+    A force is shown along the position, so that a loop is seen as one, or along the velocity if it
+    does not look at the position. There is none where its port has no position, or is not the
+    simulation's first.
 
     Parameters
     ----------
@@ -132,9 +133,9 @@ def _pushed(
     states = extended.simulation.states
     unit = next(state.unit for state in states if state.name == port.position)
     along = (
-        Axis(w * frame.scale, f"rate of {port.position}", f"{unit}/s")
-        if effect.family is Family.DISSIPATION
-        else Axis(z * frame.scale + frame.rest, port.position, unit)
+        Axis(z * frame.scale + frame.rest, port.position, unit)
+        if effect.uses_position
+        else Axis(w * frame.scale, f"rate of {port.position}", f"{unit}/s")
     )
     return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size))
 
