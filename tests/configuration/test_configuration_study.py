@@ -44,7 +44,12 @@ def test_a_null_is_a_key_that_is_not_given():
 @pytest.mark.parametrize("file", CASES, ids=lambda path: path.stem)
 def test_a_case_overrides_sections_key_by_key(file):
     own = CASES[file]
-    expected = own | {name: STUDY[name] | own.get(name, {}) for name in SECTIONS}
+    # A key that is null takes the study's value away.
+    sections = {name: STUDY[name] | own.get(name, {}) for name in SECTIONS}
+    expected = own | {
+        name: {key: value for key, value in section.items() if value is not None}
+        for name, section in sections.items()
+    }
     assert settings(check_case(own, check_study(STUDY))) == expected
 
 
