@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dea.autocovariance import autocovariance
 from dea.errors import InputError
 from dea.inputs import input_count
 from dea.narx.candidate_terms import InputLags, Lags, input_lag_lists, lag_list
@@ -200,8 +201,7 @@ def _first_least(centred: Array) -> int:
     """
     samples = centred.size
     far = max(samples // 2, 2)
-    spectrum = np.abs(np.fft.rfft(centred, 2 * samples)) ** 2
-    correlation = np.fft.irfft(spectrum)[:far]
+    correlation = autocovariance(centred, far)
     for lag in range(1, far - 1):
         if correlation[lag - 1] > correlation[lag] == correlation[lag : lag + lag // 2 + 2].min():
             return lag

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dea.autocovariance import autocovariance
 from dea.discrepancy.rules import misfit
 
 
@@ -73,8 +74,7 @@ def memory_of(residual: np.ndarray, mean: float | None = None) -> float:
     Of a residual that is short against its memory the ``mean`` is that expected, not its own.
     """
     centre = residual.mean() if mean is None else mean
-    spectrum = np.abs(np.fft.rfft(residual - centre, 2 * residual.size)) ** 2
-    correlation = np.fft.irfft(spectrum)[: max(residual.size // 4, 1)]
+    correlation = autocovariance(residual - centre, max(residual.size // 4, 1))
     correlation /= correlation[0] or 1.0
     crossing = int(np.argmax(correlation <= 0)) or correlation.size
     return 1.0 + 2.0 * float(np.sum(correlation[1:crossing]))

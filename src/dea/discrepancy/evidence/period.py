@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from dea.autocovariance import autocovariance
 from dea.inputs import by_input
 
 # Correlation of the input with itself a period later, from which it repeats; and the part of the
@@ -36,8 +37,7 @@ def _correlation(u: np.ndarray, longest: int) -> np.ndarray:
     """Return the correlation of an input with itself at lags below ``longest``."""
     centred = u - u.mean()
     size = u.size
-    spectrum = np.abs(np.fft.rfft(centred, 2 * size)) ** 2
-    products = np.fft.irfft(spectrum)[:longest]
+    products = autocovariance(centred, longest)
     energy = np.concatenate([[0.0], np.cumsum(centred**2)])
     lag = np.arange(longest)
     both = np.sqrt(energy[size - lag] * (energy[size] - energy[lag]))
