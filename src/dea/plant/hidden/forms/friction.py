@@ -21,13 +21,18 @@ def lugre(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.LUGRE, constants), {})
 
 
-@tuning("Armstrong-Hélouvry et al., Automatica 30 (1994) 1083: Tustin's exponential of the speed")
-def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built:
-    """Friction that falls with the speed, regularised near standstill."""
+def _falling(kind: int, size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Return friction from 1.1 to 1.6 times the sliding one, which it reaches with the speed."""
     sliding, speed = conditions.device_forces(size), conditions.speed
     static = sliding * rng.uniform(1.1, 1.6)
     constants = [sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed]
-    return Built(ForceLaw(forces.STRIBECK, constants), {})
+    return Built(ForceLaw(kind, constants), {})
+
+
+@tuning("Armstrong-Hélouvry et al., Automatica 30 (1994) 1083: Tustin's exponential of the speed")
+def stribeck_curve(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that falls with the speed, regularised near standstill."""
+    return _falling(forces.STRIBECK, size, conditions, rng)
 
 
 @tuning("Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip")
@@ -61,10 +66,7 @@ def loaded_bearing(size: float, conditions: Conditions, rng: Generator) -> Built
 @tuning("Hess and Soom, J. Tribol. 112 (1990) 147: a fall with the square of the speed")
 def hess_soom(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Friction that falls as 1/(1 + (v/v0)²), regularised near standstill."""
-    sliding, speed = conditions.device_forces(size), conditions.speed
-    static = sliding * rng.uniform(1.1, 1.6)
-    constants = [sliding, static, speed * rng.uniform(0.2, 0.8), 0.03 * speed]
-    return Built(ForceLaw(forces.LORENTZIAN, constants), {})
+    return _falling(forces.LORENTZIAN, size, conditions, rng)
 
 
 @reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
