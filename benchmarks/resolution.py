@@ -25,9 +25,8 @@ from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.excitation import design
-from dea.plant import Trial, draw_trial
+from dea.plant import Trial, Use, draw_trial
 from dea.resolution import Design, Forms, Limits, Options, Outcome, Round
-from dea.stages.trial_draw import use_of
 from dea.store import Record
 
 OUTCOMES = Path("build/resolution.jsonl")
@@ -132,7 +131,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--cores", type=int, default=1)
     options = parser.parse_args(arguments)
     study = written(check_study(read_yaml(FILE, what="the configuration", example=FILE)))
-    use = use_of(options.set)
+    use = Use.of_set(options.set)
     seed = study["trials"]["seeds"][options.set]
     code = stored.commit()
     leaves = json.dumps([options.set, study], sort_keys=True)

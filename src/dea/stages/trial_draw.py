@@ -2,12 +2,9 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dea.stages.command import run
-
-if TYPE_CHECKING:
-    from dea.plant import Use
 
 
 def trial_draw(settings: Mapping[str, Any], bench: Path, sealed: Path, commitment: Path) -> None:
@@ -22,11 +19,11 @@ def trial_draw(settings: Mapping[str, Any], bench: Path, sealed: Path, commitmen
     import json
 
     from dea import store
-    from dea.plant import draw_trial
+    from dea.plant import Use, draw_trial
 
     sealed.mkdir(parents=True)
     committed = {}
-    use = use_of(settings["set"])
+    use = Use.of_set(settings["set"])
     ambiguous = settings["set"].startswith("ambiguous")
     for index in range(settings["first"], settings["last"] + 1):
         trial = draw_trial(bench, settings["seed"], index, use, ambiguous=ambiguous)
@@ -40,13 +37,6 @@ def trial_draw(settings: Mapping[str, Any], bench: Path, sealed: Path, commitmen
         }
     with store.atomic(commitment) as partial:
         partial.write_text(json.dumps(committed, indent=2) + "\n")
-
-
-def use_of(trials: str) -> "Use":
-    """Return what the forms that a set of trials hides are for."""
-    from dea.plant import Use
-
-    return Use.TUNING if trials.endswith("tuning") else Use.REPORTING
 
 
 if __name__ == "__main__":

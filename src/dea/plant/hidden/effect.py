@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from numpy.random import Generator
 
@@ -28,6 +28,11 @@ class Use(StrEnum):
 
     TUNING = "tuning"  # the diagnosis may be improved on it
     REPORTING = "reporting"  # the diagnosis is judged by it, and has never been tuned on it
+
+    @classmethod
+    def of_set(cls, name: str) -> Self:
+        """Return what the forms that a set of trials hides are for."""
+        return cls.TUNING if name.endswith("tuning") else cls.REPORTING
 
 
 class Conditions(NamedTuple):
