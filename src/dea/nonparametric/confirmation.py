@@ -95,31 +95,15 @@ def confirmation(
         ),
     }
     for name, field, units_of, label in (
-        (
-            "gain_difference",
-            "gain",
-            "1",
-            "relative difference of the measured gain from the model's",
-        ),
-        (
-            "phase_difference",
-            "phase",
-            "degree",
-            "difference of the measured phase from the model's",
-        ),
-        (
-            "gain_band",
-            "gain_band",
-            "1",
-            "half-width of the joint 95 % band of the relative difference",
-        ),
-        (
-            "phase_band",
-            "phase_band",
-            "degree",
-            "half-width of the joint 95 % band of the difference",
-        ),
-    ):
+        ("gain_difference", "gain", "1",
+         "relative difference of the measured gain from the model's"),
+        ("phase_difference", "phase", "degree",
+         "difference of the measured phase from the model's"),
+        ("gain_band", "gain_band", "1",
+         "half-width of the joint 95 % band of the relative difference"),
+        ("phase_band", "phase_band", "degree",
+         "half-width of the joint 95 % band of the difference"),
+    ):  # fmt: skip
         values = np.stack([getattr(each, field) for each in agreements])
         values = np.degrees(values) if units_of == "degree" else values
         variables[name] = (at_lines, values, units_of, label)
