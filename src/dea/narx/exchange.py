@@ -228,7 +228,7 @@ class Exchange:
             )
             scaled = parameters * norms
             diagonal = np.maximum(np.diag(inverse), np.finfo(float).tiny)
-            rise += scaled**2 / diagonal / (len(self._systems) * system.power * point.residual.size)
+            rise += self._share(system, point, scaled**2 / diagonal)
             # Column i: the parameters at the minimum of the quadratic model without term i.
             moved.append((scaled[:, None] - inverse * (scaled / diagonal)) / norms[:, None])
         moves = []
@@ -258,7 +258,7 @@ class Exchange:
             usable = energy > _DEPENDENT * np.einsum("ij,ij->j", slope, slope)
             explained = np.where(usable, (off.T @ point.residual) ** 2, 0.0)
             explained /= np.where(usable, energy, 1.0)
-            fall += explained / (len(self._systems) * system.power * point.residual.size)
+            fall += self._share(system, point, explained)
         fall[present] = 0.0
         moves = []
         for j in np.argsort(-fall, kind="stable")[:_FITTED]:
@@ -268,6 +268,10 @@ class Exchange:
                 predicted = now.fit.error - float(fall[j])
                 moves.append(Move(str(self._candidates[j]), "added", grown, start, predicted))
         return moves
+
+    def _share(self, system: System, point: Linearised, squares: Array) -> Array:
+        """Return by how much sums of squares of a system change the mean error of all."""
+        return squares / (len(self._systems) * system.power * point.residual.size)
 
     def _linearised(
         self, subset: Subset, parameters: Sequence[Array]
