@@ -15,8 +15,8 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
     That is a ladder of two resistances and capacitances: without a near part a cascade, and from a
     near part of the lags' ratio on what two lags in parallel are. Its charge at the start of the
-    record is unknown. Of an input of one sign it may discharge through another
-    resistance than it charges through.
+    record is unknown. An input of one sign may discharge it through another resistance than it
+    charges through.
     """
     slow, ratio, part, start, falling = q[0], q[1], q[2], q[3], q[4]
     near = held_lag(u, u[0], slow * ratio, falling, interval)
@@ -27,22 +27,13 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the slow time, the fast one's ratio, the near part, charge at start, falling time."""
-    dt = scales.interval
+    dt, spread = scales.interval, 0.0 if scales.bipolar else 0.3
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
         Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
         Parameter("near_weight", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
         Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span, at_start=True),
-        Parameter(
-            "falling_ratio",
-            "1",
-            1.0,
-            0.0 if scales.bipolar else 0.3,
-            0.1,
-            10.0,
-            log=True,
-            shape=True,
-        ),
+        Parameter("falling_ratio", "1", 1.0, spread, 0.1, 10.0, log=True, shape=True),
     )
 
 
