@@ -90,9 +90,9 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
     constants and in other processes: those that run its module, and those of its room. First come
     the files that carry the module's name in theirs, then those that import it or name it in their
     text, as an effect's, then those that name the function changed, then the others; among these
-    the quicker ones before. A test that alone takes more than
-    half of the budget is left out, and a file with one that takes more than all of it, since what
-    its tests share may be what takes long.
+    the quicker ones before. A test that alone takes more than half of the budget is left out, and
+    a file with one that takes more than all of it, since what its tests share may be what takes
+    long.
     """
     running = suite.running(mutant.file, statement(source, mutant.line))
     if not running:
