@@ -72,6 +72,30 @@ def test_text_among_the_numbers_is_named(folder, capsys):
     assert "mine.csv: column 'y': line 500: 'Fehler' is not a number" in capsys.readouterr().err
 
 
+def test_what_was_answered_before_is_not_asked_again(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    table.columns = ["t", "volts", "place"]
+    table.to_csv("plain.csv", index=False)
+    assert main(["plain.csv"]) == 2
+    answers = ["--input", "volts:V", "--output", "place:mm"]
+    assert main(["plain.csv", *answers]) == 0
+    file = folder / "config" / "cases" / "plain.yaml"
+    before = yaml.safe_load(file.read_text())
+    write_simulation(folder / "mine.py")
+    assert main(["plain.csv", "--simulation", "mine.py", "--goal", "diagnose"]) == 0
+    after = yaml.safe_load(file.read_text())
+    assert after["record"] == before["record"]
+    assert after["simulation"] == "mine.py"
+    # Another file of that name, and a question that was answered in part, are asked about.
+    capsys.readouterr()
+    other = folder / "other"
+    other.mkdir()
+    table.to_csv(other / "plain.csv", index=False)
+    assert main(["other/plain.csv"]) == 2
+    assert main(["plain.csv", "--input", "volts:V"]) == 2
+    assert capsys.readouterr().err.count("Answer with") == 2
+
+
 def test_an_edited_case_is_never_written_over(folder, capsys):
     main(["mine.csv"])
     assert main(["mine.csv", "--rate", "20"]) == 0, "what intake wrote itself it may write again"

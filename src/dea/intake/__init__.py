@@ -1,7 +1,7 @@
 """A record of any file becomes a case: its columns are told apart, its settings inferred."""
 
 from dea.intake.case import Inferred, infer_case
-from dea.intake.case_file import case_name, known_name, read_case, write_case
+from dea.intake.case_file import case_name, earlier_answers, known_name, read_case, write_case
 from dea.intake.questions import UnansweredError, command
 from dea.intake.roles import Answers
 
@@ -11,6 +11,7 @@ __all__ = [
     "UnansweredError",
     "case_name",
     "command",
+    "earlier_answers",
     "infer_case",
     "known_name",
     "read_case",

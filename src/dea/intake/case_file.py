@@ -10,10 +10,12 @@ import yaml
 from dea.configuration.case import Case, check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
+from dea.configuration.record import Column
 from dea.configuration.section import NAME
 from dea.configuration.study import FILE, RESERVED, Study, check_study
 from dea.errors import InputError
 from dea.intake.case import Inferred
+from dea.intake.roles import Answers
 from dea.store import atomic
 
 _MARK = "# As written: "
@@ -74,6 +76,31 @@ def read_case(file: Path) -> Case:
     """
     content = read_yaml(file, what="the case", example="a file of config/cases")
     return check_case(content, _study(), file)
+
+
+def earlier_answers(file: Path, case: Path) -> Answers:
+    """Return what a case of the same file says of its columns, or nothing.
+
+    Raises
+    ------
+    InputError
+        If the case cannot be read.
+    """
+    if not case.exists():
+        return Answers()
+    record = read_case(case).record
+    if Path(record.file) != file:
+        return Answers()
+    return Answers(
+        input=",".join(_told(each) for each in record.driving),
+        output=_told(record.output),
+        time=_told(record.time) if record.time else None,
+        rate=1.0 / record.sampling_interval if record.sampling_interval else None,
+    )
+
+
+def _told(column: Column) -> str:
+    return f"{column.column}:{column.units}"
 
 
 def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Path:

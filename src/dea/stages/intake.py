@@ -1,11 +1,13 @@
 """Write the case of a file and print its name: ``python -m dea.stages.intake mine.csv``.
 
 Without a file, check the case that is named. A simulation is loaded before anything is written.
+What a case of the file already says of its columns is not asked again.
 """
 
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from math import inf, nan
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,17 @@ from dea import store
 from dea.configuration.case import simulation_of
 from dea.configuration.study import RESERVED, settings
 from dea.errors import InputError
-from dea.intake import Answers, case_name, command, infer_case, known_name, read_case, write_case
+from dea.intake import (
+    Answers,
+    UnansweredError,
+    case_name,
+    command,
+    earlier_answers,
+    infer_case,
+    known_name,
+    read_case,
+    write_case,
+)
 
 _CASES = Path("config/cases")
 _DIAGNOSED = ("diagnose", "resolve")  # targets that need the simulation of a case
@@ -46,17 +58,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
             _check_named(options.name or "", options.goal)
             print(options.name)
             return 0
-        rate = _rate(options.rate)
-        inferred = infer_case(
-            options.file,
-            Answers(options.input, options.output, options.time, rate),
-            simulation=options.simulation,
-            goal=options.goal,
-            given=given,
-        )
+        name = case_name(options.file, options.name)
+        answers = Answers(options.input, options.output, options.time, _rate(options.rate))
+        infer = partial(
+            infer_case, options.file,
+            simulation=options.simulation, goal=options.goal, given=given,
+        )  # fmt: skip
+        try:
+            inferred = infer(answers)
+        except UnansweredError:
+            earlier = earlier_answers(options.file, _CASES / f"{name}.yaml")
+            if answers != Answers() or earlier == Answers():
+                raise
+            inferred = infer(earlier)
         if options.simulation is not None:
             _check_simulation(options.simulation, inferred.content["record"], None, "SIMULATION")
-        name = case_name(options.file, options.name)
         written = write_case(inferred, name, _CASES, command(options.goal, given))
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
