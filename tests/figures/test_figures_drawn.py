@@ -191,6 +191,15 @@ def test_the_chosen_orders_are_marked(lags, chosen):
         assert mark.get_xdata() == [order, order]
 
 
+def test_a_larger_order_than_those_compared_is_told_and_does_not_stretch_the_axis():
+    settings = {"identification": {"y_lags": 4, "u_lags": [1, 23], "degree": 2}}
+    orders = made.orders(1).assign_attrs(settings=json.dumps(settings))
+    ax = fig2(orders, made.validation(1), "dea1").subfigs[0].axes[0]
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "chosen: 23 \N{RIGHTWARDS ARROW}" in labels
+    assert ax.get_xlim()[1] < orders["dynamic_order"].max() + 1
+
+
 def test_fig3_maps_hold_the_gain_and_the_phase():
     record, gfrf = made.record(1), made.gfrf(1)
     h1 = gfrf["H1"].values[..., 0] + 1j * gfrf["H1"].values[..., 1]

@@ -72,9 +72,12 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
         # Where every model has diverged, or one has no error, there is no least to compare with.
         scale = least if 0.0 < least < np.inf else 1.0
         ax.plot(order, values / scale, color=colour, label=label, **look)
+    ax.set_xlim(*ax.get_xlim())
     chosen = _chosen(orders, kind)
     if chosen is not None:
-        ax.axvline(chosen, color=style.GREY, lw=0.8, ls=":", label=f"chosen: {chosen}", zorder=1)
+        # The line of an order beyond those compared lies beyond the axis.
+        label = f"chosen: {chosen}" + (" \N{RIGHTWARDS ARROW}" if chosen > order.max() else "")
+        ax.axvline(chosen, color=style.GREY, lw=0.8, ls=":", label=label, zorder=1)
     ax.set_yscale("log")
     style.plain_log_ticks(ax.yaxis)
     ax.set_xticks(order.values)
