@@ -113,13 +113,15 @@ def test_the_order_of_two_laws_on_the_inputs_way_is_found(first):
 
 
 @pytest.mark.parametrize("relaxes", [True, False])
-@pytest.mark.parametrize("name", ["stress_relaxation", "viscoelastic_creep"])
-def test_a_drift_does_not_bear_the_name_of_a_relaxation(name, relaxes):
+@pytest.mark.parametrize(
+    ("name", "drift"), [("stress_relaxation", 0.2), ("viscoelastic_creep", 0.1)]
+)
+def test_a_drift_does_not_bear_the_name_of_a_relaxation(name, drift, relaxes):
     """A prestress lost alone is a force that drifts; the stress must relax, or answer motion."""
     problem, extended = hidden(*[name] * relaxes)
     if not relaxes:
         late = (problem.time / 10.0) ** 0.8
-        problem = replace(problem, y=problem.y + 0.2 * (1.0 - np.exp(-late)))
+        problem = replace(problem, y=problem.y + drift * (1.0 - np.exp(-late)))
     nominal = fit(problem, extended, np.zeros(extended.free.size))
     effect = catalogue()[name]
     alone = extend_by_each(problem, [nominal], [effect], Budget(), 1)

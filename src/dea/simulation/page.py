@@ -47,8 +47,11 @@ a positive parameter. The last column tells what a fit does with the parameter:
 * free: it is fitted from the beginning;
 * shape: it only shapes the law, and is held until place and size of the effect are found;
 * start: it belongs to the state at the start of a record, and is fitted anew to another;
-* known: it is never changed; a ratio of one side to the other is fitted where the input has both
-  signs, and that of falling to rising where it has one.
+* known: no fit changes it, except that a ratio of one side to the other is fitted where the input
+  has both signs, and that of falling to rising where it has one.
+
+A law whose *essential* parameter is at its lower bound does something else than the effect; where
+it serves as well there, its name is not given.
 
 The second table of each law is of the points from which it is fitted. A parameter that is not in it
 starts from its prior.
@@ -72,6 +75,8 @@ def _section(effect: Effect) -> Iterator[str]:
     yield f"Symptom: {effect.symptom}.\n"
     yield f"Port: {effect.port}. Kind: {effect.family}.\n"
     yield f"Law: {effect.citation}.\n"
+    if effect.essential:
+        yield f"Essential: `{effect.essential}`.\n"
     yield "| parameter | unit | prior | spread | low | high | fit |"
     yield "| --- | --- | --- | --- | --- | --- | --- |"
     for each in parameters:

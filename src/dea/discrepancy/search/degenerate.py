@@ -3,13 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from dea.discrepancy.fit import Columns, fit
+from dea.discrepancy.fit import Fit, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
-from dea.discrepancy.search.candidates import Candidate
 from dea.discrepancy.search.rounds import Round
 
 # Steps of the fit with the essential parameter at its bound.
@@ -26,16 +23,20 @@ def unfinish_degenerate(
     """
     finished = [c for each in rounds for c in each.candidates if c.finished]
     limit = rules.near * min((c.error for c in finished), default=0.0)
-    doubtful = [(c, held) for c in finished if c.error <= limit and (held := _essential(c)).any()]
+    doubtful = [
+        c
+        for c in finished
+        if c.error <= limit and any(a.effect.essential for a in c.fit.extended.attached)
+    ]
     errors = in_parallel(
-        lambda pair: _error_at_limit(problem, *pair),
+        lambda c: _error_at_limit(problem, c.fit),
         doubtful,
         workers,
         "leading effects at their limits",
     )
     fallen = {
         id(c)
-        for (c, _), error in zip(doubtful, errors, strict=True)
+        for c, error in zip(doubtful, errors, strict=True)
         if rules.as_good(error, c.rmse, floor)
     }
     return [
@@ -49,22 +50,10 @@ def unfinish_degenerate(
     ]
 
 
-def _essential(candidate: Candidate) -> np.ndarray:
-    """Return which coordinates are essential to the names of a candidate's effects, (k,) bool."""
-    extended = candidate.fit.extended
-    essential = [
-        part.start + place
-        for attached, part in zip(extended.attached, extended.effect_slices, strict=True)
-        for place, parameter in enumerate(attached.parameters)
-        if parameter.name == attached.effect.essential
-    ]
-    return np.isin(extended.free, essential)
-
-
-def _error_at_limit(problem: Problem, candidate: Candidate, held: np.ndarray) -> float:
-    low, _ = candidate.fit.extended.bounds
-    start = np.where(held, low, candidate.fit.coordinates)
-    again = fit(
-        problem, candidate.fit.extended, start, iterations=_STEPS, columns=Columns(held=held)
-    )
+def _error_at_limit(problem: Problem, found: Fit) -> float:
+    """Return what is left where each law is the one without its essential parameter."""
+    extended = found.extended
+    attached = tuple(replace(each, effect=each.effect.at_limit()) for each in extended.attached)
+    limit = replace(extended, attached=attached)
+    again = fit(problem, limit, limit.coordinates(found.values), iterations=_STEPS)
     return problem.seen_rmse(again.residual)

@@ -1,7 +1,7 @@
 """An effect: a law with bounded parameters that attaches at a port of any simulation."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -91,6 +91,20 @@ class Effect:
     uses_position: bool = True
     refine: int = 1
     essential: str = ""
+
+    def at_limit(self) -> "Effect":
+        """Return the law whose essential parameter, if there is one, is known to be at its bound.
+
+        That parameter may be one that no fit changes, as the law has it.
+        """
+
+        def parameters(scales: Scales) -> tuple[Parameter, ...]:
+            return tuple(
+                replace(each, nominal=each.low, spread=0.0) if each.name == self.essential else each
+                for each in self.parameters(scales)
+            )
+
+        return replace(self, parameters=parameters)
 
     @property
     def on_input(self) -> bool:

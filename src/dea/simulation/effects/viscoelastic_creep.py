@@ -112,7 +112,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("curve", "1", 0.0, 0.4, -0.95, 0.95, shape=True),
         Parameter("rate_exponent", "1", 0.0, 0.5, -1.0, 3.0, shape=True),
         Parameter("rate_stretch", "1", 0.2, 1.0, 0.01, 5.0, log=True, shape=True),
-        Parameter("response", "1", 1.0, 0.34, 0.0, 1.0, shape=True),
+        Parameter("response", "1", 1.0, 0.0, 0.0, 1.0),
         Parameter("fastest_time", "s", first, 0.0),
         Parameter("time_ratio", "1", ratio, 0.0),
         Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
