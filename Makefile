@@ -68,7 +68,7 @@ handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handove
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 	pytest -m campaign tests/control/test_handed_over.py
 
-control: $(VENV)/installed ## controllers follow a reference on every virtual actuator, in a table and figures
+control: $(VENV)/installed ## after discrepancy (tens of minutes), controllers follow a reference on every virtual actuator
 	$(SNAKEMAKE) control_all
 	pytest -m campaign tests/control/test_control_trials.py
 
