@@ -1,0 +1,19 @@
+"""From fitted candidates to a name, several, none, or "unknown"."""
+
+from dea.discrepancy.decision.confirmation import confirmed
+from dea.discrepancy.decision.decision import Decision, Reason, Status
+from dea.discrepancy.decision.extension import best_extension, proven_alone, sure_alone
+from dea.discrepancy.decision.naming import decide
+from dea.discrepancy.decision.rivals import same_class
+
+__all__ = [
+    "Decision",
+    "Reason",
+    "Status",
+    "best_extension",
+    "confirmed",
+    "decide",
+    "proven_alone",
+    "same_class",
+    "sure_alone",
+]

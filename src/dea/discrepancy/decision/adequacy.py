@@ -1,0 +1,51 @@
+"""How much of the gap a candidate removes, and whether it leaves room for another effect."""
+
+from dea.discrepancy.decision.decision import Reason
+from dea.discrepancy.evidence.colour import is_coloured_noise
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.evidence.presence import Presence, Share, share_removed
+from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.rules import misfit
+from dea.discrepancy.search.candidates import Candidate
+
+
+def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
+    """Return whether too little is left over for another effect to be hidden in it."""
+    floor, rules = evidence.floor, evidence.rules
+    if chosen.rmse <= rules.clean * floor:
+        return True
+    # Several laws together fit almost any residual, so that they must leave noise alone.
+    if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
+        return False
+    left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
+    if left > rules.misfit * whole:
+        return leaves_coloured_noise(evidence, chosen, weighed)
+    if left <= 0.5 * rules.misfit * whole:
+        return True
+    return residual_model(evidence.problem, chosen.fit.residual).ratio >= rules.predictable
+
+
+def rest_of(evidence: Evidence, chosen: Candidate, weighed: Presence) -> Reason | None:
+    """Return what an effect that is named leaves, if it is known as noise beyond the floor."""
+    beyond = chosen.rmse > evidence.rules.clean * evidence.floor
+    noise = beyond and leaves_coloured_noise(evidence, chosen, weighed)
+    return Reason.COLOURED if noise else None
+
+
+def leaves_coloured_noise(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
+    """Return whether most of the gap is explained, and the rest is noise that follows nothing.
+
+    What a further effect surely explains is no noise.
+    """
+    if share_of(evidence, chosen).low < evidence.rules.part:
+        return False
+    if weighed.wider_than(chosen) >= evidence.rules.certain:
+        return False
+    return is_coloured_noise(evidence.problem, chosen.fit.residual, evidence.blocks)
+
+
+def share_of(evidence: Evidence, part: Candidate) -> Share:
+    """Return the part of the simulation's misfit on held-out blocks that a candidate removes."""
+    held_out = evidence.held_out
+    before, after = held_out.residual(evidence.nominal), held_out.residual(part.fit)
+    return share_removed(before, after, evidence.blocks, evidence.floor, evidence.rng)

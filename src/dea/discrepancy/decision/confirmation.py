@@ -1,0 +1,44 @@
+"""What samples and records that chose nothing say of a decision."""
+
+from collections.abc import Mapping
+
+from dea.discrepancy.decision.decision import Decision, Reason, Status
+from dea.discrepancy.evidence.certificate import Certified, certify, contradicting
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.problem import rmse
+
+_CERTIFIED = "certified samples"
+
+
+def confirmed(
+    decision: Decision,
+    evidence: Evidence,
+    left_out: Mapping[str, Certified],
+    tested: Mapping[str, Certified],
+) -> Decision:
+    """Withdraw what the certified samples contradict, or other records of the device.
+
+    They choose nothing. ``left_out`` are the errors on records of a joint diagnosis that were left
+    out in turn, ``tested`` those on test records. These do not contradict ``none``, which says what
+    the records that were diagnosed could show.
+    """
+    problem, nominal, rules = evidence.problem, evidence.nominal, evidence.rules
+    answer = decision.answer
+    if answer is None:
+        coloured = decision.reason is Reason.COLOURED
+        level = evidence.nominal_error if coloured else evidence.floor
+        left = rmse(nominal.residual, problem.certify)
+        if decision.status is Status.NONE and left > rules.noise_like * level:
+            return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)
+        return decision
+    noise = decision.noise(rules, evidence.floor)
+    block = {_CERTIFIED: certify(problem, nominal, answer.fit)}
+    for reason, found, allowed in (
+        (Reason.CONTRADICTED, block, noise),
+        (Reason.OF_ONE_RECORD, left_out, 0.0),
+        (Reason.CONTRADICTED_ELSEWHERE, tested, noise),
+    ):
+        against = contradicting(found, allowed)
+        if against:
+            return Decision(Status.UNKNOWN, answer, reason=reason, contradicted=against)
+    return decision

@@ -1,0 +1,63 @@
+"""What a diagnosis decides."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from dea.discrepancy.evidence.certificate import Certified
+from dea.discrepancy.rules import Rules
+from dea.discrepancy.search.candidates import Candidate
+
+
+class Status(StrEnum):
+    """The outcomes of a diagnosis."""
+
+    NAMED = "named"
+    NONE = "none"
+    AMBIGUOUS = "ambiguous"
+    UNKNOWN = "unknown"
+
+
+class Reason(StrEnum):
+    """Why no single effect set is named, or not all of the answer."""
+
+    ACCURATE = "the simulation is as good as it is said to be"
+    NOISE = "the residual is at the noise floor"
+    IRREDUCIBLE = "no effect and no flexible model reduces the residual"
+    COLOURED = "the residual is coloured noise, which follows neither the input nor the motion"
+    NO_EFFECT = "no effect of the catalogue is sure to reduce the residual"
+    UNEXPLAINED = "the best effect leaves too much unexplained"
+    REMAINS = "what remains is not named"
+    RIVAL = "a rival explains the record as well"
+    ONLY_CERTIFIED = "only the certified samples show it"
+    OF_ONE_RECORD = "the best effect does not serve on the records left out"
+    CONTRADICTED = "the best effect fails on the certified samples"
+    CONTRADICTED_ELSEWHERE = "the best effect fails on the test records"
+
+
+@dataclass(frozen=True)
+class Decision:
+    """The status, the chosen candidate and, where it is not alone, its rivals.
+
+    An answer that is not ``whole`` is a certain part of it: something else is missing, too. The
+    reason ``COLOURED`` of a whole one says what it leaves. Where samples not used so far have
+    withdrawn it, ``contradicted`` holds the errors on those that did, by the name of the record.
+    """
+
+    status: Status
+    chosen: Candidate | None
+    rivals: tuple[Candidate, ...] = ()
+    reason: Reason | None = None
+    whole: bool = True
+    contradicted: Mapping[str, Certified] = field(default_factory=dict)
+
+    @property
+    def answer(self) -> Candidate | None:
+        """The candidate that is named, with or without rivals."""
+        return self.chosen if self.status in (Status.NAMED, Status.AMBIGUOUS) else None
+
+    def noise(self, rules: Rules, floor: float) -> float:
+        """Return the error up to which an answer leaves noise: that which it is named beside."""
+        if self.reason is Reason.COLOURED and self.answer is not None:
+            floor = max(floor, self.answer.rmse)
+        return rules.clean * floor

@@ -1,0 +1,78 @@
+"""The single effects that are proven, and the extension of the simulation to decide on."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dea.discrepancy.evidence.bootstrap import Gains, beaten
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.evidence.presence import Presence, families_of
+from dea.discrepancy.rules import Rules, misfit
+from dea.discrepancy.search.candidates import Candidate
+from dea.discrepancy.search.rounds import Round
+
+# Candidates of one size whose held-out errors are compared.
+_LEADING = 6
+
+
+def proven_alone(rounds: Sequence[Round], gained: Gains, rules: Rules) -> list[Candidate]:
+    """Return the single effects whose gain is beyond the margin and beyond chance, best first."""
+    needed = max(rules.needed_gain, gained.null)
+    pairs = zip(rounds[0].candidates, gained.low, strict=True)
+    return [c for c, low in pairs if c.finished and low > needed]
+
+
+def sure_alone(evidence: Evidence, rounds: Sequence[Round], weighed: Presence) -> list[Candidate]:
+    """Return the single effects that are certain and leave noise alone where there was more.
+
+    The gain of an effect that acts rarely, such as a limit that is seldom reached, varies so much
+    between blocks that it is not proven by their resampling.
+    """
+    rules, floor, before = evidence.rules, evidence.floor, evidence.nominal_error
+    sure = weighed.sure(rules.certain)
+    singles = (c for c in rounds[0].candidates if c.finished and c.effects <= sure)
+    return [c for c in singles if rules.completes(c.rmse, before, floor)]
+
+
+def best_extension(
+    evidence: Evidence, rounds: Sequence[Round], proven: Sequence[Candidate]
+) -> Candidate | None:
+    """Return the best single effect that is proven, or the best larger set that helps more.
+
+    Of those whose held-out errors are as good as the best, down to the noise, it is the one with
+    the least freedom.
+    """
+    held_out, floor, rules = evidence.held_out, evidence.floor, evidence.rules
+
+    def simplest(candidates: Sequence[Candidate]) -> Candidate:
+        leading = sorted(candidates, key=lambda c: c.error)[:_LEADING]
+        errors = {id(c): held_out.rmse(c.fit) for c in leading}
+        best = min(errors.values())
+        equal = [c for c in leading if rules.as_good(errors[id(c)], best, evidence.noise)]
+        return min(equal, key=lambda c: (round(c.freedom), errors[id(c)]))
+
+    chosen = simplest(proven) if proven else None
+    larger = [c for r in rounds[1:] for c in r.candidates if c.finished]
+    for size in sorted({len(c.names) for c in larger}):
+        best = simplest([c for c in larger if len(c.names) == size])
+        before = chosen.fit if chosen else rounds[0].before
+        _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.rng)
+        # What leaves noise alone is right, though a course in time that few blocks show may be
+        # extrapolated badly.
+        left = evidence.problem.seen_rmse(before.residual)
+        complete = rules.completes(best.rmse, left, floor)
+        if not complete and held_out.rmse(best.fit) >= held_out.rmse(before):
+            continue
+        if chosen is None:
+            # Two effects at once, neither of which is proven alone, must remove twice the margin.
+            if low > -np.log1p(-2 * rules.margin):
+                chosen = best
+            continue
+        needed = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
+        if len(families_of(best)) < len(best.names):
+            whole = misfit(evidence.nominal_error, floor)
+            needed = needed and misfit(chosen.rmse, floor) > 4 * rules.room * whole
+        most = (1.0 - rules.second) * misfit(chosen.rmse, floor)
+        if needed and low > rules.needed_gain and misfit(best.rmse, floor) <= most:
+            chosen = best
+    return chosen

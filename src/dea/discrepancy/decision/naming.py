@@ -1,0 +1,126 @@
+"""From the best extension and its rivals to a name, several, none, or "unknown"."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dea.discrepancy.decision.adequacy import explained, rest_of, share_of
+from dea.discrepancy.decision.decision import Decision, Reason, Status
+from dea.discrepancy.decision.parts import certain_part, each_adds
+from dea.discrepancy.decision.rivals import rivals_of
+from dea.discrepancy.evidence.bootstrap import beaten
+from dea.discrepancy.evidence.colour import is_coloured_noise
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.evidence.presence import Presence
+from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.search.candidates import Candidate
+
+
+def decide(
+    evidence: Evidence,
+    chosen: Candidate | None,
+    pool: Sequence[Candidate],
+    proven: Sequence[Candidate],
+    residual: np.ndarray,
+    weighed: Presence,
+) -> Decision:
+    """Name the chosen candidate, or the part of it that is certain, unless something is against it.
+
+    ``pool`` holds all candidates, ``proven`` the single effects whose gain is significant,
+    ``residual`` (n,) is that of the simulation alone.
+    """
+    error, rules = evidence.nominal_error, evidence.rules
+    if error <= rules.noise_like * evidence.accuracy:
+        return Decision(Status.NONE, None, reason=Reason.ACCURATE)
+    surest = weighed.surest(rules.certain)
+    if surest is not None and _stands_alone(evidence, surest, pool, weighed):
+        return Decision(Status.NAMED, surest, reason=rest_of(evidence, surest, weighed))
+    if chosen is None:
+        return _nothing_proven(evidence, residual)
+    if not (explained(evidence, chosen, weighed) and each_adds(evidence, chosen, pool)):
+        part = certain_part(evidence, pool, weighed)
+        if part is not None:
+            return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
+        # If an effect lowers the error on held-out blocks, the residual is not noise.
+        unaffected = share_of(evidence, chosen).low <= rules.margin
+        if unaffected and is_coloured_noise(evidence.problem, residual, evidence.blocks):
+            return Decision(Status.NONE, None, reason=Reason.COLOURED)
+        return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
+    rivals = rivals_of(evidence, chosen, pool)
+    leaves_noise = chosen.rmse <= rules.clean * evidence.floor
+    if weighed.least_of(chosen) <= 1.0 - (rules.certain if leaves_noise else rules.likely):
+        # The evidence is against a part of it, whatever is predicted on blocks left out.
+        rivals += [c for c in weighed.candidates[:1] if c.effects != chosen.effects]
+    if not rivals:
+        akin = tuple(rivals_of(evidence, chosen, pool, akin=True))
+        sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
+        if sure or not akin:
+            return Decision(Status.NAMED, chosen, akin, rest_of(evidence, chosen, weighed))
+        return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)
+    shared = chosen.effects.intersection(*(rival.effects for rival in rivals))
+    for candidate in proven:
+        # If many second effects do as well, the shared one is certain, and the second one stands
+        # for an error of its law.
+        if (
+            len(chosen.names) > 1
+            and candidate.effects == shared
+            and explained(evidence, candidate, weighed)
+            and not rivals_of(evidence, candidate, pool)
+        ):
+            return Decision(Status.NAMED, candidate)
+    part = certain_part(evidence, pool, weighed) if len(chosen.names) > 1 else None
+    if part is not None:
+        return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
+    return Decision(Status.AMBIGUOUS, chosen, tuple(rivals), Reason.RIVAL)
+
+
+def _stands_alone(
+    evidence: Evidence, surest: Candidate, pool: Sequence[Candidate], weighed: Presence
+) -> bool:
+    """Return whether the explanation that the evidence leaves alone is good enough to be named.
+
+    Blocks left out, of which there may be few, need not tell it from its rivals. But the simulation
+    alone must leave more than noise, and no other single effect nearly the same misfit, unless that
+    predicts blocks left out much worse. Pairs bend to what they see: none may have nearly the error
+    of another. A part must leave room for the rest.
+    """
+    rules, floor = evidence.rules, evidence.floor
+    if evidence.nominal_error <= rules.clean * floor or not explained(evidence, surest, weighed):
+        return False
+    if not each_adds(evidence, surest, pool):
+        return False
+
+    def stands_against(other: Candidate) -> bool:
+        if other.effects < surest.effects:
+            return not rules.leaves_room(other.rmse, evidence.nominal_error, floor)
+        if len(other.names) != len(surest.names) or other.effects == surest.effects:
+            return False
+        if len(surest.names) > 1:
+            return other.error <= rules.rival_margin * surest.error
+        if not rules.as_good(other.error, surest.error, evidence.noise):
+            return False
+        predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))
+        worse, low = beaten(predicted, rivalling, evidence.blocks, evidence.rng)
+        # With few blocks, resampling often omits the one that separates them.
+        return low <= rules.needed_gain and worse <= np.log(rules.near)
+
+    if any(stands_against(c) for c in pool if c.finished):
+        return False
+    # A drift or hum of a sensor is common: held-out blocks must show its course in time.
+    laws = [a.effect for a in surest.fit.extended.attached]
+    of_readings = any(law.only_reads and not law.transferable for law in laws)
+    complete = rules.completes(surest.rmse, evidence.nominal_error, floor)
+    return (complete and not of_readings) or share_of(evidence, surest).low >= rules.part
+
+
+def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
+    """Say whether a residual that no effect reduces is noise."""
+    rules = evidence.rules
+    unpredictable = residual_model(evidence.problem, residual).ratio > 1.0 - rules.margin
+    if unpredictable and evidence.nominal_error <= rules.clean * evidence.floor:
+        return Decision(Status.NONE, None, reason=Reason.NOISE)
+    if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.floor:
+        return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
+    if is_coloured_noise(evidence.problem, residual, evidence.blocks):
+        return Decision(Status.NONE, None, reason=Reason.COLOURED)
+    return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)

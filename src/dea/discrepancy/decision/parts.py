@@ -1,0 +1,71 @@
+"""Which effects of an answer are certain, and whether each of several is needed."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from dea.discrepancy.decision.adequacy import share_of
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.evidence.presence import Presence
+from dea.discrepancy.rules import misfit
+from dea.discrepancy.search.candidates import Candidate, EffectSet
+
+
+def certain_part(
+    evidence: Evidence, pool: Sequence[Candidate], weighed: Presence
+) -> Candidate | None:
+    """Return the effect that is certain, if it explains most of the gap, or several that are.
+
+    Whatever else the answer holds, these effects are in it. The best explanation without one of
+    them and any of its family must leave much more of the misfit than the best one with all, since
+    an effect that the catalogue lacks is often half explained by several.
+    """
+    rules, floor = evidence.rules, evidence.floor
+    sure = weighed.sure(rules.certain)
+    finished = [c for c in pool if c.finished]
+    families = {
+        c.fit.extended.name_of(a): a.effect.family
+        for c in finished
+        for a in c.fit.extended.attached
+    }
+
+    def ahead(part: Candidate, name: str, given: EffectSet = frozenset()) -> bool:
+        """Return whether what holds no effect of the family, but those given, leaves much more."""
+        kin = {other for other, family in families.items() if family is families[name]} - given
+        within = min(c.rmse for c in finished if c.effects >= part.effects)
+        without = min((c.rmse for c in finished if not c.effects & kin), default=np.inf)
+        return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
+
+    certain = sorted((c for c in finished if c.effects <= sure), key=lambda c: c.error)
+    alone = (c for c in certain if len(c.names) == 1 and ahead(c, c.names[0]))
+    part = next((c for c in alone if share_of(evidence, c).low >= rules.part), None)
+    if part is None:
+        return None
+
+    def completed_by(wider: Candidate) -> bool:
+        further = wider.effects - part.effects
+        return all(ahead(wider, name, part.effects) for name in further) and each_adds(
+            evidence, wider, pool
+        )
+
+    return next((c for c in certain if c.effects > part.effects and completed_by(c)), part)
+
+
+def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> bool:
+    """Return whether each of several effects removes much of what the others leave.
+
+    On blocks that were not fitted: a second law bends to the error of the first one's law, too,
+    where it has seen it.
+    """
+    if len(chosen.effects) == 1:
+        return True
+
+    def left(candidate: Candidate) -> float:
+        return misfit(evidence.held_out.rmse(candidate.fit), evidence.floor)
+
+    most = [
+        (1.0 - evidence.rules.part) * left(min(others, key=lambda c: c.rmse))
+        for effect in chosen.effects
+        if (others := [c for c in pool if c.finished and c.effects == chosen.effects - {effect}])
+    ]
+    return left(chosen) <= min(most, default=np.inf)

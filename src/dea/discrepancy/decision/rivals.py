@@ -1,0 +1,49 @@
+"""The candidates that explain a record as well as another one."""
+
+from collections.abc import Sequence
+
+from dea.discrepancy.evidence.bootstrap import beaten
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.search.candidates import Candidate
+
+
+def same_class(first: Candidate, second: Candidate) -> bool:
+    """Return whether the effects in which two candidates differ are of the same families.
+
+    Such effects form one class: a record hardly distinguishes them, or not at all.
+    """
+    own, other = (
+        [
+            a.effect
+            for a in mine.fit.extended.attached
+            if mine.fit.extended.label(a) not in theirs.labels
+        ]
+        for mine, theirs in ((first, second), (second, first))
+    )
+    return len(own) == len(other) and all(any(a.family is b.family for b in other) for a in own)
+
+
+def rivals_of(
+    evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate], akin: bool = False
+) -> list[Candidate]:
+    """Return the candidates that explain the record as well: of another class, or of the same.
+
+    Those with a similar error are compared with it on held-out residuals, since of two laws the
+    more flexible one fits better the blocks that it has seen.
+    """
+    held_out, rules = evidence.held_out, evidence.rules
+    rivals = []
+    known = {chosen.effects}
+    for other in pool:
+        if len(other.names) != len(chosen.names) or not other.finished:
+            continue
+        if other.effects in known or same_class(chosen, other) is not akin:
+            continue
+        known.add(other.effects)
+        residuals = chosen.fit.residual, other.fit.residual
+        if other.error <= rules.near * chosen.error:
+            residuals = held_out.residual(chosen.fit), held_out.residual(other.fit)
+        _, low = beaten(*residuals, evidence.blocks, evidence.rng)
+        if low <= 0 or rules.as_good(other.error, chosen.error, evidence.noise):
+            rivals.append(other)
+    return rivals
