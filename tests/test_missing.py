@@ -6,6 +6,7 @@ The oracle is the estimate that the same equations give by least squares on the 
 import numpy as np
 import pytest
 
+from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.missing import filled, stretches
 from dea.narx import (
@@ -17,7 +18,6 @@ from dea.narx import (
     select_terms,
     validate,
 )
-from dea.narx.autoregression import fit_autoregression
 from dea.terms import Term
 from dea.tracking import compare_free_runs, track_parameters
 

@@ -8,13 +8,14 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import norm
 
+from dea.autoregression import fit_autoregression
 from dea.discrepancy.evidence.bootstrap import Gains, beaten, energies, gains
 from dea.discrepancy.evidence.confusion import confusion
 from dea.discrepancy.evidence.contributions import Contribution, Rung, contributions
 from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
-from dea.discrepancy.evidence.null import coloured, null_gain
+from dea.discrepancy.evidence.null import long_parts, null_gain
 from dea.discrepancy.evidence.residual_model import dictionary, residual_model
 from dea.discrepancy.evidence.split import runs, split
 from dea.discrepancy.problem import Problem
@@ -120,21 +121,11 @@ def test_several_gains_are_bounded_together():
 # Noise
 
 
-def test_the_colour_of_noise_is_found_from_its_blocks():
-    rng = np.random.default_rng(4)
-    noise = lfilter([1.0], [1.0, -1.2, 0.5], 0.3 * rng.standard_normal(40_000))
-    noise[:20_000] *= 50.0
-    weights, deviation = coloured(noise + 7.0, [slice(20_000, 30_000), slice(30_000, 40_000)])
-    np.testing.assert_allclose(weights, [1.2, -0.5, 0.0, 0.0], atol=0.04)
-    assert deviation == pytest.approx(0.3, rel=0.03)
-
-
-def test_blocks_too_short_for_a_colour_give_the_deviation():
-    noise = np.random.default_rng(5).standard_normal(200)
-    weights, deviation = coloured(noise, [slice(0, 16), slice(40, 56)])
-    assert weights.size == 0
-    assert deviation == noise.std()
-    assert coloured(noise, [slice(0, 17)])[0].size == 4
+def test_the_parts_that_show_a_colour_are_long_and_without_their_means():
+    noise = np.random.default_rng(4).standard_normal(200) + 7.0
+    first, second = long_parts(noise, [slice(0, 16), slice(20, 37), slice(40, 90)])
+    np.testing.assert_allclose(first, noise[20:37] - noise[20:37].mean())
+    np.testing.assert_allclose(second, noise[40:90] - noise[40:90].mean())
 
 
 @pytest.mark.parametrize("band", [(0.27, 0.36), (0.39, 0.49)])
@@ -174,14 +165,15 @@ def test_the_gain_of_chance_is_that_of_refits_to_drawn_records():
     before, after = simulated(noise, J[:, :1]), [simulated(noise, J[:, :2]), simulated(noise, J)]
     found = null_gain(problem, before, after, noise, whole, np.random.default_rng(9))
 
-    weights, deviation = coloured(noise, whole)
-    innovations = deviation * np.random.default_rng(9).standard_normal((60, n))
+    colour = fit_autoregression([noise - noise.mean()])
+    past_weights = -colour.coefficients[1:]
+    innovations = np.sqrt(colour.variance) * np.random.default_rng(9).standard_normal((60, n))
     best = []
     for e in innovations:
         drawn = np.zeros(n)
         for t in range(n):
-            past = drawn[max(t - 4, 0) : t][::-1]
-            drawn[t] = e[t] + weights[: past.size] @ past
+            past = drawn[max(t - colour.order, 0) : t][::-1]
+            drawn[t] = e[t] + past_weights[: past.size] @ past
         left = []
         for fit in (before, *after):
             k = fit.jacobian.shape[1]

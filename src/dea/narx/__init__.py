@@ -1,6 +1,5 @@
 """Polynomial NARX models: terms, simulation, estimation, selection, validation."""
 
-from dea.narx.autoregression import fit_autoregression, whiten
 from dea.narx.baselines import baselines, constant
 from dea.narx.candidate_terms import candidate_terms, linear_terms
 from dea.narx.checks import as_input, as_signal
@@ -68,7 +67,6 @@ __all__ = [
     "estimate_refined",
     "feedback_slope",
     "fit",
-    "fit_autoregression",
     "fit_free_runs",
     "forecast_errors",
     "fpe",
@@ -96,5 +94,4 @@ __all__ = [
     "simulate_varying",
     "simulation_interval",
     "validate",
-    "whiten",
 ]

@@ -5,9 +5,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.inputs import by_input, input_count
-from dea.narx.autoregression import fit_autoregression
 from dea.narx.checks import Array, as_record
 from dea.narx.model import NarxModel
 from dea.narx.regressors import regressor_matrix

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.autoregression import fit_autoregression, innovations
 from dea.inputs import by_input, input_count
 from dea.narx.checks import Array
 from dea.narx.residuals import PAIR_TEST, each_test, product
 
 LEVEL = 0.05  # of all tests of a system together
-_ORDERS = 20  # of the autoregression, at most
 _PRINCIPAL = 1e-3  # of the largest singular value; what is below is the collinearity of lags
 
 
@@ -74,15 +74,15 @@ def joint_tests(e: Array, u: Array, max_lag: int) -> JointTests:
     residual, inputs = e - e.mean(), by_input(u - u.mean(axis=0))
     if not residual.any():
         return JointTests(np.ones(count), np.zeros(count))
-    coefficients = _autoregression(residual)
-    white = _filtered(residual, coefficients)
+    colour = fit_autoregression([residual])
+    white = innovations(colour, residual)
     found = [_portmanteau(residual, max_lag, 1.0 - float(white.var() / residual.var()))]
     for name, columns in tests:
         relation = _RELATIONS[name]
         instrument = relation.signal(residual, inputs[columns[0]], inputs[columns[-1]])
         target = white**2 if relation.in_power else white
         if not relation.in_power:  # squares of a white residual are not coloured by its filter
-            instrument = _filtered(instrument, coefficients)
+            instrument = innovations(colour, instrument)
         found.append(_regression(target, instrument[-target.size :], max_lag))
     return JointTests(*np.array(found).T)
 
@@ -141,31 +141,6 @@ def verdict(
 
 def _below(p: float) -> str:
     return f"= {p:.2g}" if p >= 1e-3 else "< 0.001"
-
-
-def _autoregression(e: Array) -> Array:
-    """Return the coefficients of the past of ``e``, their number chosen by Schwarz's criterion."""
-    most = min(_ORDERS, e.size // 10)
-    lags = np.column_stack([e[most - k : e.size - k] for k in range(1, most + 1)])
-    target = e[most:]
-    orthogonal, triangle = np.linalg.qr(lags)
-    projected = orthogonal.T @ target
-    left = np.sum(target**2) - np.concatenate([[0.0], np.cumsum(projected**2)])
-    orders = np.arange(most + 1)
-    floor = np.finfo(float).tiny
-    best = int(
-        np.argmin(target.size * np.log(np.maximum(left, floor)) + orders * np.log(target.size))
-    )
-    return np.asarray(np.linalg.solve(triangle[:best, :best], projected[:best]))
-
-
-def _filtered(signal: Array, coefficients: Array) -> Array:
-    """Return what the autoregression leaves of a signal, from the first complete past on."""
-    order = coefficients.size
-    left = signal[order:].copy()
-    for lag, coefficient in enumerate(coefficients, start=1):
-        left -= coefficient * signal[order - lag : signal.size - lag]
-    return left
 
 
 def _portmanteau(e: Array, max_lag: int, explained: float) -> tuple[float, float]:

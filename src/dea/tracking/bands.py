@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.narx import NOT_WHITE, fit_autoregression
+from dea.autoregression import fit_autoregression
+from dea.narx import NOT_WHITE
 
 Array = NDArray[np.float64]
 

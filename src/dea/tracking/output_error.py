@@ -31,6 +31,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.autoregression import whiten
 from dea.narx import (
     FreeRun,
     NarxModel,
@@ -39,7 +40,6 @@ from dea.narx import (
     regressor_matrix,
     remove_feedback,
     simulate_varying,
-    whiten,
 )
 from dea.tracking.kalman import NOWHERE, Smoothed
 from dea.tracking.random_walk import RandomWalk, lead_in

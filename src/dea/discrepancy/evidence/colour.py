@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.evidence.null import coloured
+from dea.autoregression import fit_autoregression, innovations
+from dea.discrepancy.evidence.null import long_parts
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
@@ -21,29 +22,19 @@ _LAGS, _LONGEST, _RIDGE = 24, 20, 1e-4
 def is_coloured_noise(problem: Problem, residual: np.ndarray, blocks: Sequence[slice]) -> bool:
     """Return whether a residual (n,) is stationary, Gaussian and follows from nothing known.
 
-    An autoregression whitens it (order four); what it leaves must be as large in every one of the
+    An autoregression whitens it; what that leaves must be as large in every one of the
     ``blocks`` and without outliers, and nothing of it may be predicted from input and motion.
     """
-    weights, _ = coloured(residual, blocks)
-    order = weights.size
-    if not order:
-        return False
-    parts = [innovations(residual[block], weights) for block in blocks]
-    parts = [part for part in parts if part.size > 4 * order]
+    parts = long_parts(residual, blocks)
     if len(parts) < 2:  # nothing says whether it is as large everywhere
         return False
+    colour = fit_autoregression(parts)
+    parts = [innovations(colour, part) for part in parts]
     left = np.concatenate(parts)
     kurtosis = float(np.mean((left - left.mean()) ** 4) / np.var(left) ** 2 - 3.0)
     levels = np.log([part.std() for part in parts])
     even = float(np.std(levels)) <= _UNEVEN
     return even and kurtosis <= _KURTOSIS and predictable(problem, residual) <= _PREDICTED
-
-
-def innovations(part: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return what an autoregression with ``weights`` (k,) does not predict, shape (n - k,)."""
-    centred = part - part.mean()
-    kernel = np.concatenate([[1.0], -weights])
-    return np.convolve(centred, kernel, "valid")
 
 
 def predictable(problem: Problem, residual: np.ndarray) -> float:

@@ -4,29 +4,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dea.autoregression import fit_autoregression
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 
 _DRAWS = 60
+_SHORTEST = 17  # samples of a block whose colour counts
 
 
-def coloured(
-    residual: np.ndarray, blocks: Sequence[slice], order: int = 4
-) -> tuple[np.ndarray, float]:
-    """Return autoregression and innovation deviation of ``residual`` (Yule-Walker over blocks)."""
-    covariance = np.zeros(order + 1)
-    count = 0
-    for block in blocks:
-        part = residual[block] - residual[block].mean()
-        if part.size > 4 * order:
-            covariance += [part[: part.size - lag] @ part[lag:] for lag in range(order + 1)]
-            count += part.size
-    if not count:
-        return np.zeros(0), float(residual.std())
-    covariance /= count
-    toeplitz = covariance[np.abs(np.subtract.outer(np.arange(order), np.arange(order)))]
-    weights = np.linalg.solve(toeplitz + 1e-9 * covariance[0] * np.eye(order), covariance[1:])
-    return weights, float(np.sqrt(max(covariance[0] - weights @ covariance[1:], 0.0)))
+def long_parts(residual: np.ndarray, blocks: Sequence[slice]) -> list[np.ndarray]:
+    """Return the parts of a residual (n,) in ``blocks`` that show its colour, without their means.
+
+    Blocks of fewer than 17 samples show none.
+    """
+    parts = [residual[block] for block in blocks]
+    return [part - part.mean() for part in parts if part.size >= _SHORTEST]
 
 
 def null_gain(
@@ -44,11 +36,9 @@ def null_gain(
     """
     from scipy.signal import lfilter
 
-    weights, deviation = coloured(noise, blocks)
-    draws = lfilter(
-        [1.0], np.concatenate([[1.0], -weights]),
-        deviation * rng.standard_normal((_DRAWS, problem.size)), axis=1,
-    )  # fmt: skip
+    colour = fit_autoregression(long_parts(noise, blocks) or [noise - noise.mean()])
+    innovations = np.sqrt(colour.variance) * rng.standard_normal((_DRAWS, problem.size))
+    draws = lfilter([1.0], colour.coefficients, innovations, axis=1)
 
     def left_over(J: np.ndarray) -> np.ndarray:
         A = J[problem.fit]

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dea.narx.checks import Array
+Array = NDArray[np.float64]
 
 _HIGHEST = 20  # order
 _SAMPLES_PER_ORDER = 20  # of the record, at least
@@ -61,6 +62,12 @@ def whiten(noise: Autoregression, signal: Array) -> Array:
     for lag, coefficient in enumerate(noise.coefficients[1:], start=1):
         white[lag:] += coefficient * signal[:-lag]
     return white
+
+
+def innovations(noise: Autoregression, signal: Array) -> Array:
+    """Return w of a signal (samples,) from the first complete past on, (samples - order,)."""
+    left: Array = np.convolve(signal, noise.coefficients, "valid")
+    return left
 
 
 def noise_energy(noise: Autoregression, slope: Array) -> Array:
