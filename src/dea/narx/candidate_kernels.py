@@ -19,11 +19,11 @@ class Candidates(NamedTuple):
 
     group: Indices  # (terms,) which group each term belongs to
     y_lags: Indices  # (groups, most factors), padded with NONE
-    product: Indices  # (terms,) which row of ``Record.products`` holds its input factors
+    product: Indices  # (terms,) which row of ``EstimationData.products`` holds its input factors
     start: int  # the first sample of a segment that can be computed
 
 
-class Record(NamedTuple):
+class EstimationData(NamedTuple):
     """The segments that candidate models are estimated from and simulated on, end to end."""
 
     triangle: Array  # (terms + 1, rows) the regressors and the output, compressed by QR
@@ -83,13 +83,13 @@ def solve_subset(triangle: Array, columns: Indices, count: int) -> Array:
 
 @njit(cache=True)
 def estimate_and_simulate(
-    columns: Indices, candidates: Candidates, record: Record, bound: float
+    columns: Indices, candidates: Candidates, data: EstimationData, bound: float
 ) -> tuple[Array, Array]:
     """Estimate and simulate each row of ``columns``: its sum of squared errors and theta."""
     error, theta = np.empty(columns.shape[0]), np.zeros(columns.shape)
     longest = 0
     begin = 0
-    for end in record.ends:
+    for end in data.ends:
         longest = max(longest, end - begin)
         begin = end
     run = np.empty(longest)
@@ -101,7 +101,7 @@ def estimate_and_simulate(
         while count < columns.shape[1] and columns[row, count] != NONE:
             count += 1
         terms = columns[row, :count]
-        parameters = solve_subset(record.triangle, columns[row], count)
+        parameters = solve_subset(data.triangle, columns[row], count)
         for j in range(count):
             theta[row, j] = parameters[j]
         group, product = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
@@ -118,11 +118,11 @@ def estimate_and_simulate(
         model = _Model(parameters, group, candidates.y_lags[used[:groups]], product)
         total = 0.0
         begin = 0
-        for end in record.ends:
-            y = record.y[begin:end]
+        for end in data.ends:
+            y = data.y[begin:end]
             for t in range(candidates.start):
                 run[t] = y[t]
-            products = record.products[:, begin:end]
+            products = data.products[:, begin:end]
             total += _squared_error(model, products, y, run, candidates.start, bound)
             begin = end
         error[row] = total

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dea.narx.candidate_kernels import Candidates, Record, estimate_and_simulate
+from dea.narx.candidate_kernels import Candidates, EstimationData, estimate_and_simulate
 from dea.narx.checks import Array
 from dea.narx.kernels import NONE
 from dea.narx.regressors import regressor_matrix
@@ -73,7 +73,7 @@ class CandidateModels:
         first = max((term.max_lag for term in terms), default=0)
         products[:, first:] = regressor_matrix(terms, u, y, first).T
         self.triangle: Array = np.ascontiguousarray(triangle.T)
-        self._record = Record(self.triangle, products, y, ends)
+        self._data = EstimationData(self.triangle, products, y, ends)
         self._bound = _DIVERGED * float(np.abs(y).max())
         self._known: dict[Subset, Outcome] = {}
 
@@ -86,7 +86,7 @@ class CandidateModels:
             columns = np.full((len(fresh), width), NONE, dtype=np.int64)
             for row, subset in zip(columns, fresh, strict=True):
                 row[: len(subset)] = subset
-            errors, theta = estimate_and_simulate(columns, self._terms, self._record, self._bound)
+            errors, theta = estimate_and_simulate(columns, self._terms, self._data, self._bound)
             for subset, error, parameters in zip(fresh, errors / self.samples, theta, strict=True):
                 self._known[subset] = Outcome(float(error), parameters[: len(subset)])
         return [self._known[subset] for subset in asked]
