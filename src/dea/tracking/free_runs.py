@@ -58,8 +58,8 @@ def compare_free_runs(
         ``nmse(simulation)`` and ``nmse_frozen(simulation)``, where nmse is the squared error over
         that of the mean. A run that diverges is ``inf`` from there on and so is its error.
     """
-    record = normalised_record(model, u, y)
-    inputs, outputs, seen = record
+    signals = normalised_signals(model, u, y)
+    inputs, outputs, seen = signals
     if window <= model.max_lag:
         raise InputError(
             f"a stretch of {window} samples",
@@ -75,7 +75,7 @@ def compare_free_runs(
     runs = [
         simulate_varying(tracked.terms, theta, inputs, outputs) for theta in trajectories.values()
     ]
-    frozen = [_frozen_error(tracked, theta, record, stretch) for theta in trajectories.values()]
+    frozen = [_frozen_error(tracked, theta, signals, stretch) for theta in trajectories.values()]
     spread = np.var(outputs[seen])
     error = np.array([np.mean((run - outputs)[seen] ** 2) for run in runs])
     simulated = model.scaling.restore_output(np.stack(runs))
@@ -134,7 +134,7 @@ def compare_free_runs(
     )
 
 
-class Record(NamedTuple):
+class NormalisedSignals(NamedTuple):
     """Input and output in the units of the equation; ``y`` is interpolated where not ``seen``.
 
     Several inputs are the columns of ``u``.
@@ -150,7 +150,7 @@ class Record(NamedTuple):
         return np.where(self.seen, self.y, np.nan)
 
 
-def normalised_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Record:
+def normalised_signals(model: NarxModel, u: ArrayLike, y: ArrayLike) -> NormalisedSignals:
     """Return a record, whose missing outputs are NaN, in the units of the equation.
 
     Raises
@@ -160,7 +160,7 @@ def normalised_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Record:
     """
     outputs, seen = filled(as_signal(y, "y", missing=True))
     model.predict(u, outputs)
-    return Record(
+    return NormalisedSignals(
         model.scaling.normalise_input(np.asarray(u, dtype=float)),
         model.scaling.normalise_output(outputs),
         seen,
@@ -198,10 +198,10 @@ def _reach(model: NarxModel, theta: Array, u: Array, run: Array, covariance: Arr
     return reach
 
 
-def _frozen_error(model: NarxModel, theta: Array, record: Record, window: int) -> float:
+def _frozen_error(model: NarxModel, theta: Array, signals: NormalisedSignals, window: int) -> float:
     """Median over stretches of the mean squared error with each stretch's middle parameters."""
     errors = []
-    u, y, seen = record
+    u, y, seen = signals
     for first in range(0, y.size - window + 1, window):
         stretch = slice(first, first + window)
         parameters = np.ascontiguousarray(theta[first + window // 2])

@@ -21,7 +21,7 @@ from dea.tracking.bands import (
     reason_to_withhold,
 )
 from dea.tracking.bands import instants as instants_of
-from dea.tracking.free_runs import Record, normalised_record
+from dea.tracking.free_runs import NormalisedSignals, normalised_signals
 from dea.tracking.kalman import Smoothed, fit_common_ratio
 from dea.tracking.local import (
     SEPARATE,
@@ -132,26 +132,26 @@ def track_parameters(
         instants=instants,
     )
     model = with_constant(model)
-    record = normalised_record(model, *pair(u, y, model.max_lag))
+    signals = normalised_signals(model, *pair(u, y, model.max_lag))
     if method == "local" and chosen["window"] is None:
-        chosen["window"] = usual_window(model, record.y.size)
+        chosen["window"] = usual_window(model, signals.y.size)
     rate = sampling_rate or (u.sampling_rate if isinstance(u, store.Record) else None)
-    at = np.maximum(instants_of(record.y.size, chosen.pop("instants")), model.max_lag)
+    at = np.maximum(instants_of(signals.y.size, chosen.pop("instants")), model.max_lag)
     tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
-    found = tracker(model, record, at - model.max_lag, method, chosen)
+    found = tracker(model, signals, at - model.max_lag, method, chosen)
     rate = rate or model.labels.sampling_rate or 1.0
     return _labelled(model, found, at, rate, {"method": method, **chosen})
 
 
 def _recursive(
     model: NarxModel,
-    record: Record,
+    signals: NormalisedSignals,
     at: NDArray[np.int64],
     method: str,
     settings: dict[str, Any],
 ) -> Estimate:
     """Track by recursive least squares; an equation with a missing output says 0 = 0."""
-    Phi, target = _equations(model, record)
+    Phi, target = _equations(model, signals)
     there = np.isfinite(target)
     scale = root_mean_square(Phi)
     Phi, target = np.where(there[:, None], Phi / scale, 0.0), np.where(there, target, 0.0)
@@ -173,7 +173,7 @@ def _recursive(
     withheld = reason_to_withhold(innovation, Phi, missing)
     if settings["leakage"] and not known:
         withheld = withheld or TARGET_UNKNOWN
-    withheld = withheld or _undetermined(model, record)
+    withheld = withheld or _undetermined(model, signals)
     return Estimate(
         found.theta / scale,
         np.sqrt(found.variance) / scale,
@@ -186,13 +186,13 @@ def _recursive(
 
 def _smoothed(
     model: NarxModel,
-    record: Record,
+    signals: NormalisedSignals,
     at: NDArray[np.int64],
     method: str,
     settings: dict[str, Any],
 ) -> Estimate:
     """Track by a smoother, of the one-step prediction or of the free run."""
-    Phi, target = _equations(model, record)
+    Phi, target = _equations(model, signals)
     ratio = settings["noise_ratio"]
     walk = RandomWalk(
         None if ratio is None else np.asarray(ratio, dtype=float),
@@ -207,16 +207,16 @@ def _smoothed(
         standing = RandomWalk(np.zeros(len(model.terms)), prior_variance=0.0)
         starts = [by_prediction, standing.smooth(Phi, target, model.parameters, at)]
         names = ("kalman", "fixed")
-        outputs = record.measured
-        outputs[: model.max_lag] = record.y[: model.max_lag]
-        best = _bounded(model, starts, record.u, outputs)
-        tracked = smooth_simulation(model, starts[best], record.u, outputs, walk, at)
+        outputs = signals.measured
+        outputs[: model.max_lag] = signals.y[: model.max_lag]
+        best = _bounded(model, starts, signals.u, outputs)
+        tracked = smooth_simulation(model, starts[best], signals.u, outputs, walk, at)
         smoothed = tracked.smoothed
         if tracked.reached:
             estimator, withheld = method, "" if tracked.settled else NOT_SETTLED
         else:
             estimator, withheld = names[best], NOT_MOVED.format(_NAMES[names[best]])
-    withheld = withheld or _undetermined(model, record)
+    withheld = withheld or _undetermined(model, signals)
     return Estimate(
         smoothed.theta,
         np.sqrt(np.maximum(smoothed.variance, 0.0)),
@@ -228,43 +228,43 @@ def _smoothed(
     )
 
 
-def _undetermined(model: NarxModel, record: Record) -> str:
+def _undetermined(model: NarxModel, signals: NormalisedSignals) -> str:
     """Return why estimates of the whole record do not hold at its parts, empty where they do."""
-    curved = curvature_of_windows(model, record.u, record.measured)
+    curved = curvature_of_windows(model, signals.u, signals.measured)
     return UNDETERMINED if curved > LARGEST_CURVATURE else ""
 
 
-def _equations(model: NarxModel, record: Record) -> tuple[Array, Array]:
+def _equations(model: NarxModel, signals: NormalisedSignals) -> tuple[Array, Array]:
     """Return regressors and outputs after the largest lag.
 
     The output is NaN where it, or one that a regressor holds, is missing.
     """
     lag = model.max_lag
-    known = record.seen.copy()
+    known = signals.seen.copy()
     for past in {past for term in model.terms for past in term.y_lags}:
-        known[past:] &= record.seen[:-past]
-    target = np.where(known, record.y, np.nan)[lag:]
-    return regressor_matrix(model.terms, record.u, record.y), target
+        known[past:] &= signals.seen[:-past]
+    target = np.where(known, signals.y, np.nan)[lag:]
+    return regressor_matrix(model.terms, signals.u, signals.y), target
 
 
 def _local(
     model: NarxModel,
-    record: Record,
+    signals: NormalisedSignals,
     at: NDArray[np.int64],
     method: str,
     settings: dict[str, Any],
 ) -> Estimate:
     """Track by estimates of windows."""
-    windows = local_estimates(model, record.u, record.measured, settings["window"])
-    Phi, target = _equations(model, record)
-    samples = np.arange(model.max_lag, record.y.size, dtype=float)
+    windows = local_estimates(model, signals.u, signals.measured, settings["window"])
+    Phi, target = _equations(model, signals)
+    samples = np.arange(model.max_lag, signals.y.size, dtype=float)
     theta, covariance = windows.parameters(samples), windows.at(samples[at])[1]
     deviation = np.sqrt(np.maximum(np.einsum("kii->ki", covariance), 0.0))
     std = np.stack([np.interp(samples, samples[at], each) for each in deviation.T], axis=1)
     innovation = target - np.sum(Phi * theta, axis=1)
     withheld = WINDOWS_FAILED.format(windows.failed) if windows.failed else ""
     if not withheld and windows.separate < SEPARATE:
-        shorter = usual_window(model, record.y.size)
+        shorter = usual_window(model, signals.y.size)
         withheld = WINDOWS_FEW.format(windows.separate, SEPARATE, shorter)
     if windows.curvature > LARGEST_CURVATURE:
         withheld = withheld or UNDETERMINED
