@@ -12,7 +12,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.gfrf import Gfrf
 from dea.configuration.identification import Identification, Orders, Validation
 from dea.configuration.problems import validated
-from dea.configuration.record import Record
+from dea.configuration.record import RecordFile
 from dea.configuration.section import NAME, Name, Section, key, partial, refuse
 from dea.configuration.study import RESERVED, Study, check_simulation, check_tracker, settings
 from dea.configuration.tracking import Tracking
@@ -31,9 +31,9 @@ class Case(Section):
     """
 
     title: str = key("name of the system, for people")
-    record: Record = key("the record to identify from")
-    test_records: dict[Name, Record] = key("records that identification never sees", default={})
-    records: dict[Name, Record] = key(
+    record: RecordFile = key("the record to identify from")
+    test_records: dict[Name, RecordFile] = key("records that identification never sees", default={})
+    records: dict[Name, RecordFile] = key(
         "further records of the device, which the diagnosis explains together with the first",
         default={},
     )

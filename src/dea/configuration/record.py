@@ -83,8 +83,8 @@ class Columns(Section):
         return self
 
 
-class Record(Columns):
-    """A record made elsewhere."""
+class RecordFile(Columns):
+    """The file of a record made elsewhere."""
 
     file: str = key(
         "text table (.csv, .txt, .dat), NetCDF, MATLAB, .xlsx or .parquet file, relative to the"

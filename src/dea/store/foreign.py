@@ -42,9 +42,9 @@ def import_record(
     """
     # pydantic takes long to import, and most who import this room import no record.
     from dea.configuration.problems import validated
-    from dea.configuration.record import Record
+    from dea.configuration.record import RecordFile
 
-    described = validated(Record, settings, case_file, "record" if case_file else "")
+    described = validated(RecordFile, settings, case_file, "record" if case_file else "")
     file = root / described.file
     place = "record." if case_file else ""
     if not file.exists():
