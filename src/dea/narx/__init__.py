@@ -23,7 +23,7 @@ from dea.narx.model import NarxModel
 from dea.narx.orders import compare_orders, linear_model
 from dea.narx.parameter_covariance import FreeRun, feedback_slope, noise_model, remove_feedback
 from dea.narx.published import load_published
-from dea.narx.refinement import Fit, curvature, estimate_refined, fit_free_runs, refine
+from dea.narx.refinement import FreeRunFit, curvature, estimate_refined, fit_free_runs, refine
 from dea.narx.regressors import regressor_matrix
 from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
@@ -39,10 +39,10 @@ __all__ = [
     "NOT_WHITE",
     "SEARCHES",
     "Compared",
-    "Fit",
     "ForecastPlan",
     "Forward",
     "FreeRun",
+    "FreeRunFit",
     "Interval",
     "Labels",
     "LagChoice",

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from dea.errors import InputError
 from dea.narx.candidate_models import Segment
 from dea.narx.descent import PRICES, Descent, Effort, price_by_folds
-from dea.narx.refinement import Fit, fit_free_runs
+from dea.narx.refinement import FreeRunFit, fit_free_runs
 from dea.narx.search import Refined
 from dea.narx.stability import StabilityTest
 from dea.narx.trace import Trace, Tried
@@ -21,7 +21,7 @@ class Found(NamedTuple):
     """One structure, and the fit to each system in normalised units."""
 
     terms: tuple[Term, ...]
-    fits: Sequence[Fit]
+    fits: Sequence[FreeRunFit]
 
     @property
     def error(self) -> float:

@@ -131,7 +131,7 @@ def _from_smoothed_outputs(terms: tuple[Term, ...], segments: Sequence[Segment])
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class FreeRunFit:
     """Parameters at a minimum of the simulated error, and how sure they are.
 
     The latter is computed when it is asked for: a search compares many fits by their errors.
@@ -167,7 +167,7 @@ def fit_free_runs(
     iterations: int = 30,
     tolerance: float = 1e-10,
     trend: int = 0,
-) -> Fit:
+) -> FreeRunFit:
     """Minimise the simulated error by the parameters and the outputs that each run starts from.
 
     With a ``trend``, each measured output is the run plus a polynomial of time of that degree
@@ -180,10 +180,10 @@ def fit_free_runs(
         task, task.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
     )
     theta = point.x[: len(terms)].copy()
-    return Fit(theta, point.cost / task.samples, point.x, task)
+    return FreeRunFit(theta, point.cost / task.samples, point.x, task)
 
 
-def curvature(fit: Fit) -> float:
+def curvature(fit: FreeRunFit) -> float:
     """Return how far the free run is from linear within two standard deviations of an estimate.
 
     Along each direction that the output tells apart, the run at either end is set against its
@@ -296,7 +296,7 @@ class _FreeRunsFromFreeStarts:
         return runs
 
     def covariance(self, x: Array) -> Array:
-        """Return the covariance of the parameters, as :class:`Fit` has it."""
+        """Return the covariance of the parameters, as :class:`FreeRunFit` has it."""
         count = len(self._terms)
         return covariance_of_free_runs(self._terms, x[:count], self.runs(x))[:count, :count]
 

@@ -26,7 +26,7 @@ from dea.narx.forward import forward_and_prune
 from dea.narx.labels import Labels, records_in, unpacked
 from dea.narx.model import NarxModel
 from dea.narx.refined_search import every_run_diverges, find
-from dea.narx.refinement import Fit
+from dea.narx.refinement import FreeRunFit
 from dea.narx.scaling import Scaling
 from dea.narx.search import Forward, Orthogonal, Refined, Search
 from dea.narx.stability import StabilityTest, UnstableModel, assess
@@ -110,7 +110,7 @@ class Searched(NamedTuple):
     """The terms that a search found for one system, and what it found them on."""
 
     terms: tuple[Term, ...]
-    fit: Fit | None  # where the search refines parameters
+    fit: FreeRunFit | None  # where the search refines parameters
     segments: list[Segment]  # normalised
     scale: Scaling
     labels: Labels

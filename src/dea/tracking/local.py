@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.errors import InputError
-from dea.narx import Fit, NarxModel, curvature, fit_free_runs
+from dea.narx import FreeRunFit, NarxModel, curvature, fit_free_runs
 from dea.tracking.scatter import widened
 
 Array = NDArray[np.float64]
@@ -159,9 +159,9 @@ class _Windowed:
             _stretches(u[a : a + length], y[a : a + length], self.least) for a in self.starts
         ]
 
-    def fits(self) -> list[Fit | None]:
+    def fits(self) -> list[FreeRunFit | None]:
         """Return the estimate of each window, begun from those of others; None without one."""
-        fits: list[Fit | None] = [None] * len(self._windows)
+        fits: list[FreeRunFit | None] = [None] * len(self._windows)
         for order in (range(len(fits)), range(len(fits) - 1, -1, -1)):
             latest: deque[Array] = deque(maxlen=_STARTS)
             for k in order:
@@ -172,7 +172,7 @@ class _Windowed:
                     latest.appendleft(fit.parameters)
         return fits
 
-    def curvature(self, fits: list[Fit | None]) -> float:
+    def curvature(self, fits: list[FreeRunFit | None]) -> float:
         """Return the median over windows without common samples."""
         chosen = fits[:: self._overlap]
         return float(np.median([np.inf if fit is None else curvature(fit) for fit in chosen]))
@@ -191,7 +191,7 @@ def _stretches(u: Array, y: Array, least: int) -> list[tuple[Array, Array]]:
 
 def _fitted(
     model: NarxModel, starts: Iterable[Array], segments: list[tuple[Array, Array]]
-) -> Fit | None:
+) -> FreeRunFit | None:
     """Return the estimate from the first start whose run stays bounded, None where none does."""
     for start in starts if segments else ():
         fit = fit_free_runs(model.terms, start, segments, _ITERATIONS, _TOLERANCE, _TREND)
