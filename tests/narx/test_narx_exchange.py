@@ -8,7 +8,7 @@ import pytest
 from dea.narx import NarxModel, linear_terms, regressor_matrix
 from dea.narx.candidate_models import CandidateModels
 from dea.narx.descent import relative_sizes
-from dea.narx.exchange import Exchange, Fit, Structure, System
+from dea.narx.exchange import Exchange, FittedStructure, JointFit, System
 from dea.narx.trace import Trace
 from dea.terms import Term
 
@@ -54,7 +54,7 @@ def test_a_term_has_its_price_and_one_that_others_cancel_costs_more():
     assert (sizes > 4.0).sum() == 2
     expected = 0.3 + PRICE * (3 + np.log2(np.maximum(sizes / 4.0, 1.0)).sum())
     exchange = Exchange(CANDIDATES, [each[0] for each in systems])
-    found = exchange.cost(Structure(subset, Fit(tuple(theta), 0.3)), PRICE)
+    found = exchange.cost(FittedStructure(subset, JointFit(tuple(theta), 0.3)), PRICE)
     assert found == pytest.approx(expected, rel=1e-9)
 
 
@@ -65,7 +65,7 @@ def test_a_search_takes_as_many_steps_as_it_may_and_ends_at_the_least_cost(first
     exchange = Exchange(CANDIDATES, [one])
 
     def fitted(*subset):
-        return Structure(subset, exchange.fit(subset, [models([subset])[0].parameters]))
+        return FittedStructure(subset, exchange.fit(subset, [models([subset])[0].parameters]))
 
     subsets = [each for n in range(1, 6) for each in combinations(range(5), n)]
     least = min((fitted(*each) for each in subsets), key=lambda each: exchange.cost(each, PRICE))
@@ -94,7 +94,7 @@ def test_a_search_takes_as_many_steps_as_it_may_and_ends_at_the_least_cost(first
 def test_without_rounds_nothing_is_tried():
     one, models, *_ = system(1)
     exchange, trace = Exchange(CANDIDATES, [one]), Trace()
-    start = Structure((0,), exchange.fit((0,), [models([(0,)])[0].parameters]))
+    start = FittedStructure((0,), exchange.fit((0,), [models([(0,)])[0].parameters]))
     assert exchange.search(start, PRICE, 0, 5, trace) == (start, 0)
     assert trace.to_dataset().sizes["trial"] == 0
 
@@ -123,7 +123,7 @@ def test_where_runs_are_linear_in_the_parameters_a_move_s_prediction_is_its_erro
             columns = regressor_matrix(terms, u, y, start)[:, subset]
             found.append(np.linalg.lstsq(columns, y[start:], rcond=None)[0])
             errors.append(np.mean((y[start:] - columns @ found[-1]) ** 2) / power)
-        return Structure(subset, Fit(tuple(found), float(np.mean(errors))))
+        return FittedStructure(subset, JointFit(tuple(found), float(np.mean(errors))))
 
     now = least_squares(0, 1, 4)
     moves = [*exchange._additions(now), *exchange._removals(now, "")]

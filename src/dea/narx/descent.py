@@ -16,7 +16,7 @@ import numpy as np
 
 from dea.narx.candidate_models import CandidateModels, Segment, Subset
 from dea.narx.checks import Array
-from dea.narx.exchange import Exchange, Fit, Structure, System
+from dea.narx.exchange import Exchange, FittedStructure, JointFit, System
 from dea.narx.forward import forward_and_prune
 from dea.narx.orthogonal import orthogonal_order
 from dea.narx.refinement import squared_error
@@ -65,7 +65,7 @@ class Descent:
         self._linear = tuple(j for j, term in enumerate(candidates) if term.degree <= 1)
         self._trace = trace
 
-    def levels(self, prices: Sequence[float], effort: Effort) -> Iterator[Structure]:
+    def levels(self, prices: Sequence[float], effort: Effort) -> Iterator[FittedStructure]:
         """Yield the structure found at each price, ending where noise alone would pay it."""
         rounds = effort.rounds
         now = self._start(prices[0], effort.most)
@@ -92,9 +92,9 @@ class Descent:
                 models, self._linear, threshold, threshold, effort.most, self._trace
             )
             fit = self.exchange.fit(subset, [models([subset])[0].parameters])
-            self.exchange.search(Structure(subset, fit), prices[-1], *effort, self._trace)
+            self.exchange.search(FittedStructure(subset, fit), prices[-1], *effort, self._trace)
 
-    def orthogonal(self, most: int) -> list[Structure]:
+    def orthogonal(self, most: int) -> list[FittedStructure]:
         """Return what FROLS has after each step, with least-squares parameters."""
         triangles = np.stack([models.triangle for models in self._models])
         order, _ = orthogonal_order(triangles, most)
@@ -108,20 +108,20 @@ class Descent:
             before = error
         return found
 
-    def _start(self, price: float, most: int) -> Structure:
+    def _start(self, price: float, most: int) -> FittedStructure:
         """Return the least cost of what FROLS has after each step, and of the linear terms."""
         starts = self.orthogonal(min(most, _LONGEST_START))
         if len(self._linear) <= most:
             starts += self._estimated([self._linear])
         best = min(starts, key=lambda start: self.exchange.cost(start, price))
-        return Structure(best.subset, self.exchange.fit(best.subset, best.fit.parameters))
+        return FittedStructure(best.subset, self.exchange.fit(best.subset, best.fit.parameters))
 
-    def _estimated(self, subsets: Sequence[Subset]) -> list[Structure]:
+    def _estimated(self, subsets: Sequence[Subset]) -> list[FittedStructure]:
         outcomes = [models(subsets) for models in self._models]
         return [
-            Structure(
+            FittedStructure(
                 subset,
-                Fit(
+                JointFit(
                     tuple(outcome.parameters for outcome in each),
                     float(
                         np.mean(
@@ -199,7 +199,7 @@ def _without(
 
 def _held_out(
     candidates: Sequence[Term],
-    structure: Structure,
+    structure: FittedStructure,
     fold: Sequence[tuple[list[Segment], list[Segment]]],
 ) -> float:
     """Squared error of the free runs on what the fold left out, mean of the systems."""

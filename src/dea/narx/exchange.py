@@ -44,18 +44,18 @@ class System(NamedTuple):
     sizes: Array  # (candidates,) root mean square of each regressor over that of the output
 
 
-class Fit(NamedTuple):
-    """A structure with refined parameters of each system."""
+class JointFit(NamedTuple):
+    """Refined parameters of one structure, of each system its own, and their error."""
 
     parameters: tuple[Array, ...]  # of each system (terms,)
     error: float  # mean over the systems of MSSE / mean(y^2); inf where one is not stable
 
 
-class Structure(NamedTuple):
+class FittedStructure(NamedTuple):
     """A subset of the candidate terms, and its fit."""
 
     subset: Subset
-    fit: Fit
+    fit: JointFit
 
 
 class Move(NamedTuple):
@@ -75,14 +75,14 @@ class Exchange:
         self._candidates = tuple(candidates)
         self._systems = tuple(systems)
         self.power = float(np.mean([system.power for system in systems]))
-        self._fits: dict[Subset, Fit] = {}
-        self._unsteady: dict[Subset, Fit] = {}  # with the errors on the records alone
+        self._fits: dict[Subset, JointFit] = {}
+        self._unsteady: dict[Subset, JointFit] = {}  # with the errors on the records alone
         self._tests: Sequence[StabilityTest] = ()
         self._untested: set[Subset] = set()  # fitted before the tests were required
 
     def search(
-        self, start: Structure, price: float, rounds: int, most: int, trace: Trace
-    ) -> tuple[Structure, int]:
+        self, start: FittedStructure, price: float, rounds: int, most: int, trace: Trace
+    ) -> tuple[FittedStructure, int]:
         """Improve a structure for at most ``rounds`` accepted steps and ``most`` terms.
 
         Returns the structure found, or the one given if none is better, and the steps taken.
@@ -91,7 +91,8 @@ class Exchange:
         for step in range(1, rounds + 1):
             for moves in self._rounds(now, price, most):
                 found = [
-                    Structure(move.subset, self.fit(move.subset, move.start)) for move in moves
+                    FittedStructure(move.subset, self.fit(move.subset, move.start))
+                    for move in moves
                 ]
                 costs = [self.cost(each, price) for each in found]
                 best = int(np.argmin(costs)) if costs else 0
@@ -118,7 +119,7 @@ class Exchange:
                 return now, step - 1
         return now, rounds
 
-    def cost(self, structure: Structure, price: float) -> float:
+    def cost(self, structure: FittedStructure, price: float) -> float:
         """Return the error and the price of the terms."""
         subset, fit = structure
         columns = list(subset)
@@ -132,7 +133,7 @@ class Exchange:
         extra = np.log2(np.maximum(1.0, sizes / _AMPLE)).sum()
         return float(fit.error + price * (len(subset) + extra))
 
-    def fit(self, subset: Subset, start: Sequence[Array]) -> Fit:
+    def fit(self, subset: Subset, start: Sequence[Array]) -> JointFit:
         """Refine the parameters of each system, once for each structure."""
         if subset not in self._fits:
             terms = self._terms(subset)
@@ -141,7 +142,7 @@ class Exchange:
                 for system, first in zip(self._systems, start, strict=True)
             ]
             shares = [fit.msse / each.power for fit, each in zip(fits, self._systems, strict=True)]
-            fit = Fit(tuple(each.parameters for each in fits), float(np.mean(shares)))
+            fit = JointFit(tuple(each.parameters for each in fits), float(np.mean(shares)))
             self._fits[subset] = self._checked(subset, fit) if np.isfinite(fit.error) else fit
         return self._tested(subset)
 
@@ -153,11 +154,11 @@ class Exchange:
         self._tests = tuple(tests)
         self._untested = {subset for subset, fit in self._fits.items() if np.isfinite(fit.error)}
 
-    def by_cost(self, price: float, most: int) -> Iterator[Structure]:
+    def by_cost(self, price: float, most: int) -> Iterator[FittedStructure]:
         """Yield the structures tried, the least cost first, those that are not stable last."""
         for fits in (self._fits, self._unsteady):
             tried = [
-                Structure(subset, fit)
+                FittedStructure(subset, fit)
                 for subset, fit in fits.items()
                 if np.isfinite(fit.error) and len(subset) <= most
             ]
@@ -165,14 +166,14 @@ class Exchange:
                 if fits is self._unsteady or np.isfinite(self._tested(each.subset).error):
                     yield each
 
-    def _tested(self, subset: Subset) -> Fit:
+    def _tested(self, subset: Subset) -> JointFit:
         """Return the fit of a structure, tested as is required by now."""
         if subset in self._untested:
             self._untested.remove(subset)
             self._fits[subset] = self._checked(subset, self._fits[subset])
         return self._fits[subset]
 
-    def _checked(self, subset: Subset, fit: Fit) -> Fit:
+    def _checked(self, subset: Subset, fit: JointFit) -> JointFit:
         """Return the fit, its error infinite where it is not stable."""
         terms = self._terms(subset)
         stable = all(
@@ -187,7 +188,7 @@ class Exchange:
         self._unsteady[subset] = fit
         return fit._replace(error=np.inf)
 
-    def _rounds(self, now: Structure, price: float, most: int) -> Iterator[list[Move]]:
+    def _rounds(self, now: FittedStructure, price: float, most: int) -> Iterator[list[Move]]:
         """Removals, then additions, then exchanges: in order of computing time."""
 
         def promising(moves: Sequence[Move]) -> list[Move]:
@@ -207,12 +208,14 @@ class Exchange:
                 kept = set(move.subset) & set(now.subset)
                 exchanges += [
                     swap
-                    for swap in self._removals(Structure(move.subset, tried), f"{move.label} for ")
+                    for swap in self._removals(
+                        FittedStructure(move.subset, tried), f"{move.label} for "
+                    )
                     if not kept <= set(swap.subset)
                 ]
         yield promising(exchanges)
 
-    def _removals(self, now: Structure, prefix: str) -> list[Move]:
+    def _removals(self, now: FittedStructure, prefix: str) -> list[Move]:
         """The terms whose removal raises the error least, by the quadratic model at the minimum."""
         subset, fit = now
         if len(subset) == 1:
@@ -240,7 +243,7 @@ class Exchange:
             moves.append(Move(label, status, rest, start, fit.error + float(rise[i])))
         return moves
 
-    def _additions(self, now: Structure) -> list[Move]:
+    def _additions(self, now: FittedStructure) -> list[Move]:
         """The terms of largest predicted fall, by their slope orthogonal to the present slopes."""
         present = list(now.subset)
         everything = tuple(range(len(self._candidates)))
