@@ -24,8 +24,8 @@ Segment = tuple[Array, Array]
 _DIVERGED = 100.0  # times the largest measured output
 
 
-class Outcome(NamedTuple):
-    """The result for one candidate model."""
+class CandidateModel(NamedTuple):
+    """A candidate model, estimated and simulated."""
 
     msse: float  # mean squared simulated error (6); inf where the run diverged
     parameters: Array  # (terms of the subset,)
@@ -75,10 +75,10 @@ class CandidateModels:
         self.triangle: Array = np.ascontiguousarray(triangle.T)
         self._data = EstimationData(self.triangle, products, y, ends)
         self._bound = _DIVERGED * float(np.abs(y).max())
-        self._known: dict[Subset, Outcome] = {}
+        self._known: dict[Subset, CandidateModel] = {}
 
-    def __call__(self, subsets: Iterable[Subset]) -> list[Outcome]:
-        """Return the outcome of each subset (sorted candidate indices); each is computed once."""
+    def __call__(self, subsets: Iterable[Subset]) -> list[CandidateModel]:
+        """Return the model of each subset (sorted candidate indices); each is computed once."""
         asked = list(subsets)
         fresh = [subset for subset in dict.fromkeys(asked) if subset not in self._known]
         if fresh:
@@ -88,5 +88,5 @@ class CandidateModels:
                 row[: len(subset)] = subset
             errors, theta = estimate_and_simulate(columns, self._terms, self._data, self._bound)
             for subset, error, parameters in zip(fresh, errors / self.samples, theta, strict=True):
-                self._known[subset] = Outcome(float(error), parameters[: len(subset)])
+                self._known[subset] = CandidateModel(float(error), parameters[: len(subset)])
         return [self._known[subset] for subset in asked]
