@@ -30,7 +30,7 @@ _ENDS = 2.0  # standard deviations either way, within which a run should be line
 _DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
 
-class Refined(NamedTuple):
+class Minimum(NamedTuple):
     """Parameters at a minimum of the simulated error."""
 
     parameters: Array  # (terms,)
@@ -97,7 +97,7 @@ def minimise(
     segments: Sequence[Segment],
     iterations: int = 30,
     tolerance: float = 1e-10,
-) -> Refined:
+) -> Minimum:
     """Minimise the simulated error over normalised segments from the parameters ``start``.
 
     Ends after ``iterations`` or when a step lowers the error by less than ``tolerance`` of it. A
@@ -107,7 +107,7 @@ def minimise(
     point = least_squares.minimise(
         task, start.copy(), _DAMPING, iterations=iterations, tolerance=tolerance
     )
-    return Refined(point.x, point.cost / task.samples)
+    return Minimum(point.x, point.cost / task.samples)
 
 
 def _from_smoothed_outputs(terms: tuple[Term, ...], segments: Sequence[Segment]) -> Array:
