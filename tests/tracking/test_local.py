@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 from dea.errors import InputError
 from dea.narx import NarxModel, Scaling, refine, simulate, simulate_varying
 from dea.tracking import track_parameters
-from dea.tracking.local import Windows, local_estimates
+from dea.tracking.local import WindowEstimates, local_estimates
 from dea.tracking.scatter import widened
 
 PLANT = NarxModel.from_terms({"1": 0.1, "y(t-1)": 0.8, "u(t-1)": 0.5}, scaling=Scaling())
@@ -84,22 +84,24 @@ def test_between_and_beyond_centres_estimates_are_combined_with_what_they_share(
     centre = np.array([3.5, 7.5, 11.5, 15.5])
     means = np.array([(np.abs(np.arange(20) - c) < length / 2) / length for c in centre])
     theta = np.array([[1.0], [3.0], [4.0], [8.0]])
-    windows = Windows(centre, theta, np.full((4, 1, 1), 1.0 / length), length, 0, 0.0)
+    estimates = WindowEstimates(centre, theta, np.full((4, 1, 1), 1.0 / length), length, 0, 0.0)
     for t, weights in (
         (3.5, [1, 0, 0, 0]),
         (8.5, [0, 0.75, 0.25, 0]),
         (0.0, [1 + 3.5 / 8, 0, -3.5 / 8, 0]),
         (18.0, [0, -2.5 / 8, 0, 1 + 2.5 / 8]),
     ):
-        value, covariance = windows.at(np.array([t]))
+        value, covariance = estimates.at(np.array([t]))
         row = np.array(weights) @ means
         np.testing.assert_allclose(value[0], np.array(weights) @ theta)
         np.testing.assert_allclose(covariance[0, 0, 0], row @ row, rtol=1e-12)
 
 
 def test_windows_that_have_no_samples_in_common_are_independent():
-    windows = Windows(np.array([4.0, 24.0]), np.zeros((2, 1)), np.ones((2, 1, 1)), 8, 0, 0.0)
-    _, covariance = windows.at(np.array([4.0, 9.0, 14.0, 24.0]))
+    estimates = WindowEstimates(
+        np.array([4.0, 24.0]), np.zeros((2, 1)), np.ones((2, 1, 1)), 8, 0, 0.0
+    )
+    _, covariance = estimates.at(np.array([4.0, 9.0, 14.0, 24.0]))
     np.testing.assert_allclose(covariance[:, 0, 0], [1.0, 0.75**2 + 0.25**2, 0.5, 1.0])
 
 

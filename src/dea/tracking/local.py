@@ -33,7 +33,7 @@ _ITERATIONS = 10
 _TOLERANCE = 1e-6  # of the squared error: a small part of a standard deviation
 
 
-class Windows(NamedTuple):
+class WindowEstimates(NamedTuple):
     """Estimates of windows of ``length`` samples in the order of their centres."""
 
     centre: Array  # (windows,) in samples
@@ -97,7 +97,7 @@ def usual_window(model: NarxModel, samples: int) -> int:
     return max(min(_LONGEST, samples // SEPARATE), _least(model))
 
 
-def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Windows:
+def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> WindowEstimates:
     """Return the estimates of windows of ``length`` samples of a normalised record.
 
     Outputs that are missing are NaN; a window has a run for each stretch between them. A shorter
@@ -134,7 +134,7 @@ def local_estimates(model: NarxModel, u: Array, y: Array, length: int) -> Window
     centre = windows.starts[kept] + (length - 1) / 2.0
     covariance = widened(centre, theta, covariance, length)
     failed = int(np.sum(~kept))
-    return Windows(centre, theta, covariance, length, failed, windows.curvature(fits))
+    return WindowEstimates(centre, theta, covariance, length, failed, windows.curvature(fits))
 
 
 def curvature_of_windows(model: NarxModel, u: Array, y: Array) -> float:

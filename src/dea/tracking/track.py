@@ -255,18 +255,18 @@ def _local(
     settings: dict[str, Any],
 ) -> Estimate:
     """Track by estimates of windows."""
-    windows = local_estimates(model, signals.u, signals.measured, settings["window"])
+    estimates = local_estimates(model, signals.u, signals.measured, settings["window"])
     Phi, target = _equations(model, signals)
     samples = np.arange(model.max_lag, signals.y.size, dtype=float)
-    theta, covariance = windows.parameters(samples), windows.at(samples[at])[1]
+    theta, covariance = estimates.parameters(samples), estimates.at(samples[at])[1]
     deviation = np.sqrt(np.maximum(np.einsum("kii->ki", covariance), 0.0))
     std = np.stack([np.interp(samples, samples[at], each) for each in deviation.T], axis=1)
     innovation = target - np.sum(Phi * theta, axis=1)
-    withheld = WINDOWS_FAILED.format(windows.failed) if windows.failed else ""
-    if not withheld and windows.separate < SEPARATE:
+    withheld = WINDOWS_FAILED.format(estimates.failed) if estimates.failed else ""
+    if not withheld and estimates.separate < SEPARATE:
         shorter = usual_window(model, signals.y.size)
-        withheld = WINDOWS_FEW.format(windows.separate, SEPARATE, shorter)
-    if windows.curvature > LARGEST_CURVATURE:
+        withheld = WINDOWS_FEW.format(estimates.separate, SEPARATE, shorter)
+    if estimates.curvature > LARGEST_CURVATURE:
         withheld = withheld or UNDETERMINED
     return Estimate(theta, std, innovation, covariance, method, withheld)
 
