@@ -79,12 +79,14 @@ def _order(ax: Axes, orders: xr.Dataset, kind: str) -> None:
         label = f"chosen: {chosen}" + (" \N{RIGHTWARDS ARROW}" if chosen > order.max() else "")
         ax.axvline(chosen, color=style.GREY, lw=0.8, ls=":", label=label, zorder=1)
     ax.set_yscale("log")
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high * (high / low) ** 0.6)  # room for the legend
     style.plain_log_ticks(ax.yaxis)
     ax.set_xticks(order.values)
     ax.set_xlabel(f"{kind} order")
     ax.set_ylabel("error over the least")
     # The line of the chosen order does not cross the words.
-    ax.legend(loc="best", frameon=True, framealpha=0.9, edgecolor="none")
+    ax.legend(loc="upper center", frameon=True, framealpha=0.9, edgecolor="none")
 
 
 def _chosen(orders: xr.Dataset, kind: str) -> int | None:
