@@ -38,11 +38,6 @@ def rmse(measured: ArrayLike, simulated: ArrayLike) -> float:
     return float(np.sqrt(_squared(y, simulated) / y.size))
 
 
-def squared(units: str) -> str:
-    """Return the units of a squared quantity."""
-    return "1" if units == "1" else f"{units}^2"
-
-
 def _squared(y: Array, simulated: ArrayLike) -> float:
     """Sum of squared errors; infinite where the simulation diverged."""
     run = np.asarray(simulated, dtype=float)

@@ -12,9 +12,10 @@ from dea.missing import filled
 from dea.narx.candidate_terms import linear_terms
 from dea.narx.checks import as_record
 from dea.narx.estimation import Signals, estimate, listed
-from dea.narx.metrics import fpe, nmse, squared
+from dea.narx.metrics import fpe, nmse
 from dea.narx.model import NarxModel
 from dea.narx.selection import select_terms
+from dea.units import power
 
 
 def linear_model(u: Signals, y: Signals, order: int) -> NarxModel:
@@ -84,7 +85,7 @@ def compare_orders(
             "nmse": ([nmse(*pair) for pair in pairs], "1", "SSE/SST in free run"),
             "fpe": (
                 [fpe(*pair, size) for pair, size in zip(pairs, sizes, strict=True)],
-                squared(y_units),
+                power(y_units, 2),
                 "final prediction error in free run",
             ),
             "terms": (sizes, "1", "number of terms"),

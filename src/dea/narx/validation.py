@@ -13,7 +13,7 @@ from dea.inputs import input_count
 from dea.missing import filled, stretches
 from dea.narx.checks import Array, as_record
 from dea.narx.estimation import estimate, normalised
-from dea.narx.metrics import fit, fpe, nmse, rmse, squared
+from dea.narx.metrics import fit, fpe, nmse, rmse
 from dea.narx.model import NarxModel
 from dea.narx.refinement import minimise
 from dea.narx.residual_verdict import joint_tests, verdict
@@ -21,6 +21,7 @@ from dea.narx.residuals import band, correlation_tests, each_test
 from dea.narx.scaling import Scaling
 from dea.store import Text, each_text
 from dea.terms import Term, input_symbol
+from dea.units import power
 
 
 def _estimate_free_run(
@@ -160,7 +161,7 @@ def validate(
         for row in range(len(models))
     ]
     over = ("window", "sample")
-    score_units = {"rmse": y_units, "fpe": squared(y_units)}
+    score_units = {"rmse": y_units, "fpe": power(y_units, 2)}
     variables: dict[str, tuple[tuple[str, ...], NDArray[Any], str, str]] = {
         "time": (
             over,

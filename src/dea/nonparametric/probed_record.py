@@ -9,6 +9,7 @@ from dea.errors import InputError
 from dea.nonparametric.best_linear import BestLinear, best_linear
 from dea.nonparametric.periods import periods_of
 from dea.store import read_record, signals
+from dea.units import ratio
 
 
 def best_linear_approximation(
@@ -81,7 +82,7 @@ def labelled(
 ) -> xr.Dataset:
     """Return the estimates of all stretches as :func:`best_linear_approximation` does."""
     first, (u, y) = found[0], units
-    gain_units = y if u == "1" else f"{y}/{u}"
+    gain_units = ratio(y, u)
     response = np.stack([each.response for each in found])
     half = np.stack([each.half_width() for each in found])
     gain, angle = np.abs(response), np.degrees(np.angle(response))

@@ -16,6 +16,7 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
     from dea.gfrf import Grid, response_over_time
     from dea.narx import Labels, NarxModel
     from dea.tracking import with_constant
+    from dea.units import power, ratio
 
     chosen = settings["gfrf"]
     signals = store.signals(store.read_record(record))
@@ -44,13 +45,13 @@ def gfrf(settings: Mapping[str, Any], record: Path, model: Path, track: Path, gf
     y, driving = signals.y_units, [u for _, u in signals.inputs]
     units = {
         "y0": y,
-        "H1": _listed(f"{y}/{u}" for u in driving),
+        "H1": _listed(ratio(y, u) for u in driving),
         "H2": _listed(
-            f"{y}/{u}^2" if u == v else f"{y}/({u} {v})"
+            ratio(y, power(u, 2) if u == v else f"{u} {v}")
             for u, v in combinations_with_replacement(driving, 2)
         ),
-        "H3": _listed(f"{y}/{u}^3" for u in driving),
-        "input_spectrum": _listed(f"{u}^2/Hz" for u in driving),
+        "H3": _listed(ratio(y, power(u, 3)) for u in driving),
+        "input_spectrum": _listed(ratio(power(u, 2), "Hz") for u in driving),
     }
     for end in ("low", "high"):
         units |= {f"y0_{end}": y, f"gain_{end}": units["H1"], f"H2_gain_{end}": units["H2"]}

@@ -1,0 +1,16 @@
+"""Units of products of quantities, as text: ``mm^2``, ``(ticks/s)^2``, ``mm/V``."""
+
+
+def power(units: str, exponent: int) -> str:
+    """Return the units of a power of a quantity; without units they are ``1``."""
+    if units == "1":
+        return units
+    compound = any(sign in units for sign in " */^")
+    return f"({units})^{exponent}" if compound else f"{units}^{exponent}"
+
+
+def ratio(above: str, below: str) -> str:
+    """Return the units of one quantity over another."""
+    if below == "1":
+        return above
+    return f"{above}/({below})" if any(sign in below for sign in " */") else f"{above}/{below}"
