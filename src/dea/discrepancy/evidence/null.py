@@ -9,13 +9,13 @@ from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 
 _DRAWS = 60
-_SHORTEST = 17  # samples of a block whose colour counts
+_SHORTEST = 21  # samples of a block whose colour counts
 
 
 def long_parts(residual: np.ndarray, blocks: Sequence[slice]) -> list[np.ndarray]:
     """Return the parts of a residual (n,) in ``blocks`` that show its colour, without their means.
 
-    Blocks of fewer than 17 samples show none.
+    Blocks of fewer than 21 samples show none.
     """
     parts = [residual[block] for block in blocks]
     return [part - part.mean() for part in parts if part.size >= _SHORTEST]
