@@ -331,6 +331,25 @@ def test_two_effects_are_certain_where_nothing_replaces_the_second(presence, wit
     assert (found.status, found.answer.names, found.whole) == ("named", named, False)
 
 
+@pytest.mark.parametrize(("without", "named"), [(3.0, True), (2.4, False)])
+def test_two_effects_are_certain_though_neither_alone_explains_most(without, named):
+    evidence, candidate = graded()
+    pair = candidate(1.8, "dead_zone", "sensor_lag")
+    alone = [candidate(6.5, "dead_zone"), candidate(7.0, "sensor_lag")]
+    others = [
+        candidate(without, "sensor_lag", "gain_drift"),
+        candidate(3.0, "dead_zone", "gain_drift"),
+    ]
+    weighed = Presence((pair, *others), np.array([0.96, 0.02, 0.02]))
+    found = decide(
+        evidence, pair, [pair, *others, *alone], alone, evidence.nominal.residual, weighed
+    )
+    if named:
+        assert (found.status, found.answer, found.whole) == ("named", pair, False)
+    else:
+        assert found.status == "unknown"
+
+
 def test_of_three_effects_each_is_certain_only_where_nothing_replaces_it():
     evidence, candidate = graded()
     names = "dead_zone", "sensor_lag", "gain_drift"
@@ -579,12 +598,18 @@ def test_of_a_pair_that_the_evidence_leaves_a_part_must_leave_room(left, named):
 
 @pytest.mark.parametrize(
     ("name", "left", "named"),
-    [("gain_drift", 1.02, True), ("gain_drift", 1.3, False), ("baseline_drift", 1.02, False)],
+    [
+        ("gain_drift", 1.02, True),
+        ("gain_drift", 1.2, True),
+        ("gain_drift", 1.3, False),
+        ("baseline_drift", 1.02, False),
+    ],
 )
-def test_what_leaves_noise_alone_need_not_predict_unless_readings_drift(name, left, named):
+def test_what_leaves_no_room_need_not_predict_unless_readings_drift(name, left, named):
     """A course that few blocks show is extrapolated badly, and readings drift of themselves."""
     evidence, candidate = graded()
-    course, rival = candidate(left, name), candidate(1.1, "dead_zone")
+    evidence = replace(evidence, rules=Rules())
+    course, rival = candidate(left, name), candidate(1.4, "dead_zone")
     predicted = {course.fit: 0.9 * evidence.nominal.residual}
     assert (named_against(evidence, course, rival, predicted) is course) == named
 

@@ -109,7 +109,8 @@ def _stands_alone(
     # A drift or hum of a sensor is common: held-out blocks must show its course in time.
     laws = [a.effect for a in surest.fit.extended.attached]
     of_readings = any(law.only_reads and not law.transferable for law in laws)
-    complete = rules.completes(surest.rmse, evidence.nominal_error, floor)
+    before = evidence.nominal_error
+    complete = before > rules.grow * floor and not rules.leaves_room(surest.rmse, before, floor)
     return (complete and not of_readings) or share_of(evidence, surest).low >= rules.part
 
 

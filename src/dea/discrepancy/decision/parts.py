@@ -14,7 +14,7 @@ from dea.discrepancy.search.candidates import Candidate, EffectSet
 def certain_part(
     evidence: Evidence, pool: Sequence[Candidate], weighed: Presence
 ) -> Candidate | None:
-    """Return the effect that is certain, if it explains most of the gap, or several that are.
+    """Return the fewest effects that are certain and explain most of the gap, or more that are.
 
     Whatever else the answer holds, these effects are in it. The best explanation without one of
     them and any of its family must leave much more of the misfit than the best one with all, since
@@ -36,19 +36,29 @@ def certain_part(
         without = min((c.rmse for c in finished if not c.effects & kin), default=np.inf)
         return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
 
-    certain = sorted((c for c in finished if c.effects <= sure), key=lambda c: c.error)
-    alone = (c for c in certain if len(c.names) == 1 and ahead(c, c.names[0]))
-    part = next((c for c in alone if share_of(evidence, c).low >= rules.part), None)
-    if part is None:
-        return None
+    def unrivalled(part: Candidate) -> bool:
+        """Return whether no other set of as many effects has nearly the error: several bend."""
+        others = (c for c in finished if len(c.effects) == len(part.effects) > 1)
+        nearly = rules.rival_margin * part.error
+        return all(c.effects == part.effects or c.error > nearly for c in others)
 
-    def completed_by(wider: Candidate) -> bool:
-        further = wider.effects - part.effects
-        return all(ahead(wider, name, part.effects) for name in further) and each_adds(
-            evidence, wider, pool
+    def needed(part: Candidate, given: EffectSet = frozenset()) -> bool:
+        further = part.effects - given
+        return (
+            all(ahead(part, name, given) for name in further)
+            and unrivalled(part)
+            and each_adds(evidence, part, pool)
         )
 
-    return next((c for c in certain if c.effects > part.effects and completed_by(c)), part)
+    certain = sorted(
+        (c for c in finished if c.effects <= sure), key=lambda c: (len(c.effects), c.error)
+    )
+    most = (c for c in certain if needed(c) and share_of(evidence, c).low >= rules.part)
+    part = next(most, None)
+    if part is None:
+        return None
+    wider = (c for c in certain if c.effects > part.effects and needed(c, part.effects))
+    return next(wider, part)
 
 
 def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> bool:
