@@ -446,7 +446,7 @@ def test_of_a_simulation_that_leaves_noise_nothing_is_named_by_the_evidence_alon
 
 @pytest.mark.parametrize(
     ("left", "weight", "status"),
-    [(1.3, 0.2, "ambiguous"), (1.3, 0.5, "named"), (1.001, 0.2, "named")],
+    [(1.3, 0.5, "ambiguous"), (1.3, 0.7, "named"), (1.001, 0.2, "named")],
 )
 def test_an_unlikely_name_is_given_only_where_it_leaves_noise(left, weight, status):
     evidence, candidate = graded()
@@ -456,6 +456,19 @@ def test_an_unlikely_name_is_given_only_where_it_leaves_noise(left, weight, stat
     found = decide(evidence, chosen, [chosen], [chosen], evidence.nominal.residual, weighed)
     assert (found.status, found.answer) == (status, chosen)
     assert found.rivals == ((pair,) if status == "ambiguous" else ())
+
+
+@pytest.mark.parametrize(("weights", "whole"), [([0.5, 0.5, 0.0], False), ([0.3, 0.3, 0.4], True)])
+def test_an_effect_is_not_all_of_the_answer_where_a_further_one_is_sure(weights, whole):
+    """Whichever it is: two of them do as well."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    alone = candidate(1.4, "dead_zone")
+    pairs = [candidate(1.3, "dead_zone", name) for name in ("sensor_lag", "second_mode")]
+    weighed = Presence((*pairs, alone), np.array(weights))
+    pool = [*pairs, alone, candidate(6.0, "sensor_lag"), candidate(6.0, "second_mode")]
+    found = decide(evidence, alone, pool, [alone], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer, found.whole) == ("named", alone, whole)
 
 
 def test_what_a_further_effect_surely_explains_is_not_called_noise():

@@ -116,8 +116,8 @@ class Rules(Section):
         "log-odds that a parameter at its bound costs the presence of its effect", default=3.0
     )
     likely: Share = key(
-        "presence from which the sentence calls an effect, or a family, likely; no name is given to"
-        " one whose absence is likely, unless it leaves noise alone",
+        "presence from which the sentence calls an effect, or a family, likely; no other is named,"
+        " unless it leaves noise alone and its absence is not certain",
         default=0.6,
     )
     poor: Number = key(

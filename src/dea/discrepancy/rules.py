@@ -57,8 +57,8 @@ class Rules:
         Log-odds that a parameter at its bound costs the presence of its effect: it is often that of
         another effect's law.
     likely
-        Presence from which an effect, or a family, is called likely. One whose absence is likely is
-        not named, unless it leaves noise alone.
+        Presence from which an effect, or a family, is called likely. Others are not named, unless
+        they leave noise alone and their absence is not certain.
     poor
         Certified error, in what a complete simulation leaves, above which a law is called too poor.
     detectable

@@ -14,6 +14,9 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     floor, rules = evidence.floor, evidence.rules
     if chosen.rmse <= rules.clean * floor:
         return True
+    further = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
+    if further and weighed.wider_than(chosen) >= rules.certain:
+        return False
     # Several laws together fit almost any residual, so that they must leave noise alone.
     if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
         return False

@@ -48,9 +48,9 @@ def decide(
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = rivals_of(evidence, chosen, pool)
     leaves_noise = chosen.rmse <= rules.clean * evidence.floor
-    if weighed.least_of(chosen) <= 1.0 - (rules.certain if leaves_noise else rules.likely):
-        # The evidence is against a part of it, whatever is predicted on blocks left out.
-        rivals += [c for c in weighed.candidates[:1] if c.effects != chosen.effects]
+    if weighed.least_of(chosen) < (1.0 - rules.certain if leaves_noise else rules.likely):
+        # The evidence is not for all of it, whatever is predicted on blocks left out.
+        rivals += [c for c in weighed.candidates if c.effects != chosen.effects][:1]
     if not rivals:
         akin = tuple(rivals_of(evidence, chosen, pool, akin=True))
         sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
