@@ -563,6 +563,21 @@ def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own
         assert not named or found.answer is alone
 
 
+@pytest.mark.parametrize(("rival", "named"), [(1.6, False), (2.2, True)])
+def test_no_part_is_certain_that_another_of_its_family_replaces_with_less_left(rival, named):
+    evidence, candidate = graded()
+    pair, alone = candidate(1.9, "sensor_lag", "dead_zone"), candidate(2.0, "sensor_lag")
+    pool = [
+        pair,
+        alone,
+        candidate(rival, "electrode_lag", "gain_drift"),
+        candidate(4.0, "dead_zone"),
+    ]
+    weighed = Presence((pair, alone), np.array([0.5, 0.5]))
+    found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    assert (found.answer is alone) == named
+
+
 @pytest.mark.parametrize(("left", "names"), [(3.6, 2), (2.0, 1)])
 def test_a_second_effect_of_the_same_family_must_leave_less_than_the_first_one(left, names):
     evidence, candidate = graded()

@@ -18,11 +18,13 @@ def certain_part(
 
     Whatever else the answer holds, these effects are in it. The best explanation without one of
     them and any of its family must leave much more of the misfit than the best one with all, since
-    an effect that the catalogue lacks is often half explained by several.
+    an effect that the catalogue lacks is often half explained by several; and none, with others of
+    its family, may leave less.
     """
     rules, floor = evidence.rules, evidence.floor
     sure = weighed.sure(rules.certain)
     finished = [c for c in pool if c.finished]
+    best = min((c.rmse for c in finished), default=0.0)
     families = {
         c.fit.extended.name_of(a): a.effect.family
         for c in finished
@@ -30,11 +32,15 @@ def certain_part(
     }
 
     def ahead(part: Candidate, name: str, given: EffectSet = frozenset()) -> bool:
-        """Return whether what holds no effect of the family, but those given, leaves much more."""
+        """Return whether what holds no effect of the family, but those given, leaves much more.
+
+        And whether nothing leaves less.
+        """
         kin = {other for other, family in families.items() if family is families[name]} - given
         within = min(c.rmse for c in finished if c.effects >= part.effects)
         without = min((c.rmse for c in finished if not c.effects & kin), default=np.inf)
-        return misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
+        beyond = misfit(within, floor) <= (1.0 - rules.ahead) * misfit(without, floor)
+        return beyond and rules.as_good(within, best, floor)
 
     def unrivalled(part: Candidate) -> bool:
         """Return whether no other set of as many effects has nearly the error: several bend."""
