@@ -434,6 +434,37 @@ def test_a_name_that_the_evidence_is_against_is_not_given():
         assert (found.status, found.answer) == (status, chosen)
 
 
+def test_the_likeliest_other_explanation_is_one_rival():
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    chosen, rival = candidate(1.3, "dead_zone"), candidate(1.3, "sensor_lag")
+    weighed = Presence((chosen, rival), np.array([0.5, 0.5]))
+    found = decide(evidence, chosen, [chosen, rival], [chosen], evidence.nominal.residual, weighed)
+    assert (found.status, found.rivals) == ("ambiguous", (rival,))
+
+
+def test_what_is_unlikely_and_has_no_rival_is_not_named():
+    evidence, candidate = graded()
+    chosen = candidate(1.001, "dead_zone")
+    weighed = Presence((chosen,), np.array([0.05]))
+    found = decide(evidence, chosen, [chosen], [chosen], evidence.nominal.residual, weighed)
+    assert (found.status, found.reason) == ("unknown", Reason.NO_EFFECT)
+
+
+@pytest.mark.parametrize(
+    ("weights", "status"), [([0.45, 0.45, 0.1], "named"), ([0.25, 0.25, 0.5], "ambiguous")]
+)
+def test_what_a_pair_shares_with_its_rivals_is_named_where_it_is_likely(weights, status):
+    evidence, candidate = graded()
+    alone = candidate(1.1, "dead_zone")
+    pairs = [candidate(1.0, "dead_zone", name) for name in ("sensor_lag", "gain_drift")]
+    other = candidate(1.4, "sensor_lag", "gain_drift")
+    weighed = Presence((*pairs, other), np.array(weights))
+    pool = [*pairs, alone, other]
+    found = decide(evidence, pairs[0], pool, [alone], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer) == (status, {"named": alone}.get(status, pairs[0]))
+
+
 @pytest.mark.parametrize(("nominal", "named"), [(1.3, True), (1.1, False)])
 def test_of_a_simulation_that_leaves_noise_nothing_is_named_by_the_evidence_alone(nominal, named):
     evidence, candidate = graded()

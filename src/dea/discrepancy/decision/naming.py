@@ -50,27 +50,45 @@ def decide(
     leaves_noise = chosen.rmse <= rules.clean * evidence.floor
     if weighed.least_of(chosen) < (1.0 - rules.certain if leaves_noise else rules.likely):
         # The evidence is not for all of it, whatever is predicted on blocks left out.
-        rivals += [c for c in weighed.candidates if c.effects != chosen.effects][:1]
-    if not rivals:
-        akin = tuple(rivals_of(evidence, chosen, pool, akin=True))
-        sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
-        if sure or not akin:
-            return Decision(Status.NAMED, chosen, akin, rest_of(evidence, chosen, weighed))
-        return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)
-    shared = chosen.effects.intersection(*(rival.effects for rival in rivals))
-    for candidate in proven:
-        # If many second effects do as well, the shared one is certain, and the second one stands
-        # for an error of its law.
-        if (
-            len(chosen.names) > 1
-            and candidate.effects == shared
-            and explained(evidence, candidate, weighed)
-            and not rivals_of(evidence, candidate, pool)
-        ):
-            return Decision(Status.NAMED, candidate)
-    part = certain_part(evidence, pool, weighed) if len(chosen.names) > 1 else None
-    if part is not None:
-        return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
+        likeliest = next((c for c in weighed.candidates if c.effects != chosen.effects), None)
+        if likeliest is None:
+            return Decision(Status.UNKNOWN, chosen, reason=Reason.NO_EFFECT)
+        if all(rival.effects != likeliest.effects for rival in rivals):
+            rivals.append(likeliest)
+    if rivals:
+        return _beside_rivals(evidence, chosen, rivals, pool, proven, weighed)
+    akin = tuple(rivals_of(evidence, chosen, pool, akin=True))
+    sure = max(weighed.least_of(chosen), weighed.among(chosen, akin)) >= rules.certain
+    if sure or not akin:
+        return Decision(Status.NAMED, chosen, akin, rest_of(evidence, chosen, weighed))
+    return Decision(Status.AMBIGUOUS, chosen, akin, Reason.RIVAL)
+
+
+def _beside_rivals(
+    evidence: Evidence,
+    chosen: Candidate,
+    rivals: Sequence[Candidate],
+    pool: Sequence[Candidate],
+    proven: Sequence[Candidate],
+    weighed: Presence,
+) -> Decision:
+    """Name what a larger set shares with its rivals, or the part of it that is certain."""
+    if len(chosen.names) > 1:
+        shared = chosen.effects.intersection(*(rival.effects for rival in rivals))
+        for candidate in proven:
+            # If many second effects do as well, the shared one is certain, and the second one
+            # stands for an error of its law.
+            if (
+                candidate.effects == shared
+                and weighed.least_of(candidate) >= evidence.rules.likely
+                and explained(evidence, candidate, weighed)
+                and not rivals_of(evidence, candidate, pool)
+            ):
+                rest = rest_of(evidence, candidate, weighed)
+                return Decision(Status.NAMED, candidate, reason=rest)
+        part = certain_part(evidence, pool, weighed)
+        if part is not None:
+            return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
     return Decision(Status.AMBIGUOUS, chosen, tuple(rivals), Reason.RIVAL)
 
 
