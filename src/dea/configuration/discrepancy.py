@@ -78,10 +78,17 @@ class Rules(Section):
         "residual up to which the record counts as explained", unit="noise floors"
     )
     misfit: Share = key("part of the nominal misfit that may remain")
-    grow: Positive = key("residual above which a further effect is looked for", unit="noise floors")
+    grow: Positive = key(
+        "residual above which a further effect is looked for; several effects may not leave more",
+        unit="noise floors",
+    )
     room: Share = key("part of the nominal misfit that must be left for a further effect")
     second: Share = key("part of the remaining misfit that a further effect must remove")
-    rival_margin: Number = key("factor by which a beaten rival's misfit is larger", ge=1)
+    rival_margin: Number = key(
+        "factor by which a beaten rival's misfit is larger, and the error of a set where several"
+        " effects are named",
+        ge=1,
+    )
     predictable: Share = key("part of the error that a flexible model must leave")
     noise_like: Positive = key(
         "residual up to which one that nothing reduces counts as noise",
@@ -105,11 +112,12 @@ class Rules(Section):
     certain: Share = key("presence from which an effect is certain", default=0.9)
     part: Share = key(
         "part of the held-out misfit that certain effects must remove to be named where something"
-        " else remains",
+        " else remains, and of what the others leave that each of several effects must remove",
         default=0.5,
     )
     ahead: Share = key(
-        "part by which such effects must leave less misfit than any explanation without them",
+        "part by which such effects must leave less misfit than any explanation without their"
+        " family",
         default=0.35,
     )
     at_bound: NotNegative = key(

@@ -83,7 +83,7 @@ def _table(section: Schema, definitions: Schema) -> Iterator[str]:
 
 def _default(node: Schema) -> str:
     default = node.get("default")
-    if default in (None, {}):
+    if default in (None, {}, ""):
         return "none"
     return f"`{str(default).lower() if isinstance(default, bool) else default}`"
 

@@ -16,7 +16,7 @@ COLOURS = {
     "wrong name": style.VERMILION,
     "right none": style.BLACK,
 }
-_CLOSED = 1.3  # noise floors, below which the simulation counts as complete
+_CLOSED = 1.15  # noise floors, below which the simulation counts as complete
 
 
 def draw(sources: Sources) -> Figure:

@@ -354,7 +354,7 @@ class _Spectrum:
                 (self._on_plane[:, None] & other._on_plane).astype(np.int8),
                 {
                     "units": "1",
-                    "long_name": "1 where both frequencies hold power and so reach their sum",
+                    "long_name": "1 where the input holds power at both frequencies",
                 },
             ),
         }

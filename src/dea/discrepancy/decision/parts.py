@@ -14,12 +14,13 @@ from dea.discrepancy.search.candidates import Candidate, EffectSet
 def certain_part(
     evidence: Evidence, pool: Sequence[Candidate], weighed: Presence
 ) -> Candidate | None:
-    """Return the fewest effects that are certain and explain most of the gap, or more that are.
+    """Return the smallest set of certain effects that explains most of the gap, or a larger one.
 
     Whatever else the answer holds, these effects are in it. The best explanation without one of
     them and any of its family must leave much more of the misfit than the best one with all, since
-    an effect that the catalogue lacks is often half explained by several; and none, with others of
-    its family, may leave less.
+    an effect that the catalogue lacks is often half explained by several. No explanation may leave
+    less than the best one that holds them. A larger certain set is returned where it passes for its
+    further effects.
     """
     rules, floor = evidence.rules, evidence.floor
     sure = weighed.sure(rules.certain)
@@ -32,9 +33,9 @@ def certain_part(
     }
 
     def ahead(part: Candidate, name: str, given: EffectSet = frozenset()) -> bool:
-        """Return whether what holds no effect of the family, but those given, leaves much more.
+        """Return whether every explanation without the family leaves much more, and none less.
 
-        And whether nothing leaves less.
+        The effects ``given`` may be in these.
         """
         kin = {other for other, family in families.items() if family is families[name]} - given
         within = min(c.rmse for c in finished if c.effects >= part.effects)
@@ -43,7 +44,7 @@ def certain_part(
         return beyond and rules.as_good(within, best, floor)
 
     def unrivalled(part: Candidate) -> bool:
-        """Return whether no other set of as many effects has nearly the error: several bend."""
+        """Return whether no other set of as many effects has nearly the same error."""
         others = (c for c in finished if len(c.effects) == len(part.effects) > 1)
         nearly = rules.rival_margin * part.error
         return all(c.effects == part.effects or c.error > nearly for c in others)
@@ -70,8 +71,7 @@ def certain_part(
 def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> bool:
     """Return whether each of several effects removes much of what the others leave.
 
-    On blocks that were not fitted: a second law bends to the error of the first one's law, too,
-    where it has seen it.
+    Blocks left out are used, because a second law can be fitted to the error of the first one's.
     """
     if len(chosen.effects) == 1:
         return True
