@@ -22,7 +22,7 @@ from dea.acquisition.record import link_dataset, record_dataset
 from dea.acquisition.recorder import Recorder
 from dea.acquisition.samples import BrokenRecordError, Samples
 from dea.acquisition.settings import AcquisitionSettings
-from dea.acquisition.voltage_plan import Plan, plan_sequence
+from dea.acquisition.voltage_plan import OutputPlan, plan_sequence
 from dea.errors import InputError
 from dea.modbus import Device
 
@@ -128,7 +128,7 @@ def acquire(
 
 def _attempt(
     job: Job,
-    plan: Plan,
+    plan: OutputPlan,
     partial: Path,
     watch: Watcher | None,
     log: LinkLog,

@@ -38,7 +38,7 @@ from dea.acquisition.retrying_link import (
 )
 from dea.acquisition.samples import Samples
 from dea.acquisition.settings import AcquisitionSettings
-from dea.acquisition.voltage_plan import Plan, Planned
+from dea.acquisition.voltage_plan import OutputPlan, Planned
 from dea.acquisition.wire import Wire, packed
 from dea.acquisition.zero import Evidence, WayToZero
 from dea.errors import InputError
@@ -226,7 +226,7 @@ class Guardian:
         job = self.job
         if not job.asked:
             return Planned(job.counts)
-        plan = Plan(job.counts, job.counts.size, job.asked)
+        plan = OutputPlan(job.counts, job.counts.size, job.asked)
         return Asked(self.device, plan, job.longest_step, self._ask, self._answer)
 
     def _ask(self, displacement: float) -> None:

@@ -12,7 +12,7 @@ from dea.tracking import with_constant
 Array = NDArray[np.float64]
 
 
-class Plan:
+class RecedingHorizonInverse:
     """The inputs of the next samples, with which a model follows a reference.
 
     The inputs minimise the squared errors over the horizon and ``smoothness`` times their squared
@@ -121,8 +121,8 @@ class Plan:
         return self._past
 
 
-def inverse_of(plan: Plan, reference: Array, u: float, y: float) -> Array:
-    """Return the inputs with which the plan's model, at rest at first, follows a reference.
+def inverse_of(inverse: RecedingHorizonInverse, reference: Array, u: float, y: float) -> Array:
+    """Return the inputs with which the inverse's model, at rest at first, follows a reference.
 
     Parameters
     ----------
@@ -136,11 +136,11 @@ def inverse_of(plan: Plan, reference: Array, u: float, y: float) -> Array:
     InputError
         If the model diverges on the way.
     """
-    plan.rest(u, y)
-    ahead = np.concatenate([reference, np.full(plan.horizon, reference[-1])])
+    inverse.rest(u, y)
+    ahead = np.concatenate([reference, np.full(inverse.horizon, reference[-1])])
     inputs = np.empty(reference.size)
     for k in range(reference.size):
-        found = plan.step(ahead[k : k + plan.horizon])
+        found = inverse.step(ahead[k : k + inverse.horizon])
         if found is None:
             raise InputError(
                 f"the model diverges at sample {k} of the reference",
@@ -148,5 +148,5 @@ def inverse_of(plan: Plan, reference: Array, u: float, y: float) -> Array:
                 remedy="Identify it from a record that reaches as far, or narrow the reference.",
             )
         inputs[k] = found
-        plan.advance()
+        inverse.advance()
     return inputs

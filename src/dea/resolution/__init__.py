@@ -5,7 +5,7 @@ from dea.resolution.datasets import resolution_dataset
 from dea.resolution.design import Design, Forms
 from dea.resolution.excitation import Limits
 from dea.resolution.kept import Kept
-from dea.resolution.knowledge import ANOTHER, Knowledge, Options, Outcome
+from dea.resolution.knowledge import ANOTHER, Knowledge, Options, ResolutionOutcome
 from dea.resolution.question import CERTIFICATE
 from dea.resolution.rounds import Desk, Resolution, Round, resolve
 
@@ -20,8 +20,8 @@ __all__ = [
     "Knowledge",
     "Limits",
     "Options",
-    "Outcome",
     "Resolution",
+    "ResolutionOutcome",
     "Round",
     "experiment_page",
     "record_key",

@@ -18,7 +18,7 @@ from dea.discrepancy import (
 from dea.progress import part_of
 from dea.resolution.design import Design
 from dea.resolution.excitation import Limits
-from dea.resolution.knowledge import Knowledge, Options, Outcome
+from dea.resolution.knowledge import Knowledge, Options, ResolutionOutcome
 from dea.resolution.question import CERTIFICATE, fresh_design, next_design
 from dea.resolution.weighing import begun, learnt
 from dea.simulation import Simulation, load_simulation
@@ -56,7 +56,7 @@ class Resolution:
 
     first: Knowledge
     rounds: tuple[Round, ...]
-    outcome: Outcome
+    outcome: ResolutionOutcome
     certificate: Certified | None = None
     pending: int | None = None
     halted: str = ""
@@ -100,7 +100,7 @@ def resolve(
     known = first = begun(records, own, settings, options, workers)
     rounds: list[Round] = []
     halted = ""
-    undecided = (Outcome.OPEN, Outcome.PART)
+    undecided = (ResolutionOutcome.OPEN, ResolutionOutcome.PART)
     while known.outcome(options.level) in undecided and len(rounds) < options.records:
         if not rounds and known.verdict.status == Status.NONE:
             break
@@ -111,7 +111,7 @@ def resolve(
             break
         record = desk.record(number, design.u)
         if record is None:
-            return Resolution(first, tuple(rounds), Outcome.OPEN, pending=number)
+            return Resolution(first, tuple(rounds), ResolutionOutcome.OPEN, pending=number)
         with part_of(f"record {number}"):
             after, log_densities = learnt(known, record, own, settings, options, workers)
         rounds.append(Round(number, design, log_densities, known, after))
@@ -119,7 +119,7 @@ def resolve(
         known = after
     outcome = known.outcome(options.level)
     found = Resolution(first, tuple(rounds), outcome, halted=halted)
-    if outcome not in (Outcome.DECIDED, Outcome.PART) or not rounds:
+    if outcome not in (ResolutionOutcome.DECIDED, ResolutionOutcome.PART) or not rounds:
         return found
     return _certified(found, desk, own, limits, settings, options)
 
@@ -146,7 +146,7 @@ def _certified(
     certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)["fresh"]
     if certified.worse(diagnosis.decision.noise(diagnosis.rules, diagnosis.floor)):
         last = found.rounds[-1]
-        after = replace(last.after, withdrawn=Outcome.CONTRADICTED)
+        after = replace(last.after, withdrawn=ResolutionOutcome.CONTRADICTED)
         rounds = (*found.rounds[:-1], replace(last, after=after))
-        found = replace(found, rounds=rounds, outcome=Outcome.CONTRADICTED)
+        found = replace(found, rounds=rounds, outcome=ResolutionOutcome.CONTRADICTED)
     return replace(found, certificate=certified)
