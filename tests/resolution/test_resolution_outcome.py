@@ -14,7 +14,7 @@ from dea.resolution import (
     Options,
     Resolution,
     ResolutionOutcome,
-    Round,
+    ResolutionRound,
     resolution_dataset,
 )
 from dea.resolution.posterior import Posterior
@@ -84,7 +84,7 @@ def test_a_name_that_is_withdrawn_is_given_nowhere(tmp_path, outcome, status, se
     first = replace(found, diagnosis=diagnosis)
     last = replace(first, withdrawn=outcome)
     design = Design(np.zeros(3), -1.0, ("a", "b"), 1.0, "free")
-    whole = Resolution(first, (Round(1, design, {}, first, last),), outcome)
+    whole = Resolution(first, (ResolutionRound(1, design, {}, first, last),), outcome)
     dataset = resolution_dataset(whole, 0.01)
     assert list(dataset["names"].values) == ["a", ""]
     assert list(dataset["status"].values) == ["named", status]

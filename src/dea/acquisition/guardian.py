@@ -36,11 +36,11 @@ from dea.acquisition.retrying_link import (
     LinkSettings,
     StoppedError,
 )
-from dea.acquisition.samples import Samples
+from dea.acquisition.samples import DrivenSamples
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import OutputPlan, Planned
 from dea.acquisition.wire import Wire, packed
-from dea.acquisition.zero import Evidence, WayToZero
+from dea.acquisition.zero import WayToZero, ZeroEvidence
 from dea.errors import InputError
 from dea.modbus import Device, adjoining, to_physical
 
@@ -58,7 +58,7 @@ DEAF = (
 )  # fmt: skip
 
 
-class Job(NamedTuple):
+class DriveJob(NamedTuple):
     """What a guardian is to do.
 
     ``counts`` are played from zero to zero; without any, the output is only taken to zero.
@@ -90,7 +90,7 @@ def guard(wire: Wire) -> None:
         if wire.closed:
             return
         wire.wait(1.0)
-    job: Job = messages[0][0]
+    job: DriveJob = messages[0][0]
     guardian = Guardian(wire, job, messages[1:])
     for number in ASKING:
         signal.signal(number, guardian.asked)
@@ -116,7 +116,7 @@ def _deliver(wire: Wire, seconds: float) -> None:
 class Guardian:
     """One job: the laws it keeps are those of :meth:`_check`."""
 
-    def __init__(self, wire: Wire, job: Job, early: list[tuple[Any, ...]]) -> None:
+    def __init__(self, wire: Wire, job: DriveJob, early: list[tuple[Any, ...]]) -> None:
         self.wire, self.job, self.device = wire, job, job.device
         self._early = early  # messages that came with the job
         settings = job.settings
@@ -210,7 +210,7 @@ class Guardian:
                 counts |= window.decode(words)
         return counts
 
-    def _driven(self) -> Iterator[Samples]:
+    def _driven(self) -> Iterator[DrivenSamples]:
         settings, counts = self.job.settings, self.job.counts
         if settings.mode == "polled":
             return polled.drive(
@@ -222,7 +222,7 @@ class Guardian:
             self.output.panel, counts, self.output.laws, tolerance=settings.read_back_tolerance
         )
 
-    def _sequence(self) -> polled.Sequence:
+    def _sequence(self) -> polled.DrivenCounts:
         job = self.job
         if not job.asked:
             return Planned(job.counts)
@@ -305,7 +305,7 @@ class Guardian:
                     self.duty.put(Phase.NEVER, 0.0)
                     self.wire.post("refused", packed(error))
                     return
-                evidence = Evidence.RELEASED
+                evidence = ZeroEvidence.RELEASED
                 break
             except Exception as error:  # only zero, or a person's order to dismiss, ends this loop
                 failing = failing or time.monotonic()

@@ -12,7 +12,7 @@ from dea.acquisition.poll import Poll
 from dea.acquisition.read_back import Echo
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.rows import Rows
-from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
 from dea.acquisition.schedule import Schedule
 from dea.errors import DeviceError
 from dea.modbus import to_physical
@@ -20,7 +20,7 @@ from dea.modbus import to_physical
 START = 1  # command
 
 
-class Sequence(Protocol):
+class DrivenCounts(Protocol):
     """The counts to be driven: all known beforehand, or asked for one by one."""
 
     size: int
@@ -37,13 +37,13 @@ class Sequence(Protocol):
 
 def drive(
     panel: Panel,
-    sequence: Sequence,
+    sequence: DrivenCounts,
     laws: Laws,
     *,
     late_after: float,
     tolerance: float,
     paced: bool = True,
-) -> Iterator[Samples]:
+) -> Iterator[DrivenSamples]:
     """Drive a sequence one by one and yield what was measured, in blocks.
 
     Sample k is written at its deadline k/sampling_rate after the first; one written more than
@@ -120,5 +120,7 @@ def _broken(
 ) -> BrokenRecordError:
     """Return the error for ``missing`` samples from sample ``number`` on as lost."""
     requested = np.repeat(count, missing)
-    lost = Samples.lost(number, device_index, requested)._replace(position=np.full(missing, number))
+    lost = DrivenSamples.lost(number, device_index, requested)._replace(
+        position=np.full(missing, number)
+    )
     return BrokenRecordError(reason, number, missing, lost)

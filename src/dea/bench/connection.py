@@ -25,7 +25,7 @@ MAX_SILENCE = 60.0  # s without a request, after which a master that does not ow
 MAX_UNREAD = 64 * 1024  # bytes of replies that a client may leave unread
 
 
-class Bench(Protocol):
+class RequestHandler(Protocol):
     """What answers the masters' requests."""
 
     connections: set["Connection"]
@@ -142,7 +142,7 @@ class Connection(ServerRequestHandler):
 class TcpServer(ModbusTcpServer):
     """Listens for masters over TCP."""
 
-    bench: Bench
+    bench: RequestHandler
 
     def callback_new_connection(self) -> Connection:
         """Return a new master's connection."""
@@ -152,7 +152,7 @@ class TcpServer(ModbusTcpServer):
 class TlsServer(ModbusTlsServer):
     """Listens for masters over TLS."""
 
-    bench: Bench
+    bench: RequestHandler
 
     def callback_new_connection(self) -> Connection:
         """Return a new master's connection."""

@@ -13,7 +13,7 @@ from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse, inverse_of
 from dea.control.reference import design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
-from dea.control.whole_inverse import Found, whole_inverse
+from dea.control.whole_inverse import InverseInputs, whole_inverse
 from dea.gfrf import ResponseBand, frequency_response_band, zero_input_interval
 from dea.narx import NarxModel, regressor_matrix
 from dea.tracking import root_mean_square, with_constant
@@ -128,7 +128,7 @@ class ControllerDesign:
         inverse = inverse_of(self.inverse(), wanted[hold:], *start)
         return np.concatenate([np.full(hold, start[0]), inverse])
 
-    def inverse_of_simulation(self, simulate: Callable[[Array], Array]) -> Found:
+    def inverse_of_simulation(self, simulate: Callable[[Array], Array]) -> InverseInputs:
         """Return the inputs with which a simulation of the actuator follows the reference.
 
         ``simulate`` makes outputs of inputs, both of shape (samples,) and in the units of the

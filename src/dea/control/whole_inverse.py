@@ -15,7 +15,7 @@ _SHARES = (1.0, 0.5, 0.25, 0.125)  # of a step, tried in turn until one is bette
 _ENOUGH = 0.01  # part of its error that a step must remove for another to follow
 
 
-class Found(NamedTuple):
+class InverseInputs(NamedTuple):
     """Inputs, shape (samples,), and the RMS error that the simulation has with them."""
 
     inputs: Array
@@ -33,7 +33,7 @@ def whole_inverse(
     lowest: float,
     highest: float,
     reach: float,
-) -> Found:
+) -> InverseInputs:
     """Return the inputs with which a simulation follows a reference.
 
     They minimise the squared errors and ``weight`` times their squared second differences. The
@@ -98,7 +98,7 @@ def whole_inverse(
                 break
         if not best < (1.0 - _ENOUGH) * before:
             break
-    return Found(inputs, float(np.sqrt(np.mean(error[wanted] ** 2))))
+    return InverseInputs(inputs, float(np.sqrt(np.mean(error[wanted] ** 2))))
 
 
 def _diverges(error: Array) -> InputError:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from dea.errors import InputError
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
-from dea.gfrf.model_error import ModelError, model_error
+from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
 from dea.narx import NarxModel, as_input
@@ -184,7 +184,7 @@ class _Rows:
         return np.asarray(np.argmin(np.abs(self.time - wanted), axis=1))
 
     def first(
-        self, at: Rows, f: Array, dims: tuple[str, ...], number: int, error: ModelError | None
+        self, at: Rows, f: Array, dims: tuple[str, ...], number: int, error: ModelErrorModel | None
     ) -> dict[str, Any]:
         """Return the first-order response of an input, with what the structure lacks."""
         band = self.response(1, at, f, (number,))
@@ -269,7 +269,7 @@ def _banded(
     return found
 
 
-def _lacking(error: ModelError | None, f: Array, number: int) -> dict[str, Any]:
+def _lacking(error: ModelErrorModel | None, f: Array, number: int) -> dict[str, Any]:
     """Return what the structure lacks in the response to an input."""
     gain, phase = np.full((2, f.size), np.nan) if error is None else error.at(f, number)
     label = "standard deviation of the {} of H1 by what the structure lacks"

@@ -23,7 +23,7 @@ import numpy as np
 from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.parameter_covariance import column_norms
-from dea.narx.refinement import Linearised, linearise, minimise
+from dea.narx.refinement import LinearisedRuns, linearise, minimise
 from dea.narx.stability import StabilityTest, stays_in_range
 from dea.narx.trace import Trace, Tried, gain
 from dea.terms import Term
@@ -272,13 +272,13 @@ class Exchange:
                 moves.append(Move(str(self._candidates[j]), "added", grown, start, predicted))
         return moves
 
-    def _share(self, system: System, point: Linearised, squares: Array) -> Array:
+    def _share(self, system: System, point: LinearisedRuns, squares: Array) -> Array:
         """Return by how much sums of squares of a system change the mean error of all."""
         return squares / (len(self._systems) * system.power * point.residual.size)
 
     def _linearised(
         self, subset: Subset, parameters: Sequence[Array]
-    ) -> Iterator[tuple[System, Linearised, Array]]:
+    ) -> Iterator[tuple[System, LinearisedRuns, Array]]:
         terms = self._terms(subset)
         for system, theta in zip(self._systems, parameters, strict=True):
             yield system, linearise(terms, theta, system.segments), theta

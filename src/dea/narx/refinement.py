@@ -363,7 +363,7 @@ def sensitivities(
     return y, slope
 
 
-class Linearised(NamedTuple):
+class LinearisedRuns(NamedTuple):
     """The free runs at one point of the parameter space and their slope there."""
 
     error: float  # sum of squares; inf where a run diverges
@@ -371,7 +371,7 @@ class Linearised(NamedTuple):
     slope: Array  # (samples, terms) derivative of the run by each parameter
 
 
-def linearise(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> Linearised:
+def linearise(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> LinearisedRuns:
     """Simulate every segment with its sensitivities."""
     return _Segments(terms, segments).linearise(theta)
 
@@ -399,19 +399,19 @@ class _Segments:
             return np.inf
         return sum(float(np.sum((self._y[part] - run[part]) ** 2)) for part in self.scored)
 
-    def linearise(self, theta: Array) -> Linearised:
+    def linearise(self, theta: Array) -> LinearisedRuns:
         """Free runs and their derivatives by the parameters."""
         run, slope = self._y.copy(), np.zeros((self._y.size, theta.size))
         if not kernels.run_each_with_slope(
             self._shape, theta, self._u, run, slope, self._ends, self._bounds
         ):
-            return Linearised(np.inf, np.empty(0), np.empty((0, theta.size)))
+            return LinearisedRuns(np.inf, np.empty(0), np.empty((0, theta.size)))
         residual = np.concatenate([self._y[part] - run[part] for part in self.scored])
         if len(self.scored) == 1:
             slope = slope[self.scored[0]]
         else:
             slope = np.concatenate([slope[part] for part in self.scored])
-        return Linearised(float(residual @ residual), residual, slope)
+        return LinearisedRuns(float(residual @ residual), residual, slope)
 
 
 def _bound(y: Array) -> float:

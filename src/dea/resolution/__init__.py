@@ -7,7 +7,7 @@ from dea.resolution.excitation import Limits
 from dea.resolution.kept import Kept
 from dea.resolution.knowledge import ANOTHER, Knowledge, Options, ResolutionOutcome
 from dea.resolution.question import CERTIFICATE
-from dea.resolution.rounds import Desk, Resolution, Round, resolve
+from dea.resolution.rounds import Desk, Resolution, ResolutionRound, resolve
 
 __all__ = [
     "ANOTHER",
@@ -22,7 +22,7 @@ __all__ = [
     "Options",
     "Resolution",
     "ResolutionOutcome",
-    "Round",
+    "ResolutionRound",
     "experiment_page",
     "record_key",
     "resolution_dataset",

@@ -35,7 +35,7 @@ _NOWHERE = (
 
 
 @dataclass(frozen=True)
-class Round:
+class ResolutionRound:
     """A designed record, what it changed, and what was known before and after."""
 
     number: int
@@ -55,7 +55,7 @@ class Resolution:
     """
 
     first: Knowledge
-    rounds: tuple[Round, ...]
+    rounds: tuple[ResolutionRound, ...]
     outcome: ResolutionOutcome
     certificate: Certified | None = None
     pending: int | None = None
@@ -76,7 +76,7 @@ class Desk(Protocol):
     def record(self, number: int, u: np.ndarray) -> "Record | xr.Dataset | None":
         """Return the record of an excitation; nothing where it is still to be made by hand."""
 
-    def keep(self, found: Round) -> None:
+    def keep(self, found: ResolutionRound) -> None:
         """Keep what a round has found."""
 
 
@@ -98,7 +98,7 @@ def resolve(
     settings, options = settings or Settings(), options or Options()
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     known = first = begun(records, own, settings, options, workers)
-    rounds: list[Round] = []
+    rounds: list[ResolutionRound] = []
     halted = ""
     undecided = (ResolutionOutcome.OPEN, ResolutionOutcome.PART)
     while known.outcome(options.level) in undecided and len(rounds) < options.records:
@@ -114,7 +114,7 @@ def resolve(
             return Resolution(first, tuple(rounds), ResolutionOutcome.OPEN, pending=number)
         with part_of(f"record {number}"):
             after, log_densities = learnt(known, record, own, settings, options, workers)
-        rounds.append(Round(number, design, log_densities, known, after))
+        rounds.append(ResolutionRound(number, design, log_densities, known, after))
         desk.keep(rounds[-1])
         known = after
     outcome = known.outcome(options.level)

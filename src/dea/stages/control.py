@@ -23,7 +23,7 @@ class Followed(NamedTuple):
     reference: "np.ndarray"
     outcome: str
     fallbacks: int
-    follower: "Follower"
+    scheme: "ControlScheme"
 
 
 def control(
@@ -56,10 +56,10 @@ def control(
     # Files of a drive that fails are kept nowhere: a run of the workflow begins anew.
     with tempfile.TemporaryDirectory() as folder:
         found = {}
-        for name, follower in _controllers(design, nominal, extended).items():
+        for name, scheme in _controllers(design, nominal, extended).items():
             tell(f"with the {name}")
             found[name] = _follow(
-                design, follower, settings, description, device, noise_seed, Path(folder)
+                design, scheme, settings, description, device, noise_seed, Path(folder)
             )
     store.write(
         _dataset(found, design, units, signals.y_units),
@@ -72,7 +72,7 @@ def control(
     )  # fmt: skip
 
 
-class Follower(NamedTuple):
+class ControlScheme(NamedTuple):
     """What makes a controller, or the voltages of an inverse that is played.
 
     A controller has gains; the inverse of a simulation, an error that is left with it, and the
@@ -86,14 +86,16 @@ class Follower(NamedTuple):
     effects: str = ""
 
 
-def _controllers(design: "ControllerDesign", nominal: Path, extended: Path) -> dict[str, Follower]:
+def _controllers(
+    design: "ControllerDesign", nominal: Path, extended: Path
+) -> dict[str, ControlScheme]:
     gains = design.gains()
     own = design.proportional_integral()
     found = {
-        "adaptive inverse": Follower(lambda: design.adaptive(gains), gains=gains),
-        "fixed inverse with feedback": Follower(lambda: design.fixed(gains), gains=gains),
-        "fixed inverse": Follower(voltage=design.feedforward()),
-        "PI": Follower(lambda: design.follower(own), gains=own),
+        "adaptive inverse": ControlScheme(lambda: design.adaptive(gains), gains=gains),
+        "fixed inverse with feedback": ControlScheme(lambda: design.fixed(gains), gains=gains),
+        "fixed inverse": ControlScheme(voltage=design.feedforward()),
+        "PI": ControlScheme(lambda: design.follower(own), gains=own),
         "inverse of the physics": _inverse(design, nominal),
     }
     with_effects = _inverse(design, extended)
@@ -102,18 +104,18 @@ def _controllers(design: "ControllerDesign", nominal: Path, extended: Path) -> d
     return found
 
 
-def _inverse(design: "ControllerDesign", path: Path) -> Follower:
+def _inverse(design: "ControllerDesign", path: Path) -> ControlScheme:
     """Return the inverse of a saved simulation."""
     from dea.simulation import load_extended
 
     simulation, values, interval = load_extended(path)
     inverse = design.inverse_of_simulation(lambda u: simulation.simulate(values, u, interval))
     effects = ", ".join(attached.effect.name for attached in simulation.attached)
-    return Follower(voltage=inverse.inputs, error=inverse.error, effects=effects)
+    return ControlScheme(voltage=inverse.inputs, error=inverse.error, effects=effects)
 
 
 def _follow(
-    design: "ControllerDesign", follower: Follower, settings: Mapping[str, Any],
+    design: "ControllerDesign", scheme: ControlScheme, settings: Mapping[str, Any],
     description: "Device", device: Path, noise_seed: int, folder: Path,
 ) -> Followed:  # fmt: skip
     """Drive a fresh bench with one controller; what stops it is its outcome."""
@@ -129,12 +131,12 @@ def _follow(
     task, bench = design.task, as_planned(settings["bench"])
     played: acquisition.ClosedLoop | np.ndarray
     controller = None
-    if follower.new is None:
-        assert follower.voltage is not None
-        played, options = follower.voltage, replace(options, mode="buffered")
+    if scheme.new is None:
+        assert scheme.voltage is not None
+        played, options = scheme.voltage, replace(options, mode="buffered")
     else:
-        _rehearse(follower.new(), task)
-        controller = follower.new()
+        _rehearse(scheme.new(), task)
+        controller = scheme.new()
         played = acquisition.ClosedLoop(
             controller, task.reference.size, task.start, settings["control"]["rate"]
         )
@@ -149,7 +151,7 @@ def _follow(
     own = getattr(controller, "reference", np.empty(0))
     return Followed(
         record, own if own.size else task.reference, outcome,
-        getattr(controller, "fallbacks", 0), follower,
+        getattr(controller, "fallbacks", 0), scheme,
     )  # fmt: skip
 
 
@@ -186,8 +188,8 @@ def _dataset(
     def variable(dims: Any, values: Any, units: str, long_name: str) -> tuple[Any, Any, Any]:
         return dims, values, {"units": units, "long_name": long_name}
 
-    each, followers = "controller", [one.follower for one in found.values()]
-    gains = [follower.gains for follower in followers]
+    each, schemes = "controller", [one.scheme for one in found.values()]
+    gains = [scheme.gains for scheme in schemes]
     of_all = (each, "time")
     return xr.Dataset(
         {
@@ -219,11 +221,11 @@ def _dataset(
                 each, [np.nan if one is None else one.integral_time for one in gains], "s", "Ti"
             ),
             "inverse_error": variable(
-                each, [follower.error for follower in followers], y_units,
+                each, [scheme.error for scheme in schemes], y_units,
                 "root mean square error that the simulation itself has with its inverse",
             ),
             "effects": variable(
-                each, np.array([follower.effects for follower in followers], dtype=object), "1",
+                each, np.array([scheme.effects for scheme in schemes], dtype=object), "1",
                 "effects attached to the simulation that is inverted",
             ),
         },
