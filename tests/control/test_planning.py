@@ -68,15 +68,14 @@ def test_slopes_agree_with_differences():
     lag = PLANT.max_lag
     y, u = rng.normal(size=(2, lag + 1))
     chosen = inverse()
-    theta, (y_lags, u_lags) = chosen.model.parameters, chosen._lags
     a, b = np.empty((2, lag + 1))
-    output_and_slopes(theta, y_lags, u_lags, y, u, lag, a, b)
+    output_and_slopes(chosen.equation, y, u, lag, a, b)
     for signal, slopes in ((y, a), (u, b)):
         for k in range(1 if signal is y else 0, lag + 1):
             ends = []
             for step in (-1e-6, 1e-6):
                 signal[lag - k] += step
-                args = theta, y_lags, u_lags, y, u, lag, np.empty(lag + 1), np.empty(lag + 1)
+                args = chosen.equation, y, u, lag, np.empty(lag + 1), np.empty(lag + 1)
                 ends.append(output_and_slopes(*args))
                 signal[lag - k] -= step
             assert slopes[k] == pytest.approx((ends[1] - ends[0]) / 2e-6, abs=1e-7)

@@ -7,6 +7,7 @@ from dea.control.feedback import Follower, Gains, tune_feedback
 from dea.control.fmu import write_fmu
 from dea.control.inverse import inverse_input
 from dea.control.iosystem import to_iosystem
+from dea.control.limits import InputLimits
 from dea.control.linear import Linearised, linearise, linearise_over_time
 from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse, inverse_of
@@ -22,6 +23,7 @@ __all__ = [
     "Follower",
     "Gains",
     "Guard",
+    "InputLimits",
     "Linearised",
     "LostError",
     "OnlineTracker",

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from dea.control.adaptive_inverse import AdaptiveInverse, RunIn, Task
 from dea.control.feedback import Follower, Gains, tune_feedback
+from dea.control.limits import InputLimits
 from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse, inverse_of
 from dea.control.reference import design_reference, reach_of
@@ -144,8 +145,7 @@ class ControllerDesign:
             memory=round(_MEMORY * self.sampling_rate),
             change=_CHANGE * scaling.u_scale,
             weight=self.settings["smoothness"] * (scaling.y_scale / scaling.u_scale) ** 2,
-            lowest=task.limits[0], highest=task.limits[1],
-            reach=self.settings["rate"] / self.sampling_rate,
+            limits=InputLimits(*task.limits, self.settings["rate"] / self.sampling_rate),
         )  # fmt: skip
 
     def proportional_integral(self) -> Gains:
