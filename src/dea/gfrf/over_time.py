@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from dea.errors import InputError
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
+from dea.gfrf.instants import Instants
 from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
@@ -99,13 +100,6 @@ def response_over_time(
         does not come to rest and has no steady-state response; the intervals also where the track
         withholds them.
     """
-    terms = list(map(str, model.terms))
-    if track["term"].values.tolist() != terms:
-        raise InputError(
-            f"they are of the terms {track['term'].values.tolist()}",
-            field="parameters",
-            remedy=f"The model's terms are {terms}",
-        )
     rows = _Rows(model, track, sampling_rate)
     error = None
     if y is not None:
@@ -165,13 +159,8 @@ class _Rows:
 
     def __init__(self, model: NarxModel, track: xr.Dataset, sampling_rate: float) -> None:
         self._model, self._rate = model, sampling_rate
-        self.time = track["instant"].values
         self._end = float(track["time"].values[-1])
-        parameter = track["parameter"].sel(time=self.time, method="nearest")
-        self.theta = parameter.transpose("time", "term").values.astype(float)
-        self._covariance = track["covariance"].transpose("instant", "term", "term_2").values
-        if track.attrs["withheld"]:
-            self._covariance = np.full_like(self._covariance, np.nan)
+        self.time, self.theta, self._covariance = Instants.of(track, model)
 
     def spread(self, count: int) -> Rows:
         """Return ``count`` rows, evenly spread; every one of fewer."""
