@@ -25,7 +25,7 @@ def fitted_rate(samples: DrivenSamples) -> float | None:
 def flag_clock(device: Device, samples: DrivenSamples, tolerance: float) -> DrivenSamples:
     """Return ``samples``, all with :attr:`Quality.CLOCK` where the rates differ beyond a share.
 
-    A virtual clock runs as fast as it is fed, and is not compared.
+    A virtual device plays as fast as samples arrive; its clock is not compared.
     """
     rate = fitted_rate(samples)
     if device.virtual or rate is None or abs(rate / device.sampling_rate - 1) <= tolerance:

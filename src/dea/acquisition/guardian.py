@@ -1,9 +1,10 @@
 """The guardian: the process that alone writes the voltage, and always ends it at zero.
 
-It knows nothing of files, displays or progress. The recorder hands it the whole sequence, which it
-plays at its own deadlines, and must confirm what it has kept. Whatever ends the sequence (its end,
-a recorder that dies, stalls or asks for it, a device that fails, a broken law), the guardian takes
-the output to zero, tries for ever, and raises an alarm as long as zero is not shown.
+It writes no record, display or progress. The recorder sends it the whole sequence, which it plays
+at its own deadlines, and must confirm the samples that it has stored. Whatever ends the sequence
+(its end, a recorder that dies, stalls or asks for it, a device that fails, a broken law), the
+guardian takes the output to zero, tries until zero is shown or a person dismisses it, and raises an
+alarm meanwhile.
 """
 
 import math
@@ -236,9 +237,9 @@ class Guardian:
     def _answer(self) -> int:
         """Wait for the count that was asked for.
 
-        The clock of a device that is not paced waits: there it is the host that is slow, and not
-        the controller, whose record would otherwise depend on the host's load. What waits too long
-        is a recorder that stalls.
+        A device that is not paced has a clock that waits for the host, so that this has no time
+        limit of its own there: the record would depend on the load of the host. A recorder that
+        stalls ends the wait.
         """
         end = time.monotonic() + ANSWER_TIME if self.job.settings.paced else math.inf
         while not self._answers:

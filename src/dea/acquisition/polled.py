@@ -47,7 +47,7 @@ def drive(
     """Drive a sequence one by one and yield what was measured, in blocks.
 
     Sample k is written at its deadline k/sampling_rate after the first; one written more than
-    ``late_after`` s behind it is flagged. Nothing is ever made up for in a burst: a sample whose
+    ``late_after`` s behind it is flagged. Late samples are never sent in a burst: one whose
     whole period has passed is left out and flagged, or, on a device that counts its samples, comes
     later with all that follow; what such a device measured meanwhile, its output held, is flagged
     as held and lost. Without ``paced``, for a device whose clock waits for the host, each sample

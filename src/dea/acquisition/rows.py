@@ -28,7 +28,7 @@ class Rows:
             self.add(place, place, count, 0, 0, flag, np.nan, np.nan)
 
     def hold(self, number: int, indices: range, count: int) -> None:
-        """Add what the device measured, and nobody read, while it held the output of a sample."""
+        """Add the samples measured, but not read, while the device held an output."""
         for index in indices:
             flag = Quality.HELD | Quality.LOST
             self.add(number, index, count, 0, 0, flag, np.nan, np.nan)

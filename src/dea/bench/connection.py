@@ -56,10 +56,10 @@ class Connection(ServerRequestHandler):
         self.heard = time.monotonic()
 
     def callback_connected(self) -> None:
-        """Make room for this master, learn its role, bound the replies it may leave unread.
+        """Add this master, with its role and a limit of the replies that it may leave unread.
 
-        Where all places are taken, the master that has been silent for longest loses its own, so
-        that silent connections keep nobody out; the owner of the outputs never does.
+        Where there are as many connections as are allowed, the one without a request for longest is
+        closed, never that of the owner of the outputs.
         """
         super().callback_connected()
         others = [other for other in self.bench.connections if not self.bench.owns(other.session)]

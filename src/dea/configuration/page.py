@@ -22,7 +22,7 @@ FILES: dict[str, type[BaseModel]] = {
     "config/published_errors.yaml": PublishedErrors,
     "config/public_records.yaml": PublicRecords,
 }
-# Models that say the same with less repetition, for people.
+# Models that the page shows instead, with the same keys and less repetition.
 _SHOWN: dict[str, tuple[type[BaseModel], str]] = {
     "config/cases/*.yaml": (
         Case,

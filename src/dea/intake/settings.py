@@ -138,7 +138,7 @@ def _size(linear: Dynamics, samples: int) -> tuple[Dynamics, int]:
     """Return lags and degree with at most one candidate term for every few samples.
 
     A nonlinear system needs no fewer lags than its linear part. Two are offered at least, and four
-    where the linear part explains little, so that its order says little too.
+    where the linear part explains little, since its order is then no guide.
     """
     order = _MOST_LAGS if linear.error > _POOR else max(linear.y_lags, 2)
     signals = 1 + len(linear.u_lags)

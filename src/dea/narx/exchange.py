@@ -149,7 +149,7 @@ class Exchange:
     def require(self, tests: Sequence[StabilityTest]) -> None:
         """From now on, count what does not pass the ``tests`` of its system as unstable.
 
-        What has been fitted is tested when it is asked for again, since most is not.
+        Structures that were fitted before are tested when they are asked for again: most are not.
         """
         self._tests = tuple(tests)
         self._untested = {subset for subset, fit in self._fits.items() if np.isfinite(fit.error)}
@@ -196,7 +196,7 @@ class Exchange:
             near = [each for each in moves if each.predicted <= now.fit.error + _DOUBT * price]
             return sorted(near, key=lambda each: each.predicted)[:_FITTED]
 
-        # What is not stable has an infinite error, but may become so.
+        # An unstable structure has an infinite error; with one more or less term it may be stable.
         yield promising(self._removals(now, ""))
         additions = self._additions(now)
         if len(now.subset) < most:
