@@ -21,7 +21,7 @@ from pymodbus.client import ModbusTcpClient
 
 from benchmarks.row import Row
 from benchmarks.stored import store
-from dea.acquisition import Acquisition, AcquisitionSettings, acquire
+from dea.acquisition import AcquiredRecord, AcquisitionSettings, acquire
 from dea.modbus import Device, encode, read_device, to_counts
 from dea.plant import Rig
 
@@ -101,7 +101,7 @@ def _seconds(device: Device, volts: Array, settings: AcquisitionSettings) -> flo
     return time.perf_counter() - start
 
 
-def _acquire(device: Device, volts: Array, settings: AcquisitionSettings) -> Acquisition:
+def _acquire(device: Device, volts: Array, settings: AcquisitionSettings) -> AcquiredRecord:
     with tempfile.TemporaryDirectory() as folder:
         return acquire(device, volts, Path(folder, "record.partial"), settings)
 

@@ -21,7 +21,7 @@ from dea.configuration.bench import BENCH
 from dea.configuration.files import read_yaml
 from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
-from dea.control import AdaptiveInverse, LostError, Trial
+from dea.control import AdaptiveInverse, ControllerDesign, LostError
 from dea.narx import NarxModel
 from dea.plant import Parameters, Rig, read_parameters
 from dea.seeds import generator
@@ -94,41 +94,43 @@ def drawn(actuator: str, number: int, seed: int) -> Parameters:
     return replace(parameters, film=film, rest=rest * parameters.rest)
 
 
-def tried(parameters: Parameters, trial: Trial, controller: AdaptiveInverse, scenario: Scenario,
-          seed: int) -> Outcome:  # fmt: skip
+def tried(parameters: Parameters, design: ControllerDesign, controller: AdaptiveInverse,
+          scenario: Scenario, seed: int) -> Outcome:  # fmt: skip
     """Follow the reference once."""
-    task, rig = trial.task, Rig(scenario.parameters(parameters), seed)
+    task, rig = design.task, Rig(scenario.parameters(parameters), seed)
     output, sensor = parameters.output_converter, parameters.displacement_converter
 
     def advance(volts: Array) -> float:
         _, measured = rig.advance(output.to_counts(volts))
         return float(sensor.to_values(measured)[-1])
 
-    ramp = np.linspace(0.0, task.start, round(task.start * trial.sampling_rate))
+    ramp = np.linspace(0.0, task.start, round(task.start * design.sampling_rate))
     reading, volts, outputs = advance(ramp), [task.start], []
     for sample in range(task.reference.size):
         try:
             volts.append(controller(scenario.reading(sample, reading, task.stroke)))
         except LostError as error:
-            return Outcome(np.nan, _violated(volts, trial), str(error))
+            return Outcome(np.nan, _violated(volts, design), str(error))
         periods = 1 + LATE * (sample == scenario.late)
         reading = advance(np.full(periods, volts[-1]))
         outputs.append(scenario.reading(sample, reading, task.stroke))
     lead = sum(task.run_in)
     error = (np.array(outputs) - controller.reference)[lead:] / task.stroke
-    return Outcome(float(np.sqrt(np.nanmean(error**2))), _violated(volts, trial), "")
+    return Outcome(float(np.sqrt(np.nanmean(error**2))), _violated(volts, design), "")
 
 
-def _violated(volts: list[float], trial: Trial) -> bool:
-    low, high = trial.task.limits
-    step = trial.settings["rate"] / trial.sampling_rate
+def _violated(volts: list[float], design: ControllerDesign) -> bool:
+    low, high = design.task.limits
+    step = design.settings["rate"] / design.sampling_rate
     small = 1e-9
     outside = min(volts) < low - small or max(volts) > high + small
     return outside or bool(np.abs(np.diff(volts)).max(initial=0.0) > step + small)
 
 
-def trials(settings: Mapping[str, Any], actuators: list[str], seed: int) -> dict[str, Trial]:
-    """Return the trial of each actuator that has a model, with a short reference."""
+def designs(
+    settings: Mapping[str, Any], actuators: list[str], seed: int
+) -> dict[str, ControllerDesign]:
+    """Return the design for each actuator that has a model, with a short reference."""
     short = dict(settings) | {
         "duration": 3 * TURN,
         "reference": dict(settings["reference"]) | {"turn": TURN},
@@ -139,7 +141,7 @@ def trials(settings: Mapping[str, Any], actuators: list[str], seed: int) -> dict
         signals = store.signals(store.read_record(folder / "record.nc"))
         rate = float(f"{signals.sampling_rate:.9g}")
         model = NarxModel.load(folder / "model.nc")
-        found[name] = Trial.design(model, signals.u, signals.y, rate, short, seed)
+        found[name] = ControllerDesign.of_record(model, signals.u, signals.y, rate, short, seed)
     return found
 
 
@@ -148,8 +150,8 @@ def campaign(count: int, seed: int) -> Iterator[tuple[str, Outcome]]:
     study = check_study(read_yaml(FILE, what="the configuration", example=FILE))
     names = [actuator.name for actuator in study.actuators if actuator.bench]
     benches = {actuator.name: str(actuator.bench) for actuator in study.actuators}
-    designed = trials(written(study)["control"], names, seed)
-    gains = {name: trial.gains() for name, trial in designed.items()}
+    designed = designs(written(study)["control"], names, seed)
+    gains = {name: design.gains() for name, design in designed.items()}
     for number in range(count):
         name = names[number % len(names)]
         other = names[(number + 1) % len(names)]
@@ -158,9 +160,9 @@ def campaign(count: int, seed: int) -> Iterator[tuple[str, Outcome]]:
             own = designed[name]
             source = designed[other] if scenario.foreign else own
             # A foreign model follows what the actuator itself can reach.
-            trial = replace(source, task=own.task)
-            controller = trial.adaptive(gains[other if scenario.foreign else name])
-            yield label, tried(parameters, trial, controller, scenario, seed + number)
+            design = replace(source, task=own.task)
+            controller = design.adaptive(gains[other if scenario.foreign else name])
+            yield label, tried(parameters, design, controller, scenario, seed + number)
 
 
 def table(outcomes: list[tuple[str, Outcome]]) -> pd.DataFrame:

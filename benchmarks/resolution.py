@@ -26,7 +26,7 @@ from dea.configuration.study import settings as written
 from dea.discrepancy import Settings
 from dea.excitation import design
 from dea.plant import Trial, Use, draw_trial
-from dea.resolution import Design, Forms, Limits, Options, Outcome, Round
+from dea.resolution import Design, Forms, Limits, Options, ResolutionOutcome, ResolutionRound
 from dea.store import Record
 
 OUTCOMES = Path("build/resolution.jsonl")
@@ -54,7 +54,7 @@ class Film:
         self.driven.append(record)
         return record
 
-    def keep(self, found: Round) -> None:
+    def keep(self, found: ResolutionRound) -> None:
         """Keep nothing: what is wanted stands in the resolution."""
 
 
@@ -90,7 +90,7 @@ def resolved(trial: Trial, forms: Forms, leaves: dict[str, Any], threads: int) -
         "outcome": str(found.outcome),
         "right": names == hidden,
         "wrong": bool(names - hidden),
-        "decided": found.outcome is Outcome.DECIDED,
+        "decided": found.outcome is ResolutionOutcome.DECIDED,
         "records": len(found.rounds),
         "seconds": found.last.driven,
         "limit violated": any(violated(each, limits) for each in desk.driven),

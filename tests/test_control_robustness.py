@@ -12,13 +12,13 @@ from benchmarks.control_robustness import (
     tried,
 )
 
-from dea.control import LostError, RunIn, Task, Trial
+from dea.control import ControllerDesign, LostError, RunIn, Task
 from dea.narx import NarxModel, Scaling
 from dea.terms import Term
 
 TASK = Task(np.full(60, 0.9), 0.2, 2.0, RunIn(5, 5), (1.5, 3.0))
 MODEL = NarxModel((Term.parse("y(t-1)"),), np.array([0.5]), Scaling(2.0, 1.0, 0.9, 0.1))
-TRIAL = Trial(MODEL, np.ones(2), TASK, [], {"rate": 10.0}, 50.0)
+TRIAL = ControllerDesign(MODEL, np.ones(2), TASK, [], {"rate": 10.0}, 50.0)
 
 
 class Playing:
@@ -55,13 +55,13 @@ def test_a_violated_limit_or_rate_is_seen(volts, violated):
 
 def test_a_late_sample_and_a_dropped_sensor_reach_the_controller():
     task = replace(TASK, reference=np.full(700, 0.9))
-    trial = replace(TRIAL, task=task)
+    design = replace(TRIAL, task=task)
     steps = np.where(np.arange(700) < 600, 2.0, 2.1)
     found = {}
     for name in ("undisturbed", "sensor dropped for a second", "late sample"):
         playing = Playing(steps)
         playing.reference = task.reference
-        tried(drawn("dea1", 1, 1), trial, playing, SCENARIOS[name], 1)
+        tried(drawn("dea1", 1, 1), design, playing, SCENARIOS[name], 1)
         found[name] = np.array(playing.measured)
     dropped = np.isnan(found["sensor dropped for a second"])
     assert np.flatnonzero(dropped).tolist() == list(range(500, 550))

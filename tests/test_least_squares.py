@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 from dea.least_squares import Damping, Model, Point, minimise
 
 
-class Task:
+class Objective:
     """Sum of squares of a residual with its Jacobian; counts the evaluations."""
 
     def __init__(self, residual, jacobian):
@@ -29,7 +29,7 @@ class Task:
 
 
 def rosenbrock():
-    return Task(
+    return Objective(
         lambda x: np.array([10.0 * (x[1] - x[0] ** 2), 1.0 - x[0]]),
         lambda x: np.array([[-20.0 * x[0], 10.0], [-1.0, 0.0]]),
     )
@@ -55,23 +55,25 @@ def test_a_fit_with_large_residuals_ends_where_another_solver_ends(seed):
         return np.column_stack([decay, -x[0] * t * decay])
 
     start = np.array([1.0, 0.5])
-    found = minimise(Task(residual, jacobian), start, Damping(), iterations=100, tolerance=1e-14)
+    found = minimise(
+        Objective(residual, jacobian), start, Damping(), iterations=100, tolerance=1e-14
+    )
     expected = least_squares(residual, start, jacobian, method="lm", xtol=1e-14, ftol=1e-14)
     assert found.cost == pytest.approx(2.0 * expected.cost, rel=1e-9)
     assert np.allclose(found.x, expected.x, rtol=1e-5)
 
 
 def test_a_start_without_a_finite_cost_comes_back():
-    task = Task(lambda x: np.array([np.inf]), lambda x: np.ones((1, 1)))
-    found = minimise(task, np.zeros(1), Damping(), iterations=10, tolerance=0.0)
+    objective = Objective(lambda x: np.array([np.inf]), lambda x: np.ones((1, 1)))
+    found = minimise(objective, np.zeros(1), Damping(), iterations=10, tolerance=0.0)
     assert found.cost == np.inf
-    assert task.evaluations == 1
+    assert objective.evaluations == 1
 
 
 def test_a_stall_on_old_derivatives_asks_for_exact_ones():
     asked = []
 
-    class Stale(Task):
+    class Stale(Objective):
         def linearise(self, point, iteration, exact):
             asked.append(exact)
             model = super().linearise(point, iteration, exact)
@@ -79,8 +81,8 @@ def test_a_stall_on_old_derivatives_asks_for_exact_ones():
                 return model
             return Model(model.cost, lambda damping: np.array([1e3]), exact=False)
 
-    task = Stale(lambda x: x - 2.0, lambda x: np.ones((1, 1)))
-    found = minimise(task, np.zeros(1), Damping(tries=2), iterations=5, tolerance=1e-12)
+    objective = Stale(lambda x: x - 2.0, lambda x: np.ones((1, 1)))
+    found = minimise(objective, np.zeros(1), Damping(tries=2), iterations=5, tolerance=1e-12)
     assert asked[:2] == [False, True]
     # The rejected steps of the old model have raised the damping.
     assert 1.5 < found.x[0] < 2.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from dea.acquisition import Acquisition, Quality
+from dea.acquisition import AcquiredRecord, Quality
 from dea.configuration.excitation import sections
 from dea.errors import InputError
 from dea.modbus import read_device
@@ -46,7 +46,7 @@ def test_its_record_says_which_samples_are_whole_periods(device):
         "quality": ("time", np.zeros(6000, np.uint8)),
     }
     plain = xr.Dataset(measured, coords={"time": np.arange(6000) / 50})
-    record, link = probed.label(Acquisition(plain, xr.Dataset()))
+    record, link = probed.label(AcquiredRecord(plain, xr.Dataset()))
     assert record.attrs["probing_period"] == 5.0
     assert record["probing"].attrs["units"] == "1"
     inside = record["realisation"].values > 0
@@ -64,7 +64,7 @@ def test_samples_beside_those_of_the_plan_have_no_label(device, flags):
     quality = np.zeros(6003, np.uint8)
     quality[extra] = flags
     played = xr.Dataset({"quality": ("time", quality)}, coords={"time": np.arange(6003) / 50})
-    record = probed.label(Acquisition(played, xr.Dataset())).record
+    record = probed.label(AcquiredRecord(played, xr.Dataset())).record
     for name, label in probed.labels.items():
         values = record[name].values
         assert values.dtype == label.dtype

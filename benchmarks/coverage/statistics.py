@@ -35,7 +35,7 @@ def coverage(inside: Array) -> Coverage:
     weight = (~np.isnan(inside)).sum(axis=1)
     share = float(np.nansum(inside) / points)
     records = len(inside)
-    effective = float(records)  # where all agree, they may well do so for a common reason
+    effective = float(records)  # where all agree, since samples of a record are dependent
     if records > 1 and 0 < share < 1:
         # Of a ratio of sums over clusters.
         difference = np.nansum(inside, axis=1) - share * weight

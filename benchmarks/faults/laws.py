@@ -134,9 +134,9 @@ def _no_wrong_sample(outcome: Outcome) -> Iterator[str]:
         return
     truth = _truth(outcome)
     good = record["quality"].values == 0
-    # What a read-back that lies by less than its tolerance tells is taken as it is.
-    lies = outcome.schedule.read_back.kind not in ("true", "clamped")
-    tolerance = TOLERANCE if lies else 2 * RESOLUTION
+    # A read-back that is wrong by less than its tolerance is recorded as it is.
+    off = outcome.schedule.read_back.kind not in ("true", "clamped")
+    tolerance = TOLERANCE if off else 2 * RESOLUTION
     wrong = 0
     example = ""
     for k in np.flatnonzero(good):
@@ -175,8 +175,8 @@ def _no_record_lost(outcome: Outcome) -> Iterator[str]:
 def _played(outcome: Outcome) -> float:
     """Return the least number of samples that were played, by the changes of the output.
 
-    What a device with a buffer plays on while its link is down to the end, or to the ramp that ends
-    it as soon as the link is back, reaches nobody.
+    Samples that a device plays from its buffer are not recorded where the link stays down, or comes
+    back only for the ramp to zero.
     """
     applied = outcome.trace.applied
     last = max((entry.time for entry in applied if entry.volts), default=0.0)

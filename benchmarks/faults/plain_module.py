@@ -69,7 +69,7 @@ def tag(serial: int) -> int:
 
 @dataclass(frozen=True)
 class ReadBack:
-    """How the module reads its output back: ``true``, or one of the lies below."""
+    """How the module reads its output back: ``true``, or wrong in one of the ways below."""
 
     kind: str = "true"  # true, stuck, clamped, scaled, offset, noisy
     value: float = 0.0  # V of stuck, clamped, offset and noise; factor of scaled

@@ -37,7 +37,7 @@ class HostFault:
 
     kind: str  # signal, slow_sync, full_disk, clock_step
     start: float
-    length: float = 0.0  # s until SIGCONT, or until the disk is well again
+    length: float = 0.0  # s until SIGCONT, or until the disk works again
     signal: str = ""  # name
     group: bool = False  # to the whole process group, as a terminal sends it
     step: float = 0.0  # s, of the wall clock

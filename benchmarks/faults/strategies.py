@@ -54,7 +54,7 @@ def host_faults(duration: float, longest: float) -> st.SearchStrategy[HostFault]
 
 
 def read_backs() -> st.SearchStrategy[ReadBack]:
-    """Return true read-backs, and each lie, small and large."""
+    """Return true read-backs, and those wrong in each way, by little and by much."""
     return st.one_of(
         st.just(ReadBack()),
         st.builds(ReadBack, st.just("stuck"), st.sampled_from([0.0, 1.0, 2.0])),
@@ -65,9 +65,9 @@ def read_backs() -> st.SearchStrategy[ReadBack]:
     )
 
 
-def _seldom(lies: st.SearchStrategy[ReadBack]) -> st.SearchStrategy[ReadBack]:
-    """Return one lie in four runs: it ends most of them at the first ramp."""
-    return st.integers(0, 3).flatmap(lambda n: lies if n == 3 else st.just(ReadBack()))
+def _seldom(wrong: st.SearchStrategy[ReadBack]) -> st.SearchStrategy[ReadBack]:
+    """Return a wrong read-back in one of four runs: it ends most of them at the first ramp."""
+    return st.integers(0, 3).flatmap(lambda n: wrong if n == 3 else st.just(ReadBack()))
 
 
 def schedules(victim: str, duration: float, longest: float) -> st.SearchStrategy[Schedule]:

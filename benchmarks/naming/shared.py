@@ -1,6 +1,6 @@
 """What several methods need is computed once, and its time counts for each of them.
 
-Compiling, or loading what was compiled, is no method's time: the first one asked would pay for all.
+The time to compile, or to load what was compiled, is left out: it would count for the first alone.
 """
 
 import time

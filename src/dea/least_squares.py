@@ -42,7 +42,7 @@ class Model(NamedTuple):
     exact: bool = True
 
 
-class Task(Protocol[Value]):
+class Objective(Protocol[Value]):
     """What is minimised."""
 
     def evaluate(self, x: Array) -> Point[Value]:
@@ -68,25 +68,30 @@ class Damping:
 
 
 def minimise(
-    task: Task[Value], start: Array, damping: Damping, *, iterations: int, tolerance: float
+    objective: Objective[Value],
+    start: Array,
+    damping: Damping,
+    *,
+    iterations: int,
+    tolerance: float,
 ) -> Point[Value]:
     """Return the point with the least cost that ``iterations`` steps from ``start`` reach.
 
     Ends earlier if a step of an exact model lowers the cost by no more than ``tolerance`` (a part
     of it), or if the start has no finite cost.
     """
-    point = task.evaluate(start)
+    point = objective.evaluate(start)
     now = damping.first
     exact = False
     for iteration in range(iterations):
-        model = task.linearise(point, iteration, exact) if np.isfinite(point.cost) else None
+        model = objective.linearise(point, iteration, exact) if np.isfinite(point.cost) else None
         if model is None:
             break
         gain = 0.0
         for _ in range(damping.tries):
             if now >= damping.most:
                 break
-            tried = task.evaluate(point.x + model.step(now))
+            tried = objective.evaluate(point.x + model.step(now))
             if tried.cost < model.cost:
                 point, gain = tried, model.cost - tried.cost
                 now = max(now / damping.fall, damping.least)

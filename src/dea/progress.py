@@ -1,4 +1,4 @@
-"""What a long computation is doing, told to whoever runs it: ``with heard_by(print): ...``."""
+"""Progress of a long computation, step by step: ``with heard_by(print): ...`` prints it."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ _around: list[str] = []
 
 
 def tell(step: str) -> None:
-    """Say what is done now, in a few words."""
+    """Pass on the present step, in a few words."""
     for listener in _listeners:
         listener(": ".join([*_around, step]))
 
@@ -26,7 +26,7 @@ def part_of(whole: str) -> Iterator[None]:
 
 @contextmanager
 def heard_by(listener: Callable[[str], None]) -> Iterator[None]:
-    """Let ``listener`` hear what all threads tell, while the context lasts."""
+    """Call ``listener`` with the steps of all threads, while the context lasts."""
     _listeners.append(listener)
     try:
         yield

@@ -10,7 +10,7 @@ from urllib.request import urlopen
 
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import validated
-from dea.configuration.public_records import PublicRecord, PublicRecords, Sampled
+from dea.configuration.public_records import PublicRecord, PublicRecords, UntimedTable
 from dea.errors import InputError
 from dea.store import atomic
 
@@ -95,15 +95,15 @@ def _fetch_one(
     return target
 
 
-def _with_times(content: bytes, sampled: Sampled) -> bytes:
+def _with_times(content: bytes, table: UntimedTable) -> bytes:
     """Return the columns of a table of numbers as CSV with a column ``time`` (s) before them."""
-    lines = [",".join(["time", *sampled.columns])]
+    lines = [",".join(["time", *table.columns])]
     rows = [line for line in content.decode(errors="replace").splitlines() if line.strip()]
     for index, row in enumerate(rows):
         cells = row.replace(",", " ").split()
-        numbers = [float(cells[column - 1]) for column in sampled.columns.values()]
+        numbers = [float(cells[column - 1]) for column in table.columns.values()]
         lines.append(
-            ",".join([f"{index * sampled.interval:.3f}", *(f"{number:.6f}" for number in numbers)])
+            ",".join([f"{index * table.interval:.3f}", *(f"{number:.6f}" for number in numbers)])
         )
     return "\n".join([*lines, ""]).encode()
 

@@ -15,7 +15,7 @@ from dea.acquisition import (
     acquire,
 )
 from dea.acquisition.closed_loop import Asked
-from dea.acquisition.voltage_plan import Plan
+from dea.acquisition.voltage_plan import OutputPlan
 from dea.errors import InputError
 from dea.modbus import read_device, to_counts, to_physical
 from served_bench import DESCRIPTION
@@ -170,7 +170,7 @@ def test_bad_loops_are_refused_before_any_voltage(serve_bench, tmp_path, changes
 
 def test_samples_left_out_repeat_the_last_count_and_ask_for_nothing():
     asked = []
-    sequence = Asked(DEVICE, Plan(np.array([5, 9]), 2, 10), 100, asked.append, lambda: 20)
+    sequence = Asked(DEVICE, OutputPlan(np.array([5, 9]), 2, 10), 100, asked.append, lambda: 20)
     assert [sequence.count(0), sequence.count(1)] == [5, 9]
     sequence.measured(1, 77)
     assert [sequence.count(number) for number in (2, 3, 4)] == [20, 20, 20]

@@ -18,7 +18,7 @@ from dea.acquisition.__main__ import _plain, main
 from dea.acquisition.display import Display, health
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.partial import PartialFile
-from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.samples import DrivenSamples, Quality
 from dea.acquisition.watched import acquire_watched
 from dea.bench.__main__ import main as serve
 from dea.configuration.bench import read_bench
@@ -226,7 +226,7 @@ def test_another_runs_link_file_is_refused_before_any_voltage(serve_bench, tmp_p
 
 def samples(size):
     steps = np.arange(size)
-    return Samples(steps, steps, steps, steps * 10, steps * 20, steps * 0, steps, steps)
+    return DrivenSamples(steps, steps, steps, steps * 10, steps * 20, steps * 0, steps, steps)
 
 
 def test_the_display_shows_rate_round_trips_and_errors():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dea.acquisition.device_clock import fitted_rate, flag_clock
-from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.samples import DrivenSamples, Quality
 from dea.modbus import read_device
 from served_bench import DESCRIPTION
 
@@ -19,7 +19,9 @@ def played(rate, seconds=60.0, block=55):
     delay = np.random.default_rng(1).uniform(0.0, 0.05, index.size // block)
     read = np.repeat((index[block - 1 :: block] + 1) / rate + delay, block)
     zero = np.zeros(index.size, int)
-    return Samples(index, index + 7, zero, zero, zero, zero, np.full(index.size, np.nan), read)
+    return DrivenSamples(
+        index, index + 7, zero, zero, zero, zero, np.full(index.size, np.nan), read
+    )
 
 
 @pytest.mark.parametrize("rate", [50.0, 51.0, 47.3])

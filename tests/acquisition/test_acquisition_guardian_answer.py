@@ -10,7 +10,7 @@ import pytest
 from dea.acquisition import AcquisitionSettings
 from dea.acquisition import guardian as guardians
 from dea.acquisition.closed_loop import ControllerError
-from dea.acquisition.guardian import Guardian, Job
+from dea.acquisition.guardian import DriveJob, Guardian
 from dea.acquisition.wire import Wire
 from dea.modbus import read_device
 from served_bench import DESCRIPTION
@@ -25,7 +25,9 @@ def asking(monkeypatch):
         monkeypatch.setattr(Guardian, "_check", lambda _: None)
         ends.extend(Wire(end) for end in socket.socketpair())
         settings = AcquisitionSettings(mode="polled", paced=paced)
-        job = Job(read_device(DESCRIPTION), settings, np.zeros(2), False, 1, Path("latch"), 0.0)
+        job = DriveJob(
+            read_device(DESCRIPTION), settings, np.zeros(2), False, 1, Path("latch"), 0.0
+        )
         return Guardian(ends[-2], job, []), ends[-1]
 
     yield start

@@ -15,7 +15,7 @@ from dea.acquisition.laws import Laws
 from dea.acquisition.output import Output
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import LinkError
-from dea.acquisition.zero import Evidence, WayToZero, ZeroNotVerifiedError
+from dea.acquisition.zero import WayToZero, ZeroEvidence, ZeroNotVerifiedError
 from dea.errors import InputError
 
 OUTPUT = {"address": 0, "scale": 0.001, "limits": [0, 4], "unit": "V", "access": "write"}
@@ -129,7 +129,7 @@ def test_it_is_armed_at_the_start_and_disarmed_after_zero_is_shown(clock):
     output = Output(link)
     output.take()
     assert link.written == [("alive", [1]), ("enable", [1])]
-    assert WayToZero(output, ramp_rate=10.0, requested=0.1)() == Evidence.MONITOR
+    assert WayToZero(output, ramp_rate=10.0, requested=0.1)() == ZeroEvidence.MONITOR
     assert link.written[-1] == ("enable", [0])
     assert [words for name, words in link.written if name == "output"][-1] == [0]
 

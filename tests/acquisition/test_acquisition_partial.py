@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dea.acquisition import Samples, recover
+from dea.acquisition import DrivenSamples, recover
 from dea.acquisition.partial import HEADING, MARK, PartialFile, set_aside
 from dea.errors import InputError
 
 
 def block(start, size):
     steps = np.arange(start, start + size)
-    return Samples(
+    return DrivenSamples(
         steps, steps + 7, steps % 5, steps % 3, steps * 11, steps * 0, steps / 7, steps / 3
     )
 
@@ -145,10 +145,11 @@ def test_a_killed_host_leaves_what_it_had_synced(tmp_path):
     path = tmp_path / "a.partial"
     program = (
         "import sys, time; from pathlib import Path; import numpy as np;"
-        "from dea.acquisition.partial import PartialFile; from dea.acquisition import Samples\n"
+        "from dea.acquisition.partial import PartialFile\n"
+        "from dea.acquisition import DrivenSamples\n"
         "file = PartialFile(Path(sys.argv[1]), {})\n"
         "for n in range(10**6):\n"
-        "    file.samples(Samples(*[np.array([n])] * 8)); time.sleep(0.001)\n"
+        "    file.samples(DrivenSamples(*[np.array([n])] * 8)); time.sleep(0.001)\n"
     )
     with subprocess.Popen([sys.executable, "-c", program, str(path)]) as host:
         deadline = time.monotonic() + 20

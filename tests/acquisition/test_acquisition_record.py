@@ -5,7 +5,7 @@ from made_device import described
 
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.record import link_dataset, record_dataset
-from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.samples import DrivenSamples, Quality
 
 
 def device(**registers):
@@ -18,7 +18,7 @@ def device(**registers):
 
 def samples(quality):
     steps = np.arange(len(quality))
-    return Samples(
+    return DrivenSamples(
         steps, 100 + steps, 1000 + steps, 2000 + steps, 300 + steps, np.array(quality),
         steps / 50, steps / 50 + 0.001,
     )  # fmt: skip

@@ -5,7 +5,7 @@ import pytest
 from made_device import described
 
 from dea.acquisition.record import record_dataset
-from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.samples import DrivenSamples, Quality
 from dea.acquisition.sensor_flags import STUCK_SAMPLES, flag_sensor
 
 STEPS = np.arange(200)
@@ -23,7 +23,9 @@ def device(**displacement):
 def samples(displacement, requested=None, quality=0):
     asked = 2000 + 10 * STEPS if requested is None else requested
     zero = np.zeros(STEPS.size)
-    return Samples(STEPS, STEPS, asked, asked, displacement, zero.astype(int) + quality, zero, zero)
+    return DrivenSamples(
+        STEPS, STEPS, asked, asked, displacement, zero.astype(int) + quality, zero, zero
+    )
 
 
 def flagged(target, given, flag):

@@ -8,7 +8,7 @@ from memory_link import MemoryLink
 from dea.acquisition import LinkError, ZeroNotVerifiedError
 from dea.acquisition.output import Output
 from dea.acquisition.retrying_link import DeviceRefusedError
-from dea.acquisition.zero import LONGEST_STEP, STOP, Evidence, WayToZero
+from dea.acquisition.zero import LONGEST_STEP, STOP, WayToZero, ZeroEvidence
 from dea.errors import InputError
 from dea.modbus import to_physical
 
@@ -21,7 +21,7 @@ def way(link, ramp_rate=1.0, requested=0.0):
 def test_one_count_is_zero_to_the_read_back(clock, counts):
     link = MemoryLink(module(applied_output=ECHO), applied_output=counts)
     Output(link).take()
-    assert way(link)() == Evidence.READ_BACK
+    assert way(link)() == ZeroEvidence.READ_BACK
     assert link.written[-1] == ("output", [0])
 
 
@@ -50,7 +50,7 @@ def test_a_read_back_of_floats_shows_zero_and_no_number_does_not(clock):
 
 def test_the_way_to_zero_takes_its_time(clock):
     link = MemoryLink(module(), output=0)
-    assert way(link, 2.0, requested=4.0)() == Evidence.ANSWERED
+    assert way(link, 2.0, requested=4.0)() == ZeroEvidence.ANSWERED
     # 4 V at 2 V/s; the last step needs no pause after it.
     assert clock.now == pytest.approx(2.0, abs=0.021)
 

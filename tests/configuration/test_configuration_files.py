@@ -7,10 +7,12 @@ from pathlib import Path
 import jsonschema
 import pytest
 import yaml
+from pydantic import create_model
 
 from dea.configuration.case import check_case
 from dea.configuration.page import FILES, json_schema, page
 from dea.configuration.problems import validated
+from dea.configuration.section import Section
 from dea.configuration.study import check_study
 from dea.errors import InputError
 
@@ -147,3 +149,14 @@ def test_every_key_has_a_unit_or_none_and_a_description():
 def test_the_page_of_the_documentation_is_up_to_date():
     written = (ROOT / "docs/configuration.md").read_text()
     assert written == page(), "run `make configuration`"
+
+
+def test_two_sections_of_one_name_are_refused_on_the_page(monkeypatch):
+    class Films(Section):
+        """A file with another section called Film than that of the bench."""
+
+        film: create_model("Film", __base__=Section, __doc__="Another film.")
+
+    monkeypatch.setitem(FILES, "config/films.yaml", Films)
+    with pytest.raises(ValueError, match="another section is named Film too"):
+        page()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import dea
-from dea.control import LostError, Trial
-from dea.control.through_inverse import plan_response
-from dea.control.trial import loop_frequencies, rests_of
+from dea.control import ControllerDesign, LostError
+from dea.control.design import loop_frequencies, rests_of
+from dea.control.through_inverse import inverse_response
 from dea.gfrf import ResponseBand
 from dea.narx import NarxModel, Scaling, estimate, refine
 from dea.terms import Term
@@ -26,17 +26,17 @@ SETTINGS = {
 
 
 @pytest.fixture(scope="module")
-def trial():
+def design():
     rng = np.random.default_rng(4)
     coarse = np.interp(np.arange(6000), np.arange(0, 6000, 12), rng.uniform(1.6, 3.2, 500))
     y = TRUTH.simulate(coarse) + NOISE * rng.standard_normal(coarse.size)
     model = refine(estimate(TRUTH.terms, coarse, y, scaling=SCALING), coarse, y)
-    return Trial.design(model, coarse, y, RATE, SETTINGS, 7)
+    return ControllerDesign.of_record(model, coarse, y, RATE, SETTINGS, 7)
 
 
 @pytest.fixture(scope="module")
-def gains(trial):
-    return trial.gains()
+def gains(design):
+    return design.gains()
 
 
 class Plant:
@@ -80,56 +80,56 @@ def outputs(controller, measured):
     return [controller(each) for each in measured]
 
 
-def error_of(trial, controller, y):
-    lead = sum(trial.task.run_in)
+def error_of(design, controller, y):
+    lead = sum(design.task.run_in)
     load_free = y - controller.reference[: y.size]
-    return 100.0 * np.sqrt(np.mean(load_free[lead:] ** 2)) / trial.task.stroke
+    return 100.0 * np.sqrt(np.mean(load_free[lead:] ** 2)) / design.task.stroke
 
 
-def test_the_plant_is_followed_to_a_per_cent_and_better_than_by_pi(trial, gains):
-    samples = trial.task.reference.size
-    adaptive, pi = trial.adaptive(gains), trial.follower(trial.proportional_integral())
-    u, y = close(adaptive, Plant(trial.task.start), samples)
-    low, high = trial.task.limits
+def test_the_plant_is_followed_to_a_per_cent_and_better_than_by_pi(design, gains):
+    samples = design.task.reference.size
+    adaptive, pi = design.adaptive(gains), design.follower(design.proportional_integral())
+    u, y = close(adaptive, Plant(design.task.start), samples)
+    low, high = design.task.limits
     assert low <= u.min()
     assert u.max() <= high
-    assert error_of(trial, adaptive, y) < 1.0
-    _, by_pi = close(pi, Plant(trial.task.start), samples)
-    assert error_of(trial, pi, by_pi) > 3.0 * error_of(trial, adaptive, y)
+    assert error_of(design, adaptive, y) < 1.0
+    _, by_pi = close(pi, Plant(design.task.start), samples)
+    assert error_of(design, pi, by_pi) > 3.0 * error_of(design, adaptive, y)
 
 
-def test_a_step_disturbance_is_removed(trial, gains):
-    load = 0.1 * trial.task.stroke
-    plant = Plant(trial.task.start, load=lambda k: load if k > 600 else 0.0)
-    controller = trial.fixed(gains)
+def test_a_step_disturbance_is_removed(design, gains):
+    load = 0.1 * design.task.stroke
+    plant = Plant(design.task.start, load=lambda k: load if k > 600 else 0.0)
+    controller = design.fixed(gains)
     _, y = close(controller, plant, 1100)
     late = (y + load - controller.reference[:1100])[900:]
-    assert np.sqrt(np.mean(late**2)) < 0.01 * trial.task.stroke
+    assert np.sqrt(np.mean(late**2)) < 0.01 * design.task.stroke
 
 
-def test_a_sensor_that_drops_for_a_second_does_no_harm(trial, gains):
-    plant = Plant(trial.task.start, dropped=range(700, 750))
-    controller = trial.adaptive(gains)
+def test_a_sensor_that_drops_for_a_second_does_no_harm(design, gains):
+    plant = Plant(design.task.start, dropped=range(700, 750))
+    controller = design.adaptive(gains)
     _, y = close(controller, plant, 1500)
-    assert error_of(trial, controller, y) < 1.5
+    assert error_of(design, controller, y) < 1.5
 
 
-def test_a_silent_sensor_and_an_output_that_does_not_follow_end_the_drive(trial, gains):
-    silent = Plant(trial.task.start, dropped=range(300, 10_000))
+def test_a_silent_sensor_and_an_output_that_does_not_follow_end_the_drive(design, gains):
+    silent = Plant(design.task.start, dropped=range(300, 10_000))
     with pytest.raises(LostError, match="no reading for 101 samples"):
-        close(trial.adaptive(gains), silent, 1000)
-    stuck = trial.fixed(gains)
+        close(design.adaptive(gains), silent, 1000)
+    stuck = design.fixed(gains)
     with pytest.raises(LostError, match="off by more than 50%"):
-        outputs(stuck, [trial.task.reference[0]] * 60 + [5.0] * 500)
+        outputs(stuck, [design.task.reference[0]] * 60 + [5.0] * 500)
 
 
-def test_tracked_parameters_in_doubt_give_way_to_the_model(trial, gains):
-    jump = 0.5 * trial.task.stroke
-    plant = Plant(trial.task.start, load=lambda k: jump if 600 < k < 604 else 0.0)
-    controller = trial.adaptive(gains)
+def test_tracked_parameters_in_doubt_give_way_to_the_model(design, gains):
+    jump = 0.5 * design.task.stroke
+    plant = Plant(design.task.start, load=lambda k: jump if 600 < k < 604 else 0.0)
+    controller = design.adaptive(gains)
     _, y = close(controller, plant, 1000)
     assert controller.fallbacks == 1
-    assert np.abs(y - controller.reference[:1000])[800:].max() < 0.05 * trial.task.stroke
+    assert np.abs(y - controller.reference[:1000])[800:].max() < 0.05 * design.task.stroke
 
 
 def plain_band(response):
@@ -137,36 +137,36 @@ def plain_band(response):
     return ResponseBand(response, gain, gain, phase, phase)
 
 
-def test_the_response_of_the_plan_is_that_of_its_simulation(trial):
+def test_the_response_of_the_plan_is_that_of_its_simulation(design):
     """A small sine added to the reference: amplitude and angle of the inputs."""
-    plan, (u, y) = trial.plan(), trial.rests[1]
+    inverse, (u, y) = design.inverse(), design.rests[1]
     for frequency in (0.5, 3.0, 10.0):
         z = np.exp(2j * np.pi * np.array([frequency]) / RATE)
-        response = dea.frequency_response(trial.model, 1, [frequency], RATE, operating_point=u)
-        expected = plan_response(plan, u, y, plain_band(response), z)[0]
+        response = dea.frequency_response(design.model, 1, [frequency], RATE, operating_point=u)
+        expected = inverse_response(inverse, u, y, plain_band(response), z)[0]
         count = 500
         v = 1e-5 * np.exp(2j * np.pi * frequency * np.arange(count) / RATE)
         inputs = []
         for part in (v.real, v.imag):
-            plan.rest(u, y)
-            still = plan.step(np.full(plan.horizon, y))
-            plan.rest(u, y)
+            inverse.rest(u, y)
+            still = inverse.step(np.full(inverse.horizon, y))
+            inverse.rest(u, y)
             found = []
             for each in part:
-                found.append(plan.step(np.full(plan.horizon, y + each)) - still)
-                plan.advance()
+                found.append(inverse.step(np.full(inverse.horizon, y + each)) - still)
+                inverse.advance()
             inputs.append(np.array(found))
         last = (inputs[0] + 1j * inputs[1])[-1] / v[-1]
         assert last == pytest.approx(expected, rel=2e-3)
 
 
-def test_the_tuned_loop_keeps_its_margin_at_every_rest_for_its_band(trial, gains):
+def test_the_tuned_loop_keeps_its_margin_at_every_rest_for_its_band(design, gains):
     frequencies = loop_frequencies(RATE)
     z = np.exp(2j * np.pi * frequencies / RATE)
     least = []
-    for u, y in trial.rests:
-        band = dea.frequency_response_band(trial.model, 1, frequencies, RATE, operating_point=u)
-        Q = plan_response(trial.plan(), u, y, band, z)
+    for u, y in design.rests:
+        band = dea.frequency_response_band(design.model, 1, frequencies, RATE, operating_point=u)
+        Q = inverse_response(design.inverse(), u, y, band, z)
         for gain in np.linspace(band.gain_low, band.gain_high, 5):
             for phase in np.linspace(band.phase_low, band.phase_high, 5):
                 H = gain * np.exp(1j * np.radians(phase))
@@ -174,14 +174,14 @@ def test_the_tuned_loop_keeps_its_margin_at_every_rest_for_its_band(trial, gains
     assert 1 / 1.6 <= min(least) < 1.06 / 1.6
 
 
-def test_rests_are_those_of_the_simulation(trial):
-    low, high = trial.rests[0][1], trial.rests[-1][1]
+def test_rests_are_those_of_the_simulation(design):
+    low, high = design.rests[0][1], design.rests[-1][1]
     wanted = np.array([low, 0.5 * (low + high), high])
-    for u, y in rests_of(trial.model, (1.6, 3.2), wanted):
-        assert trial.model.simulate(np.full(4000, u))[-1] == pytest.approx(y, abs=1e-6)
+    for u, y in rests_of(design.model, (1.6, 3.2), wanted):
+        assert design.model.simulate(np.full(4000, u))[-1] == pytest.approx(y, abs=1e-6)
         assert np.abs(wanted - y).min() < 0.01 * (high - low)
 
 
-def test_the_same_run_twice(trial, gains):
-    runs = [close(trial.adaptive(gains), Plant(trial.task.start), 600)[0] for _ in range(2)]
+def test_the_same_run_twice(design, gains):
+    runs = [close(design.adaptive(gains), Plant(design.task.start), 600)[0] for _ in range(2)]
     assert np.array_equal(*runs)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from dea.control import Plan, inverse_of
+from dea.control import RecedingHorizonInverse, inverse_of
 from dea.control.planning_kernels import output_and_slopes
 from dea.errors import InputError
 from dea.narx import NarxModel, Scaling
@@ -21,9 +21,9 @@ LINEAR = NarxModel(
 )
 
 
-def plan(model=PLANT, **changes):
-    return Plan(model, **{"horizon": 12, "smoothness": 1e-4, "lowest": 1.4, "highest": 3.4,
-                          "rate": 40.0, "sampling_rate": RATE} | changes)  # fmt: skip
+def inverse(model=PLANT, **changes):
+    settings = {"horizon": 12, "smoothness": 1e-4, "lowest": 1.4, "highest": 3.4, "rate": 40.0}
+    return RecedingHorizonInverse(model, sampling_rate=RATE, **settings | changes)
 
 
 def rest(model, u):
@@ -38,7 +38,7 @@ def smooth_reference(samples):
 
 def test_the_model_follows_the_reference_with_the_inputs_of_its_inverse():
     reference = smooth_reference(500)
-    u = inverse_of(plan(), reference, 2.4, rest(PLANT, 2.4))
+    u = inverse_of(inverse(), reference, 2.4, rest(PLANT, 2.4))
     y = PLANT.simulate(np.concatenate([np.full(4000, 2.4), u]))[4000:]
     error = (y - reference)[50:]
     assert np.sqrt(np.mean(error**2)) < 2e-3 * np.ptp(reference)
@@ -47,7 +47,7 @@ def test_the_model_follows_the_reference_with_the_inputs_of_its_inverse():
 def test_one_step_is_the_minimum_that_a_general_optimiser_finds():
     """Of a linear model one Gauss-Newton step is exact, wherever it begins."""
     horizon, weight = 8, 0.02
-    chosen = plan(LINEAR, horizon=horizon, smoothness=weight, lowest=-50, highest=50, rate=1e6)
+    chosen = inverse(LINEAR, horizon=horizon, smoothness=weight, lowest=-50, highest=50, rate=1e6)
     wanted = np.sin(np.arange(horizon))
     chosen.rest(0.2, 0.3)
     found = chosen.step(wanted)
@@ -67,16 +67,15 @@ def test_slopes_agree_with_differences():
     rng = np.random.default_rng(1)
     lag = PLANT.max_lag
     y, u = rng.normal(size=(2, lag + 1))
-    chosen = plan()
-    theta, (y_lags, u_lags) = chosen.model.parameters, chosen._lags
+    chosen = inverse()
     a, b = np.empty((2, lag + 1))
-    output_and_slopes(theta, y_lags, u_lags, y, u, lag, a, b)
+    output_and_slopes(chosen.equation, y, u, lag, a, b)
     for signal, slopes in ((y, a), (u, b)):
         for k in range(1 if signal is y else 0, lag + 1):
             ends = []
             for step in (-1e-6, 1e-6):
                 signal[lag - k] += step
-                args = theta, y_lags, u_lags, y, u, lag, np.empty(lag + 1), np.empty(lag + 1)
+                args = chosen.equation, y, u, lag, np.empty(lag + 1), np.empty(lag + 1)
                 ends.append(output_and_slopes(*args))
                 signal[lag - k] -= step
             assert slopes[k] == pytest.approx((ends[1] - ends[0]) / 2e-6, abs=1e-7)
@@ -84,7 +83,7 @@ def test_slopes_agree_with_differences():
 
 def test_limits_and_rate_are_kept_where_the_reference_is_out_of_reach():
     reference = np.where(np.arange(300) < 100, rest(PLANT, 1.5), rest(PLANT, 3.4) + 1.0)
-    u = inverse_of(plan(rate=5.0), reference, 2.4, rest(PLANT, 2.4))
+    u = inverse_of(inverse(rate=5.0), reference, 2.4, rest(PLANT, 2.4))
     assert u.min() >= 1.4
     assert u.max() == pytest.approx(3.4)
     assert np.abs(np.diff(np.concatenate([[2.4], u]))).max() <= 5.0 / RATE + 1e-12
@@ -92,7 +91,7 @@ def test_limits_and_rate_are_kept_where_the_reference_is_out_of_reach():
 
 def test_a_model_that_diverges_gives_no_input():
     wild = NarxModel((Term.parse("y(t-1)"), Term.parse("u(t-1)")), np.array([9.0, 1.0]), SCALING)
-    chosen = plan(wild)
+    chosen = inverse(wild)
     chosen.rest(2.4, 0.9)
     assert chosen.step(np.full(12, 0.5)) is None
     with pytest.raises(InputError, match="diverges"):
@@ -102,4 +101,4 @@ def test_a_model_that_diverges_gives_no_input():
 @pytest.mark.parametrize("change", [{"horizon": 2}, {"smoothness": 0.0}, {"lowest": 4.0}])
 def test_settings_out_of_range_are_refused(change):
     with pytest.raises(InputError):
-        plan(**change)
+        inverse(**change)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from dea.control import whole_inverse
+from dea.control import InputLimits, whole_inverse
 from dea.errors import InputError
 
-FREE = {"memory": 12, "change": 1e-3, "lowest": -1e3, "highest": 1e3, "reach": 1e3}
+FREE = {"memory": 12, "change": 1e-3, "limits": InputLimits(-1e3, 1e3, 1e3)}
 
 
 def linear(u):
@@ -68,7 +68,7 @@ def test_limits_and_rate_are_kept():
     reference[:2] = np.nan
     found = whole_inverse(
         film, reference, np.full(80, 0.7), weight=1e-6,
-        **FREE | {"lowest": 0.6, "highest": 1.8, "reach": 0.1},
+        **FREE | {"limits": InputLimits(0.6, 1.8, 0.1)},
     )  # fmt: skip
     assert found.inputs.min() >= 0.6
     assert found.inputs.max() == 1.8

@@ -148,5 +148,5 @@ def test_what_the_track_withholds_has_no_band_and_says_why():
 
 def test_parameters_of_other_terms_are_refused():
     track = track_of().assign_coords(term=["y(t-1)", "y(t-2)", "y(t-3)", "y(t-4)"])
-    with pytest.raises(InputError, match="parameters"):
+    with pytest.raises(InputError, match="track: its terms are"):
         response_over_time(MODEL, track, np.ones(3), RATE)

@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 from dea.errors import InputError
 from dea.intake.bandwidth import band, samples_to_average
 from dea.intake.dynamics import linear_dynamics
-from dea.intake.plan import make_plan
+from dea.intake.settings import infer_settings
 from dea.store import Record
 
 
@@ -59,29 +59,29 @@ def signals(size, rate, missing=()):
 @pytest.mark.parametrize("size", [60, 200, 1000, 20_000])
 @pytest.mark.parametrize("rate", [0.1, 1000.0])
 def test_every_segment_and_window_lies_inside_the_record(size, rate):
-    plan = make_plan(signals(size, rate)).sections
+    sections = infer_settings(signals(size, rate)).sections
     duration = size / rate
-    segment = plan["identification"]["length"]
-    assert segment <= plan["orders"]["start"] + 1e-6 * duration
-    assert plan["orders"]["start"] + plan["orders"]["length"] <= duration * (1 + 1e-6)
-    for first, last in plan["validation"]["windows"]:
+    segment = sections["identification"]["length"]
+    assert segment <= sections["orders"]["start"] + 1e-6 * duration
+    assert sections["orders"]["start"] + sections["orders"]["length"] <= duration * (1 + 1e-6)
+    for first, last in sections["validation"]["windows"]:
         assert segment <= first * (1 + 1e-6)
         assert last <= duration * (1 + 1e-6)
-        assert (last - first) * rate > 2 * plan["validation"]["max_lag"]
-    assert 0 < plan["gfrf"]["lowest"] < plan["gfrf"]["highest"] <= 0.5
+        assert (last - first) * rate > 2 * sections["validation"]["max_lag"]
+    assert 0 < sections["gfrf"]["lowest"] < sections["gfrf"]["highest"] <= 0.5
 
 
 def test_windows_with_a_gap_are_passed_over():
-    plan = make_plan(signals(1200, 1.0, range(850, 870))).sections
-    assert all(last <= 850 or first >= 870 for first, last in plan["validation"]["windows"])
+    sections = infer_settings(signals(1200, 1.0, range(850, 870))).sections
+    assert all(last <= 850 or first >= 870 for first, last in sections["validation"]["windows"])
 
 
 def test_an_input_of_steps_has_windows_in_which_it_moves_and_no_blocks_drawn():
     record = signals(600, 1.0)
     steps = np.repeat(np.random.default_rng(3).uniform(size=4), 150)
-    plan = make_plan(record._replace(u=steps, y=of_pole(steps, 0.9, 1))).sections
-    assert plan["identification"]["resamples"] == 0
-    for first, last in plan["validation"]["windows"]:
+    sections = infer_settings(record._replace(u=steps, y=of_pole(steps, 0.9, 1))).sections
+    assert sections["identification"]["resamples"] == 0
+    for first, last in sections["validation"]["windows"]:
         assert np.ptp(steps[int(first) : int(last)]) > 0
 
 
@@ -89,4 +89,4 @@ def test_an_input_that_no_longer_moves_is_refused():
     record = signals(600, 1.0)
     u = np.where(np.arange(600) < 300, record.u, 0.0)
     with pytest.raises(InputError, match="constant from sample 400 on"):
-        make_plan(record._replace(u=u))
+        infer_settings(record._replace(u=u))

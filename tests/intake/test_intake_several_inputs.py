@@ -15,7 +15,7 @@ from dea.configuration.files import read_yaml
 from dea.configuration.study import check_study
 from dea.errors import InputError
 from dea.intake.dynamics import linear_dynamics
-from dea.intake.plan import make_plan
+from dea.intake.settings import infer_settings
 from dea.stages.intake import main
 
 ROOT = Path(__file__).parents[2]
@@ -46,9 +46,9 @@ def test_the_shortest_record_allows_a_model_and_a_shorter_one_is_refused(inputs)
     rng = np.random.default_rng(4)
     u = rng.normal(size=(18 * (inputs + 2), inputs))
     y = lfilter([0.0, 1.0], [1.0, -0.5], u.sum(axis=1))
-    assert make_plan(of(u, y)).sections["identification"]["degree"] == 1
+    assert infer_settings(of(u, y)).sections["identification"]["degree"] == 1
     with pytest.raises(InputError, match=f"{len(u) - 1} samples of {inputs} inputs") as refused:
-        make_plan(of(u[:-1], y[:-1]))
+        infer_settings(of(u[:-1], y[:-1]))
     assert f"Record at least {len(u)}" in refused.value.remedy
 
 
@@ -56,7 +56,7 @@ def test_a_stretch_too_short_for_two_inputs_is_refused():
     u, y = made()
     y[45:300:40] = np.nan
     with pytest.raises(InputError, match="longest part without a missing sample"):
-        make_plan(of(u[:120], y[:120]))
+        infer_settings(of(u[:120], y[:120]))
 
 
 def stepped(first):
@@ -67,13 +67,13 @@ def stepped(first):
 
 
 def test_an_input_that_first_moves_late_is_kept():
-    plan = make_plan(stepped(round(0.5 * N))).sections
-    assert plan["identification"]["length"] * RATE == pytest.approx(2 * N / 3, abs=1)
+    sections = infer_settings(stepped(round(0.5 * N))).sections
+    assert sections["identification"]["length"] * RATE == pytest.approx(2 * N / 3, abs=1)
 
 
 def test_an_input_that_rests_where_models_come_from_is_named_with_the_part():
     with pytest.raises(InputError, match=r"is constant at 3 from 0 to 33.3 s, the part") as refused:
-        make_plan(stepped(round(0.7 * N)))
+        infer_settings(stepped(round(0.7 * N)))
     assert "Leave it out, or cut" in refused.value.remedy
 
 

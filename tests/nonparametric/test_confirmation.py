@@ -9,8 +9,8 @@ from dea.errors import InputError
 from dea.gfrf import frequency_response
 from dea.narx import NarxModel
 from dea.nonparametric import (
-    Band,
     Modelled,
+    RelativeBand,
     best_linear,
     best_linear_approximation,
     compare_response,
@@ -117,7 +117,7 @@ def test_the_joint_region_holds_95_percent_of_agreeing_lines():
         def half_width(self):
             return np.full(lines, 1.96 * 0.01)
 
-    band = Band(np.full(lines, 1.96 * 0.02), np.full(lines, 1.96 * 0.005))
+    band = RelativeBand(np.full(lines, 1.96 * 0.02), np.full(lines, 1.96 * 0.005))
     found = compare_response(Known(), modelled, band)
     assert found.inside.mean() == pytest.approx(0.95, abs=0.006)
     shifted = compare_response(Known(), 1.2 * modelled, band)
@@ -138,8 +138,8 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
     np.testing.assert_allclose(turn, np.degrees(width / np.abs(response)))
     assert measured["response"].attrs["units"] == "mm/V"
     H1, H2 = responses(found[0].lines)
-    band = Band(np.full(H1.size, 0.01), np.full(H1.size, 0.01))
-    wide = Band(np.full(H2.shape, 0.1), np.full(H2.shape, 0.1))
+    band = RelativeBand(np.full(H1.size, 0.01), np.full(H1.size, 0.01))
+    wide = RelativeBand(np.full(H2.shape, 0.1), np.full(H2.shape, 0.1))
     whole = confirmation(measured, found, [Modelled(H1, band, H2, wide)] * 2, 1.0)
     store.write(whole, tmp_path / "confirmation.nc", title="Confirmation")
     back = store.read(tmp_path / "confirmation.nc")
@@ -152,11 +152,11 @@ def test_the_dataset_holds_what_was_estimated(record, found, tmp_path):
 
 def test_a_band_around_a_response_has_its_half_widths():
     response = 2.0 * np.exp(1j * np.array([0.3, 3.0]))
-    band = Band.around(response, np.array([2.2, 2.1]), np.degrees(np.array([0.35, 3.2])))
+    band = RelativeBand.around(response, np.array([2.2, 2.1]), np.degrees(np.array([0.35, 3.2])))
     np.testing.assert_allclose(band.gain, [0.1, 0.05])
     np.testing.assert_allclose(band.phase, [0.05, 0.2])
     # The disc of equal errors of gain and phase: 2.45 standard deviations, not 1.96.
-    equal = Band(np.array([1.96]), np.array([1.96]))
+    equal = RelativeBand(np.array([1.96]), np.array([1.96]))
     np.testing.assert_allclose(equal.radius(), 2.4477, rtol=1e-3)
 
 

@@ -12,9 +12,9 @@ from dea.resolution import (
     Design,
     Knowledge,
     Options,
-    Outcome,
     Resolution,
-    Round,
+    ResolutionOutcome,
+    ResolutionRound,
     resolution_dataset,
 )
 from dea.resolution.posterior import Posterior
@@ -39,19 +39,19 @@ def knowledge(now, status="named", names=("a",), whole=True):
 @pytest.mark.parametrize(
     ("now", "kind", "outcome"),
     [
-        ({"a": 0.9, "a+b": 0.1}, {}, Outcome.DECIDED),
-        ({"a": 0.9, "a+b": 0.1}, {"whole": False}, Outcome.PART),
-        ({"a+b": 1.0}, {}, Outcome.PART),
-        ({"a": 0.9, "a+b": 0.1}, {"status": "ambiguous"}, Outcome.OPEN),
-        ({"a": 0.9, "a+b": 0.1}, {"names": ("a", "b")}, Outcome.OPEN),
-        ({"a": 0.9, "b": 0.1}, {}, Outcome.OPEN),
-        ({"a": 0.9, "none": 0.1}, {}, Outcome.OPEN),
-        ({"a": 0.9, ANOTHER: 0.1}, {}, Outcome.OPEN),
-        ({"none": 1.0}, {"status": "none", "names": ()}, Outcome.ALONE),
-        ({"none": 1.0}, {}, Outcome.ALONE),
-        ({"none": 0.9, "a": 0.1}, {"status": "none", "names": ()}, Outcome.OPEN),
-        ({ANOTHER: 1.0}, {}, Outcome.OUTSIDE),
-        ({ANOTHER: 1.0}, {"status": "unknown", "names": ()}, Outcome.OUTSIDE),
+        ({"a": 0.9, "a+b": 0.1}, {}, ResolutionOutcome.DECIDED),
+        ({"a": 0.9, "a+b": 0.1}, {"whole": False}, ResolutionOutcome.PART),
+        ({"a+b": 1.0}, {}, ResolutionOutcome.PART),
+        ({"a": 0.9, "a+b": 0.1}, {"status": "ambiguous"}, ResolutionOutcome.OPEN),
+        ({"a": 0.9, "a+b": 0.1}, {"names": ("a", "b")}, ResolutionOutcome.OPEN),
+        ({"a": 0.9, "b": 0.1}, {}, ResolutionOutcome.OPEN),
+        ({"a": 0.9, "none": 0.1}, {}, ResolutionOutcome.OPEN),
+        ({"a": 0.9, ANOTHER: 0.1}, {}, ResolutionOutcome.OPEN),
+        ({"none": 1.0}, {"status": "none", "names": ()}, ResolutionOutcome.ALONE),
+        ({"none": 1.0}, {}, ResolutionOutcome.ALONE),
+        ({"none": 0.9, "a": 0.1}, {"status": "none", "names": ()}, ResolutionOutcome.OPEN),
+        ({ANOTHER: 1.0}, {}, ResolutionOutcome.OUTSIDE),
+        ({ANOTHER: 1.0}, {"status": "unknown", "names": ()}, ResolutionOutcome.OUTSIDE),
     ],
 )
 def test_all_hypotheses_left_must_hold_the_verdict(now, kind, outcome):
@@ -67,8 +67,8 @@ def test_what_is_left_follows_the_level():
 @pytest.mark.parametrize(
     ("outcome", "status", "sentence"),
     [
-        (Outcome.OUTSIDE, "unknown", "No effect of the catalogue explains"),
-        (Outcome.ALONE, "none", "The simulation alone explains"),
+        (ResolutionOutcome.OUTSIDE, "unknown", "No effect of the catalogue explains"),
+        (ResolutionOutcome.ALONE, "none", "The simulation alone explains"),
     ],
 )
 def test_a_name_that_is_withdrawn_is_given_nowhere(tmp_path, outcome, status, sentence):
@@ -84,7 +84,7 @@ def test_a_name_that_is_withdrawn_is_given_nowhere(tmp_path, outcome, status, se
     first = replace(found, diagnosis=diagnosis)
     last = replace(first, withdrawn=outcome)
     design = Design(np.zeros(3), -1.0, ("a", "b"), 1.0, "free")
-    whole = Resolution(first, (Round(1, design, {}, first, last),), outcome)
+    whole = Resolution(first, (ResolutionRound(1, design, {}, first, last),), outcome)
     dataset = resolution_dataset(whole, 0.01)
     assert list(dataset["names"].values) == ["a", ""]
     assert list(dataset["status"].values) == ["named", status]

@@ -15,8 +15,8 @@ from dea.resolution import (
     CERTIFICATE,
     Knowledge,
     Options,
-    Outcome,
     Resolution,
+    ResolutionOutcome,
     experiment_page,
     resolution_dataset,
     resolve,
@@ -66,9 +66,9 @@ def solved_once(effect):
 @pytest.mark.parametrize("effect", DEVICES)
 def test_designed_records_leave_the_effect_that_is_hidden(effect):
     found, desk = solved_once(effect)
-    assert found.first.outcome(OPTIONS.level) is Outcome.OPEN
+    assert found.first.outcome(OPTIONS.level) is ResolutionOutcome.OPEN
     assert {"sensor_lag", "transport_delay"} <= found.first.posterior.left(OPTIONS.level)
-    assert found.outcome is Outcome.DECIDED
+    assert found.outcome is ResolutionOutcome.DECIDED
     assert found.last.diagnosis.verdict.names == (effect,)
     assert [each.number for each in desk.kept] == list(range(1, len(found.rounds) + 1))
     assert found.certificate.after < 1.3 * NOISE < found.certificate.before
@@ -87,7 +87,7 @@ def test_designed_records_leave_the_effect_that_is_hidden(effect):
 
 def test_an_effect_that_is_not_offered_ends_without_a_name():
     found, desk = solved(hidden("dead_zone", [0.2]), Options(records=1, duration=10.0))
-    assert found.outcome is not Outcome.DECIDED
+    assert found.outcome is not ResolutionOutcome.DECIDED
     assert found.certificate is None
     assert CERTIFICATE not in desk.designs
     assert found.last.posterior.now["another"] > 0.99
@@ -189,12 +189,12 @@ def test_why_no_record_was_designed_is_said(monkeypatch):
     monkeypatch.setattr(rounds, "begun", lambda *arguments: knowledge)
     monkeypatch.setattr(rounds, "next_design", lambda *arguments: None)
     found, _ = solved(lambda u, seed: as_record(u, u))
-    assert (found.outcome, found.rounds, found.pending) == (Outcome.OPEN, (), None)
+    assert (found.outcome, found.rounds, found.pending) == (ResolutionOutcome.OPEN, (), None)
     assert "Raise `resolution.output_margin`" in said("carriage", found)
     monkeypatch.setattr(knowledge.diagnosis, "final", SimpleNamespace(extended=None), raising=False)
     monkeypatch.setattr(rounds, "transferable", lambda extended: True)
     nowhere = SimpleNamespace(design=lambda number, make: None)
-    decided = Resolution(knowledge, (), Outcome.DECIDED)
+    decided = Resolution(knowledge, (), ResolutionOutcome.DECIDED)
     found = rounds._certified(decided, nowhere, CARRIAGE, LIMITS, SETTINGS, OPTIONS)
     assert (found.certificate, found.pending) == (None, None)
     assert "not certified: no excitation was found" in said("carriage", found)
@@ -247,7 +247,7 @@ def test_another_explanation_may_be_near_any_of_those_that_are_offered(monkeypat
 
 @pytest.mark.parametrize(
     ("after", "outcome", "status"),
-    [(0.9, Outcome.DECIDED, "named"), (1.1, Outcome.CONTRADICTED, "unknown")],
+    [(0.9, ResolutionOutcome.DECIDED, "named"), (1.1, ResolutionOutcome.CONTRADICTED, "unknown")],
 )
 def test_a_fresh_record_can_withdraw_a_name(monkeypatch, after, outcome, status):
     from dea.resolution import rounds

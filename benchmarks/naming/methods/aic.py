@@ -1,4 +1,4 @@
-"""Grey-box selection by AIC: the best effect, and a second one on top of it where that pays."""
+"""Grey-box selection by AIC: the best effect, and a second one where that lowers the criterion."""
 
 from benchmarks.naming.methods._grey_box import selected
 from benchmarks.naming.task import Answer, Method, Task

@@ -1,6 +1,6 @@
 """The Modbus client that drives an actuator and records it."""
 
-from dea.acquisition.acquire import Acquisition, acquire, refuse_unarmed
+from dea.acquisition.acquire import AcquiredRecord, acquire, refuse_unarmed
 from dea.acquisition.closed_loop import ClosedLoop, ControllerError
 from dea.acquisition.commissioning import report_file
 from dea.acquisition.flagged import clock_fault
@@ -17,19 +17,20 @@ from dea.acquisition.retrying_link import (
     LinkSettings,
     StoppedError,
 )
-from dea.acquisition.samples import BrokenRecordError, Quality, Samples, asked_for
+from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import check_excitation
 from dea.acquisition.watched import acquire_watched
 from dea.acquisition.zero import ZeroNotVerifiedError
 
 __all__ = [
-    "Acquisition",
+    "AcquiredRecord",
     "AcquisitionSettings",
     "BrokenRecordError",
     "ClosedLoop",
     "ControllerError",
     "DeviceRefusedError",
+    "DrivenSamples",
     "GuardianLostError",
     "Interrupted",
     "Link",
@@ -38,7 +39,6 @@ __all__ = [
     "Quality",
     "ReadBackError",
     "Recovered",
-    "Samples",
     "StoppedError",
     "TripError",
     "ZeroNotVerifiedError",

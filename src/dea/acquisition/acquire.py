@@ -13,26 +13,26 @@ import numpy as np
 from dea.acquisition.closed_loop import ClosedLoop
 from dea.acquisition.device_clock import flag_clock
 from dea.acquisition.disk import refuse_without_room
-from dea.acquisition.guardian import Job
+from dea.acquisition.guardian import DriveJob
 from dea.acquisition.interrupts import Interruption
 from dea.acquisition.latch import latch_file, refuse_latched
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.partial import PartialFile, refuse_in_use, set_aside
 from dea.acquisition.record import link_dataset, record_dataset
 from dea.acquisition.recorder import Recorder
-from dea.acquisition.samples import BrokenRecordError, Samples
+from dea.acquisition.samples import BrokenRecordError, DrivenSamples
 from dea.acquisition.settings import AcquisitionSettings
-from dea.acquisition.voltage_plan import Plan, plan_sequence
+from dea.acquisition.voltage_plan import OutputPlan, plan_sequence
 from dea.errors import InputError
 from dea.modbus import Device
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Watcher = Callable[[Samples, LinkLog], None]
+Watcher = Callable[[DrivenSamples, LinkLog], None]
 
 
-class Acquisition(NamedTuple):
+class AcquiredRecord(NamedTuple):
     """The result of an acquisition: the record, and the log of the link as a dataset."""
 
     record: "xr.Dataset"
@@ -47,7 +47,7 @@ def acquire(
     *,
     watch: Watcher | None = None,
     reset: bool = False,
-) -> Acquisition:
+) -> AcquiredRecord:
     """Drive ``device`` with ``excitation`` and record what it applied and measured.
 
     Samples are written to ``partial`` as they arrive. The file stays if the acquisition fails; the
@@ -103,7 +103,7 @@ def acquire(
         # Only the first attempt clears the latch of the device: one set since then is a new trip.
         again = reset and attempt == 0
         token = randbits(31) + 1
-        job = Job(
+        job = DriveJob(
             device, settings, plan.counts, again, token, latch_file(device), log.started, **asked
         )
         try:
@@ -123,17 +123,17 @@ def acquire(
     record = record_dataset(device, samples, plan.lead, plan.length)
     if settings.armed_by:
         record.attrs["armed_by"] = settings.armed_by
-    return Acquisition(record, link_dataset(log, samples))
+    return AcquiredRecord(record, link_dataset(log, samples))
 
 
 def _attempt(
-    job: Job,
-    plan: Plan,
+    job: DriveJob,
+    plan: OutputPlan,
     partial: Path,
     watch: Watcher | None,
     log: LinkLog,
     loop: ClosedLoop | None,
-) -> Samples:
+) -> DrivenSamples:
     """Return everything measured while a guardian drove the plan, zero shown before and after."""
     blocks = []
     interruption = Interruption()
@@ -159,7 +159,7 @@ def _attempt(
                 recorder.end(error, file.samples)
                 raise
             file.note({"complete": True, "zero": recorder.evidence})
-    return Samples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
+    return DrivenSamples(*(np.concatenate(columns) for columns in zip(*blocks, strict=True)))
 
 
 def refuse_unarmed(device: Device, armed_by: str) -> None:

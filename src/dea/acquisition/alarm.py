@@ -1,4 +1,4 @@
-"""An alarm that is seen and heard, and that nothing it is written to can hold up."""
+"""An alarm, shown and sounded, that a blocked terminal, pipe or log does not delay."""
 
 import os
 import syslog

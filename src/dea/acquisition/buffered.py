@@ -15,7 +15,7 @@ from dea.acquisition.laws import Laws
 from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import Echo, ReadBack
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
-from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
 from dea.modbus import block_window, reply_window, to_physical
 
 PLAYED, HELD, REST = 1, 2, 3  # reply_origin
@@ -81,7 +81,9 @@ def _reply(value: dict[str, Any]) -> Reply:
     )  # fmt: skip
 
 
-def play(panel: Panel, counts: np.ndarray, laws: Laws, *, tolerance: float) -> Iterator[Samples]:
+def play(
+    panel: Panel, counts: np.ndarray, laws: Laws, *, tolerance: float
+) -> Iterator[DrivenSamples]:
     """Start the device, play ``counts`` and yield what it measured, in order and complete.
 
     ``tolerance`` is that of :class:`~dea.acquisition.read_back.ReadBack`. Samples that the device
@@ -150,7 +152,7 @@ class _Playback:
             self.moved = time.monotonic()
         return reply
 
-    def collect(self, reply: Reply) -> Samples | None:
+    def collect(self, reply: Reply) -> DrivenSamples | None:
         """Return the samples of a reply that were driven, or None."""
         if reply.index < self.wanted:  # of a new connection, which has not sent its index yet
             return None
@@ -207,11 +209,11 @@ class _Playback:
     def _broken(self, reason: str, count: int | None = None) -> BrokenRecordError:
         """Return the error for the next ``count`` samples, or all that are left, as lost."""
         missing = self.counts[self.done :][:count]
-        lost = Samples.lost(self.done, self.wanted, missing)
+        lost = DrivenSamples.lost(self.done, self.wanted, missing)
         return BrokenRecordError(reason, self.done, missing.size, lost)
 
 
-def _samples(reply: Reply, counts: np.ndarray, echo: Echo, now: float) -> Samples | None:
+def _samples(reply: Reply, counts: np.ndarray, echo: Echo, now: float) -> DrivenSamples | None:
     """Return the samples of a reply, or None if it holds none that were driven."""
     n = reply.applied.size
     if not n or reply.origin == REST:
@@ -223,7 +225,7 @@ def _samples(reply: Reply, counts: np.ndarray, echo: Echo, now: float) -> Sample
     flags = np.full(n, flag)
     if played:
         flags[~echo.right(counts[position], reply.applied)] |= Quality.CLAMPED
-    return Samples(
+    return DrivenSamples(
         position, reply.index + steps, counts[position], reply.applied, reply.displacement,
         flags, np.full(n, np.nan), np.full(n, now),
     )  # fmt: skip

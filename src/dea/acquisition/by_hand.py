@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from dea.acquisition.duty import Notice, Order, Phase, duty_file, look, order
-from dea.acquisition.guardian import Job
+from dea.acquisition.guardian import DriveJob
 from dea.acquisition.latch import latch_file, trip
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import Output
@@ -62,7 +62,7 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
         time.sleep(1.0)
     log = LinkLog()
     nothing = np.zeros(0, np.int64)
-    job = Job(
+    job = DriveJob(
         device, settings, nothing, reset=False, token=0,
         latch=latch_file(device), started=log.started,
     )  # fmt: skip

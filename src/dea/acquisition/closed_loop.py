@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dea.acquisition.sensor_flags import saturated
-from dea.acquisition.voltage_plan import Plan, check_excitation, ramp
+from dea.acquisition.voltage_plan import OutputPlan, check_excitation, ramp
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device, limit_counts, representable, to_counts, to_physical
 
@@ -40,7 +40,7 @@ class ClosedLoop:
     start: float
     rate: float
 
-    def plan(self, device: Device, ramp_rate: float) -> Plan:
+    def plan(self, device: Device, ramp_rate: float) -> OutputPlan:
         """Return the counts of the ramp to the start, and how many samples follow it.
 
         Raises
@@ -61,7 +61,7 @@ class ClosedLoop:
             raise InputError("the loop has no samples", remedy="Give at least one.")
         start = check_excitation(device, np.array([self.start]))
         lead = np.concatenate([ramp(device, 0.0, self.start, ramp_rate), start])
-        return Plan(lead, lead.size, self.samples)
+        return OutputPlan(lead, lead.size, self.samples)
 
     def step(self, device: Device) -> int:
         """Return the largest change of the output from sample to sample, in counts."""
@@ -106,7 +106,7 @@ class Asked:
     def __init__(
         self,
         device: Device,
-        plan: Plan,
+        plan: OutputPlan,
         longest_step: int,
         ask: Callable[[float], None],
         answer: Callable[[], int],

@@ -21,7 +21,7 @@ from dea.acquisition.link_log import LinkLog
 from dea.acquisition.panel import Panel
 from dea.acquisition.poll import Poll
 from dea.acquisition.retrying_link import BY_HAND, Link
-from dea.acquisition.samples import Quality, Samples, asked_for
+from dea.acquisition.samples import DrivenSamples, Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
 from dea.atomic_file import atomic
 from dea.errors import DeviceError, InputError
@@ -149,7 +149,7 @@ def _trip_watchdog(
     """Kill the guardian while it drives; return what the device did, and reset it."""
     found: dict[str, float] = {}
 
-    def kill(samples: Samples, _: LinkLog) -> None:
+    def kill(samples: DrivenSamples, _: LinkLog) -> None:
         if to_physical(device["output"], samples.requested).max() < volts.max():
             return
         notice = look(duty_file(device))

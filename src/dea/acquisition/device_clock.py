@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.samples import DrivenSamples, Quality
 from dea.modbus import Device
 
 SHORTEST = 20.0  # s of reading below which its rate is not known well enough
 
 
-def fitted_rate(samples: Samples) -> float | None:
+def fitted_rate(samples: DrivenSamples) -> float | None:
     """Return the device's sampling rate, Hz of the host's clock, by least squares over the blocks.
 
     None where there are too few samples that the device played by itself.
@@ -22,10 +22,10 @@ def fitted_rate(samples: Samples) -> float | None:
     return float(slope)
 
 
-def flag_clock(device: Device, samples: Samples, tolerance: float) -> Samples:
+def flag_clock(device: Device, samples: DrivenSamples, tolerance: float) -> DrivenSamples:
     """Return ``samples``, all with :attr:`Quality.CLOCK` where the rates differ beyond a share.
 
-    A virtual clock runs as fast as it is fed, and is not compared.
+    A virtual device plays as fast as samples arrive; its clock is not compared.
     """
     rate = fitted_rate(samples)
     if device.virtual or rate is None or abs(rate / device.sampling_rate - 1) <= tolerance:

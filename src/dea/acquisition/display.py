@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
 from dea.acquisition.link_log import LinkLog
-from dea.acquisition.samples import Samples
+from dea.acquisition.samples import DrivenSamples
 from dea.modbus import Device, to_physical
 
 REFRESH = 0.2  # s
@@ -72,7 +72,7 @@ class Display:
         if not self._console.is_terminal:  # where rich leaves the line open
             self._console.print()
 
-    def __call__(self, samples: Samples, log: LinkLog) -> None:
+    def __call__(self, samples: DrivenSamples, log: LinkLog) -> None:
         """Add a block of samples; redraw at most every REFRESH seconds."""
         self._screen.start()
         self._done += samples.position.size
@@ -86,7 +86,7 @@ class Display:
         self._bar.update(self._task, completed=self._done, health=health(rate, log))
         self._screen.refresh()
 
-    def _keep(self, samples: Samples) -> None:
+    def _keep(self, samples: DrivenSamples) -> None:
         device = self.device
         self._signals.append(
             (

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dea.acquisition.acquire import Acquisition
+from dea.acquisition.acquire import AcquiredRecord
 from dea.acquisition.samples import Quality
 from dea.acquisition.settings import AcquisitionSettings
 from dea.modbus import Device
@@ -23,7 +23,9 @@ def flags_said(record: "xr.Dataset") -> str:
     return f"{quality.size} samples: {listed}"
 
 
-def clock_fault(device: Device, acquired: Acquisition, settings: AcquisitionSettings) -> str | None:
+def clock_fault(
+    device: Device, acquired: AcquiredRecord, settings: AcquisitionSettings
+) -> str | None:
     """Return in a line why a record is flagged for its clock, and the remedy; None if it is not."""
     if not (acquired.record["quality"].values & Quality.CLOCK).any():
         return None

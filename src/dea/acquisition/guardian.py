@@ -1,9 +1,10 @@
 """The guardian: the process that alone writes the voltage, and always ends it at zero.
 
-It knows nothing of files, displays or progress. The recorder hands it the whole sequence, which it
-plays at its own deadlines, and must confirm what it has kept. Whatever ends the sequence (its end,
-a recorder that dies, stalls or asks for it, a device that fails, a broken law), the guardian takes
-the output to zero, tries for ever, and raises an alarm as long as zero is not shown.
+It writes no record, display or progress. The recorder sends it the whole sequence, which it plays
+at its own deadlines, and must confirm the samples that it has stored. Whatever ends the sequence
+(its end, a recorder that dies, stalls or asks for it, a device that fails, a broken law), the
+guardian takes the output to zero, tries until zero is shown or a person dismisses it, and raises an
+alarm meanwhile.
 """
 
 import math
@@ -36,11 +37,11 @@ from dea.acquisition.retrying_link import (
     LinkSettings,
     StoppedError,
 )
-from dea.acquisition.samples import Samples
+from dea.acquisition.samples import DrivenSamples
 from dea.acquisition.settings import AcquisitionSettings
-from dea.acquisition.voltage_plan import Plan, Planned
+from dea.acquisition.voltage_plan import OutputPlan, Planned
 from dea.acquisition.wire import Wire, packed
-from dea.acquisition.zero import Evidence, WayToZero
+from dea.acquisition.zero import WayToZero, ZeroEvidence
 from dea.errors import InputError
 from dea.modbus import Device, adjoining, to_physical
 
@@ -58,7 +59,7 @@ DEAF = (
 )  # fmt: skip
 
 
-class Job(NamedTuple):
+class DriveJob(NamedTuple):
     """What a guardian is to do.
 
     ``counts`` are played from zero to zero; without any, the output is only taken to zero.
@@ -90,7 +91,7 @@ def guard(wire: Wire) -> None:
         if wire.closed:
             return
         wire.wait(1.0)
-    job: Job = messages[0][0]
+    job: DriveJob = messages[0][0]
     guardian = Guardian(wire, job, messages[1:])
     for number in ASKING:
         signal.signal(number, guardian.asked)
@@ -116,7 +117,7 @@ def _deliver(wire: Wire, seconds: float) -> None:
 class Guardian:
     """One job: the laws it keeps are those of :meth:`_check`."""
 
-    def __init__(self, wire: Wire, job: Job, early: list[tuple[Any, ...]]) -> None:
+    def __init__(self, wire: Wire, job: DriveJob, early: list[tuple[Any, ...]]) -> None:
         self.wire, self.job, self.device = wire, job, job.device
         self._early = early  # messages that came with the job
         settings = job.settings
@@ -210,7 +211,7 @@ class Guardian:
                 counts |= window.decode(words)
         return counts
 
-    def _driven(self) -> Iterator[Samples]:
+    def _driven(self) -> Iterator[DrivenSamples]:
         settings, counts = self.job.settings, self.job.counts
         if settings.mode == "polled":
             return polled.drive(
@@ -222,11 +223,11 @@ class Guardian:
             self.output.panel, counts, self.output.laws, tolerance=settings.read_back_tolerance
         )
 
-    def _sequence(self) -> polled.Sequence:
+    def _sequence(self) -> polled.DrivenCounts:
         job = self.job
         if not job.asked:
             return Planned(job.counts)
-        plan = Plan(job.counts, job.counts.size, job.asked)
+        plan = OutputPlan(job.counts, job.counts.size, job.asked)
         return Asked(self.device, plan, job.longest_step, self._ask, self._answer)
 
     def _ask(self, displacement: float) -> None:
@@ -236,9 +237,9 @@ class Guardian:
     def _answer(self) -> int:
         """Wait for the count that was asked for.
 
-        The clock of a device that is not paced waits: there it is the host that is slow, and not
-        the controller, whose record would otherwise depend on the host's load. What waits too long
-        is a recorder that stalls.
+        A device that is not paced has a clock that waits for the host, so that this has no time
+        limit of its own there: the record would depend on the load of the host. A recorder that
+        stalls ends the wait.
         """
         end = time.monotonic() + ANSWER_TIME if self.job.settings.paced else math.inf
         while not self._answers:
@@ -305,7 +306,7 @@ class Guardian:
                     self.duty.put(Phase.NEVER, 0.0)
                     self.wire.post("refused", packed(error))
                     return
-                evidence = Evidence.RELEASED
+                evidence = ZeroEvidence.RELEASED
                 break
             except Exception as error:  # only zero, or a person's order to dismiss, ends this loop
                 failing = failing or time.monotonic()

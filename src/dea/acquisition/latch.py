@@ -63,7 +63,7 @@ def trip(device: Device) -> dict[str, str] | None:
 
 
 def acknowledge(device: Device, person: str) -> str | None:
-    """Clear a trip; return its reason, or None where there is none. What was is kept beside it."""
+    """Clear a trip; return its reason, or None where there is none. A log beside it keeps it."""
     found = trip(device)
     if found is None:
         return None

@@ -1,8 +1,8 @@
 """Starting guardians: processes out of reach of the recorder's terminal.
 
 A nursery, one for each recorder, has the guardian's code loaded and forks a guardian when asked,
-within milliseconds. It has one thread and no other duty. A guardian has a session of its own, so
-that no signal of the terminal (Ctrl-C, Ctrl-Z, Ctrl-\\, hang-up) reaches it.
+within milliseconds. It has one thread and does nothing else. A guardian has a session of its own,
+so that no signal of the terminal (Ctrl-C, Ctrl-Z, Ctrl-\\, hang-up) reaches it.
 """
 
 import os

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from dea.acquisition.samples import Samples
+from dea.acquisition.samples import DrivenSamples
 from dea.errors import InputError
 
 LONGEST_SYNC = 60.0  # s
@@ -26,7 +26,7 @@ MARK = b"\xa5DEA"
 _ENTRY = struct.Struct("<4sII")
 # Every integer of a register up to 32 bits is exact as a float64.
 _FLOATS = ("applied", "displacement", "write_time", "read_time")
-_ROW = np.dtype([(name, "<f8" if name in _FLOATS else "<i8") for name in Samples._fields])
+_ROW = np.dtype([(name, "<f8" if name in _FLOATS else "<i8") for name in DrivenSamples._fields])
 _NOTE, _SAMPLES = b"N", b"S"
 
 
@@ -56,10 +56,10 @@ class PartialFile:
         """Append a note as JSON."""
         self._append(_NOTE + json.dumps(content, sort_keys=True).encode())
 
-    def samples(self, samples: Samples) -> None:
+    def samples(self, samples: DrivenSamples) -> None:
         """Append samples."""
         rows = np.empty(samples.device_index.size, _ROW)
-        for name, column in zip(Samples._fields, samples, strict=True):
+        for name, column in zip(DrivenSamples._fields, samples, strict=True):
             rows[name] = column
         self._append(_SAMPLES + rows.tobytes(), rows.size)
 
@@ -157,7 +157,7 @@ class Recovered(NamedTuple):
     """
 
     notes: list[dict[str, Any]]
-    samples: Samples
+    samples: DrivenSamples
     damaged: int
 
 
@@ -183,7 +183,7 @@ def recover(path: Path) -> Recovered:
     notes = [json.loads(payload[1:]) for payload in payloads if payload[:1] == _NOTE]
     blocks = [np.frombuffer(payload[1:], _ROW) for payload in payloads if payload[:1] == _SAMPLES]
     rows = np.concatenate(blocks) if blocks else np.empty(0, _ROW)
-    samples = Samples(*(rows[name].copy() for name in Samples._fields))
+    samples = DrivenSamples(*(rows[name].copy() for name in DrivenSamples._fields))
     return Recovered(notes, samples, damaged)
 
 

@@ -12,7 +12,7 @@ from dea.acquisition.poll import Poll
 from dea.acquisition.read_back import Echo
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.rows import Rows
-from dea.acquisition.samples import BrokenRecordError, Quality, Samples
+from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
 from dea.acquisition.schedule import Schedule
 from dea.errors import DeviceError
 from dea.modbus import to_physical
@@ -20,7 +20,7 @@ from dea.modbus import to_physical
 START = 1  # command
 
 
-class Sequence(Protocol):
+class DrivenCounts(Protocol):
     """The counts to be driven: all known beforehand, or asked for one by one."""
 
     size: int
@@ -37,17 +37,17 @@ class Sequence(Protocol):
 
 def drive(
     panel: Panel,
-    sequence: Sequence,
+    sequence: DrivenCounts,
     laws: Laws,
     *,
     late_after: float,
     tolerance: float,
     paced: bool = True,
-) -> Iterator[Samples]:
+) -> Iterator[DrivenSamples]:
     """Drive a sequence one by one and yield what was measured, in blocks.
 
     Sample k is written at its deadline k/sampling_rate after the first; one written more than
-    ``late_after`` s behind it is flagged. Nothing is ever made up for in a burst: a sample whose
+    ``late_after`` s behind it is flagged. Late samples are never sent in a burst: one whose
     whole period has passed is left out and flagged, or, on a device that counts its samples, comes
     later with all that follow; what such a device measured meanwhile, its output held, is flagged
     as held and lost. Without ``paced``, for a device whose clock waits for the host, each sample
@@ -120,5 +120,7 @@ def _broken(
 ) -> BrokenRecordError:
     """Return the error for ``missing`` samples from sample ``number`` on as lost."""
     requested = np.repeat(count, missing)
-    lost = Samples.lost(number, device_index, requested)._replace(position=np.full(missing, number))
+    lost = DrivenSamples.lost(number, device_index, requested)._replace(
+        position=np.full(missing, number)
+    )
     return BrokenRecordError(reason, number, missing, lost)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from dea.acquisition.voltage_plan import Plan
+from dea.acquisition.voltage_plan import OutputPlan
 from dea.modbus import Device, to_physical
 
 
-def preview(device: Device, plan: Plan) -> str:
+def preview(device: Device, plan: OutputPlan) -> str:
     """Return lines on the voltage, its rate and, where the description allows, charge and field."""
     volts = to_physical(device["output"], np.append(0, plan.counts))
     rate = np.abs(np.diff(volts)).max() * device.sampling_rate

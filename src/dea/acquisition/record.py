@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from dea.acquisition.device_clock import fitted_rate
 from dea.acquisition.link_log import LinkLog
-from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.samples import DrivenSamples, Quality
 from dea.acquisition.sensor_flags import flag_sensor
 from dea.modbus import Device, Register, to_physical
 
@@ -18,7 +18,7 @@ _EDGES = np.geomspace(1e-5, 10.0, 61)  # s, ten bins per decade
 Variable = tuple[str, np.ndarray, dict[str, str]]
 
 
-def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> "xr.Dataset":
+def record_dataset(device: Device, samples: DrivenSamples, lead: int, length: int) -> "xr.Dataset":
     """Return what was measured during the excitation, in physical units.
 
     Parameters
@@ -36,7 +36,7 @@ def record_dataset(device: Device, samples: Samples, lead: int, length: int) -> 
     import xarray as xr
 
     inside = (samples.position >= lead) & (samples.position < lead + length)
-    driven = flag_sensor(device, Samples(*(column[inside] for column in samples)))
+    driven = flag_sensor(device, DrivenSamples(*(column[inside] for column in samples)))
     time = (driven.device_index - driven.device_index[:1]) / device.sampling_rate
     have = (driven.quality & Quality.LOST) == 0
     output, displacement = device["output"], device["displacement"]
@@ -81,7 +81,7 @@ def _raw(register: Register, values: np.ndarray) -> np.ndarray:
     return np.asarray(values, float if "float" in register.type else np.int64)
 
 
-def link_dataset(log: LinkLog, samples: Samples) -> "xr.Dataset":
+def link_dataset(log: LinkLog, samples: DrivenSamples) -> "xr.Dataset":
     """Return the times of every exchange and sample, retries, errors, round trips and jitter."""
     import xarray as xr
 

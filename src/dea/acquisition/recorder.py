@@ -7,10 +7,10 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
-from dea.acquisition.guardian import Job
+from dea.acquisition.guardian import DriveJob
 from dea.acquisition.launch import launch
 from dea.acquisition.link_log import LinkLog
-from dea.acquisition.samples import Samples
+from dea.acquisition.samples import DrivenSamples
 from dea.acquisition.wire import unpacked
 from dea.acquisition.zero import ZeroNotVerifiedError
 from dea.errors import DeviceError
@@ -35,7 +35,7 @@ class Recorder:
         Called between messages; may raise to end the drive.
     """
 
-    def __init__(self, job: Job, log: LinkLog, check: Callable[[], None]) -> None:
+    def __init__(self, job: DriveJob, log: LinkLog, check: Callable[[], None]) -> None:
         self.job, self.log, self.check = job, log, check
         self.kept: Callable[[], int] = lambda: 0
         self.answer: Callable[[float], int] | None = None  # of a closed loop
@@ -64,7 +64,7 @@ class Recorder:
             if kind == "ready":
                 return
 
-    def samples(self) -> Iterator[Samples]:
+    def samples(self) -> Iterator[DrivenSamples]:
         """Begin, and yield what is measured until zero is shown; raises what broke the drive."""
         self._say("begin", 0)
         for kind, *content in self._messages():
@@ -77,7 +77,7 @@ class Recorder:
             pass
 
     def end(
-        self, error: BaseException | None, keep: Callable[[Samples], None] | None = None
+        self, error: BaseException | None, keep: Callable[[DrivenSamples], None] | None = None
     ) -> None:
         """Have the output taken to zero, and wait until it is shown.
 
@@ -104,7 +104,7 @@ class Recorder:
             except DeviceError:
                 pass  # what ended the drive first is what the user is told
 
-    def _hire(self, job: Job) -> None:
+    def _hire(self, job: DriveJob) -> None:
         self.wire = launch()
         self.wire.post(job)
 

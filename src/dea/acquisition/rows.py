@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.samples import DrivenSamples, Quality
 
 BLOCK_TIME = 0.2  # s of samples yielded, and synced to the disk, together
 
@@ -18,7 +18,7 @@ class Rows:
         self._handed_on = time.monotonic()
 
     def add(self, *row: float) -> None:
-        """Add a sample, its columns in the order of :class:`Samples`."""
+        """Add a sample, its columns in the order of :class:`DrivenSamples`."""
         self._rows.append(row)
 
     def leave_out(self, number: int, counts: list[int]) -> None:
@@ -28,20 +28,20 @@ class Rows:
             self.add(place, place, count, 0, 0, flag, np.nan, np.nan)
 
     def hold(self, number: int, indices: range, count: int) -> None:
-        """Add what the device measured, and nobody read, while it held the output of a sample."""
+        """Add the samples measured, but not read, while the device held an output."""
         for index in indices:
             flag = Quality.HELD | Quality.LOST
             self.add(number, index, count, 0, 0, flag, np.nan, np.nan)
 
-    def due(self) -> Iterator[Samples]:
+    def due(self) -> Iterator[DrivenSamples]:
         """Yield the samples if the last ones were yielded long enough ago."""
         if time.monotonic() - self._handed_on > BLOCK_TIME:
             yield from self.all()
             self._handed_on = time.monotonic()
 
-    def all(self) -> Iterator[Samples]:
+    def all(self) -> Iterator[DrivenSamples]:
         """Yield the samples."""
         rows, self._rows = self._rows, []
         if rows:
             # Each column by itself: whole numbers stay whole.
-            yield Samples(*(np.array(column) for column in zip(*rows, strict=True)))
+            yield DrivenSamples(*(np.array(column) for column in zip(*rows, strict=True)))

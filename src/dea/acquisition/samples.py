@@ -30,7 +30,7 @@ def asked_for(quality: np.ndarray) -> np.ndarray:
     return np.asarray((quality & Quality.HELD) == 0)
 
 
-class Samples(NamedTuple):
+class DrivenSamples(NamedTuple):
     """Consecutive samples; ``position`` is their place in the sequence to be played.
 
     ``applied`` and ``displacement`` are raw, integers or floats as the device has them.
@@ -48,7 +48,7 @@ class Samples(NamedTuple):
     read_time: np.ndarray
 
     @classmethod
-    def lost(cls, position: int, index: int, requested: np.ndarray) -> "Samples":
+    def lost(cls, position: int, index: int, requested: np.ndarray) -> "DrivenSamples":
         """Placeholders for samples that were not read."""
         n, nothing = requested.size, np.zeros(requested.size, np.int64)
         steps = np.arange(n)
@@ -65,6 +65,6 @@ class BrokenRecordError(DeviceError):
     ``samples`` are these samples, flagged, as far as their positions are known.
     """
 
-    def __init__(self, reason: str, first: int, count: int, samples: Samples) -> None:
+    def __init__(self, reason: str, first: int, count: int, samples: DrivenSamples) -> None:
         self.reason, self.first, self.count, self.samples = reason, first, count, samples
         super().__init__(f"samples {first} to {first + count - 1}: {reason}")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dea.acquisition.samples import Quality, Samples
+from dea.acquisition.samples import DrivenSamples, Quality
 from dea.modbus import Device, Register, to_physical
 
 STUCK_SAMPLES = 25  # equal readings in a row that are no chance
@@ -10,7 +10,7 @@ STUCK_SHARE = 0.1  # of the span of the output's limits, that the output moves m
 _READ = ~(Quality.LATE | Quality.CLAMPED)  # the flags of samples that were read for all that
 
 
-def flag_sensor(device: Device, samples: Samples) -> Samples:
+def flag_sensor(device: Device, samples: DrivenSamples) -> DrivenSamples:
     """Return ``samples`` with :attr:`Quality.SATURATED` and :attr:`Quality.STUCK` where they hold.
 
     A reading is saturated at an end of what an integer register can hold. It is stuck where it
@@ -34,7 +34,7 @@ def saturated(register: Register, raw: np.ndarray) -> np.ndarray:
     return np.asarray((raw == ends.max) | ((raw == ends.min) & bottom))
 
 
-def _stuck(device: Device, samples: Samples) -> np.ndarray:
+def _stuck(device: Device, samples: DrivenSamples) -> np.ndarray:
     """Whether each sample is in a run of equal readings during which the output moved."""
     stuck = np.zeros(samples.position.size, bool)
     volts = to_physical(device["output"], samples.requested)

@@ -23,7 +23,7 @@ class Planned:
         """Take no notice of what was measured."""
 
 
-class Plan(NamedTuple):
+class OutputPlan(NamedTuple):
     """Output counts from zero to zero: ``lead`` samples of ramp, ``length`` of excitation, ramp.
 
     Those of a closed loop are the ramp alone: the others are asked for.
@@ -34,7 +34,7 @@ class Plan(NamedTuple):
     length: int
 
 
-def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> Plan:
+def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> OutputPlan:
     """Put ramps at ``ramp_rate`` V/s before and after an excitation in V.
 
     Raises
@@ -51,12 +51,12 @@ def plan_sequence(device: Device, excitation: np.ndarray, ramp_rate: float) -> P
     lead = ramp(device, 0.0, float(volts[0]), ramp_rate)
     tail = ramp(device, float(volts[-1]), 0.0, ramp_rate)
     zero = to_counts(device["output"], np.zeros(1))
-    plan = Plan(np.concatenate([lead, counts, tail, zero]), lead.size, counts.size)
+    plan = OutputPlan(np.concatenate([lead, counts, tail, zero]), lead.size, counts.size)
     _refuse_too_fast(device, plan)
     return plan
 
 
-def _refuse_too_fast(device: Device, plan: Plan) -> None:
+def _refuse_too_fast(device: Device, plan: OutputPlan) -> None:
     allowed = device.safety.max_rate if device.safety else None
     if allowed is None:
         return

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dea.acquisition.acquire import Acquisition, acquire
+from dea.acquisition.acquire import AcquiredRecord, acquire
 from dea.acquisition.commissioning import refuse_uncommissioned
 from dea.acquisition.flagged import clock_fault, flags_said
 from dea.acquisition.settings import AcquisitionSettings
@@ -23,7 +23,7 @@ def acquire_watched(
     description: Path,
     live: bool = False,
     reset: bool = False,
-) -> Acquisition:
+) -> AcquiredRecord:
     """Acquire as :func:`dea.acquisition.acquire`, show how far it is, and say what was flagged.
 
     Parameters

@@ -13,7 +13,8 @@ _PIECE = 1 << 16  # bytes taken or given at once
 class Wire:
     """One end of a socket pair: whole messages, sent and received without waiting.
 
-    What the other end does not take is kept in memory, so that a stopped reader stops nobody.
+    What the other end does not take is kept in memory, so that a reader that has stopped does not
+    block the writer.
     Messages are pickled: both ends are this program.
     """
 
@@ -36,7 +37,7 @@ class Wire:
         self.flush()
 
     def flush(self) -> None:
-        """Send what the other end has room for."""
+        """Send as much as the other end takes now."""
         try:
             while self._out and not self.closed:
                 del self._out[: self._end.send(self._out[:_PIECE])]

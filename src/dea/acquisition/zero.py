@@ -25,7 +25,7 @@ class ZeroNotVerifiedError(DeviceError):
     """The output could not be shown to be at zero."""
 
 
-class Evidence(StrEnum):
+class ZeroEvidence(StrEnum):
     """What shows that an output is at zero, the strongest last."""
 
     ANSWERED = "every write of zero was answered; the device has no register to read back"
@@ -57,7 +57,7 @@ class WayToZero:
         self.trip: TripError | None = None
         self._looks = LOOKS if self.device.safety else 0
 
-    def __call__(self) -> Evidence:
+    def __call__(self) -> ZeroEvidence:
         """Ramp to zero, keep it there for the quarantine, and say what shows it.
 
         Raises
@@ -132,9 +132,9 @@ class WayToZero:
         if driven := self.output.driven():
             raise ZeroNotVerifiedError(f"the output reads {driven:g} V after the ramp to zero")
 
-    def _evidence(self) -> Evidence:
+    def _evidence(self) -> ZeroEvidence:
         if self.output.laws.safety.monitor is not None:
-            return Evidence.MONITOR
+            return ZeroEvidence.MONITOR
         if not self.output.trusted:
-            return Evidence.UNTRUSTED
-        return Evidence.READ_BACK if self.output.readable else Evidence.ANSWERED
+            return ZeroEvidence.UNTRUSTED
+        return ZeroEvidence.READ_BACK if self.output.readable else ZeroEvidence.ANSWERED

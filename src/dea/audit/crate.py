@@ -32,14 +32,14 @@ PROFILES = {
 TERMS = {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
 
 
-class Span(NamedTuple):
+class JobTimes(NamedTuple):
     """When a job ran: its start and end in s since 1970."""
 
     start: float
     end: float
 
 
-def write(folder: Path, spans: Mapping[str, Span]) -> None:
+def write(folder: Path, spans: Mapping[str, JobTimes]) -> None:
     """Write the crate of all results to ``folder``, which holds copies of its files.
 
     Parameters
@@ -53,7 +53,7 @@ def write(folder: Path, spans: Mapping[str, Span]) -> None:
 class _Crate:
     """The crate while it is put together; ``entities`` hold its files by their paths."""
 
-    def __init__(self, manifest: Manifest, spans: Mapping[str, Span]) -> None:
+    def __init__(self, manifest: Manifest, spans: Mapping[str, JobTimes]) -> None:
         self.manifest, self.spans = manifest, spans
         self.crate = ROCrate(version="1.1")
         self.crate.metadata.extra_contexts.append(TERMS)

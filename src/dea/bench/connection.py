@@ -25,7 +25,7 @@ MAX_SILENCE = 60.0  # s without a request, after which a master that does not ow
 MAX_UNREAD = 64 * 1024  # bytes of replies that a client may leave unread
 
 
-class Bench(Protocol):
+class RequestHandler(Protocol):
     """What answers the masters' requests."""
 
     connections: set["Connection"]
@@ -56,10 +56,10 @@ class Connection(ServerRequestHandler):
         self.heard = time.monotonic()
 
     def callback_connected(self) -> None:
-        """Make room for this master, learn its role, bound the replies it may leave unread.
+        """Add this master, with its role and a limit of the replies that it may leave unread.
 
-        Where all places are taken, the master that has been silent for longest loses its own, so
-        that silent connections keep nobody out; the owner of the outputs never does.
+        Where there are as many connections as are allowed, the one without a request for longest is
+        closed, never that of the owner of the outputs.
         """
         super().callback_connected()
         others = [other for other in self.bench.connections if not self.bench.owns(other.session)]
@@ -142,7 +142,7 @@ class Connection(ServerRequestHandler):
 class TcpServer(ModbusTcpServer):
     """Listens for masters over TCP."""
 
-    bench: Bench
+    bench: RequestHandler
 
     def callback_new_connection(self) -> Connection:
         """Return a new master's connection."""
@@ -152,7 +152,7 @@ class TcpServer(ModbusTcpServer):
 class TlsServer(ModbusTlsServer):
     """Listens for masters over TLS."""
 
-    bench: Bench
+    bench: RequestHandler
 
     def callback_new_connection(self) -> Connection:
         """Return a new master's connection."""

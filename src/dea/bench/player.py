@@ -21,7 +21,7 @@ class PlayerState(IntEnum):
     TRIPPED = 3
 
 
-class Plant(Protocol):
+class DrivenRig(Protocol):
     """What the device drives and measures; :class:`dea.plant.Rig` is one."""
 
     def advance(self, output_counts: Counts) -> tuple[Counts, Counts]:
@@ -62,7 +62,7 @@ class Player:
 
     def __init__(
         self,
-        plant: Plant,
+        plant: DrivenRig,
         limits: OutputLimits,
         *,
         fifo_length: int = 512,

@@ -22,7 +22,7 @@ FILES: dict[str, type[BaseModel]] = {
     "config/published_errors.yaml": PublishedErrors,
     "config/public_records.yaml": PublicRecords,
 }
-# Models that say the same with less repetition, for people.
+# Models that the page shows instead, with the same keys and less repetition.
 _SHOWN: dict[str, tuple[type[BaseModel], str]] = {
     "config/cases/*.yaml": (
         Case,
@@ -52,8 +52,15 @@ def json_schema(file: str) -> dict[str, Any]:
 
 
 def page() -> str:
-    """Return ``docs/configuration.md``."""
-    described: set[str] = set()
+    """Return ``docs/configuration.md``.
+
+    Raises
+    ------
+    ValueError
+        Two sections have the same name: the second would have no table, and links to it would lead
+        to the first.
+    """
+    described: dict[str, Schema] = {}
     lines = [_HEAD]
     for file in FILES:
         model, note = _SHOWN.get(file, (FILES[file], ""))
@@ -63,9 +70,11 @@ def page() -> str:
         lines += _table(schema, definitions)
         for name in _reached(schema, definitions):
             if name not in described:
-                described.add(name)
+                described[name] = definitions[name]
                 lines += [f"### {name}\n", f"{definitions[name]['description']}\n"]
                 lines += _table(definitions[name], definitions)
+            elif described[name] != definitions[name]:
+                raise ValueError(f"{file}: another section is named {name} too; rename one of them")
     # Docstrings are written in reStructuredText, whose code has two marks on each side.
     return "\n".join(lines).replace("``", "`")
 

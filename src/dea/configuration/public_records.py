@@ -7,7 +7,7 @@ from pydantic import Field, RootModel
 from dea.configuration.section import Section, key
 
 
-class Sampled(Section):
+class UntimedTable(Section):
     """A public table of numbers without times, of which a CSV with times is made."""
 
     interval: Annotated[float, Field(gt=0)] = key("time between rows", unit="s")
@@ -20,7 +20,7 @@ class PublicRecord(Section):
     url: str = key("public address")
     sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] = key("SHA-256 of the record, in hex")
     licence: str | None = key("terms of use", default=None)
-    sampled: Sampled | None = key("how the public table becomes the record", default=None)
+    sampled: UntimedTable | None = key("how the public table becomes the record", default=None)
 
 
 class PublicRecords(RootModel[dict[str, PublicRecord]]):

@@ -18,7 +18,7 @@ class Column(Section):
     name: str | None = key("what it is, for labels; the column's own name otherwise", default=None)
 
 
-class Columns(Section):
+class RecordColumns(Section):
     """What drove the system and what was measured, and when."""
 
     input: Column | None = key("what drove the system, where it has one input", default=None)
@@ -83,7 +83,7 @@ class Columns(Section):
         return self
 
 
-class RecordFile(Columns):
+class RecordFile(RecordColumns):
     """The file of a record made elsewhere."""
 
     file: str = key(

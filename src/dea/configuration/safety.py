@@ -62,7 +62,7 @@ class Heartbeat(Section):
     period: Positive = key("time between two counts", unit="s")
 
 
-class Film(Section):
+class FilmCapacitor(Section):
     """The film, for the field and charge that a dry run shows."""
 
     thickness: Positive = key("between the electrodes", unit="µm")
@@ -78,7 +78,7 @@ class Safety(Section):
     amplifier_gain: Positive | None = key(
         "high voltage per volt of the output, for what a dry run shows", default=None
     )
-    film: Film | None = key("what is driven, for what a dry run shows", default=None)
+    film: FilmCapacitor | None = key("what is driven, for what a dry run shows", default=None)
     monitor: Monitor | None = key("measurement of the high voltage", default=None)
     current: Bound | None = key("measurement of the current", default=None)
     interlocks: Mapping[Name, Condition] = key("conditions, by name", default={})

@@ -2,33 +2,35 @@
 
 from dea.control.adaptive_inverse import AdaptiveInverse, Guard, LostError, RunIn, Task
 from dea.control.c_code import CCode, c_identifier, to_c
+from dea.control.design import Controller, ControllerDesign
 from dea.control.feedback import Follower, Gains, tune_feedback
 from dea.control.fmu import write_fmu
 from dea.control.inverse import inverse_input
 from dea.control.iosystem import to_iosystem
+from dea.control.limits import InputLimits
 from dea.control.linear import Linearised, linearise, linearise_over_time
 from dea.control.online import OnlineTracker
-from dea.control.planning import Plan, inverse_of
+from dea.control.planning import RecedingHorizonInverse, inverse_of
 from dea.control.reference import Reach, design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
-from dea.control.trial import Controller, Trial
 from dea.control.whole_inverse import whole_inverse
 
 __all__ = [
     "AdaptiveInverse",
     "CCode",
     "Controller",
+    "ControllerDesign",
     "Follower",
     "Gains",
     "Guard",
+    "InputLimits",
     "Linearised",
     "LostError",
     "OnlineTracker",
-    "Plan",
     "Reach",
+    "RecedingHorizonInverse",
     "RunIn",
     "Task",
-    "Trial",
     "c_identifier",
     "design_reference",
     "inverse_input",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dea.control.feedback import Gains
 from dea.control.online import OnlineTracker
-from dea.control.planning import Plan
+from dea.control.planning import RecedingHorizonInverse
 from dea.control.reference import least_jerk
 from dea.errors import DeviceError
 
@@ -69,14 +69,14 @@ class Task:
 class AdaptiveInverse:
     """Feedforward by the inverse of the tracked model, feedback of the error through that inverse.
 
-    The plan follows r + v, where v = C e is what the feedback C makes of the error e = r - y. The
-    loop is closed over the ratio of actuator and model, which is near one where the model is right,
-    whatever the gain of the actuator at that voltage is. v is bounded; its integral stands still
-    at the bound, and where the input is at a limit.
+    The inverse follows r + v, where v = C e is what the feedback C makes of the error e = r - y.
+    The loop is closed over the ratio of actuator and model, which is near one where the model is
+    right, whatever the gain of the actuator at that voltage is. v is bounded; its integral stands
+    still at the bound, and where the input is at a limit.
 
     Parameters
     ----------
-    plan
+    inverse
         The inverse of the model.
     gains
         Of :func:`dea.control.tune_through_inverse`.
@@ -93,7 +93,7 @@ class AdaptiveInverse:
 
     def __init__(
         self,
-        plan: Plan,
+        inverse: RecedingHorizonInverse,
         gains: Gains,
         task: Task,
         *,
@@ -101,7 +101,7 @@ class AdaptiveInverse:
         renewal: int = 3000,
         guard: Guard | None = None,
     ) -> None:
-        self._plan, self._gains, self._task = plan, gains, task
+        self._inverse, self._gains, self._task = inverse, gains, task
         self._guard, self._renewal = guard or Guard(), renewal
         self._new_tracker = new_tracker
         self._tracker = new_tracker(None) if new_tracker is not None else None
@@ -142,17 +142,17 @@ class AdaptiveInverse:
         return self._ahead[: self._task.reference.size]
 
     def _plan_at(self, k: int) -> float:
-        wanted = self._ahead[k : k + self._plan.horizon] + self._added
+        wanted = self._ahead[k : k + self._inverse.horizon] + self._added
         found = None
         if self._tracker is not None:
-            found = self._plan.step(wanted, self._tracker.parameters)
+            found = self._inverse.step(wanted, self._tracker.parameters)
             if found is None:
                 self._fall_back()
         if found is None:
-            found = self._plan.step(wanted)
+            found = self._inverse.step(wanted)
         if found is None:
             raise LostError("the model diverges from where the output is")
-        self._plan.advance()
+        self._inverse.advance()
         return found
 
     def _renew(self, tracked: Array) -> None:
@@ -170,8 +170,8 @@ class AdaptiveInverse:
         if not isfinite(measured):
             raise LostError("the sensor gives no reading where the reference begins")
         begun = self._task.run_in.approached(self._task.reference, measured)
-        self._ahead = np.concatenate([begun, np.full(self._plan.horizon, begun[-1])])
-        self._plan.rest(self._task.start, measured)
+        self._ahead = np.concatenate([begun, np.full(self._inverse.horizon, begun[-1])])
+        self._inverse.rest(self._task.start, measured)
 
     def _feed_back(self, error: float) -> None:
         self._judge(abs(error) / self._task.stroke)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dea.control.c_code import check_rate
 from dea.errors import InputError
-from dea.gfrf import linear_part, zero_input_interval
+from dea.gfrf import Instants, linear_part, zero_input_interval
 from dea.narx import LEVEL, Interval, NarxModel, quantile
 
 if TYPE_CHECKING:
@@ -139,22 +139,11 @@ def linearise_over_time(
     InputError
         If the track is of other terms, or the model comes to rest at no instant.
     """
-    terms = list(map(str, model.terms))
-    if track["term"].values.tolist() != terms:
-        raise InputError(
-            f"its terms are {track['term'].values.tolist()}",
-            field="track",
-            remedy=f"The model's terms are {terms}",
-        )
-    times = track["instant"].values
-    thetas = track["parameter"].sel(time=times, method="nearest").transpose("time", "term").values
-    spreads = track["covariance"].transpose("instant", "term", "term_2").values
-    if track.attrs["withheld"]:
-        spreads = np.full_like(spreads, np.nan)
+    instants = Instants.of(track, model)
     rests = zero_input_interval(
         model,
-        parameters=thetas,
-        covariance=spreads,
+        parameters=instants.theta,
+        covariance=instants.covariance,
         operating_point=operating_point,
         allow_missing=True,
     ).value
@@ -164,10 +153,10 @@ def linearise_over_time(
             operating_point,
             sampling_rate=sampling_rate,
             parameters=theta,
-            covariance=spread,
+            covariance=covariance,
             level=level,
         )
-        for time, theta, spread, rest in zip(times, thetas, spreads, rests, strict=True)
+        for time, theta, covariance, rest in zip(*instants, rests, strict=True)
         if np.isfinite(rest)
     }
     if not found:

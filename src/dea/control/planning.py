@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.control.limits import InputLimits
 from dea.control.online import padded_lags
-from dea.control.planning_kernels import improve
+from dea.control.planning_kernels import Equation, improve
 from dea.errors import InputError
 from dea.narx import NarxModel
 from dea.tracking import with_constant
@@ -12,7 +13,7 @@ from dea.tracking import with_constant
 Array = NDArray[np.float64]
 
 
-class Plan:
+class RecedingHorizonInverse:
     """The inputs of the next samples, with which a model follows a reference.
 
     The inputs minimise the squared errors over the horizon and ``smoothness`` times their squared
@@ -64,13 +65,14 @@ class Plan:
         self.model, self.horizon, self._smoothness = with_constant(model), horizon, smoothness
         self._scaling = scaling = model.of_one_input("A controller")
         terms = self.model.terms
-        self._lags = (
+        self.equation = Equation(
+            self.model.parameters,
             padded_lags([term.y_lags for term in terms]),
             padded_lags([term.u_lags for term in terms]),
         )
         ends = np.array([lowest, highest])
         low, high = ((ends - scaling.u_offset) / scaling.u_scale).tolist()
-        self._limits = low, high, rate / sampling_rate / scaling.u_scale
+        self._limits = InputLimits(low, high, rate / sampling_rate / scaling.u_scale)
         self._past = max(self.model.max_lag, 2)  # the second differences reach back so far
         self._u, self._y = np.zeros((2, self._past + horizon))
 
@@ -91,14 +93,13 @@ class Plan:
         """
         scaling = self._scaling
         bounded = improve(
-            self.model.parameters if parameters is None else parameters,
-            *self._lags,
+            self.equation if parameters is None else self.equation._replace(theta=parameters),
             self._past,
             self._y,
             self._u,
             (reference - scaling.y_offset) / scaling.y_scale,
             self._smoothness,
-            *self._limits,
+            self._limits,
         )
         return float(self._u[self._past] * scaling.u_scale + scaling.u_offset) if bounded else None
 
@@ -107,7 +108,7 @@ class Plan:
         u, y = self._u, self._y
         output = float(y[self._past] * self._scaling.y_scale + self._scaling.y_offset)
         u[:-1], y[:-1] = u[1:].copy(), y[1:].copy()
-        u[-1] = min(max(2.0 * u[-2] - u[-3], self._limits[0]), self._limits[1])
+        u[-1] = min(max(2.0 * u[-2] - u[-3], self._limits.lowest), self._limits.highest)
         return output
 
     def shift(self, samples: int, u: float, y: float) -> None:
@@ -121,8 +122,8 @@ class Plan:
         return self._past
 
 
-def inverse_of(plan: Plan, reference: Array, u: float, y: float) -> Array:
-    """Return the inputs with which the plan's model, at rest at first, follows a reference.
+def inverse_of(inverse: RecedingHorizonInverse, reference: Array, u: float, y: float) -> Array:
+    """Return the inputs with which the inverse's model, at rest at first, follows a reference.
 
     Parameters
     ----------
@@ -136,11 +137,11 @@ def inverse_of(plan: Plan, reference: Array, u: float, y: float) -> Array:
     InputError
         If the model diverges on the way.
     """
-    plan.rest(u, y)
-    ahead = np.concatenate([reference, np.full(plan.horizon, reference[-1])])
+    inverse.rest(u, y)
+    ahead = np.concatenate([reference, np.full(inverse.horizon, reference[-1])])
     inputs = np.empty(reference.size)
     for k in range(reference.size):
-        found = plan.step(ahead[k : k + plan.horizon])
+        found = inverse.step(ahead[k : k + inverse.horizon])
         if found is None:
             raise InputError(
                 f"the model diverges at sample {k} of the reference",
@@ -148,5 +149,5 @@ def inverse_of(plan: Plan, reference: Array, u: float, y: float) -> Array:
                 remedy="Identify it from a record that reaches as far, or narrow the reference.",
             )
         inputs[k] = found
-        plan.advance()
+        inverse.advance()
     return inputs

@@ -1,9 +1,12 @@
 """The compiled step of the plan: a model's free run, its slopes, and one Gauss-Newton step."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from dea.control.limits import InputLimits, limited
 from dea.control.online_kernels import NONE
 
 Array = NDArray[np.float64]
@@ -12,77 +15,65 @@ Indices = NDArray[np.int64]
 DIVERGED = 1e3  # in the units of the equation, whose signals are about one
 
 
+class Equation(NamedTuple):
+    """Parameters (terms,) of a model, and its lags (terms, most factors), padded with ``NONE``."""
+
+    theta: Array
+    y_lags: Indices
+    u_lags: Indices
+
+
 @njit(cache=True, error_model="numpy")
-def output_and_slopes(
-    theta: Array, y_lags: Indices, u_lags: Indices, y: Array, u: Array, t: int, a: Array, b: Array
-) -> float:
+def output_and_slopes(equation: Equation, y: Array, u: Array, t: int, a: Array, b: Array) -> float:
     """Return y_t of the model, and write its slopes: a_k by y_{t-k}, b_k by u_{t-k}."""
+    theta, y_lags, u_lags = equation
     total = 0.0
     a[:] = 0.0
     b[:] = 0.0
     for j in range(theta.size):
-        value = theta[j]
-        for factor in range(y_lags.shape[1]):
-            if y_lags[j, factor] == NONE:
-                break
-            value *= y[t - y_lags[j, factor]]
-        for factor in range(u_lags.shape[1]):
-            if u_lags[j, factor] == NONE:
-                break
-            value *= u[t - u_lags[j, factor]]
-        total += value
+        outputs = _times_factors(theta[j], y_lags[j], y, t, NONE)
+        total += _times_factors(outputs, u_lags[j], u, t, NONE)
         for factor in range(y_lags.shape[1]):
             lag = y_lags[j, factor]
             if lag == NONE:
                 break
-            a[lag] += _without(theta[j], y_lags[j], u_lags[j], y, u, t, factor, NONE)
+            others = _times_factors(theta[j], y_lags[j], y, t, factor)
+            a[lag] += _times_factors(others, u_lags[j], u, t, NONE)
         for factor in range(u_lags.shape[1]):
             lag = u_lags[j, factor]
             if lag == NONE:
                 break
-            b[lag] += _without(theta[j], y_lags[j], u_lags[j], y, u, t, NONE, factor)
+            b[lag] += _times_factors(outputs, u_lags[j], u, t, factor)
     return total
 
 
 @njit(cache=True, error_model="numpy")
-def _without(
-    value: float, y_lags: Indices, u_lags: Indices, y: Array, u: Array, t: int, own_y: int,
-    own_u: int,
-) -> float:  # fmt: skip
-    """Return a term's product without one factor of the outputs, or one of the inputs."""
-    for factor in range(y_lags.size):
-        if y_lags[factor] == NONE:
+def _times_factors(value: float, lags: Indices, signal: Array, t: int, left_out: int) -> float:
+    """Return ``value`` times the lagged factors of a signal in a term, without one of them."""
+    for factor in range(lags.size):
+        if lags[factor] == NONE:
             break
-        if factor != own_y:
-            value *= y[t - y_lags[factor]]
-    for factor in range(u_lags.size):
-        if u_lags[factor] == NONE:
-            break
-        if factor != own_u:
-            value *= u[t - u_lags[factor]]
+        if factor != left_out:
+            value *= signal[t - lags[factor]]
     return value
 
 
 @njit(cache=True, error_model="numpy")
 def improve(
-    theta: Array,
-    y_lags: Indices,
-    u_lags: Indices,
+    equation: Equation,
     past: int,
     y: Array,
     u: Array,
     reference: Array,
     smoothness: float,
-    low: float,
-    high: float,
-    reach: float,
+    limits: InputLimits,
 ) -> bool:
     """Improve a plan by one Gauss-Newton step, in place, within limits and rate.
 
     Parameters
     ----------
-    theta, y_lags, u_lags
-        The model, in the units of its equation.
+    equation
+        Of the model, whose units all signals are in.
     past
         Samples of ``y`` and ``u`` before the plan; as many as the largest lag, two at least.
     y, u
@@ -91,8 +82,8 @@ def improve(
         Outputs wanted, (n,).
     smoothness
         Weight of the squared second differences of the inputs.
-    low, high, reach
-        Limits of the inputs, and their largest change from sample to sample.
+    limits
+        Of the inputs.
 
     Returns
     -------
@@ -104,7 +95,7 @@ def improve(
     S = np.zeros((n, n))  # of y_i by u_j
     error = np.empty(n)
     for i in range(n):
-        y[past + i] = output_and_slopes(theta, y_lags, u_lags, y, u, past + i, a, b)
+        y[past + i] = output_and_slopes(equation, y, u, past + i, a, b)
         if not abs(y[past + i]) < DIVERGED:
             return False
         error[i] = reference[i] - y[past + i]
@@ -128,7 +119,5 @@ def improve(
                     normal[j - d_1, j - d_2] += smoothness * w_1 * w_2
     step = np.linalg.solve(normal, slope)
     for i in range(n):
-        before = u[past + i - 1]
-        wanted = u[past + i] + step[i]
-        u[past + i] = min(max(wanted, low, before - reach), high, before + reach)
+        u[past + i] = limited(u[past + i] + step[i], u[past + i - 1], limits)
     return True

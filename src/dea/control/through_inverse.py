@@ -4,41 +4,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.control.feedback import Gains, tune_feedback
-from dea.control.planning import Plan
+from dea.control.planning import RecedingHorizonInverse
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
 
 Array = NDArray[np.float64]
-_SMALL = 1e-5  # of the scales: a change whose effect on the plan is linear
+_SMALL = 1e-5  # of the scales: a change whose effect on the inputs is linear
 
 
-def plan_response(plan: Plan, u: float, y: float, band: ResponseBand, z: Array) -> Array:
-    """Return the response Q(z) of the plan's first input to what is added to its reference.
+def inverse_response(
+    inverse: RecedingHorizonInverse, u: float, y: float, band: ResponseBand, z: Array
+) -> Array:
+    """Return the response Q(z) of the inverse's first input to what is added to its reference.
 
-    Around a rest the plan is linear: u = f_v v + sum_k (p_k u_{t-k} + q_k y_{t-k}), where y is the
-    model's, so that Q = f_v / (1 - sum_k z^{-k} (p_k + q_k H)).
+    Around a rest the inverse is linear: u = f_v v + sum_k (p_k u_{t-k} + q_k y_{t-k}), where y is
+    the model's, so that Q = f_v / (1 - sum_k z^{-k} (p_k + q_k H)).
 
     Parameters
     ----------
     u, y
         Input and output of the rest.
     band
-        Its ``response`` is that of the plan's model there, at the points ``z``.
+        Its ``response`` is that of the inverse's model there, at the points ``z``.
     """
-    wanted = np.full(plan.horizon, y)
-    scaling = plan.model.of_one_input("A controller")
+    wanted = np.full(inverse.horizon, y)
+    scaling = inverse.model.of_one_input("A controller")
     du, dy = _SMALL * scaling.u_scale, _SMALL * scaling.y_scale
 
     def moved(added: float = 0.0, past: tuple[int, float, float] | None = None) -> float:
-        plan.rest(u, y)
+        inverse.rest(u, y)
         if past is not None:
-            plan.shift(*past)
-        found = plan.step(wanted + added)
+            inverse.shift(*past)
+        found = inverse.step(wanted + added)
         return np.nan if found is None else found
 
     still = moved()
     loop = np.ones_like(z, dtype=complex)
-    for k in range(1, plan.past + 1):
+    for k in range(1, inverse.past + 1):
         by_input = (moved(past=(k, du, 0.0)) - still) / du
         by_output = (moved(past=(k, 0.0, dy)) - still) / dy
         loop -= z**-k * (by_input + by_output * band.response)
@@ -47,7 +49,7 @@ def plan_response(plan: Plan, u: float, y: float, band: ResponseBand, z: Array) 
 
 
 def tune_through_inverse(
-    plan: Plan,
+    inverse: RecedingHorizonInverse,
     rests: list[tuple[float, float]],
     bands: list[ResponseBand],
     frequencies: Array,
@@ -59,7 +61,7 @@ def tune_through_inverse(
 ) -> Gains:
     """Return the largest gain that keeps its margins at every rest, for every response in its band.
 
-    The loop is C(z) z^{-1} Q(z) H(z): a measurement acts one sample later, through the plan's
+    The loop is C(z) z^{-1} Q(z) H(z): a measurement acts one sample later, through the inverse's
     response Q on the actuator's H, whose band is that of the model. :func:`tune_feedback` says what
     margins are.
 
@@ -84,7 +86,7 @@ def tune_through_inverse(
     z = np.exp(2j * np.pi * frequencies / sampling_rate)
     found = [
         tune_feedback(
-            _times(band, plan_response(plan, u, y, band, z) / z), frequencies, sampling_rate,
+            _times(band, inverse_response(inverse, u, y, band, z) / z), frequencies, sampling_rate,
             integral_time=integral_time, filter_time=filter_time,
             largest_sensitivity=largest_sensitivity,
         )

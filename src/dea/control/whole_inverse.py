@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from dea.control.limits import InputLimits, limited
 from dea.errors import InputError
 
 Array = NDArray[np.float64]
@@ -15,7 +16,7 @@ _SHARES = (1.0, 0.5, 0.25, 0.125)  # of a step, tried in turn until one is bette
 _ENOUGH = 0.01  # part of its error that a step must remove for another to follow
 
 
-class Found(NamedTuple):
+class InverseInputs(NamedTuple):
     """Inputs, shape (samples,), and the RMS error that the simulation has with them."""
 
     inputs: Array
@@ -30,10 +31,8 @@ def whole_inverse(
     memory: int,
     change: float,
     weight: float,
-    lowest: float,
-    highest: float,
-    reach: float,
-) -> Found:
+    limits: InputLimits,
+) -> InverseInputs:
     """Return the inputs with which a simulation follows a reference.
 
     They minimise the squared errors and ``weight`` times their squared second differences. The
@@ -56,8 +55,8 @@ def whole_inverse(
         Of an input, of which the effect is linear.
     weight
         Of the second differences, in squared units of the output per squared unit of the input.
-    lowest, highest, reach
-        Limits of the inputs, and their largest change from sample to sample.
+    limits
+        Of the inputs.
 
     Raises
     ------
@@ -90,7 +89,7 @@ def whole_inverse(
         for share in _SHARES:
             tried = inputs.copy()
             tried[first:] += share * step
-            _limit(tried, first, lowest, highest, reach)
+            _limit(tried, first, limits)
             error_tried = missing(tried)
             # A run that diverges costs NaN, which is not less.
             if cost(tried, error_tried) < best:
@@ -98,7 +97,7 @@ def whole_inverse(
                 break
         if not best < (1.0 - _ENOUGH) * before:
             break
-    return Found(inputs, float(np.sqrt(np.mean(error[wanted] ** 2))))
+    return InverseInputs(inputs, float(np.sqrt(np.mean(error[wanted] ** 2))))
 
 
 def _diverges(error: Array) -> InputError:
@@ -151,7 +150,6 @@ def _step(band: Array, error: Array, curves: Array, weight: float) -> Array:
 
 
 @njit(cache=True)
-def _limit(inputs: Array, first: int, lowest: float, highest: float, reach: float) -> None:
+def _limit(inputs: Array, first: int, limits: InputLimits) -> None:
     for k in range(first, inputs.size):
-        before = inputs[k - 1]
-        inputs[k] = min(max(inputs[k], lowest, before - reach), highest, before + reach)
+        inputs[k] = limited(inputs[k], inputs[k - 1], limits)

@@ -141,7 +141,7 @@ def _window(ax: Axes, validation: xr.Dataset, model: str, window: int) -> None:
 def _mark_divergence(
     ax: Axes, time: NDArray[np.float64], run: NDArray[np.float64], approach: str, line: int
 ) -> None:
-    """Mark where a run that diverges leaves the axis for good, and say so in this line of text."""
+    """Mark the time after which a run that diverges stays off the axis, with a line of text."""
     low, high = ax.get_ylim()
     end = int(np.flatnonzero(~np.isfinite(run))[0])
     within = np.flatnonzero((run[:end] >= low) & (run[:end] <= high))

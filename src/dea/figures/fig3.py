@@ -13,7 +13,7 @@ from dea.figures.frequency_maps import (
     slow_reference,
     system_of,
 )
-from dea.figures.h1_over_time import Quantity, excited_values, h1_over_time
+from dea.figures.h1_over_time import H1Quantity, excited_values, h1_over_time
 from dea.store import Sources
 
 
@@ -33,7 +33,7 @@ def fig3(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset])
     gains = {name: abs(as_complex(response["H1"])) for name, response in parts.items()}
     references = {name: slow_reference(gain) for name, gain in gains.items()}
     relative = {name: gain / references[name] for name, gain in gains.items()}
-    shown = Quantity(
+    shown = H1Quantity(
         relative,
         magnitude_scale(excited_values(relative, parts)),
         style.GAIN_MAP,

@@ -13,7 +13,7 @@ from dea.figures.frequency_maps import (
     phase_without_delay,
     system_of,
 )
-from dea.figures.h1_over_time import Quantity, excited_values, h1_over_time
+from dea.figures.h1_over_time import H1Quantity, excited_values, h1_over_time
 from dea.store import Sources
 
 
@@ -33,7 +33,7 @@ def fig3_phase(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dat
     of_system = {name: records[system_of(records, name)] for name in parts}
     without = {name: _without_delay(response, of_system[name]) for name, response in parts.items()}
     maps = {name: response["phase"] for name, response in without.items()}
-    shown = Quantity(
+    shown = H1Quantity(
         maps,
         phase_scale(excited_values(maps, parts)),
         style.PHASE_MAP,

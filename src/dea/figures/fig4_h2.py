@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from dea.figures import style
 from dea.figures.frequency_maps import as_complex, magnitude_scale, one_by_one, slow_reference
-from dea.figures.planes_over_time import Quantity, excited_values, planes_over_time
+from dea.figures.planes_over_time import PlaneQuantity, excited_values, planes_over_time
 from dea.store import Sources
 
 
@@ -26,7 +26,7 @@ def fig4_h2(responses: Mapping[str, xr.Dataset]) -> Figure:
     responses = one_by_one(responses, "pair")
     sizes = {name: abs(as_complex(response["H2"])) for name, response in responses.items()}
     maps = {name: size / slow_reference(size) for name, size in sizes.items()}
-    shown = Quantity(
+    shown = PlaneQuantity(
         maps,
         magnitude_scale(excited_values(maps, responses)),
         style.GAIN_MAP,

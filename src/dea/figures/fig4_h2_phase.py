@@ -13,7 +13,7 @@ from dea.figures.frequency_maps import (
     phase_without_delay,
     system_of,
 )
-from dea.figures.planes_over_time import Quantity, excited_values, planes_over_time
+from dea.figures.planes_over_time import PlaneQuantity, excited_values, planes_over_time
 from dea.store import Sources
 
 
@@ -36,7 +36,7 @@ def fig4_h2_phase(records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.
         phases[name], added = phase_without_delay(as_complex(response["H2"]), record)
         low[name] = response["H2_phase_low"] + added
         high[name] = response["H2_phase_high"] + added
-    shown = Quantity(
+    shown = PlaneQuantity(
         phases,
         phase_scale(excited_values(phases, parts)),
         style.PHASE_MAP,

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from dea.figures import style
 from dea.figures.frequency_maps import as_complex, magnitude_scale, slow_reference
-from dea.figures.planes_over_time import Quantity, excited_values, planes_over_time
+from dea.figures.planes_over_time import PlaneQuantity, excited_values, planes_over_time
 from dea.store import Sources
 
 
@@ -28,7 +28,7 @@ def fig4_h3(responses: Mapping[str, xr.Dataset]) -> Figure:
     # A share of the sampling rate, which systems may not have in common.
     each = [f"{float(response['frequency_3']):.3g}" for response in responses.values()]
     third = ", ".join(dict.fromkeys(each))
-    shown = Quantity(
+    shown = PlaneQuantity(
         maps,
         magnitude_scale(excited_values(maps, responses)),
         style.GAIN_MAP,

@@ -29,7 +29,7 @@ _BEYOND = 2.0  # highest frequency shown over the highest excited one
 _SLIVER = 1.2  # the same: what is excited up to less than this below the end is shown to there
 
 
-class Quantity(NamedTuple):
+class H1Quantity(NamedTuple):
     """What is shown of H1.
 
     ``maps`` over ``time`` and ``frequency`` on the colour scale ``norm``; ``curves`` likewise, in
@@ -50,7 +50,7 @@ class Quantity(NamedTuple):
 
 
 def h1_over_time(
-    records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset], shown: Quantity
+    records: Mapping[str, xr.Dataset], responses: Mapping[str, xr.Dataset], shown: H1Quantity
 ) -> Figure:
     """Draw for each system its output, its map below, and curves with their bands beside them.
 
@@ -133,7 +133,7 @@ def _series(ax: Axes, record: xr.Dataset) -> None:
     ax.tick_params(labelbottom=False)
 
 
-def _map(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantity) -> QuadMesh:
+def _map(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: H1Quantity) -> QuadMesh:
     time, frequency = values["time"].values, values["frequency"].values
     mesh = ax.pcolormesh(
         time, frequency, values.transpose("frequency", "time").values,
@@ -146,7 +146,7 @@ def _map(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantity) 
     return mesh
 
 
-def _curves(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantity) -> None:
+def _curves(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: H1Quantity) -> None:
     frequency, excited = values["frequency"].values, _excited(response)
     for share, colour in zip(_TIMES, style.THREE, strict=True):
         row = round(share * (values["time"].size - 1))
@@ -177,7 +177,7 @@ def _seen(response: xr.Dataset, values: xr.DataArray) -> NDArray[np.float64]:
 
 
 def _span_alike(
-    axes: Mapping[str, Axes], responses: Mapping[str, xr.Dataset], shown: Quantity
+    axes: Mapping[str, Axes], responses: Mapping[str, xr.Dataset], shown: H1Quantity
 ) -> None:
     """Limit the axes of the curves to the same multiples of their references, and not below 0."""
     references = {k: v for k, v in (shown.references or {}).items() if np.isfinite(v) and v > 0.0}
@@ -205,7 +205,7 @@ def _log_if_wide(ax: Axes, which: str) -> None:
 
 
 def _curve_handles(
-    time: NDArray[np.float64], responses: Mapping[str, xr.Dataset], shown: Quantity
+    time: NDArray[np.float64], responses: Mapping[str, xr.Dataset], shown: H1Quantity
 ) -> list[Line2D | Patch]:
     """Return the handles of the times at which some curve is drawn, and of bands if there are."""
     handles: list[Line2D | Patch] = []

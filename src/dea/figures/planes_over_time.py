@@ -37,7 +37,7 @@ _LABELLED = 0.6  # of the way from the middle to the edge: a label further out w
 _APART = 0.9  # of the way from the middle to the edge, between labels
 
 
-class Quantity(NamedTuple):
+class PlaneQuantity(NamedTuple):
     """What is shown of a response to two frequencies.
 
     ``maps`` over ``time_h2`` and both frequencies on the colour scale ``norm``; ``curves``
@@ -57,7 +57,7 @@ class Quantity(NamedTuple):
     from_zero: bool
 
 
-def planes_over_time(responses: Mapping[str, xr.Dataset], shown: Quantity) -> Figure:
+def planes_over_time(responses: Mapping[str, xr.Dataset], shown: PlaneQuantity) -> Figure:
     """Draw a column per system, a row per time, on one colour scale; in the last row the curves.
 
     A page of one system is not tall and narrow: its times stand beside each other.
@@ -84,7 +84,7 @@ def planes_over_time(responses: Mapping[str, xr.Dataset], shown: Quantity) -> Fi
 
 
 def _several_systems(
-    times: Array, responses: Mapping[str, xr.Dataset], shown: Quantity
+    times: Array, responses: Mapping[str, xr.Dataset], shown: PlaneQuantity
 ) -> tuple[Figure, float]:
     """Draw a column per system, and return the figure with its width (mm)."""
     panel = min((style.FULL_WIDTH - _MARGIN) / len(shown.maps), _LARGEST_PANEL)
@@ -110,7 +110,7 @@ def _several_systems(
 
 
 def _one_system(
-    times: Array, responses: Mapping[str, xr.Dataset], shown: Quantity
+    times: Array, responses: Mapping[str, xr.Dataset], shown: PlaneQuantity
 ) -> tuple[Figure, float]:
     """Draw a column per time of the only system, and return the figure with its width (mm)."""
     [(name, values)] = shown.maps.items()
@@ -144,7 +144,7 @@ def excited_values(maps: Mapping[str, xr.DataArray], responses: Mapping[str, xr.
     )  # fmt: skip
 
 
-def _diagonal(ax: Axes, name: str, response: xr.Dataset, shown: Quantity) -> None:
+def _diagonal(ax: Axes, name: str, response: xr.Dataset, shown: PlaneQuantity) -> None:
     """Draw the curves where f is excited, at each time with its band."""
     f = response["frequency_1"].values
     known = np.flatnonzero(np.diagonal(response["excited_h2"].values))
@@ -166,7 +166,7 @@ def _diagonal(ax: Axes, name: str, response: xr.Dataset, shown: Quantity) -> Non
     ax.set_xlabel("$f$ (Hz)")
 
 
-def _curve_handles(times: Array, shown: Quantity) -> list[Line2D | Patch]:
+def _curve_handles(times: Array, shown: PlaneQuantity) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = [
         Line2D([], [], color=style.THREE[row % len(style.THREE)], lw=0.9,
                label=f"at {style.moment(time, times)}")
@@ -195,7 +195,7 @@ def _doubtful(response: xr.Dataset) -> NDArray[np.bool_]:
     return np.asarray(excited == 0)
 
 
-def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: Quantity) -> QuadMesh:
+def _panel(ax: Axes, response: xr.Dataset, values: xr.DataArray, shown: PlaneQuantity) -> QuadMesh:
     f1, f2 = values["frequency_1"].values, values["frequency_2"].values
     mesh = ax.pcolormesh(
         f1, f2, values.transpose("frequency_2", "frequency_1").values, norm=shown.norm,

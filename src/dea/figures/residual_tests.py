@@ -75,7 +75,7 @@ def _plain(time: float) -> str:
 def as_mathematics(test: str) -> str:
     """Return a residual test such as ``phi_u2e`` as ``$\\phi_{u^2 e}$``.
 
-    What names one or two of several inputs is put after it.
+    The names of inputs, where there are several, follow it.
     """
     test, _, signal = test.partition(", ")
     letters = test.removeprefix("phi_").removeprefix("φ_").replace("²", "2").replace("^", "")

@@ -182,7 +182,7 @@ def _parameter(ax: Axes, track: xr.Dataset, term: str) -> None:
 def _limits(ax: Axes, banded: xr.Dataset | None) -> None:
     """Limit an axis to the central part of what is drawn, where the rest would flatten it.
 
-    At the beginning of a record, which says little by then, bands are wider than all that follows.
+    The first bands of a record, which rest on few samples, are wider than all later ones.
     """
     drawn = [np.asarray(line.get_ydata(), dtype=np.float64) for line in ax.lines]
     parts = [(each, _CUT_COURSE) for each in drawn]

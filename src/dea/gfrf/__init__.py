@@ -1,6 +1,7 @@
 """Generalised frequency response functions of polynomial NARX models."""
 
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
+from dea.gfrf.instants import Instants
 from dea.gfrf.linear_part import LinearPart, linear_part
 from dea.gfrf.over_time import Grid, response_over_time
 from dea.gfrf.recovery import score_recovery
@@ -8,6 +9,7 @@ from dea.gfrf.response import frequency_response, zero_input_response
 
 __all__ = [
     "Grid",
+    "Instants",
     "LinearPart",
     "ResponseBand",
     "frequency_response",

@@ -8,13 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
 from dea.gfrf.operating_point import rest_slope
-from dea.gfrf.response import (
-    Inputs,
-    normalised_input,
-    parameter_sets,
-    response_and_slope,
-    rests,
-)
+from dea.gfrf.response import Inputs, response_and_slope, rests
 from dea.narx import LEVEL, Interval, NarxModel, covariance_of, quantile, rate_of
 
 Array = NDArray[np.float64]
@@ -134,9 +128,7 @@ def zero_input_interval(
     units.
     """
     spread = _covariance(model, parameters, covariance)
-    theta, sets = parameter_sets(model, parameters)
-    u0 = normalised_input(model, operating_point)
-    y0 = rests(model, theta, u0, allow_missing)
+    theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing)
     slope = rest_slope(model.terms, theta, y0, u0).reshape(-1, *sets)
     reach = quantile(level) * model.scaling.y_scale * _deviation(slope, spread)
     value = model.scaling.restore_output(y0).reshape(sets)

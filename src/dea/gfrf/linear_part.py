@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from dea.gfrf.differentiable import Differentiable
 from dea.gfrf.expansion import expand
 from dea.gfrf.operating_point import rest_slope
-from dea.gfrf.response import normalised_input, parameter_sets, rests
+from dea.gfrf.response import rests
 from dea.narx import NarxModel
 from dea.terms import Term
 
@@ -45,9 +45,7 @@ def linear_part(
     InputError
         If the model does not come to rest at the operating point.
     """
-    theta, sets = parameter_sets(model, parameters)
-    u0 = normalised_input(model, operating_point)
-    y0 = rests(model, theta, u0, allow_missing)
+    theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing)
     count = theta.shape[1]
     each = np.broadcast_to(np.eye(count)[:, None, :], (count, y0.size, count))
     expanded = expand(

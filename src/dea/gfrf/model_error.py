@@ -28,7 +28,7 @@ _RESOLVED = 2.0  # periods in a segment
 
 
 @dataclass(frozen=True)
-class ModelError:
+class ModelErrorModel:
     """Standard deviation of relative gain and of phase (rad) by input and frequency in Hz.
 
     Parameters
@@ -57,7 +57,7 @@ def model_error(
     y: ArrayLike,
     sampling_rate: float,
     excited_above: float,
-) -> ModelError | None:
+) -> ModelErrorModel | None:
     """Return what the model lacks, or None where the record does not tell.
 
     It does not where the free run diverges or the record is too short.
@@ -110,7 +110,7 @@ def model_error(
         np.sqrt(np.maximum(part**2 - 0.5 * variance, 0.0)) * beyond_chance
         for part in (relative.real, relative.imag)
     )
-    return ModelError(frequency[usable], gain, phase)
+    return ModelErrorModel(frequency[usable], gain, phase)
 
 
 def _transformed(signals: Array, starts: NDArray[np.int64], length: int) -> NDArray[np.complex128]:

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from dea.errors import InputError
 from dea.gfrf.bands import ResponseBand, frequency_response_band, zero_input_interval
 from dea.gfrf.excited_band import excited, input_spectrum
-from dea.gfrf.model_error import ModelError, model_error
+from dea.gfrf.instants import Instants
+from dea.gfrf.model_error import ModelErrorModel, model_error
 from dea.gfrf.response import frequency_response
 from dea.inputs import by_input
 from dea.narx import NarxModel, as_input
@@ -99,13 +100,6 @@ def response_over_time(
         does not come to rest and has no steady-state response; the intervals also where the track
         withholds them.
     """
-    terms = list(map(str, model.terms))
-    if track["term"].values.tolist() != terms:
-        raise InputError(
-            f"they are of the terms {track['term'].values.tolist()}",
-            field="parameters",
-            remedy=f"The model's terms are {terms}",
-        )
     rows = _Rows(model, track, sampling_rate)
     error = None
     if y is not None:
@@ -165,13 +159,8 @@ class _Rows:
 
     def __init__(self, model: NarxModel, track: xr.Dataset, sampling_rate: float) -> None:
         self._model, self._rate = model, sampling_rate
-        self.time = track["instant"].values
         self._end = float(track["time"].values[-1])
-        parameter = track["parameter"].sel(time=self.time, method="nearest")
-        self.theta = parameter.transpose("time", "term").values.astype(float)
-        self._covariance = track["covariance"].transpose("instant", "term", "term_2").values
-        if track.attrs["withheld"]:
-            self._covariance = np.full_like(self._covariance, np.nan)
+        self.time, self.theta, self._covariance = Instants.of(track, model)
 
     def spread(self, count: int) -> Rows:
         """Return ``count`` rows, evenly spread; every one of fewer."""
@@ -184,7 +173,7 @@ class _Rows:
         return np.asarray(np.argmin(np.abs(self.time - wanted), axis=1))
 
     def first(
-        self, at: Rows, f: Array, dims: tuple[str, ...], number: int, error: ModelError | None
+        self, at: Rows, f: Array, dims: tuple[str, ...], number: int, error: ModelErrorModel | None
     ) -> dict[str, Any]:
         """Return the first-order response of an input, with what the structure lacks."""
         band = self.response(1, at, f, (number,))
@@ -269,7 +258,7 @@ def _banded(
     return found
 
 
-def _lacking(error: ModelError | None, f: Array, number: int) -> dict[str, Any]:
+def _lacking(error: ModelErrorModel | None, f: Array, number: int) -> dict[str, Any]:
     """Return what the structure lacks in the response to an input."""
     gain, phase = np.full((2, f.size), np.nan) if error is None else error.at(f, number)
     label = "standard deviation of the {} of H1 by what the structure lacks"

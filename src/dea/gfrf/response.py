@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -74,9 +74,7 @@ def frequency_response(
     """
     omega = _radians(order, frequencies, rate_of(model.labels, sampling_rate))
     columns = input_columns(model, order, inputs)
-    theta, sets = parameter_sets(model, parameters)
-    u0 = normalised_input(model, operating_point)
-    y0 = rests(model, theta, u0, allow_missing)
+    theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing)
     shape = np.broadcast_shapes(*(w.shape for w in omega))
     settled = ~np.isnan(y0)
     response = np.full((y0.size, *shape), np.nan, dtype=complex)
@@ -106,9 +104,7 @@ def response_and_slope(
     """
     omega = _radians(order, frequencies, sampling_rate)
     columns = input_columns(model, order, inputs)
-    theta, sets = parameter_sets(model, parameters)
-    u0 = normalised_input(model, operating_point)
-    y0 = rests(model, theta, u0, allow_missing)
+    theta, y0, u0, sets = rests(model, parameters, operating_point, allow_missing)
     shape = np.broadcast_shapes(*(w.shape for w in omega))
     settled = ~np.isnan(y0)
     count = len(model.terms)
@@ -171,10 +167,8 @@ def zero_input_response(
     InputError
         If the model does not come to rest.
     """
-    theta, sets = parameter_sets(model, parameters)
-    u0 = normalised_input(model, operating_point)
-    y0 = rests(model, theta, u0, allow_missing)
-    return model.scaling.restore_output(y0).reshape(sets)
+    found = rests(model, parameters, operating_point, allow_missing)
+    return model.scaling.restore_output(found.y0).reshape(found.sets)
 
 
 def _radians(
@@ -211,7 +205,9 @@ def _radians(
     return [2.0 * np.pi * f / sampling_rate for f in arrays]
 
 
-def parameter_sets(model: NarxModel, parameters: ArrayLike | None) -> tuple[Array, tuple[int, ...]]:
+def _parameter_sets(
+    model: NarxModel, parameters: ArrayLike | None
+) -> tuple[Array, tuple[int, ...]]:
     """Return the parameter sets as rows, and the shape that they were given in."""
     theta = np.asarray(model.parameters if parameters is None else parameters, dtype=float)
     if theta.shape[-1:] != (len(model.terms),):
@@ -261,7 +257,7 @@ def _column(given: str | Number, known: Sequence[str]) -> int:
     return int(given) - 1 if isinstance(given, int | np.integer) else -1
 
 
-def normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Array:
+def _normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Array:
     """Return the operating point in the units of the equation, shape (inputs,).
 
     Raises
@@ -281,8 +277,28 @@ def normalised_input(model: NarxModel, operating_point: ArrayLike | None) -> Arr
     return (given - model.scaling.u_offset) / model.scaling.u_scale
 
 
-def rests(model: NarxModel, theta: Array, u0: Array, allow_missing: bool) -> Array:
-    """Return the rest of each set of parameters (sets, terms), normalised."""
+class Rests(NamedTuple):
+    """Where a model with several sets of parameters comes to rest, normalised.
+
+    ``theta`` (sets, terms) are the parameters, ``y0`` (sets,) the outputs at rest and ``u0``
+    (inputs,) the constant inputs. The sets were given in the shape ``sets``.
+    """
+
+    theta: Array
+    y0: Array
+    u0: Array
+    sets: tuple[int, ...]
+
+
+def rests(
+    model: NarxModel,
+    parameters: ArrayLike | None,
+    operating_point: ArrayLike | None,
+    allow_missing: bool,
+) -> Rests:
+    """Return the rests of a model; parameters are those of :func:`frequency_response`."""
+    theta, sets = _parameter_sets(model, parameters)
+    u0 = _normalised_input(model, operating_point)
     y0 = rest_along(model.terms, theta, u0)
     restless = np.flatnonzero(np.isnan(y0))
     if restless.size and not allow_missing:
@@ -295,4 +311,4 @@ def rests(model: NarxModel, theta: Array, u0: Array, allow_missing: bool) -> Arr
             remedy="It diverges, oscillates or creeps there and has no steady-state response; "
             "take another operating point or a stable model",
         )
-    return y0
+    return Rests(theta, y0, u0, sets)

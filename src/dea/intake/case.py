@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from dea import store
 from dea.errors import InputError
 from dea.intake.bandwidth import samples_to_average
-from dea.intake.plan import make_plan
 from dea.intake.roles import Answers, Roles, find_roles
+from dea.intake.settings import infer_settings
 from dea.missing import filled
 
 Array = NDArray[np.float64]
@@ -60,15 +60,15 @@ def infer_case(
         resample, notes = _resampling(table, roles, time)
         record |= {"resample": resample} if resample else {}
         signals = store.signals(store.import_record(record))
-        plan = make_plan(signals)
+        settings = infer_settings(signals)
     except InputError as error:
         raise InputError(
             error.problem, file=error.file or file, field=error.field, remedy=error.remedy
         ) from error
     known = np.flatnonzero(np.isfinite(time))
-    begin = np.searchsorted(time[known] - time[known[0]], plan.held_out)
+    begin = np.searchsorted(time[known] - time[known[0]], settings.held_out)
     tested = record | {"rows": [int(known[begin]), time.size]}
-    sections = dict(plan.sections)
+    sections = dict(settings.sections)
     split = sections.pop("split")
     content = {
         "title": file.stem,
@@ -77,7 +77,7 @@ def infer_case(
         **sections,
         **({"simulation": simulation, "split": split} if simulation else {}),
     }
-    return Inferred(content, (*roles.inferred, *notes, *plan.inferred))
+    return Inferred(content, (*roles.inferred, *notes, *settings.inferred))
 
 
 def _described(file: Path, roles: Roles) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What a file does not say of itself, asked in one message with the command that answers."""
+"""One message that asks for all settings a file leaves open, with the command that gives them."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

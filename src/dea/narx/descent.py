@@ -1,7 +1,7 @@
 """Search at falling prices of a term; folds of the record say at which price to stop.
 
-At a high price only terms that explain much are worth their place; each lower price starts from the
-structure of the one before. The last price worth trying follows from the noise: of m candidates
+At a high price only terms that explain much are kept; each lower price starts from the structure of
+the one before. The lowest price that is tried follows from the noise: of m candidates
 without any effect, the best explains 2 ln(m)/N of the squared error by chance (Foster and George
 1994, Annals of Statistics 22:1947). Where the error left is not white noise but what no candidate
 describes, a higher price predicts better: the search is repeated with each third of the record left
@@ -66,7 +66,7 @@ class Descent:
         self._trace = trace
 
     def levels(self, prices: Sequence[float], effort: Effort) -> Iterator[FittedStructure]:
-        """Yield the structure found at each price, ending where noise alone would pay it."""
+        """Yield the structure found at each price, down to what a term explains by chance."""
         rounds = effort.rounds
         now = self._start(prices[0], effort.most)
         chance = 2.0 * np.log(len(self._candidates)) / self._samples
@@ -81,7 +81,7 @@ class Descent:
     def descend(self, prices: Sequence[float], effort: Effort) -> None:
         """Try the structures of every price, and of the paper's forward selection at the last.
 
-        Greedy searches end at different places; the least cost of both is the better one.
+        Both searches are greedy and end at different structures; that of least cost is taken.
         """
         for _ in self.levels(prices, effort):
             pass  # each level continues from the one before

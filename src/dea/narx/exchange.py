@@ -23,7 +23,7 @@ import numpy as np
 from dea.narx.candidate_models import Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.parameter_covariance import column_norms
-from dea.narx.refinement import Linearised, linearise, minimise
+from dea.narx.refinement import LinearisedRuns, linearise, minimise
 from dea.narx.stability import StabilityTest, stays_in_range
 from dea.narx.trace import Trace, Tried, gain
 from dea.terms import Term
@@ -149,7 +149,7 @@ class Exchange:
     def require(self, tests: Sequence[StabilityTest]) -> None:
         """From now on, count what does not pass the ``tests`` of its system as unstable.
 
-        What has been fitted is tested when it is asked for again, since most is not.
+        Structures that were fitted before are tested when they are asked for again: most are not.
         """
         self._tests = tuple(tests)
         self._untested = {subset for subset, fit in self._fits.items() if np.isfinite(fit.error)}
@@ -196,7 +196,7 @@ class Exchange:
             near = [each for each in moves if each.predicted <= now.fit.error + _DOUBT * price]
             return sorted(near, key=lambda each: each.predicted)[:_FITTED]
 
-        # What is not stable has an infinite error, but may become so.
+        # An unstable structure has an infinite error; with one more or less term it may be stable.
         yield promising(self._removals(now, ""))
         additions = self._additions(now)
         if len(now.subset) < most:
@@ -272,13 +272,13 @@ class Exchange:
                 moves.append(Move(str(self._candidates[j]), "added", grown, start, predicted))
         return moves
 
-    def _share(self, system: System, point: Linearised, squares: Array) -> Array:
+    def _share(self, system: System, point: LinearisedRuns, squares: Array) -> Array:
         """Return by how much sums of squares of a system change the mean error of all."""
         return squares / (len(self._systems) * system.power * point.residual.size)
 
     def _linearised(
         self, subset: Subset, parameters: Sequence[Array]
-    ) -> Iterator[tuple[System, Linearised, Array]]:
+    ) -> Iterator[tuple[System, LinearisedRuns, Array]]:
         terms = self._terms(subset)
         for system, theta in zip(self._systems, parameters, strict=True):
             yield system, linearise(terms, theta, system.segments), theta

@@ -16,7 +16,7 @@ def forward_and_prune(
     most: int,
     trace: Trace,
 ) -> Subset:
-    """Add the term of largest SERR, then remove the term of least, while that pays."""
+    """Add the terms of largest SERR, then remove those of least, by the two thresholds."""
     names = [str(term) for term in models.candidates]
     error = models([basis])[0].msse
     # SERR of the basis (9) is its error itself, not a reduction.

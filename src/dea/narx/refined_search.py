@@ -40,8 +40,8 @@ def find(
 
     A structure counts as stable if it passes the tests with its final parameters. Where the least
     cost belongs to one that does not, the search goes on among those that do. If there is none, or
-    if it leaves more than a hundred times the squared error, so that the record itself speaks for
-    an unstable system, the structure of least cost is returned as it is.
+    if it leaves more than a hundred times the squared error, which suggests that
+    the system itself is unstable, the structure of least cost is returned as it is.
     """
     effort = Effort(
         search.rounds, len(candidates) if search.max_terms is None else search.max_terms

@@ -103,11 +103,11 @@ def minimise(
     Ends after ``iterations`` or when a step lowers the error by less than ``tolerance`` of it. A
     start from which the run diverges comes back with an infinite error.
     """
-    task = _FreeRuns(terms, segments)
+    objective = _FreeRuns(terms, segments)
     point = least_squares.minimise(
-        task, start.copy(), _DAMPING, iterations=iterations, tolerance=tolerance
+        objective, start.copy(), _DAMPING, iterations=iterations, tolerance=tolerance
     )
-    return Minimum(point.x, point.cost / task.samples)
+    return Minimum(point.x, point.cost / objective.samples)
 
 
 def _from_smoothed_outputs(terms: tuple[Term, ...], segments: Sequence[Segment]) -> Array:
@@ -143,20 +143,20 @@ class FreeRunFit:
         Mean squared simulated error (6), normalised units.
     unknowns
         The parameters, and after them starts and trend of each segment.
-    task
+    objective
         What was minimised, which refers to the segments.
     """
 
     parameters: Array
     msse: float
     unknowns: Array
-    task: "_FreeRunsFromFreeStarts"
+    objective: "_FreeRunsFromFreeStarts"
 
     @cached_property
     def covariance(self) -> Array:
         """Covariance (terms, terms) of the parameters; NaN where the run diverges."""
         if np.isfinite(self.msse):
-            return self.task.covariance(self.unknowns)
+            return self.objective.covariance(self.unknowns)
         return np.full((self.parameters.size,) * 2, np.nan)
 
 
@@ -175,12 +175,12 @@ def fit_free_runs(
 
     A start from which the run diverges comes back with an infinite error, and without covariance.
     """
-    task = _FreeRunsFromFreeStarts(terms, segments, trend)
+    objective = _FreeRunsFromFreeStarts(terms, segments, trend)
     point = least_squares.minimise(
-        task, task.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
+        objective, objective.initial(start), _DAMPING, iterations=iterations, tolerance=tolerance
     )
     theta = point.x[: len(terms)].copy()
-    return FreeRunFit(theta, point.cost / task.samples, point.x, task)
+    return FreeRunFit(theta, point.cost / objective.samples, point.x, objective)
 
 
 def curvature(fit: FreeRunFit) -> float:
@@ -194,11 +194,11 @@ def curvature(fit: FreeRunFit) -> float:
     """
     if not np.isfinite(fit.msse):
         return np.inf
-    task = fit.task
-    slope, seen, follow = task.told_apart(task.runs(fit.unknowns))
+    objective = fit.objective
+    slope, seen, follow = objective.told_apart(objective.runs(fit.unknowns))
     norms = column_norms(seen)
     covariance = fit.covariance * np.outer(norms, norms)
-    middle, largest = task.outputs(fit.unknowns), 0.0
+    middle, largest = objective.outputs(fit.unknowns), 0.0
     _, size, directions = np.linalg.svd(seen / norms, full_matrices=False)
     for energy, direction in zip(size**2, directions, strict=True):
         variance = float(direction @ covariance @ direction)
@@ -208,7 +208,7 @@ def curvature(fit: FreeRunFit) -> float:
         step = np.concatenate([moved, -follow @ moved])
         linear = slope @ step
         for sign in (1.0, -1.0):
-            apart = task.outputs(fit.unknowns + sign * step) - middle - sign * linear
+            apart = objective.outputs(fit.unknowns + sign * step) - middle - sign * linear
             if not np.isfinite(apart).all():
                 return np.inf
             largest = max(largest, float(np.linalg.norm(apart) / np.linalg.norm(linear)))
@@ -363,7 +363,7 @@ def sensitivities(
     return y, slope
 
 
-class Linearised(NamedTuple):
+class LinearisedRuns(NamedTuple):
     """The free runs at one point of the parameter space and their slope there."""
 
     error: float  # sum of squares; inf where a run diverges
@@ -371,7 +371,7 @@ class Linearised(NamedTuple):
     slope: Array  # (samples, terms) derivative of the run by each parameter
 
 
-def linearise(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> Linearised:
+def linearise(terms: tuple[Term, ...], theta: Array, segments: Sequence[Segment]) -> LinearisedRuns:
     """Simulate every segment with its sensitivities."""
     return _Segments(terms, segments).linearise(theta)
 
@@ -399,19 +399,19 @@ class _Segments:
             return np.inf
         return sum(float(np.sum((self._y[part] - run[part]) ** 2)) for part in self.scored)
 
-    def linearise(self, theta: Array) -> Linearised:
+    def linearise(self, theta: Array) -> LinearisedRuns:
         """Free runs and their derivatives by the parameters."""
         run, slope = self._y.copy(), np.zeros((self._y.size, theta.size))
         if not kernels.run_each_with_slope(
             self._shape, theta, self._u, run, slope, self._ends, self._bounds
         ):
-            return Linearised(np.inf, np.empty(0), np.empty((0, theta.size)))
+            return LinearisedRuns(np.inf, np.empty(0), np.empty((0, theta.size)))
         residual = np.concatenate([self._y[part] - run[part] for part in self.scored])
         if len(self.scored) == 1:
             slope = slope[self.scored[0]]
         else:
             slope = np.concatenate([slope[part] for part in self.scored])
-        return Linearised(float(residual @ residual), residual, slope)
+        return LinearisedRuns(float(residual @ residual), residual, slope)
 
 
 def _bound(y: Array) -> float:

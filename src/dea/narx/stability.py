@@ -219,7 +219,7 @@ def stays_in_range(
     """Whether the model stays in range on the time-reversed inputs of the records.
 
     These have the same amplitudes and spectrum, so that a model that leaves the range by far on
-    them is bounded on these records only. A search can afford this for every candidate.
+    them is bounded on these records only. It is fast enough for every candidate of a search.
     """
     return all(
         np.isfinite(

@@ -1,6 +1,11 @@
 """Frequency responses measured line by line from periodic excitation, without a model."""
 
-from dea.nonparametric.agreement import Agreement, Band, compare_intermodulation, compare_response
+from dea.nonparametric.agreement import (
+    Agreement,
+    RelativeBand,
+    compare_intermodulation,
+    compare_response,
+)
 from dea.nonparametric.best_linear import BestLinear, best_linear
 from dea.nonparametric.confirmation import Modelled, confirmation
 from dea.nonparametric.intermodulation import Intermodulation, intermodulation
@@ -9,11 +14,11 @@ from dea.nonparametric.probed_record import best_linear_approximation
 
 __all__ = [
     "Agreement",
-    "Band",
     "BestLinear",
     "Intermodulation",
     "Modelled",
     "Periods",
+    "RelativeBand",
     "best_linear",
     "best_linear_approximation",
     "compare_intermodulation",

@@ -16,7 +16,7 @@ Complex = NDArray[np.complex128]
 _BOTH = float(np.sqrt(5.991464547107979 / 3.841458820694124))
 
 
-class Band(NamedTuple):
+class RelativeBand(NamedTuple):
     """Half-widths of the 95 % band of a modelled response, of its shape."""
 
     gain: Array  # relative to the gain
@@ -43,7 +43,7 @@ class Agreement(NamedTuple):
     inside: NDArray[np.bool_]  # whether gain and phase lie in their joint 95 % region
 
 
-def compare_response(found: BestLinear, modelled: Complex, band: Band) -> Agreement:
+def compare_response(found: BestLinear, modelled: Complex, band: RelativeBand) -> Agreement:
     """Set a best linear approximation against a modelled response at its lines.
 
     Half-widths of measurement and model add as squares. A line is inside where the differences of

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from dea.nonparametric.agreement import Band, compare_intermodulation, compare_response
+from dea.nonparametric.agreement import RelativeBand, compare_intermodulation, compare_response
 from dea.nonparametric.best_linear import BestLinear
 from dea.nonparametric.intermodulation import Complex, intermodulation, signed
 from dea.nonparametric.periods import Array
@@ -19,9 +19,9 @@ class Modelled(NamedTuple):
     """
 
     H1: Complex
-    band: Band
+    band: RelativeBand
     H2: Complex
-    H2_band: Band
+    H2_band: RelativeBand
 
     def radius(self, inside: NDArray[np.bool_]) -> float:
         """Return the radius of the disc of an even line's prediction, relative to it.

@@ -1,4 +1,4 @@
-"""The virtual actuators and their instruments: the only room that knows the truth."""
+"""The virtual actuators, their instruments and hidden effects, which no diagnosis may import."""
 
 from dea.plant.converter import Converter
 from dea.plant.hidden import EFFECTS, ServedRig, Trial, Use, draw_trial

@@ -78,7 +78,7 @@ class Source(NamedTuple):
 @njit(cache=True, error_model="numpy")
 def held(voltage: float) -> Source:
     """Return the source that holds ``voltage`` whatever the capacitance."""
-    return Source(voltage, 0.0, 1.0)  # 1 F: a nanofarad has settled for good
+    return Source(voltage, 0.0, 1.0)  # of 1 F: a film of 1 nF hardly changes it
 
 
 @njit(cache=True, error_model="numpy")

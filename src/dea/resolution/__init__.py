@@ -5,9 +5,9 @@ from dea.resolution.datasets import resolution_dataset
 from dea.resolution.design import Design, Forms
 from dea.resolution.excitation import Limits
 from dea.resolution.kept import Kept
-from dea.resolution.knowledge import ANOTHER, Knowledge, Options, Outcome
+from dea.resolution.knowledge import ANOTHER, Knowledge, Options, ResolutionOutcome
 from dea.resolution.question import CERTIFICATE
-from dea.resolution.rounds import Desk, Resolution, Round, resolve
+from dea.resolution.rounds import Desk, Resolution, ResolutionRound, resolve
 
 __all__ = [
     "ANOTHER",
@@ -20,9 +20,9 @@ __all__ = [
     "Knowledge",
     "Limits",
     "Options",
-    "Outcome",
     "Resolution",
-    "Round",
+    "ResolutionOutcome",
+    "ResolutionRound",
     "experiment_page",
     "record_key",
     "resolution_dataset",

@@ -17,8 +17,8 @@ NONE = "none"
 class Explanation:
     """A simulation of one further record, and the Gaussian belief in its free coordinates.
 
-    What belongs to one record alone (its start, a drift) has its prior; all else has what the
-    records so far tell.
+    Coordinates of one record alone (its start, a drift) have their prior; the others have their
+    posterior from the records so far.
 
     Parameters
     ----------

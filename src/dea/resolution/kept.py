@@ -13,7 +13,7 @@ from dea.errors import InputError
 from dea.resolution.design import Design
 from dea.resolution.excitation import Limits
 from dea.resolution.question import CERTIFICATE
-from dea.resolution.rounds import Round
+from dea.resolution.rounds import ResolutionRound
 
 
 @dataclass
@@ -73,7 +73,7 @@ class Kept:
         u = np.loadtxt(table, delimiter=",", skiprows=1)[:, 1]
         return Design(**said | {"u": u, "closest": tuple(said["closest"])})
 
-    def keep(self, found: Round) -> None:
+    def keep(self, found: ResolutionRound) -> None:
         """Write the verdict and the probabilities after a round."""
         place = self.place(found.number)
         found.after.verdict.write(place / "verdict.json")

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 ANOTHER = "another"
 
 
-class Outcome(StrEnum):
+class ResolutionOutcome(StrEnum):
     """How far the question is decided."""
 
     DECIDED = "decided"
@@ -33,9 +33,12 @@ class Outcome(StrEnum):
 
 # Status and sentence of the verdict where no hypothesis with an effect is left, or none serves.
 WITHOUT_NAME = {
-    Outcome.OUTSIDE: (Status.UNKNOWN, "No effect of the catalogue explains the designed records."),
-    Outcome.ALONE: (Status.NONE, "The simulation alone explains the designed records."),
-    Outcome.CONTRADICTED: (
+    ResolutionOutcome.OUTSIDE: (
+        Status.UNKNOWN,
+        "No effect of the catalogue explains the designed records.",
+    ),
+    ResolutionOutcome.ALONE: (Status.NONE, "The simulation alone explains the designed records."),
+    ResolutionOutcome.CONTRADICTED: (
         Status.UNKNOWN,
         "What explains the designed records makes the error on a fresh record larger.",
     ),
@@ -82,7 +85,7 @@ class Knowledge:
     posterior: Posterior
     error: LawError
     driven: float = 0.0
-    withdrawn: Outcome | None = None
+    withdrawn: ResolutionOutcome | None = None
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -93,22 +96,24 @@ class Knowledge:
         status, sentence = WITHOUT_NAME[self.withdrawn]
         return replace(found, status=status, sentence=sentence, effects=(), share=None)
 
-    def outcome(self, level: float) -> Outcome:
+    def outcome(self, level: float) -> ResolutionOutcome:
         """Return whether all hypotheses that are left hold the verdict, or none has an effect.
 
         It is decided where one of them is the verdict, and nothing more.
         """
         left = self.posterior.left(level)
         if left <= {ANOTHER}:
-            return Outcome.OUTSIDE
+            return ResolutionOutcome.OUTSIDE
         if left == {NONE}:
-            return Outcome.ALONE
+            return ResolutionOutcome.ALONE
         verdict = self.diagnosis.verdict
         if verdict.status != Status.NAMED or ANOTHER in left:
-            return Outcome.OPEN
+            return ResolutionOutcome.OPEN
         named = set(verdict.names)
         held = [self.explanations[name].effects for name in left]
         if not all(named <= effects for effects in held):
-            return Outcome.OPEN
+            return ResolutionOutcome.OPEN
         # Where every hypothesis that is left holds more, what is named is a part of the answer.
-        return Outcome.DECIDED if verdict.whole and named in held else Outcome.PART
+        return (
+            ResolutionOutcome.DECIDED if verdict.whole and named in held else ResolutionOutcome.PART
+        )

@@ -43,11 +43,11 @@ class Errors(NamedTuple):
 
 @dataclass(frozen=True)
 class LawError:
-    """The error on the records so far, and how it goes on.
+    """The error on the records so far, and on a further one.
 
-    The law of a right effect is never quite right. What it leaves grows with what it acts on, so
-    that an excitation which moves the device further or faster makes the error larger; and it is at
-    least a part of what the effects do.
+    The law of a right effect is an approximation. Its error grows with the motion it acts on, so
+    that an excitation which moves the device further or faster makes it larger; and it is at least
+    a part of what the effects do.
 
     Parameters
     ----------

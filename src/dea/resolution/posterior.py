@@ -22,7 +22,7 @@ from dea.errors import InputError
 class Posterior:
     """Hypotheses by name: probabilities before any designed record, and logarithms of those now.
 
-    As logarithms they forget no evidence, however strong.
+    Logarithms keep probabilities that would be rounded to zero.
     """
 
     prior: Mapping[str, float]

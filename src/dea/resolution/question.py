@@ -30,7 +30,7 @@ def next_design(
     asked = likeliest([known.explanations[name] for name in sorted(left)], logs)
     weights = np.array([logs[each.name] for each in asked])
     if len(asked) < 2:
-        # Of those that are rejected nothing is open: the one that is left is tested against each.
+        # The one that is left is tested against each of those that were rejected.
         asked = likeliest(list(known.explanations.values()), logs)
         weights = np.zeros(len(asked))
     question = _question(known, asked, weights, limits)
@@ -43,9 +43,9 @@ def next_design(
 def fresh_design(
     known: Knowledge, limits: Limits, settings: Settings, options: Options
 ) -> Design | None:
-    """Return an excitation drawn at random, of which the hypotheses that are left expect no harm.
+    """Return an excitation drawn at random whose predicted outputs stay in range.
 
-    Nothing where none of a few draws keeps their outputs in range.
+    None where no draw of a few keeps those of all hypotheses that are left in range.
     """
     rng = _generator(settings, CERTIFICATE)
     left = sorted(known.posterior.left(options.level) - {ANOTHER})

@@ -18,7 +18,7 @@ from dea.discrepancy import (
 from dea.progress import part_of
 from dea.resolution.design import Design
 from dea.resolution.excitation import Limits
-from dea.resolution.knowledge import Knowledge, Options, Outcome
+from dea.resolution.knowledge import Knowledge, Options, ResolutionOutcome
 from dea.resolution.question import CERTIFICATE, fresh_design, next_design
 from dea.resolution.weighing import begun, learnt
 from dea.simulation import Simulation, load_simulation
@@ -35,7 +35,7 @@ _NOWHERE = (
 
 
 @dataclass(frozen=True)
-class Round:
+class ResolutionRound:
     """A designed record, what it changed, and what was known before and after."""
 
     number: int
@@ -55,8 +55,8 @@ class Resolution:
     """
 
     first: Knowledge
-    rounds: tuple[Round, ...]
-    outcome: Outcome
+    rounds: tuple[ResolutionRound, ...]
+    outcome: ResolutionOutcome
     certificate: Certified | None = None
     pending: int | None = None
     halted: str = ""
@@ -76,7 +76,7 @@ class Desk(Protocol):
     def record(self, number: int, u: np.ndarray) -> "Record | xr.Dataset | None":
         """Return the record of an excitation; nothing where it is still to be made by hand."""
 
-    def keep(self, found: Round) -> None:
+    def keep(self, found: ResolutionRound) -> None:
         """Keep what a round has found."""
 
 
@@ -98,9 +98,9 @@ def resolve(
     settings, options = settings or Settings(), options or Options()
     own = simulation if isinstance(simulation, Simulation) else load_simulation(simulation)
     known = first = begun(records, own, settings, options, workers)
-    rounds: list[Round] = []
+    rounds: list[ResolutionRound] = []
     halted = ""
-    undecided = (Outcome.OPEN, Outcome.PART)
+    undecided = (ResolutionOutcome.OPEN, ResolutionOutcome.PART)
     while known.outcome(options.level) in undecided and len(rounds) < options.records:
         if not rounds and known.verdict.status == Status.NONE:
             break
@@ -111,15 +111,15 @@ def resolve(
             break
         record = desk.record(number, design.u)
         if record is None:
-            return Resolution(first, tuple(rounds), Outcome.OPEN, pending=number)
+            return Resolution(first, tuple(rounds), ResolutionOutcome.OPEN, pending=number)
         with part_of(f"record {number}"):
             after, log_densities = learnt(known, record, own, settings, options, workers)
-        rounds.append(Round(number, design, log_densities, known, after))
+        rounds.append(ResolutionRound(number, design, log_densities, known, after))
         desk.keep(rounds[-1])
         known = after
     outcome = known.outcome(options.level)
     found = Resolution(first, tuple(rounds), outcome, halted=halted)
-    if outcome not in (Outcome.DECIDED, Outcome.PART) or not rounds:
+    if outcome not in (ResolutionOutcome.DECIDED, ResolutionOutcome.PART) or not rounds:
         return found
     return _certified(found, desk, own, limits, settings, options)
 
@@ -146,7 +146,7 @@ def _certified(
     certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)["fresh"]
     if certified.worse(diagnosis.decision.noise(diagnosis.rules, diagnosis.floor)):
         last = found.rounds[-1]
-        after = replace(last.after, withdrawn=Outcome.CONTRADICTED)
+        after = replace(last.after, withdrawn=ResolutionOutcome.CONTRADICTED)
         rounds = (*found.rounds[:-1], replace(last, after=after))
-        found = replace(found, rounds=rounds, outcome=Outcome.CONTRADICTED)
+        found = replace(found, rounds=rounds, outcome=ResolutionOutcome.CONTRADICTED)
     return replace(found, certificate=certified)

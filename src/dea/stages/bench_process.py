@@ -39,8 +39,8 @@ def bench_process(
 ) -> Iterator[int]:
     """Yield the free loopback port at which ``actuator`` of ``config`` answers.
 
-    Its clock is virtual: time passes as fast as it is fed. The process ends with the block, and
-    by itself where this process dies.
+    Its clock is virtual: it plays as fast as samples arrive. The process ends with the block, or
+    when this process ends.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def _serving(
         "--watchdog", str(watchdog_time), "--until-stdin-closes",
     ]  # fmt: skip
     with subprocess.Popen(
-        # Out of reach of the terminal: Ctrl-C ends it after the guardian has taken it to zero.
+        # Its session is its own, so that Ctrl-C does not end it before the guardian.
         command,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,

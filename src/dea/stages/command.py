@@ -79,7 +79,7 @@ def run(
 
 def _log_step(step: str) -> None:
     """Write a step to the log; the terminal shows the last one (``--logger progress``)."""
-    # A full disk ends the job where it matters, at its products.
+    # The job does not fail for a log on a full disk; it fails when it writes its products.
     with suppress(OSError):
         sys.stderr.write(f"step: {step}\n")
         sys.stderr.flush()

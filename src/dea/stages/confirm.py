@@ -55,9 +55,13 @@ def confirm(
         modelled.append(
             nonparametric.Modelled(
                 first.response,
-                nonparametric.Band.around(first.response, first.gain_high, first.phase_high),
+                nonparametric.RelativeBand.around(
+                    first.response, first.gain_high, first.phase_high
+                ),
                 second.response,
-                nonparametric.Band.around(second.response, second.gain_high, second.phase_high),
+                nonparametric.RelativeBand.around(
+                    second.response, second.gain_high, second.phase_high
+                ),
             )
         )
     highest = float(responses["frequency"].values[responses["excited"].values == 1].max())

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-    from dea.control import Controller, Gains, Task, Trial
+    from dea.control import Controller, ControllerDesign, Gains, Task
     from dea.modbus import Device
 
 MINUTE = 60.0  # s
@@ -23,7 +23,7 @@ class Followed(NamedTuple):
     reference: "np.ndarray"
     outcome: str
     fallbacks: int
-    follower: "Follower"
+    scheme: "ControlScheme"
 
 
 def control(
@@ -39,7 +39,7 @@ def control(
     import tempfile
 
     from dea import modbus, seeds, store
-    from dea.control import Trial
+    from dea.control import ControllerDesign
     from dea.narx import NarxModel
     from dea.progress import tell
 
@@ -50,19 +50,19 @@ def control(
     generator = seeds.generator(settings["seed"], settings["system"], "control")
     seed, noise_seed = (int(n) for n in generator.integers(2**31, size=2))
     rate = description.sampling_rate
-    trial = Trial.design(
+    design = ControllerDesign.of_record(
         NarxModel.load(model), signals.u, signals.y, rate, settings["control"], seed
     )
     # Files of a drive that fails are kept nowhere: a run of the workflow begins anew.
     with tempfile.TemporaryDirectory() as folder:
         found = {}
-        for name, follower in _controllers(trial, nominal, extended).items():
+        for name, scheme in _controllers(design, nominal, extended).items():
             tell(f"with the {name}")
             found[name] = _follow(
-                trial, follower, settings, description, device, noise_seed, Path(folder)
+                design, scheme, settings, description, device, noise_seed, Path(folder)
             )
     store.write(
-        _dataset(found, trial, units, signals.y_units),
+        _dataset(found, design, units, signals.y_units),
         control,
         title=f"Controllers tried on {settings['system']}",
         inputs={"device": device, "record": record, "model": model, "nominal": nominal,
@@ -72,7 +72,7 @@ def control(
     )  # fmt: skip
 
 
-class Follower(NamedTuple):
+class ControlScheme(NamedTuple):
     """What makes a controller, or the voltages of an inverse that is played.
 
     A controller has gains; the inverse of a simulation, an error that is left with it, and the
@@ -86,35 +86,37 @@ class Follower(NamedTuple):
     effects: str = ""
 
 
-def _controllers(trial: "Trial", nominal: Path, extended: Path) -> dict[str, Follower]:
-    gains = trial.gains()
-    own = trial.proportional_integral()
+def _controllers(
+    design: "ControllerDesign", nominal: Path, extended: Path
+) -> dict[str, ControlScheme]:
+    gains = design.gains()
+    own = design.proportional_integral()
     found = {
-        "adaptive inverse": Follower(lambda: trial.adaptive(gains), gains=gains),
-        "fixed inverse with feedback": Follower(lambda: trial.fixed(gains), gains=gains),
-        "fixed inverse": Follower(voltage=trial.feedforward()),
-        "PI": Follower(lambda: trial.follower(own), gains=own),
-        "inverse of the physics": _inverse(trial, nominal),
+        "adaptive inverse": ControlScheme(lambda: design.adaptive(gains), gains=gains),
+        "fixed inverse with feedback": ControlScheme(lambda: design.fixed(gains), gains=gains),
+        "fixed inverse": ControlScheme(voltage=design.feedforward()),
+        "PI": ControlScheme(lambda: design.follower(own), gains=own),
+        "inverse of the physics": _inverse(design, nominal),
     }
-    with_effects = _inverse(trial, extended)
+    with_effects = _inverse(design, extended)
     if with_effects.effects:
         found["inverse of the physics with effects"] = with_effects
     return found
 
 
-def _inverse(trial: "Trial", path: Path) -> Follower:
+def _inverse(design: "ControllerDesign", path: Path) -> ControlScheme:
     """Return the inverse of a saved simulation."""
     from dea.simulation import load_extended
 
     simulation, values, interval = load_extended(path)
-    inverse = trial.inverse_of_simulation(lambda u: simulation.simulate(values, u, interval))
+    inverse = design.inverse_of_simulation(lambda u: simulation.simulate(values, u, interval))
     effects = ", ".join(attached.effect.name for attached in simulation.attached)
-    return Follower(voltage=inverse.inputs, error=inverse.error, effects=effects)
+    return ControlScheme(voltage=inverse.inputs, error=inverse.error, effects=effects)
 
 
 def _follow(
-    trial: "Trial", follower: Follower, settings: Mapping[str, Any], description: "Device",
-    device: Path, noise_seed: int, folder: Path,
+    design: "ControllerDesign", scheme: ControlScheme, settings: Mapping[str, Any],
+    description: "Device", device: Path, noise_seed: int, folder: Path,
 ) -> Followed:  # fmt: skip
     """Drive a fresh bench with one controller; what stops it is its outcome."""
     from dataclasses import replace
@@ -126,15 +128,15 @@ def _follow(
     from dea.stages.bench_process import as_planned, bench_process
 
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
-    task, bench = trial.task, as_planned(settings["bench"])
+    task, bench = design.task, as_planned(settings["bench"])
     played: acquisition.ClosedLoop | np.ndarray
     controller = None
-    if follower.new is None:
-        assert follower.voltage is not None
-        played, options = follower.voltage, replace(options, mode="buffered")
+    if scheme.new is None:
+        assert scheme.voltage is not None
+        played, options = scheme.voltage, replace(options, mode="buffered")
     else:
-        _rehearse(follower.new(), task)
-        controller = follower.new()
+        _rehearse(scheme.new(), task)
+        controller = scheme.new()
         played = acquisition.ClosedLoop(
             controller, task.reference.size, task.start, settings["control"]["rate"]
         )
@@ -149,7 +151,7 @@ def _follow(
     own = getattr(controller, "reference", np.empty(0))
     return Followed(
         record, own if own.size else task.reference, outcome,
-        getattr(controller, "fallbacks", 0), follower,
+        getattr(controller, "fallbacks", 0), scheme,
     )  # fmt: skip
 
 
@@ -160,15 +162,15 @@ def _rehearse(controller: "Controller", task: "Task") -> None:
 
 
 def _dataset(
-    found: Mapping[str, Followed], trial: "Trial", u_units: str, y_units: str
+    found: Mapping[str, Followed], design: "ControllerDesign", u_units: str, y_units: str
 ) -> "xr.Dataset":
     import numpy as np
     import xarray as xr
 
-    lead = sum(trial.task.run_in)
-    reference = trial.task.reference[lead:]
+    lead = sum(design.task.run_in)
+    reference = design.task.reference[lead:]
     size = reference.size
-    minute = min(round(MINUTE * trial.sampling_rate), size)
+    minute = min(round(MINUTE * design.sampling_rate), size)
     whole = size // minute
     rows: dict[str, list[np.ndarray]] = {"displacement": [], "voltage": [], "quality": []}
     for followed in found.values():
@@ -186,8 +188,8 @@ def _dataset(
     def variable(dims: Any, values: Any, units: str, long_name: str) -> tuple[Any, Any, Any]:
         return dims, values, {"units": units, "long_name": long_name}
 
-    each, followers = "controller", [one.follower for one in found.values()]
-    gains = [follower.gains for follower in followers]
+    each, schemes = "controller", [one.scheme for one in found.values()]
+    gains = [scheme.gains for scheme in schemes]
     of_all = (each, "time")
     return xr.Dataset(
         {
@@ -202,7 +204,7 @@ def _dataset(
                 rms,
                 y_units, "root mean square of measured minus wanted",
             ),
-            "stroke": variable((), trial.task.stroke, y_units, "reference from end to end"),
+            "stroke": variable((), design.task.stroke, y_units, "reference from end to end"),
             "outcome": variable(
                 each, np.array([one.outcome for one in found.values()], dtype=object), "1",
                 "whether the controller came to the end, or what stopped it",
@@ -219,20 +221,20 @@ def _dataset(
                 each, [np.nan if one is None else one.integral_time for one in gains], "s", "Ti"
             ),
             "inverse_error": variable(
-                each, [follower.error for follower in followers], y_units,
+                each, [scheme.error for scheme in schemes], y_units,
                 "root mean square error that the simulation itself has with its inverse",
             ),
             "effects": variable(
-                each, np.array([follower.effects for follower in followers], dtype=object), "1",
+                each, np.array([scheme.effects for scheme in schemes], dtype=object), "1",
                 "effects attached to the simulation that is inverted",
             ),
         },
         coords={
             each: (each, np.array(list(found), dtype=object)),
             "minute": variable("minute", np.arange(1, whole + 1), "1", "number of the minute"),
-            "time": variable("time", np.arange(size) / trial.sampling_rate, "s", "time"),
+            "time": variable("time", np.arange(size) / design.sampling_rate, "s", "time"),
         },
-        attrs={"contract": "control", "sampling_rate": trial.sampling_rate},
+        attrs={"contract": "control", "sampling_rate": design.sampling_rate},
     )  # fmt: skip
 
 

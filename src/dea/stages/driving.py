@@ -16,7 +16,7 @@ from dea.modbus import Device
 from dea.probing import Probed, Probing
 
 
-class Excitation(NamedTuple):
+class PlayedExcitation(NamedTuple):
     """Volts, one per sample period, and the seed of the noise of an actuator that is virtual.
 
     ``labels`` are what a record says of its samples besides, where multisines probe it.
@@ -26,7 +26,7 @@ class Excitation(NamedTuple):
     noise_seed: int
     labels: xr.Dataset
 
-    def label(self, acquired: acquisition.Acquisition) -> acquisition.Acquisition:
+    def label(self, acquired: acquisition.AcquiredRecord) -> acquisition.AcquiredRecord:
         """Return what was acquired, its record with the labels."""
         record = acquired.record.assign_attrs(self.labels.attrs)
         of_excitation = acquisition.asked_for(record["quality"].values)
@@ -37,7 +37,7 @@ class Excitation(NamedTuple):
         return acquired._replace(record=record)
 
 
-def excitation(settings: Mapping[str, Any], device: Device) -> Excitation:
+def excitation(settings: Mapping[str, Any], device: Device) -> PlayedExcitation:
     """Design the voltage of a job.
 
     ``settings`` holds ``seed``, ``system``, ``excitation``, ``excitation_name`` and, where
@@ -71,7 +71,7 @@ def excitation(settings: Mapping[str, Any], device: Device) -> Excitation:
             remedy=f"Narrow it there, or widen {error.field} in {device.source} if film and"
             " amplifier bear it.",
         ) from error
-    return Excitation(volts, noise_seed, labels)
+    return PlayedExcitation(volts, noise_seed, labels)
 
 
 def _designed(settings: Mapping[str, Any], name: str, rate: float, seed: int) -> np.ndarray:
@@ -107,7 +107,7 @@ def _labels(probed: Probed, period: float) -> xr.Dataset:
 
 
 def write(
-    acquired: acquisition.Acquisition,
+    acquired: acquisition.AcquiredRecord,
     files: Mapping[str, Path],
     settings: Mapping[str, Any],
     inputs: Mapping[str, Path],

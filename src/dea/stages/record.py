@@ -19,7 +19,7 @@ from dea.configuration.problems import did_you_mean
 from dea.configuration.study import FILE, check_actuators, check_study
 from dea.configuration.study import settings as written
 from dea.errors import DeviceError, InputError
-from dea.stages.driving import Excitation, excitation, write
+from dea.stages.driving import PlayedExcitation, excitation, write
 
 
 def record(name: str, excitation_name: str, operator: str) -> Path:
@@ -53,7 +53,7 @@ def record(name: str, excitation_name: str, operator: str) -> Path:
 
 
 def keep(
-    device: modbus.Device, played: Excitation, settings: Mapping[str, Any], operator: str
+    device: modbus.Device, played: PlayedExcitation, settings: Mapping[str, Any], operator: str
 ) -> Path:
     """Drive a device and keep its record in ``records/``; return the folder of the record.
 

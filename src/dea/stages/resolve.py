@@ -209,13 +209,13 @@ class Driven(Kept):
         """Drive hardware as `make record` does; a record that was kept before is taken."""
         import xarray as xr
 
-        from dea.stages.driving import Excitation
+        from dea.stages.driving import PlayedExcitation
         from dea.stages.record import keep
         from dea.stages.take_record import take_record
 
         settings = self._settings(number)
         kept = self._archived(settings)
-        played = Excitation(u, 0, xr.Dataset())
+        played = PlayedExcitation(u, 0, xr.Dataset())
         folder = kept[-1] if kept else keep(self.device, played, settings, self.operator)
         take_record(settings, folder / archive.MANIFEST, file, file.with_name("link.nc"))
 

@@ -41,9 +41,9 @@ def read_record(path: str | Path, **columns: Any) -> xr.Dataset:
     if columns:
         # pydantic takes long to import, and most who import this room name no columns.
         from dea.configuration.problems import validated
-        from dea.configuration.record import Columns
+        from dea.configuration.record import RecordColumns
 
-        validated(Columns, columns, file)
+        validated(RecordColumns, columns, file)
         return import_record({"file": str(file), **columns})
     if file.suffix.lower() in FORMATS and file.suffix.lower() != ".nc":
         raise InputError(

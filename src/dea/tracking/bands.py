@@ -35,7 +35,7 @@ LARGEST_CURVATURE = 0.5  # departure of a run at the ends of an interval from it
 _WINDOW, _SAMPLES_PER_TERM = 500, 50
 
 
-class Estimate(NamedTuple):
+class TrackerEstimate(NamedTuple):
     """What a tracker found, of the samples after the largest lag.
 
     ``theta`` and ``std`` (n, p), ``innovation`` (n,), ``covariance`` (k, p, p) at the instants,

@@ -17,7 +17,7 @@ from dea.tracking.bands import (
     UNDETERMINED,
     WINDOWS_FAILED,
     WINDOWS_FEW,
-    Estimate,
+    TrackerEstimate,
     reason_to_withhold,
 )
 from dea.tracking.bands import instants as instants_of
@@ -149,7 +149,7 @@ def _recursive(
     at: NDArray[np.int64],
     method: str,
     settings: dict[str, Any],
-) -> Estimate:
+) -> TrackerEstimate:
     """Track by recursive least squares; an equation with a missing output says 0 = 0."""
     Phi, target = _equations(model, signals)
     there = np.isfinite(target)
@@ -174,7 +174,7 @@ def _recursive(
     if settings["leakage"] and not known:
         withheld = withheld or TARGET_UNKNOWN
     withheld = withheld or _undetermined(model, signals)
-    return Estimate(
+    return TrackerEstimate(
         found.theta / scale,
         np.sqrt(found.variance) / scale,
         innovation,
@@ -190,7 +190,7 @@ def _smoothed(
     at: NDArray[np.int64],
     method: str,
     settings: dict[str, Any],
-) -> Estimate:
+) -> TrackerEstimate:
     """Track by a smoother, of the one-step prediction or of the free run."""
     Phi, target = _equations(model, signals)
     ratio = settings["noise_ratio"]
@@ -217,7 +217,7 @@ def _smoothed(
         else:
             estimator, withheld = names[best], NOT_MOVED.format(_NAMES[names[best]])
     withheld = withheld or _undetermined(model, signals)
-    return Estimate(
+    return TrackerEstimate(
         smoothed.theta,
         np.sqrt(np.maximum(smoothed.variance, 0.0)),
         smoothed.innovation,
@@ -253,7 +253,7 @@ def _local(
     at: NDArray[np.int64],
     method: str,
     settings: dict[str, Any],
-) -> Estimate:
+) -> TrackerEstimate:
     """Track by estimates of windows."""
     estimates = local_estimates(model, signals.u, signals.measured, settings["window"])
     Phi, target = _equations(model, signals)
@@ -268,7 +268,7 @@ def _local(
         withheld = WINDOWS_FEW.format(estimates.separate, SEPARATE, shorter)
     if estimates.curvature > LARGEST_CURVATURE:
         withheld = withheld or UNDETERMINED
-    return Estimate(theta, std, innovation, covariance, method, withheld)
+    return TrackerEstimate(theta, std, innovation, covariance, method, withheld)
 
 
 def _settings(method: str, **given: Any) -> dict[str, Any]:
@@ -307,7 +307,7 @@ def _bounded(model: NarxModel, starts: list[Smoothed], u: Array, y: Array) -> in
 
 def _labelled(
     model: NarxModel,
-    found: Estimate,
+    found: TrackerEstimate,
     at: NDArray[np.int64],
     sampling_rate: float,
     settings: dict[str, Any],

@@ -15,9 +15,9 @@ from dea.acquisition import (
     AcquisitionSettings,
     BrokenRecordError,
     DeviceRefusedError,
+    DrivenSamples,
     LinkError,
     Quality,
-    Samples,
     ZeroNotVerifiedError,
     acquire,
     recover,
@@ -46,7 +46,7 @@ class FaultyRun:
     sequence: np.ndarray
     record: xr.Dataset | None
     failure: Exception | None
-    samples: Samples
+    samples: DrivenSamples
     happened: Sequence[Fault]
     repeats: bool  # whether a broken record is begun again
 
@@ -72,7 +72,7 @@ def run_with_faults(
     lead = ramp(device, 0.0, VOLTS[0], settings.ramp_rate)
     tail = ramp(device, VOLTS[-1], 0.0, settings.ramp_rate)
     sequence = np.concatenate([lead, output, tail, [0]])
-    nothing = Samples.lost(0, 0, np.empty(0, np.int64))
+    nothing = DrivenSamples.lost(0, 0, np.empty(0, np.int64))
     samples = recover(partial).samples if partial.exists() else nothing
     repeats = settings.on_break == "restart"
     return FaultyRun(bench, sequence, record, failure, samples, proxy.done, repeats)
@@ -111,7 +111,7 @@ def _every_sample_is_what_the_bench_measured(run: FaultyRun) -> None:
     ), "the samples are not what the bench applied and measured"
 
 
-def _in_order(s: Samples) -> None:
+def _in_order(s: DrivenSamples) -> None:
     assert np.all(np.diff(s.device_index) == 1), "samples are missing and not marked"
     good = (s.quality & ~Quality.LATE) == Quality.GOOD
     assert np.array_equal(s.applied[good], s.requested[good]), "a sample is out of its place"

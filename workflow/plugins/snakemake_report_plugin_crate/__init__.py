@@ -7,7 +7,7 @@ from typing import Optional
 from snakemake_interface_report_plugins.reporter import ReporterBase
 from snakemake_interface_report_plugins.settings import ReportSettingsBase
 
-from dea.audit.crate import Span, write
+from dea.audit.crate import JobTimes, write
 
 
 @dataclass
@@ -26,7 +26,7 @@ class Reporter(ReporterBase):
     def render(self) -> None:
         """Write the crate."""
         spans = {
-            str(path): Span(record.starttime, record.endtime)
+            str(path): JobTimes(record.starttime, record.endtime)
             for record in self.jobs
             for path in record.output
         }

@@ -30,7 +30,7 @@ _SETTLINGS = 20  # settling times in a window of the local tracker
 
 
 @dataclass(frozen=True)
-class Plan:
+class CaseSettings:
     """How a record is studied: sections of its case, and where the part held out begins, in s.
 
     ``inferred`` says in words what the settings rest on.
@@ -41,7 +41,7 @@ class Plan:
     inferred: tuple[str, ...]
 
 
-def make_plan(signals: Record) -> Plan:
+def infer_settings(signals: Record) -> CaseSettings:
     """Return the settings for a record on uniform times.
 
     Raises
@@ -123,7 +123,7 @@ def make_plan(signals: Record) -> Plan:
         f" {100 * max(1 - linear.error**2, 0):.1f} % of an unseen part linearly",
         f"models come from the first {used / rate:.4g} s, tests from the last {held / rate:.4g} s",
     )
-    return Plan(sections, (known - 0.5) / rate, inferred)
+    return CaseSettings(sections, (known - 0.5) / rate, inferred)
 
 
 def _listed(lags: Dynamics) -> str:
@@ -138,7 +138,7 @@ def _size(linear: Dynamics, samples: int) -> tuple[Dynamics, int]:
     """Return lags and degree with at most one candidate term for every few samples.
 
     A nonlinear system needs no fewer lags than its linear part. Two are offered at least, and four
-    where the linear part explains little, so that its order says little too.
+    where the linear part explains little, since its order is then no guide.
     """
     order = _MOST_LAGS if linear.error > _POOR else max(linear.y_lags, 2)
     signals = 1 + len(linear.u_lags)

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from dea.control.adaptive_inverse import AdaptiveInverse, RunIn, Task
 from dea.control.feedback import Follower, Gains, tune_feedback
+from dea.control.limits import InputLimits
 from dea.control.online import OnlineTracker
-from dea.control.planning import Plan, inverse_of
+from dea.control.planning import RecedingHorizonInverse, inverse_of
 from dea.control.reference import design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
-from dea.control.whole_inverse import Found, whole_inverse
+from dea.control.whole_inverse import InverseInputs, whole_inverse
 from dea.gfrf import ResponseBand, frequency_response_band, zero_input_interval
 from dea.narx import NarxModel, regressor_matrix
 from dea.tracking import root_mean_square, with_constant
@@ -28,7 +29,7 @@ _TIMES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # s, integral times that are tried for
 
 
 @dataclass(frozen=True)
-class Trial:
+class ControllerDesign:
     """What controllers of an actuator are made from.
 
     Parameters
@@ -55,7 +56,7 @@ class Trial:
     sampling_rate: float
 
     @classmethod
-    def design(
+    def of_record(
         cls,
         model: NarxModel,
         u: Array,
@@ -63,8 +64,8 @@ class Trial:
         sampling_rate: float,
         settings: Mapping[str, Any],
         seed: int,
-    ) -> "Trial":
-        """Return a trial over what a record (u, y) of the actuator reached.
+    ) -> "ControllerDesign":
+        """Return a design over what a record (u, y) of the actuator reached.
 
         Raises
         ------
@@ -90,10 +91,10 @@ class Trial:
         task = Task(reference, reach.stroke, start, run_in, limits)
         return cls(model, scale, task, rests, settings, sampling_rate)
 
-    def plan(self) -> Plan:
-        """Return a new plan of the model."""
+    def inverse(self) -> RecedingHorizonInverse:
+        """Return a new inverse of the model."""
         lowest, highest = self.task.limits
-        return Plan(
+        return RecedingHorizonInverse(
             self.model, horizon=self.settings["horizon"], smoothness=self.settings["smoothness"],
             lowest=lowest, highest=highest, rate=self.settings["rate"],
             sampling_rate=self.sampling_rate,
@@ -105,7 +106,7 @@ class Trial:
         bands = [self._band(u, frequencies) for u, _ in self.rests]
         names = ("integral_time", "filter_time", "largest_sensitivity")
         return tune_through_inverse(
-            self.plan(), self.rests, bands, frequencies, self.sampling_rate,
+            self.inverse(), self.rests, bands, frequencies, self.sampling_rate,
             **{name: self.settings[name] for name in names},
         )  # fmt: skip
 
@@ -113,22 +114,22 @@ class Trial:
         """Return the controller whose model is tracked."""
         renewal = round(self.settings["adaptation"]["renewal"] * self.sampling_rate)
         return AdaptiveInverse(
-            self.plan(), gains, self.task, new_tracker=self._tracker, renewal=renewal
+            self.inverse(), gains, self.task, new_tracker=self._tracker, renewal=renewal
         )
 
     def fixed(self, gains: Gains) -> AdaptiveInverse:
         """Return the same controller with the model as it is."""
-        return AdaptiveInverse(self.plan(), gains, self.task, new_tracker=None)
+        return AdaptiveInverse(self.inverse(), gains, self.task, new_tracker=None)
 
     def feedforward(self) -> Array:
         """Return the inputs of the fixed model's inverse alone, shape (samples,)."""
         hold = self.task.run_in.hold
         start = min(self.rests, key=lambda rest: abs(rest[0] - self.task.start))
         wanted = self.task.run_in.approached(self.task.reference, start[1])
-        inverse = inverse_of(self.plan(), wanted[hold:], *start)
+        inverse = inverse_of(self.inverse(), wanted[hold:], *start)
         return np.concatenate([np.full(hold, start[0]), inverse])
 
-    def inverse_of_simulation(self, simulate: Callable[[Array], Array]) -> Found:
+    def inverse_of_simulation(self, simulate: Callable[[Array], Array]) -> InverseInputs:
         """Return the inputs with which a simulation of the actuator follows the reference.
 
         ``simulate`` makes outputs of inputs, both of shape (samples,) and in the units of the
@@ -144,8 +145,7 @@ class Trial:
             memory=round(_MEMORY * self.sampling_rate),
             change=_CHANGE * scaling.u_scale,
             weight=self.settings["smoothness"] * (scaling.y_scale / scaling.u_scale) ** 2,
-            lowest=task.limits[0], highest=task.limits[1],
-            reach=self.settings["rate"] / self.sampling_rate,
+            limits=InputLimits(*task.limits, self.settings["rate"] / self.sampling_rate),
         )  # fmt: skip
 
     def proportional_integral(self) -> Gains:
