@@ -67,6 +67,7 @@ def verdict(status="named"):
     effects = [effect | {"parameters": law}]
     return {
         "status": status,
+        "whole": True,
         "effects": effects if status == "named" else [],
         "where": {"along": "input"},
         "ladder": [["nominal", 0.5], ["dead_zone", 0.1], ["noise floor", 0.05]],
@@ -256,6 +257,11 @@ def test_effects_that_were_only_fitted_together_have_no_shares_of_their_own():
     ax = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said).axes[5]
     texts = [text.get_text() for text in ax.texts if text.get_text() != "F"]
     assert texts == ["0.97", "0.04", "alone 10 %"]
+
+
+def test_the_title_says_where_something_else_is_missing():
+    figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict() | {"whole": False})
+    assert figure.get_suptitle() == "certain, but not all: dead zone"
 
 
 @pytest.mark.parametrize(

@@ -115,7 +115,8 @@ def _title(verdict: Mapping[str, Any]) -> str:
     removed = ""
     if verdict.get("share"):
         removed = f", which removes {share(**verdict['share'])} of the gap"
-    return f"{verdict['status']}: {names}{removed}"
+    status = verdict["status"] if verdict["whole"] else "certain, but not all"
+    return f"{status}: {names}{removed}"
 
 
 def _named(effect: Mapping[str, Any]) -> str:
@@ -140,7 +141,7 @@ def _series(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> No
     held = certificate["role"].values == 3
     if held.any():
         ax.axvspan(time[held][0], time[held][-1], color=style.PALE, zorder=0, label="certified")
-    ax.set(xlabel="time (s)", ylabel=style.quantity("gap", unit), xlim=(time[0], time[-1]))
+    ax.set(xlabel="time (s)", ylabel=style.quantity("residual", unit), xlim=(time[0], time[-1]))
     ax.legend(**_ABOVE)
 
 
@@ -181,7 +182,7 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
     called = str(ends["long_name"]).removesuffix(": lower end").replace("_", " ")
     ax.set(
         xlabel=style.quantity(called, ends["units"]),
-        ylabel=style.quantity("RMS gap", gap.attrs["units"]),
+        ylabel=style.quantity("RMS residual", gap.attrs["units"]),
         ylim=(0, _HEADROOM * highest),
     )
     ax.locator_params(axis="x", nbins=6)
