@@ -26,9 +26,11 @@ def resolution(found: xr.Dataset, name: str) -> Figure:
     last = np.nan_to_num(probability[-1])
     order = np.lexsort((-highest, -last))
     chosen = [k for k in order if highest[k] > 0.02][:_SHOWN]
-    for k, colour in zip(chosen, style.CYCLE, strict=False):
+    for drawn, (k, colour) in enumerate(zip(chosen, style.CYCLE, strict=False)):
         label = str(found["hypothesis"].values[k]).replace("_", " ").replace("+", " + ")
-        ax.plot(driven, near[:, k], "o-", color=colour, label=label)
+        # Several may have the same probability: what is drawn later is smaller.
+        size = 7.0 - 0.9 * drawn
+        ax.plot(driven, near[:, k], "o-", color=colour, label=label, ms=size, lw=0.25 * size)
         out = np.flatnonzero(found["rejected"].values[:, k])
         ax.plot(driven[out], near[out, k], "x", color=style.BLACK, ms=5)
     ax.plot([], [], "x", color=style.BLACK, ms=5, label="rejected")
