@@ -25,7 +25,7 @@ ROOMS = {
     "terms": ("terms.py",),
     "excitation": ("excitation.py",),
     "simulation": ("simulation",),
-    "discrepancy": ("discrepancy/evidence", "discrepancy/search"),
+    "discrepancy": ("discrepancy/decision", "discrepancy/evidence", "discrepancy/search"),
     "plant": ("plant",),
     "acquisition": ("acquisition",),
     "modbus": ("modbus",),
