@@ -11,7 +11,7 @@ LEVEL = 0.05
 
 def log_normal(left, S):
     _, spread = np.linalg.slogdet(2.0 * np.pi * S)
-    return -0.5 * (left @ np.linalg.solve(S, left) + spread)
+    return -0.5 * (np.sum(left * np.linalg.solve(S, left), axis=(-2, -1)) + spread)
 
 
 def test_probabilities_are_those_of_bayes():
@@ -55,25 +55,25 @@ def test_the_right_hypothesis_is_rejected_no_more_often_than_the_level_at_any_ti
     rng = np.random.default_rng(7)
     runs, records, size = 1500, 20, 4
     J = rng.standard_normal((3, size, 2))
-    mean = 0.6 * rng.standard_normal((3, 2))
+    mean = 0.6 * rng.standard_normal((3, 2, 1))
     prior = {"a": 0.2, "b": 0.5, "c": 0.3}
-    rejected = 0
-    for _ in range(runs):
-        truth = mean[0] + 0.5 * rng.standard_normal(2)
-        beliefs = [(m, 0.25 * np.eye(2)) for m in mean]
-        posterior = Posterior.of(prior)
-        ever = False
-        for _ in range(records):
-            gain = 1.0 if posterior.now["a"] > prior["a"] else 0.5
-            y = gain * J[0] @ truth + noise * rng.standard_normal(size)
-            logs = {}
-            for number, name in enumerate(prior):
-                slope, (m, P) = gain * J[number], beliefs[number]
-                S = np.eye(size) + slope @ P @ slope.T
-                logs[name] = log_normal(y - slope @ m, S)
-                K = P @ slope.T @ np.linalg.inv(S)
-                beliefs[number] = (m + K @ (y - slope @ m), P - K @ slope @ P)
-            posterior = posterior.after(logs)
-            ever |= "a" in posterior.rejected(LEVEL)
-        rejected += ever
-    assert rejected / runs <= LEVEL + 2.0 * np.sqrt(LEVEL * (1.0 - LEVEL) / runs)
+    truth = mean[0] + 0.5 * rng.standard_normal((runs, 2, 1))
+    # Belief of each hypothesis in each run.
+    m, P = np.tile(mean, (runs, 1, 1, 1)), np.tile(0.25 * np.eye(2), (runs, 3, 1, 1))
+    posteriors = [Posterior.of(prior)] * runs
+    ever = np.zeros(runs, dtype=bool)
+    for _ in range(records):
+        gain = np.where([each.now["a"] > prior["a"] for each in posteriors], 1.0, 0.5)
+        slope = gain[:, None, None, None] * J
+        y = slope[:, 0] @ truth + noise * rng.standard_normal((runs, size, 1))
+        left = y[:, None] - slope @ m
+        S = np.eye(size) + slope @ P @ slope.swapaxes(-2, -1)
+        logs = log_normal(left, S)
+        K = P @ slope.swapaxes(-2, -1) @ np.linalg.inv(S)
+        m, P = m + K @ left, P - K @ slope @ P
+        posteriors = [
+            each.after(dict(zip(prior, own, strict=True)))
+            for each, own in zip(posteriors, logs, strict=True)
+        ]
+        ever |= ["a" in each.rejected(LEVEL) for each in posteriors]
+    assert ever.mean() <= LEVEL + 2.0 * np.sqrt(LEVEL * (1.0 - LEVEL) / runs)
