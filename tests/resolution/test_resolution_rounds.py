@@ -29,12 +29,12 @@ from dea.resolution.question import fresh_design, next_design
 from dea.stages.resolve import said
 from made_carriage import CARRIAGE
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("few_excitations")]
 
 SETTINGS = Settings(
     effects=("sensor_lag", "transport_delay", "electrode_lag"),
     warm_up=0.0,
-    budget=Budget(starts=2, shakes=0, effects=1),
+    budget=Budget(starts=2, shakes=0, restarted=0, effects=1),
 )
 OPTIONS = Options(duration=20.0)
 

@@ -18,7 +18,7 @@ from dea.errors import DeviceError, InputError
 from dea.resolution import CERTIFICATE, Design
 from dea.stages.resolve import Driven, _of_device, main, resolve
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("few_excitations")]
 
 ROOT = Path(__file__).parents[2]
 COLUMNS = {
@@ -46,10 +46,11 @@ def case(tmp_path, monkeypatch):
     shutil.copy(made_carriage.__file__, tmp_path / "carriage.py")
     monkeypatch.chdir(tmp_path)
     study = yaml.safe_load(Path("config/config.yaml").read_text())
+    budget = {"finished": 6, "beam": 2, "effects": 1, "starts": 2, "shakes": 0, "restarted": 0}
     study["discrepancy"] |= {
         "effects": ["sensor_lag", "transport_delay", "electrode_lag"],
         "warm_up": 0.0,
-        "budget": {"finished": 6, "beam": 2, "effects": 1, "starts": 2, "shakes": 0},
+        "budget": budget,
     }
     study["resolution"] = {"duration": 20.0, "rate": 20.0, "output_margin": 5.0}
     Path("config/config.yaml").write_text(yaml.safe_dump(study))
