@@ -207,14 +207,15 @@ test: $(VENV)/installed ## the whole test suite
 	$(MAKE) --no-print-directory --keep-going --jobs $(CORES) timed-tests other-tests; \
 		status=$$?; cat build/timed_tests.txt; exit $$status
 
-# They wait for clocks more than they compute: one after another, beside all others, which leave
+# They wait for clocks more than they compute: two at a time, beside all others, which leave
 # them the processor when they want it. A host that pauses a virtual machine for a tenth of a second
 # makes a sample late or lost, so that a failed one is run again; the summary names it.
 TIMED := tests/acquisition tests/bench tests/test_example_controller.py tests/test_fault_campaign.py
 
 timed-tests: $(VENV)/installed
 	@mkdir -p build
-	pytest --quiet --reruns 2 -raR $(TIMED) > build/timed_tests.txt
+	pytest --quiet --numprocesses 2 --dist loadfile --no-loadscope-reorder --reruns 2 -raR \
+		$(TIMED) > build/timed_tests.txt
 
 other-tests: $(VENV)/installed
 	nice pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder $(TIMED:%=--ignore %)
