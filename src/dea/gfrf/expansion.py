@@ -1,6 +1,8 @@
 """The polynomial of a NARX model, written around an operating point."""
 
+from collections import Counter
 from collections.abc import Sequence
+from functools import cache
 from itertools import chain, combinations
 from typing import Any
 
@@ -37,20 +39,31 @@ def expand(terms: Sequence[Term], theta: Any, y0: Any, u0: Array) -> dict[Term, 
     expanded: dict[Term, Any] = {}
     levels = u0.tolist()
     for j, term in enumerate(terms):
-        for y_kept in _subsets(len(term.y_lags)):
-            for u_kept in _subsets(len(term.u_lags)):
-                monomial = Term(
-                    tuple(term.y_lags[i] for i in y_kept),
-                    tuple(term.u_lags[i] for i in u_kept),
-                    tuple(term.inputs[i] for i in u_kept if term.inputs),
-                )
-                y_power = len(term.y_lags) - len(y_kept)
-                level = static_value(term.input_powers - monomial.input_powers, levels)
-                if monomial == Term() or level == 0.0:
-                    continue
-                share = theta[..., j] * y0**y_power * level
-                expanded[monomial] = expanded.get(monomial, 0.0) + share
+        for monomial, y_power, u_powers in _monomials(term):
+            level = static_value(u_powers, levels)
+            if level == 0.0:
+                continue
+            share = theta[..., j] * y0**y_power * level
+            expanded[monomial] = expanded.get(monomial, 0.0) + share
     return expanded
+
+
+# Models of many parameter sets have the same terms.
+@cache
+def _monomials(term: Term) -> list[tuple[Term, int, Counter[int]]]:
+    """Return the monomials of a term's deviations, each with the powers of y0 and u0 beside it."""
+    found = []
+    for y_kept in _subsets(len(term.y_lags)):
+        for u_kept in _subsets(len(term.u_lags)):
+            monomial = Term(
+                tuple(term.y_lags[i] for i in y_kept),
+                tuple(term.u_lags[i] for i in u_kept),
+                tuple(term.inputs[i] for i in u_kept if term.inputs),
+            )
+            if monomial != Term():
+                y_power = len(term.y_lags) - len(y_kept)
+                found.append((monomial, y_power, term.input_powers - monomial.input_powers))
+    return found
 
 
 def static_polynomial(terms: Sequence[Term], theta: Array, u0: Array) -> Array:
