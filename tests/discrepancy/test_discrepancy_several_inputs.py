@@ -9,6 +9,7 @@ import pytest
 import two_inputs
 from dea import Record
 from dea.discrepancy import (
+    Budget,
     Settings,
     candidates_dataset,
     certificate_dataset,
@@ -34,6 +35,7 @@ OFFERED = (
     "transport_delay", "electrode_lag", "slew_limit", "sensor_lag", "dead_zone", "gain_drift",
 )  # fmt: skip
 UNITS = (("V", "A"), "K")
+SEARCH = Budget(starts=2, finished=3, shakes=0, exchanges=0, restarted=0)
 
 
 def recorded(delay=0.0, lag=0.0, samples=900, seed=1, start=0.2):
@@ -61,7 +63,7 @@ def recorded(delay=0.0, lag=0.0, samples=900, seed=1, start=0.2):
 
 
 def found(*records, **options):
-    settings = Settings(effects=OFFERED, warm_up=0.0, **options)
+    settings = Settings(effects=OFFERED, warm_up=0.0, budget=SEARCH, **options)
     return diagnose(list(records), simulation, settings=settings)
 
 
