@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from dea.discrepancy import Settings, diagnose
+from dea.discrepancy import Budget, Settings, diagnose
 
 pytestmark = pytest.mark.slow
 
@@ -73,8 +73,9 @@ def simulation(tmp_path):
 
 def test_friction_of_a_servo_is_named_beside_a_constant_load(simulation):
     offered = ("coulomb_friction", "dead_zone", "gain_drift", "sensor_lag", "cyclic_softening")
+    search = Budget(starts=2, finished=3, shakes=0, exchanges=0, restarted=0)
     found = diagnose(
-        recorded(1, 20.4), simulation, settings=Settings(effects=offered),
+        recorded(1, 20.4), simulation, settings=Settings(effects=offered, budget=search),
         test_records={"another": recorded(2, 20.4)},
     )  # fmt: skip
     assert found.verdict.names == ("coulomb_friction",), found.verdict.sentence
