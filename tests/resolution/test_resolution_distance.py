@@ -100,6 +100,7 @@ def test_a_design_is_at_least_as_good_as_every_fixed_form_and_decides_sooner():
     assert short.u.size == 150
 
 
+@pytest.mark.usefixtures("few_excitations")
 def test_no_predicted_output_leaves_its_range():
     lag, late = explanation("sensor_lag", [0.06, 0.9, 0.0]), explanation("transport_delay", [0.05])
     tight = replace(LIMITS, output_low=-0.5, output_high=0.5)
