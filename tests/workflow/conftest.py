@@ -2,7 +2,7 @@ import fcntl
 import os
 
 import pytest
-from copied_project import FOUR_TRIALS, Project
+from copied_project import THREE_TRIALS, Project
 
 
 @pytest.fixture
@@ -32,8 +32,8 @@ def finished(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def finished_campaign(tmp_path_factory):
-    """A copy in which four blind trials of the tuning set have run, in two batches."""
+    """A copy in which three blind trials of the tuning set have run, in two batches."""
     project = Project(tmp_path_factory.mktemp("trials")).copy()
-    run = project.snakemake("trials", *FOUR_TRIALS, small=False)
+    run = project.snakemake("trials", *THREE_TRIALS, small=False)
     assert run.returncode == 0, run.stdout + run.stderr
     return project

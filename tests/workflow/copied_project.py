@@ -9,10 +9,10 @@ from pathlib import Path
 from dry_run import dry_run
 
 ROOT = Path(__file__).parents[2]
-# Few and quickly diagnosed, since how they are named is tested elsewhere.
-FOUR_TRIALS = [
+# Few with short records and quickly diagnosed, since how they are named is tested elsewhere.
+THREE_TRIALS = [
     "--config",
-    "trials={count: 4, batch: 2, set: tuning}",
+    "trials={first: 13, count: 3, batch: 2, set: tuning}",
     "discrepancy={effects: [coulomb_friction, gain_drift, sensor_lag],"
     " budget: {starts: 1, finished: 2, beam: 1, effects: 1, shakes: 0, restarted: 0}}",
     "figures={resolution: 80}",
