@@ -61,6 +61,7 @@ case: $(VENV)/installed ## identify and follow a record made elsewhere: make cas
 
 cases: $(VENV)/installed ## every case of config/cases, and their errors on unseen records in one table
 	$(SNAKEMAKE) cases
+	pytest -m campaign tests/workflow/test_cases.py
 
 handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handover: make handover NAME=dea1
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make handover NAME=dea1))

@@ -171,6 +171,8 @@ def test_independent_data_before_the_segment_are_refused(mine):
     assert not (folder / "orders.nc").exists()
 
 
+# What follows with two inputs goes through the same stages.
+@pytest.mark.campaign
 @needs_records
 def test_a_measured_record_runs_from_end_to_end(project):
     shutil.copytree(DATA / "cascaded_tanks", project.folder / "data" / "cascaded_tanks")
@@ -241,6 +243,9 @@ def test_a_record_with_two_inputs_runs_from_end_to_end(project):
     shutil.copytree(DATA / "two_heaters", project.folder / "data" / "two_heaters")
     run = project.snakemake("case_two_heaters_1", *COARSE, small=False)
     assert run.returncode == 0, run.stdout + run.stderr
+    for name in ["fig2", "fig3", "fig4_h2", "tracked_parameters", "residual_tests"]:
+        figure = project.folder / f"results/figures/cases/{name}_two_heaters_1.png"
+        assert figure.stat().st_size > 5_000
     results = project.folder / "results" / "two_heaters_1"
     responses = store.read(results / "gfrf.nc")
     assert responses["H1"].sizes["input"] == 2
