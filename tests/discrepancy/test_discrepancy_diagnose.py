@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_search import SEARCH
 from synthetic import record
 
 from dea.discrepancy import (
-    Budget,
     Settings,
     candidates_dataset,
     certificate_dataset,
@@ -30,7 +30,6 @@ OFFERED = (
     "coulomb_friction", "gain_drift", "periodic_disturbance", "sensor_lag", "transport_delay",
     "viscoelastic_creep",
 )  # fmt: skip
-SEARCH = Budget(starts=2, finished=3, shakes=0, exchanges=0, restarted=0)
 
 
 def diagnosed(*effects, seed=3, offered=OFFERED, workers=1):

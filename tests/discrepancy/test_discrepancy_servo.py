@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
+from small_search import SEARCH
 
-from dea.discrepancy import Budget, Settings, diagnose
+from dea.discrepancy import Settings, diagnose
 
 pytestmark = pytest.mark.slow
 
@@ -73,9 +74,8 @@ def simulation(tmp_path):
 
 def test_friction_of_a_servo_is_named_beside_a_constant_load(simulation):
     offered = ("coulomb_friction", "dead_zone", "gain_drift", "sensor_lag", "cyclic_softening")
-    search = Budget(starts=2, finished=3, shakes=0, exchanges=0, restarted=0)
     found = diagnose(
-        recorded(1, 20.4), simulation, settings=Settings(effects=offered, budget=search),
+        recorded(1, 20.4), simulation, settings=Settings(effects=offered, budget=SEARCH),
         test_records={"another": recorded(2, 20.4)},
     )  # fmt: skip
     assert found.verdict.names == ("coulomb_friction",), found.verdict.sentence

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_search import SEARCH
 
 import two_inputs
 from dea import Record
 from dea.discrepancy import (
-    Budget,
     Settings,
     candidates_dataset,
     certificate_dataset,
@@ -35,7 +35,6 @@ OFFERED = (
     "transport_delay", "electrode_lag", "slew_limit", "sensor_lag", "dead_zone", "gain_drift",
 )  # fmt: skip
 UNITS = (("V", "A"), "K")
-SEARCH = Budget(starts=2, finished=3, shakes=0, exchanges=0, restarted=0)
 
 
 def recorded(delay=0.0, lag=0.0, samples=900, seed=1, start=0.2):
