@@ -61,7 +61,6 @@ case: $(VENV)/installed ## identify and follow a record made elsewhere: make cas
 
 cases: $(VENV)/installed ## every case of config/cases, and their errors on unseen records in one table
 	$(SNAKEMAKE) cases
-	pytest -m campaign tests/workflow/test_cases.py
 
 handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handover: make handover NAME=dea1
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make handover NAME=dea1))
@@ -107,7 +106,7 @@ discrepancy: $(VENV)/installed ## name what the simulation of each actuator is m
 
 real: $(VENV)/installed ## name what the simulation of each measured record is missing, in one table
 	$(SNAKEMAKE) real_records
-	pytest -m campaign tests/discrepancy/test_discrepancy_real_records.py
+	pytest -m campaign tests/discrepancy/test_discrepancy_real_records.py tests/workflow/test_cases.py
 
 trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 FIRST=60 SET=tuning)
 	$(SNAKEMAKE) trials --config \
@@ -208,18 +207,19 @@ test: $(VENV)/installed ## the whole test suite
 	$(MAKE) --no-print-directory --keep-going --jobs $(CORES) timed-tests other-tests; \
 		status=$$?; cat build/timed_tests.txt; exit $$status
 
-# They wait for clocks more than they compute: two at a time, beside all others, which leave
+# They wait for clocks more than they compute: two files at a time, beside all others, which leave
 # them the processor when they want it. A host that pauses a virtual machine for a tenth of a second
 # makes a sample late or lost, so that a failed one is run again; the summary names it.
 TIMED := tests/acquisition tests/bench tests/test_example_controller.py tests/test_fault_campaign.py
+BY_FILE := --dist loadfile --no-loadscope-reorder
 
 timed-tests: $(VENV)/installed
 	@mkdir -p build
-	pytest --quiet --numprocesses 2 --dist loadfile --no-loadscope-reorder --reruns 2 -raR \
-		$(TIMED) > build/timed_tests.txt
+	pytest --quiet --numprocesses $(if $(filter 1,$(CORES)),1,2) $(BY_FILE) --reruns 2 -raR $(TIMED) \
+		> build/timed_tests.txt
 
 other-tests: $(VENV)/installed
-	nice pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder $(TIMED:%=--ignore %)
+	nice pytest --numprocesses $(CORES) $(BY_FILE) $(TIMED:%=--ignore %)
 
 compiled-tests: $(VENV)/installed
 	@mkdir -p build
