@@ -13,7 +13,11 @@ export OMP_NUM_THREADS := 1
 PLACE := $(if $(PROFILE),--workflow-profile workflow/profiles/default \
 	--profile workflow/profiles/$(PROFILE) --jobs $(or $(JOBS),100),\
 	--profile workflow/profiles/default --cores $(CORES))
-SNAKEMAKE := PYTHONPATH=workflow workflow/alone.sh snakemake --nolock --logger progress \
+# What a profile needs beside the environment, which has the packages that it pulls in.
+EXECUTOR = $(patsubst %,pip install --quiet --disable-pip-version-check --no-deps --requirement %, \
+	$(wildcard workflow/profiles/$(1)/environment.txt))
+SNAKEMAKE := $(and $(PROFILE),$(call EXECUTOR,$(PROFILE)),$(call EXECUTOR,$(PROFILE)) && )\
+	PYTHONPATH=workflow workflow/alone.sh snakemake --nolock --logger progress \
 	$(PLACE)
 
 comma := ,
@@ -177,6 +181,7 @@ crate: $(VENV)/installed $(VALIDATOR)/installed ## build/crate: the results and 
 
 slurm: $(VENV)/installed ## a small study on a Slurm of one node (Debian, as root), and 600 actuators planned
 	tests/workflow/slurm_here.sh
+	$(call EXECUTOR,slurm)
 	pytest -m campaign tests/workflow/test_workflow_cluster.py
 
 killed: $(VENV)/installed ## kill runs of a small study at random moments, fill its disk, go on
