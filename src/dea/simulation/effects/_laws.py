@@ -40,26 +40,31 @@ def limited(x: float, limit: float, sharpness: float) -> float:
     return result
 
 
-@njit(_VECTOR(_VECTOR, float64, float64, float64, float64), cache=True, error_model="numpy")
+@njit(
+    _VECTOR(_VECTOR, float64, float64, float64, float64, float64), cache=True, error_model="numpy"
+)
 def held_lag(
-    u: np.ndarray, start: float, tau: float, falling: float, interval: float
+    u: np.ndarray, start: float, tau: float, falling: float, growth: float, interval: float
 ) -> np.ndarray:
     """Return the mean over each interval of a held input behind a first-order lag, exactly.
 
     The lag stands at ``start`` when the record begins. Its time constant is ``tau`` while it rises
-    and ``falling`` times that while it falls.
+    and ``falling`` times that while it falls. It is longer by a factor of exp(``growth`` v²) where
+    the lag stands at v when an interval begins.
     """
-    decays, mean_weights = np.empty(2), np.empty(2)
-    for down in range(2):
-        ratio = interval / (tau * falling if down else tau)
-        decays[down] = np.exp(-ratio)
-        mean_weights[down] = (1.0 - decays[down]) / ratio if ratio > 1e-9 else 1.0
     result = np.empty(u.size)
-    v = start
+    v, down, ratio, decay, weight = start, -1, 0.0, 0.0, 0.0
     for k in range(u.size):
-        down = 1 if u[k] < v else 0
-        result[k] = u[k] + (v - u[k]) * mean_weights[down]
-        v = u[k] + (v - u[k]) * decays[down]
+        falls = 1 if u[k] < v else 0
+        if falls != down or growth != 0.0:
+            down = falls
+            ratio = interval / (tau * falling if down else tau)
+            if growth != 0.0:
+                ratio *= np.exp(-growth * v * v)
+            decay = np.exp(-ratio)
+            weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
+        result[k] = u[k] + (v - u[k]) * weight
+        v = u[k] + (v - u[k]) * decay
     return result
 
 

@@ -16,17 +16,18 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     That is a ladder of two resistances and capacitances: without a near part a cascade, and from a
     near part of the lags' ratio on what two lags in parallel are. Its charge at the start of the
     record is unknown. An input of one sign may discharge it through another resistance than it
-    charges through.
+    charges through. The capacity of a device that the charge stretches grows with the charge, as
+    exp(``growth`` v²), v in units of the largest input.
     """
-    slow, ratio, part, start, falling = q[0], q[1], q[2], q[3], q[4]
-    near = held_lag(u, u[0], slow * ratio, falling, interval)
-    far = held_lag(near, u[0] + start, slow, falling, interval)
+    slow, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
+    near = held_lag(u, u[0], slow * ratio, falling, growth, interval)
+    far = held_lag(near, u[0] + start, slow, falling, growth, interval)
     result: np.ndarray = (1.0 - part) * far + part * near
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the slow time, the fast one's ratio, the near part, charge at start, falling time."""
+    """Return the slow time, the fast one's ratio, the near part, charge at start, how it varies."""
     dt, spread = scales.interval, 0.0 if scales.bipolar else 0.3
     return (
         Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
@@ -34,15 +35,22 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("near_weight", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
         Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span, at_start=True),
         Parameter("falling_ratio", "1", 1.0, spread, 0.1, 10.0, log=True, shape=True),
+        Parameter("growth", "1", 0.0, 1.0, -1.0, 4.0, shape=True),
+        Parameter("full_input", scales.u_unit, scales.u_peak, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return slow time constants of a few intervals, and a discharge that is slower."""
-    dt = scales.interval
+    """Return slow times of a few intervals, a capacity that grows, and a slower discharge."""
+    dt, full = scales.interval, scales.u_peak
     return (
-        *((samples * dt, 0.1, 0.1, 0.0, 1.0) for samples in (2.0, 8.0, 30.0)),
-        *((samples * dt, 0.1, 0.1, 0.0, 3.0) for samples in (4.0, 16.0) if not scales.bipolar),
+        *((samples * dt, 0.1, 0.1, 0.0, 1.0, 0.0, full) for samples in (2.0, 8.0, 30.0)),
+        (0.1 * dt, 0.1, 0.1, 0.0, 1.0, 2.0, full),
+        *(
+            (samples * dt, 0.1, 0.1, 0.0, 3.0, 0.0, full)
+            for samples in (4.0, 16.0)
+            if not scales.bipolar
+        ),
     )
 
 
