@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from dea.simulation.exponential import ROOM, advance, advance_two
+from dea.simulation.exponential import ROOM, advance, advance_three, advance_two
 
 
 def phi_functions(A):
@@ -39,3 +39,16 @@ def test_a_step_is_phi_1_times_the_slope_and_phi_2_times_the_ramp(n, norm):
     np.testing.assert_allclose(stepped(A / h, none, ramp, h), h * second @ ramp, **close)
     both = h * (first @ slope + second @ ramp)
     np.testing.assert_allclose(stepped(A / h, slope, ramp, h), both, **close)
+
+
+@pytest.mark.parametrize("norm", [0.0, 0.3, 3.0, 17.0, 47.0])
+def test_three_states_are_advanced_by_a_series_unless_they_are_stiff(norm):
+    rng, h = np.random.default_rng(8), 0.02
+    A = rng.standard_normal((3, 3)) - 3.0 * np.eye(3)
+    A *= norm / np.abs(A).sum(axis=1).max()
+    slope, ramp, step = rng.standard_normal(3), rng.standard_normal(3), np.empty(3)
+    first, second = phi_functions(A)
+    assert advance_three(A / h, slope, ramp, h, step)
+    expected = h * (first @ slope + second @ ramp)
+    np.testing.assert_allclose(step, expected, rtol=1e-8, atol=1e-12)
+    assert not advance_three(100.0 * np.eye(3) / h, slope, ramp, h, step)

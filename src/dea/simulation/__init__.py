@@ -12,6 +12,7 @@ from dea.simulation.parameter import Parameter
 from dea.simulation.preparation import measured_scales, prepared, slowest_time, with_fine_steps
 from dea.simulation.saved import load_extended, save_extended
 from dea.simulation.scales import Scales
+from dea.simulation.sensor_filter import SensorFilter
 from dea.simulation.simulation import Simulation
 from dea.simulation.state import State
 
@@ -28,6 +29,7 @@ __all__ = [
     "Parameter",
     "Port",
     "Scales",
+    "SensorFilter",
     "Simulation",
     "State",
     "catalogue",

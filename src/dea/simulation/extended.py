@@ -280,9 +280,11 @@ class ExtendedSimulation:
                 interval=interval,
                 substeps=substeps,
             ),
-            self._slots.forces([(a, values[own]) for a, own in self._pushing]),
-        )[:, lead:]
-        return result
+            self._slots.forces([(a, values[own]) for a, own in self._pushing], values[:p_count]),
+        )
+        if own.sensor_filter:
+            result[0] = own.sensor_filter.read(result[0], result[2], interval)
+        return result[:2, lead:]
 
     def offset(self, values: np.ndarray, u: np.ndarray) -> list[np.ndarray]:
         """Return each input, shape (n,), with the constant that is added to it.

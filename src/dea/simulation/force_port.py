@@ -20,6 +20,9 @@ class ForcePort:
     reaction
         State equation that the same force is subtracted from, where it acts between two parts of
         the device: two bodies, or two vessels. ``None`` where it acts from outside.
+    divisor
+        Parameter that the equation divides forces by, such as a mass or a viscosity, where that is
+        uncertain: the force then keeps its ratio to the device's own forces whatever its value.
     """
 
     equation: str
@@ -27,6 +30,7 @@ class ForcePort:
     velocity: str | None
     rest: float = 0.0
     reaction: str | None = None
+    divisor: str | None = None
 
     @property
     def name(self) -> str:

@@ -34,14 +34,20 @@ class ForceSlots:
             *[empty] * (SLOTS - len(laws)),
         )
 
-    def forces(self, pushing: Sequence[tuple[Attached, np.ndarray]]) -> Forces:
-        """Return where each force attached acts, and its numbers, from its parameter values."""
+    def forces(self, pushing: Sequence[tuple[Attached, np.ndarray]], p: np.ndarray) -> Forces:
+        """Return where each force attached acts, and its numbers, from its parameter values.
+
+        ``p`` are those of the simulation.
+        """
         ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
         memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
         if self.simulation.force_ports:
             ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
         for slot, (a, q) in enumerate(pushing):
             ports[slot], frames[slot] = self._ports[a.place], self._frames[a.place]
+            divisor = self._divisors[a.place]
+            if divisor is not None:
+                frames[slot, 2] *= self.simulation.nominal[divisor] / p[divisor]
             parameters[slot, : q.size] = q
             if a.effect.memory is not None:
                 memory[slot] = a.effect.memory(q)
@@ -56,6 +62,14 @@ class ForceSlots:
                 for b in self.simulation.force_ports
             ]
         )
+
+    @cached_property
+    def _divisors(self) -> list[int | None]:
+        names = self.simulation.parameter_names
+        return [
+            None if port.divisor is None else names.index(port.divisor)
+            for port in self.simulation.force_ports
+        ]
 
     @cached_property
     def _frames(self) -> np.ndarray:

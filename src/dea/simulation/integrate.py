@@ -14,7 +14,7 @@ from dea.simulation.arguments import (
     Forces,
     Values,
 )
-from dea.simulation.exponential import ROOM, advance, advance_two
+from dea.simulation.exponential import ROOM, advance, advance_three, advance_two
 from dea.simulation.signatures import MATRIX, SLOTS
 
 
@@ -43,19 +43,20 @@ def integrate(
 
     Returns
     -------
-    (2, n)
-        Output, and the normalised position, at each sample; NaN from where the states diverge.
+    (3, n)
+        Output, the normalised position, and the output's rate per second, at each sample; NaN from
+        where the states diverge.
     """
     derivative, output, law_1, law_2, law_3 = equations
     u, steps, straight, drive_scale, interval, substeps = course
     attached, ports, frames, memory, q = forces
     x0, drive = values.initial, values.drive
     n, states = len(u), x0.size
-    result = np.full((2, n), np.nan)
+    result = np.full((3, n), np.nan)
     x, moved, step = x0.copy(), np.empty(states), np.empty(states)
     slope, beside, ramp = np.empty(states), np.empty(states), np.zeros(states)
     unforced = np.empty(states)
-    pushes, J = np.zeros(SLOTS), np.empty((states, states))
+    pushes, J = np.zeros(SLOTS), np.full((states, states), -np.inf)
     room = np.empty((ROOM, states, states))
     typical = np.abs(x0) + 1e-6
     p = values.parameters.copy()
@@ -64,6 +65,7 @@ def integrate(
     m1, m2, m3 = memory[0], memory[1], memory[2]
     q1, q2, q3 = q[0], q[1], q[2]
     h = interval / substeps
+    soon = 1e-3 * h
     z, z_next = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
     # Memories are kept half a step ahead, which makes the splitting one of second order.
     _positions(x, ports, frames, z)
@@ -89,10 +91,14 @@ def integrate(
                     typical[column - 1] = max(typical[column - 1], abs(x[column - 1]))
                     nudge = 1e-6 * typical[column - 1]
                     # Where a force looks at the position, the secant over the coming motion
-                    # sees the corners of its law.
+                    # sees the corners of its law. What decays fast moves by less than h times
+                    # its slope, as the Jacobian before tells.
                     for e in range(attached):
-                        if ports[e, 1] == column - 1 and abs(h * slope[column - 1]) > nudge:
-                            nudge = h * slope[column - 1]
+                        if ports[e, 1] == column - 1:
+                            coming = h * slope[column - 1]
+                            coming /= 1.0 + h * max(-J[column - 1, column - 1], 0.0)
+                            if abs(coming) > nudge:
+                                nudge = coming
                     moved[column - 1] += nudge
                 derivative(moved, v, p, beside)
                 if not column:
@@ -119,13 +125,17 @@ def integrate(
                         J[j, column - 1] = (beside[j] - slope[j]) / nudge
                     else:
                         slope[j] = beside[j]
+            if not s:
+                for j in range(states):
+                    moved[j] = x[j] + soon * slope[j]
+                result[2, i] = (output(moved, u[i], p) - result[0, i]) / soon
             if straight:
                 derivative(x, steps[i * substeps + s + 1], p, beside)
                 for j in range(states):
                     ramp[j] = beside[j] - unforced[j]
             if states == 2:
                 advance_two(J, slope, ramp, h, step)
-            else:
+            elif states != 3 or not advance_three(J, slope, ramp, h, step):
                 advance(J, slope, ramp, h, step, room)
             for e in range(attached):
                 if ports[e, 1] < 0:

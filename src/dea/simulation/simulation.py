@@ -13,6 +13,7 @@ from dea.simulation.input_action import InputAction
 from dea.simulation.inputs import RESERVED, Input
 from dea.simulation.interpolation import INTERPOLATIONS, InputInterpolation
 from dea.simulation.parameter import Parameter
+from dea.simulation.sensor_filter import SensorFilter
 from dea.simulation.signatures import (
     DERIVATIVE,
     DERIVATIVE_OF_SEVERAL,
@@ -65,6 +66,8 @@ class Simulation:
         input only.
     input_name
         What the input is called; of several inputs a name for each.
+    sensor_filter
+        The low-pass that the output is read through, where it is known.
     """
 
     name: str
@@ -85,6 +88,7 @@ class Simulation:
     action: InputAction | None = None
     source: str = field(default="", compare=False)
     input_name: str | tuple[str, ...] = "input"
+    sensor_filter: SensorFilter | None = None
 
     def __post_init__(self) -> None:
         names = [state.name for state in self.states] + [p.name for p in self.parameters]
@@ -106,6 +110,13 @@ class Simulation:
                 f"there is no input interpolation {self.input_interpolation!r}",
                 "input_interpolation",
                 f"Choose from {', '.join(INTERPOLATIONS)}",
+            )
+        through = self.sensor_filter
+        if through and not (through.cutoff > 0.0 and through.order >= 1):
+            raise self._error(
+                f"there is no low-pass of order {through.order} and {through.cutoff} Hz",
+                "sensor_filter",
+                "Give a cutoff above 0 Hz and an order of at least 1",
             )
         for port in self.force_ports:
             self._check_force_port(port)
@@ -174,6 +185,12 @@ class Simulation:
                     f"force_ports.{role}",
                     f"Name one of the states {', '.join(self.state_names)}",
                 )
+        if port.divisor is not None and port.divisor not in self.parameter_names:
+            raise self._error(
+                f"a force port names {port.divisor!r}, which is no parameter",
+                "force_ports.divisor",
+                f"Name one of the parameters {', '.join(self.parameter_names)}",
+            )
         if port.position is None and port.velocity is None:
             raise self._error(
                 "a force port has neither position nor velocity",

@@ -103,44 +103,61 @@ def delayed_smoothly(u: np.ndarray, delay: float, interval: float) -> np.ndarray
     return result
 
 
-def low_pass(y: np.ndarray, polynomial: Sequence[float]) -> np.ndarray:
+def low_pass(
+    y: np.ndarray, polynomial: Sequence[float], rate: np.ndarray | None = None
+) -> np.ndarray:
     """Return a signal (n,) behind 1/(polynomial in s), s in units of the sampling rate, exactly.
 
-    The polynomial ends with one. The signal is straight between samples, and at rest before the
-    first.
+    The polynomial ends with one. The signal is straight between samples or, where its ``rate`` (n,)
+    at each of them is given, per sample, cubic. It is at rest before the first.
     """
     from scipy.signal import lfilter
 
-    numerator, denominator = _held_straight(polynomial)
+    states, (level, slope, second, third) = _responses(polynomial)
+    denominator = np.poly(states)
+    if rate is None:
+        numerator = _numerator(states, denominator, level - slope, slope)
+    else:
+        now = 6.0 * second - 12.0 * third
+        numerator = _numerator(states, denominator, level - now, now)
     # At rest the output is the input: what the delays of the filter then hold.
     held = np.cumsum((numerator - denominator)[:0:-1])[::-1]
     smooth: np.ndarray = lfilter(numerator, denominator, y, zi=y[0] * held)[0]
+    if rate is not None:
+        before, now = slope - 4.0 * second + 6.0 * third, 6.0 * third - 2.0 * second
+        smooth += lfilter(_numerator(states, denominator, before, now), denominator, rate)
     return smooth
 
 
-def _held_straight(polynomial: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the filter of a low pass for a signal that is straight between samples.
+def _responses(polynomial: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return by what the states of a low pass go over in a sample, and what a signal adds to them.
 
-    ``scipy.signal.cont2discrete`` finds the same coefficients in three times the time.
+    The states are in companion form; the rows of the second are for a signal of 1 and for a first,
+    second and third derivative of 1. ``scipy.signal.cont2discrete`` finds the coefficients of a
+    straight signal in three times the time.
     """
     from scipy.linalg import expm
 
     leading, *others = polynomial
     order = len(others)
-    # States in companion form, the signal, and its slope.
-    whole = np.zeros((order + 2, order + 2))
+    whole = np.zeros((order + 4, order + 4))
     whole[: order - 1, 1:order] = np.eye(order - 1)
     whole[order - 1, :order] = -np.array(others[::-1]) / leading
     whole[order - 1, order] = 1.0 / leading
-    whole[order, order + 1] = 1.0
+    whole[order : order + 3, order + 1 :] = np.eye(3)
     step = expm(whole)
-    states, level, slope = step[:order, :order], step[:order, order], step[:order, order + 1]
-    response, moved = [slope[0]], level + states @ slope - slope
-    for _ in range(order):
+    return step[:order, :order], step[:order, order:].T
+
+
+def _numerator(
+    states: np.ndarray, denominator: np.ndarray, before: np.ndarray, now: np.ndarray
+) -> np.ndarray:
+    """Return that of the filter whose states add ``before`` times a sample, ``now`` the next."""
+    response, moved = [now[0]], before + states @ now
+    for _ in range(len(states)):
         response.append(moved[0])
         moved = states @ moved
-    denominator = np.poly(states)
-    return np.convolve(denominator, response)[: order + 1], denominator
+    return np.convolve(denominator, response)[: len(states) + 1]
 
 
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
