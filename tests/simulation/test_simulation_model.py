@@ -424,6 +424,26 @@ def test_a_users_simulation_is_checked(tmp_path, changed, message):
     assert error.value.remedy
 
 
+@pytest.mark.parametrize(
+    ("port", "message"),
+    [
+        (
+            ForcePort("upper_level", "upper_level", None, divisor="mass"),
+            "names 'mass', which is no",
+        ),
+        (
+            ForcePort(
+                "upper_level", "upper_level", None, reaction="lower_level", divisor="lower_inflow"
+            ),
+            "a divisor and a reaction",
+        ),
+    ],
+)
+def test_the_divisor_of_a_force_port_is_checked(port, message):
+    with pytest.raises(InputError, match=message):
+        replace(load_simulation("cascaded_tanks"), force_ports=(port,))
+
+
 def test_what_numba_keeps_of_a_users_simulation_is_found_again(tmp_path):
     path = write_own(tmp_path / "own.py", slope="p[0] * less(p[1] * u, x[0])")
     text = "from numba import njit\n\n\ndef less(a, b):\n    return a - b\n" + path.read_text()

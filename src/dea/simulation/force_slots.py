@@ -47,7 +47,7 @@ class ForceSlots:
             ports[slot], frames[slot] = self._ports[a.place], self._frames[a.place]
             divisor = self._divisors[a.place]
             if divisor is not None:
-                frames[slot, 2] *= self.simulation.nominal[divisor] / p[divisor]
+                frames[slot, 2] /= p[divisor]
             parameters[slot, : q.size] = q
             if a.effect.memory is not None:
                 memory[slot] = a.effect.memory(q)

@@ -9,7 +9,7 @@ class Normalisation:
 
     Position ``rest`` and excursion ``scale`` in the position's unit; ``unit_force``, the change
     of the state equation per unit of force, equals the elastic force at the excursion or, where
-    there is none, the force of the input's whole range.
+    there is none, the force of the input's whole range. It is times the port's divisor, if any.
     """
 
     rest: float = 0.0

@@ -211,4 +211,7 @@ def _normalisation(
     for level, slope in ((u.min(axis=0), low), (u.max(axis=0), high)):
         own.compiled_derivative(x, level, p, slope)
     driven = abs(high[equation] - low[equation])
-    return Normalisation(port.rest, excursion, elastic if elastic > _SLACK * driven else driven)
+    unit_force = elastic if elastic > _SLACK * driven else driven
+    if port.divisor is not None:
+        unit_force *= p[own.parameter_names.index(port.divisor)]
+    return Normalisation(port.rest, excursion, unit_force)

@@ -112,11 +112,11 @@ class Simulation:
                 f"Choose from {', '.join(INTERPOLATIONS)}",
             )
         through = self.sensor_filter
-        if through and not (through.cutoff > 0.0 and through.order >= 1):
+        if through and not (0.0 < through.cutoff < np.inf and through.order >= 1):
             raise self._error(
                 f"there is no low-pass of order {through.order} and {through.cutoff} Hz",
                 "sensor_filter",
-                "Give a cutoff above 0 Hz and an order of at least 1",
+                "Give a finite cutoff above 0 Hz and an order of at least 1, or leave it out",
             )
         for port in self.force_ports:
             self._check_force_port(port)
@@ -190,6 +190,12 @@ class Simulation:
                 f"a force port names {port.divisor!r}, which is no parameter",
                 "force_ports.divisor",
                 f"Name one of the parameters {', '.join(self.parameter_names)}",
+            )
+        if port.divisor is not None and port.reaction is not None:
+            raise self._error(
+                "a force port has a divisor and a reaction, whose equation may have another one",
+                "force_ports",
+                "Leave one of them out",
             )
         if port.position is None and port.velocity is None:
             raise self._error(
