@@ -16,8 +16,8 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     That is a ladder of two resistances and capacitances: without a near part a cascade, and from a
     near part of the lags' ratio on what two lags in parallel are. Its charge at the start of the
     record is unknown. An input of one sign may discharge it through another resistance than it
-    charges through. The capacity of a device that the charge stretches grows with the charge, as
-    exp(``growth`` v²), v in units of the largest input.
+    charges through. A device that its voltage v stretches has a differential capacity that grows
+    with it: the lags are longer by exp(``growth`` v²), v in units of the largest input.
     """
     slow, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
     near = held_lag(u, u[0], slow * ratio, falling, growth, interval)
@@ -45,7 +45,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     dt, full = scales.interval, scales.u_peak
     return (
         *((samples * dt, 0.1, 0.1, 0.0, 1.0, 0.0, full) for samples in (2.0, 8.0, 30.0)),
-        (0.1 * dt, 0.1, 0.1, 0.0, 1.0, 2.0, full),
+        (0.3 * dt, 0.1, 0.1, 0.0, 1.0, 2.0, full),
         *(
             (samples * dt, 0.1, 0.1, 0.0, 3.0, 0.0, full)
             for samples in (4.0, 16.0)
