@@ -87,7 +87,7 @@ class Problem(Samples):
         return rmse(residual, self.seen)
 
     def moved(self, extended: ExtendedSimulation, values: np.ndarray) -> np.ndarray:
-        """Return the output before the sensor, shape (n,)."""
+        """Return the output before gain, zero and effects of the sensor, shape (n,)."""
         result: np.ndarray = extended.run(values, self.u, self.interval)[0]
         return result
 
@@ -96,7 +96,7 @@ class Problem(Samples):
     ) -> np.ndarray:
         """Return measured minus simulated output, shape (n,); infinite where unstable.
 
-        ``output`` is that before the sensor, if it is known already. Where the measured output is
+        ``output`` is that of :meth:`moved`, if it is known already. Where the measured output is
         missing, the residual is interpolated: it bends less than the output, and spectra of it need
         a whole signal.
         """

@@ -83,8 +83,21 @@ class Forces(NamedTuple):
     parameters: np.ndarray  # (SLOTS, MEMORY)
 
 
+class Reading(NamedTuple):
+    """The low-pass that the output is read through, over a step of the integration.
+
+    It has k states, the reading and its derivatives: none where the output is read as it is.
+    """
+
+    states: np.ndarray  # (k, k), what takes them over a step
+    gains: np.ndarray
+    """(4, k): what they gain from the output at the step's start and end, and from its rates
+    there, per step."""
+
+
 _FORCE_LAW = types.NamedTuple([types.FunctionType(FORCE), types.FunctionType(UPDATE)], ForceLaw)
 FORCES = types.NamedTuple([int64, INDEX, MATRIX, MATRIX, MATRIX], Forces)
+READING = types.NamedUniTuple(MATRIX, 2, Reading)
 EQUATIONS, EQUATIONS_OF_SEVERAL = (
     types.NamedTuple(
         [types.FunctionType(derivative), types.FunctionType(output), *[_FORCE_LAW] * SLOTS],
@@ -100,12 +113,14 @@ ARGUMENTS = (
     types.NamedTuple([VECTOR, VECTOR, int64], Values),
     types.NamedTuple([VECTOR, VECTOR, int64, VECTOR, float64, int64], Course),
     FORCES,
+    READING,
 )
 ARGUMENTS_OF_SEVERAL = (
     EQUATIONS_OF_SEVERAL,
     types.NamedTuple([VECTOR, VECTOR, INDICES], Values),
     types.NamedTuple([MATRIX, MATRIX, int64, MATRIX, float64, int64], Course),
     FORCES,
+    READING,
 )
 
 

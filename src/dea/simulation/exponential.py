@@ -48,8 +48,9 @@ def advance_two(
 def advance_three(
     J: np.ndarray, slope: np.ndarray, ramp: np.ndarray, h: float, step: np.ndarray
 ) -> bool:
-    """Write h φ₁(h J) f + h φ₂(h J) Δf for three states; return whether this is the faster way.
+    """Write h φ₁(h J) f + h φ₂(h J) Δf for three states.
 
+    Return False, with nothing written, where h J is so large that :func:`advance` is faster.
     It is the solution of w' = J w + f + Δf t/h from w = 0, in equal parts of the step, each by a
     Taylor series of matrix times vector (Al-Mohy and Higham 2011, SIAM Journal on Scientific
     Computing 33:488).

@@ -19,6 +19,7 @@ from dea.simulation.interpolation import at_steps
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
+from dea.simulation.sensor_filter import UNFILTERED
 from dea.simulation.signatures import SLOTS
 from dea.simulation.simulation import Simulation
 from dea.simulation.timing import shifted
@@ -236,7 +237,7 @@ class ExtendedSimulation:
         return self.read(self.run(values, u, interval)[0], values, interval)
 
     def run(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
-        """Return the output before the sensor, and the normalised position, shape (2, n)."""
+        """Return the output behind the sensor's own filter, and the normalised position: (2, n)."""
         if self.records > 1:
             parts = [self.alone.run(own, u[part], interval) for part, own in self.each(values)]
             return np.concatenate(parts, axis=1)
@@ -281,10 +282,9 @@ class ExtendedSimulation:
                 substeps=substeps,
             ),
             self._slots.forces([(a, values[own]) for a, own in self._pushing], values[:p_count]),
-        )
-        if own.sensor_filter:
-            result[0] = own.sensor_filter.read(result[0], result[2], interval)
-        return result[:2, lead:]
+            own.sensor_filter.over(interval / substeps) if own.sensor_filter else UNFILTERED,
+        )[:, lead:]
+        return result
 
     def offset(self, values: np.ndarray, u: np.ndarray) -> list[np.ndarray]:
         """Return each input, shape (n,), with the constant that is added to it.

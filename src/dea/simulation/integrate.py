@@ -12,6 +12,7 @@ from dea.simulation.arguments import (
     Course,
     Equations,
     Forces,
+    Reading,
     Values,
 )
 from dea.simulation.exponential import ROOM, advance, advance_three, advance_two
@@ -26,12 +27,30 @@ def _positions(x: np.ndarray, ports: np.ndarray, frames: np.ndarray, z: np.ndarr
             z[e] = (x[ports[e, 1]] - frames[e, 0]) / frames[e, 1]
 
 
+@njit(inline="always")
+def _with_rate(
+    output: Any,
+    x: np.ndarray,
+    slope: np.ndarray,
+    u: Any,
+    p: np.ndarray,
+    soon: float,
+    moved: np.ndarray,
+) -> tuple[float, float]:
+    """Return the output and its rate per second where the states change by ``slope``."""
+    now = output(x, u, p)
+    for j in range(x.size):
+        moved[j] = x[j] + soon * slope[j]
+    return now, (output(moved, u, p) - now) / soon
+
+
 @njit(MATRIX(*ARGUMENTS), cache=True, nogil=True)
 def integrate(
     equations: Equations,
     values: Values,
     course: Course,
     forces: Forces,
+    reading: Reading,
 ) -> np.ndarray:
     """Integrate by the exponential Rosenbrock-Euler method with steps of ``interval/substeps``.
 
@@ -43,19 +62,23 @@ def integrate(
 
     Returns
     -------
-    (3, n)
-        Output, the normalised position, and the output's rate per second, at each sample; NaN from
-        where the states diverge.
+    (2, n)
+        Reading of the output, and the normalised position, at each sample; NaN from where the
+        states diverge.
     """
     derivative, output, law_1, law_2, law_3 = equations
     u, steps, straight, drive_scale, interval, substeps = course
     attached, ports, frames, memory, q = forces
+    taken_over, gains = reading
+    order = len(taken_over)
+    read, filtered = np.zeros(order), np.empty(order)
     x0, drive = values.initial, values.drive
     n, states = len(u), x0.size
-    result = np.full((3, n), np.nan)
+    result = np.full((2, n), np.nan)
     x, moved, step = x0.copy(), np.empty(states), np.empty(states)
     slope, beside, ramp = np.empty(states), np.empty(states), np.zeros(states)
     unforced = np.empty(states)
+    # No secant is longer than the least one before there is a Jacobian.
     pushes, J = np.zeros(SLOTS), np.full((states, states), -np.inf)
     room = np.empty((ROOM, states, states))
     typical = np.abs(x0) + 1e-6
@@ -65,7 +88,7 @@ def integrate(
     m1, m2, m3 = memory[0], memory[1], memory[2]
     q1, q2, q3 = q[0], q[1], q[2]
     h = interval / substeps
-    soon = 1e-3 * h
+    soon = 1e-3 * h  # over which the output's rate is a difference
     z, z_next = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
     # Memories are kept half a step ahead, which makes the splitting one of second order.
     _positions(x, ports, frames, z)
@@ -79,6 +102,10 @@ def integrate(
         p[drive] = p_drive * drive_scale[i]
         _positions(x, ports, frames, z)
         result[0, i] = output(x, u[i], p)
+        if order:
+            if not i:
+                read[0] = result[0, 0]
+            result[0, i] = read[0]
         result[1, i] = z[SLOTS]
         for s in range(substeps):
             v = steps[i * substeps + s]
@@ -125,10 +152,6 @@ def integrate(
                         J[j, column - 1] = (beside[j] - slope[j]) / nudge
                     else:
                         slope[j] = beside[j]
-            if not s:
-                for j in range(states):
-                    moved[j] = x[j] + soon * slope[j]
-                result[2, i] = (output(moved, u[i], p) - result[0, i]) / soon
             if straight:
                 derivative(x, steps[i * substeps + s + 1], p, beside)
                 for j in range(states):
@@ -140,8 +163,23 @@ def integrate(
             for e in range(attached):
                 if ports[e, 1] < 0:
                     z_next[e] = z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / frames[e, 1]
+            if order:
+                first, first_rate = _with_rate(output, x, slope, u[i], p, soon, moved)
+                for j in range(states):
+                    beside[j] = slope[j] + ramp[j]
+                    for k in range(states):
+                        beside[j] += J[j, k] * step[k]
             for j in range(states):
                 x[j] += step[j]
+            if order:
+                last, last_rate = _with_rate(output, x, beside, u[i], p, soon, moved)
+                for k in range(order):
+                    filtered[k] = gains[0, k] * first + gains[1, k] * last
+                    filtered[k] += h * (gains[2, k] * first_rate + gains[3, k] * last_rate)
+                    for j in range(order):
+                        filtered[k] += taken_over[k, j] * read[j]
+                for k in range(order):
+                    read[k] = filtered[k]
             if attached:
                 _positions(x, ports, frames, z_next)
                 law_1.update(z[0], z_next[0], h, m1, q1)

@@ -5,7 +5,10 @@ from functools import cache
 
 import numpy as np
 
-from dea.simulation.effects import low_pass
+from dea.simulation.arguments import Reading
+from dea.simulation.effects import low_pass_step
+
+UNFILTERED = Reading(np.empty((0, 0)), np.empty((4, 0)))
 
 
 @dataclass(frozen=True)
@@ -23,20 +26,20 @@ class SensorFilter:
     cutoff: float
     order: int = 2
 
-    def read(self, output: np.ndarray, rate: np.ndarray, interval: float) -> np.ndarray:
-        """Return an output (n,) behind the filter, exact where it is cubic between samples.
-
-        They are ``interval`` seconds apart, and its rates (n,) at them are per second. It is at
-        rest before the first.
-        """
-        polynomial = _polynomial(self.order, 2.0 * np.pi * self.cutoff * interval)
-        return low_pass(output, polynomial, interval * rate)
+    def over(self, step: float) -> Reading:
+        """Return the filter over ``step`` seconds in which the output is a cubic polynomial."""
+        return _over(self.order, 2.0 * np.pi * self.cutoff * step)
 
 
 @cache
-def _polynomial(order: int, cutoff: float) -> tuple[float, ...]:
-    """Return the denominator, which ends with one; ``cutoff`` is in radians per sample."""
+def _over(order: int, cutoff: float) -> Reading:
+    """Return it for a cutoff in radians per step."""
     from scipy.signal import butter
 
     denominator = butter(order, cutoff, analog=True)[1]
-    return tuple(denominator / denominator[-1])
+    states, (level, slope, second, third) = low_pass_step(denominator / denominator[-1], 3)
+    # The derivatives at its start of the cubic through values and rates at both ends (Hermite).
+    end = 6.0 * second - 12.0 * third
+    rates = (slope - 4.0 * second + 6.0 * third, 6.0 * third - 2.0 * second)
+    gains = np.array([level - end, end, *rates])
+    return Reading(np.ascontiguousarray(states), gains)

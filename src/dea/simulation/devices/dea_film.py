@@ -30,12 +30,15 @@ from dea.simulation.signatures import DERIVATIVE, OUTPUT, VECTOR
 from dea.simulation.simulation import Simulation
 from dea.simulation.state import State
 
-# The position is in cm: with its rate in m/s both change by as much in a hundredth of a second.
+# The position is in cm: its rate in m/s is then of like size as the other entries of the Jacobian,
+# which keeps the steps of the integrator few.
 PER_METRE = 100.0
 # Stretches at which the film is tabulated: their number, the first, and how far the last one is on
 # the way to where the annulus is crushed. Beyond them the stresses are computed.
 NODES, FIRST, LAST = 256, 0.95, 0.8
 COLUMNS = 4
+# In Hz: the anti-alias filter of a laser that is sampled at 50 Hz.
+LASER_CUTOFF = 15.0
 
 
 @njit(DERIVATIVE, cache=True, error_model="numpy")
@@ -140,5 +143,5 @@ simulation = Simulation(
     output_offset_spread=0.1,
     action=InputAction(law=pressure, derivative=tabulated, table=table),
     lead_in=2.0,
-    sensor_filter=SensorFilter(15.0),
+    sensor_filter=SensorFilter(LASER_CUTOFF),
 )

@@ -5,9 +5,9 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import low_pass
+from dea.simulation.effects._laws import low_pass, low_pass_step
 
-__all__ = ["Effect", "Family", "Port", "catalogue", "low_pass"]
+__all__ = ["Effect", "Family", "Port", "catalogue", "low_pass", "low_pass_step"]
 
 
 @cache

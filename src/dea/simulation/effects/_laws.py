@@ -46,11 +46,11 @@ def limited(x: float, limit: float, sharpness: float) -> float:
 def held_lag(
     u: np.ndarray, start: float, tau: float, falling: float, growth: float, interval: float
 ) -> np.ndarray:
-    """Return the mean over each interval of a held input behind a first-order lag, exactly.
+    """Return the mean over each interval of a held input behind a first-order lag.
 
     The lag stands at ``start`` when the record begins. Its time constant is ``tau`` while it rises
-    and ``falling`` times that while it falls. It is longer by a factor of exp(``growth`` v²) where
-    the lag stands at v when an interval begins.
+    and ``falling`` times that while it falls, exactly; over an interval that begins at v it is
+    longer by a factor of exp(``growth`` v²).
     """
     result = np.empty(u.size)
     v, down, ratio, decay, weight = start, -1, 0.0, 0.0, 0.0
@@ -103,61 +103,53 @@ def delayed_smoothly(u: np.ndarray, delay: float, interval: float) -> np.ndarray
     return result
 
 
-def low_pass(
-    y: np.ndarray, polynomial: Sequence[float], rate: np.ndarray | None = None
-) -> np.ndarray:
+def low_pass(y: np.ndarray, polynomial: Sequence[float]) -> np.ndarray:
     """Return a signal (n,) behind 1/(polynomial in s), s in units of the sampling rate, exactly.
 
-    The polynomial ends with one. The signal is straight between samples or, where its ``rate`` (n,)
-    at each of them is given, per sample, cubic. It is at rest before the first.
+    The polynomial ends with one. The signal is straight between samples, and at rest before the
+    first.
     """
     from scipy.signal import lfilter
 
-    states, (level, slope, second, third) = _responses(polynomial)
-    denominator = np.poly(states)
-    if rate is None:
-        numerator = _numerator(states, denominator, level - slope, slope)
-    else:
-        now = 6.0 * second - 12.0 * third
-        numerator = _numerator(states, denominator, level - now, now)
+    numerator, denominator = _held_straight(polynomial)
     # At rest the output is the input: what the delays of the filter then hold.
     held = np.cumsum((numerator - denominator)[:0:-1])[::-1]
     smooth: np.ndarray = lfilter(numerator, denominator, y, zi=y[0] * held)[0]
-    if rate is not None:
-        before, now = slope - 4.0 * second + 6.0 * third, 6.0 * third - 2.0 * second
-        smooth += lfilter(_numerator(states, denominator, before, now), denominator, rate)
     return smooth
 
 
-def _responses(polynomial: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Return by what the states of a low pass go over in a sample, and what a signal adds to them.
+def _held_straight(polynomial: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the filter of a low pass for a signal that is straight between samples.
 
-    The states are in companion form; the rows of the second are for a signal of 1 and for a first,
-    second and third derivative of 1. ``scipy.signal.cont2discrete`` finds the coefficients of a
-    straight signal in three times the time.
+    ``scipy.signal.cont2discrete`` finds the same coefficients in three times the time.
+    """
+    states, (level, slope) = low_pass_step(polynomial, 1)
+    response, moved = [slope[0]], level + states @ slope - slope
+    for _ in range(len(states)):
+        response.append(moved[0])
+        moved = states @ moved
+    denominator = np.poly(states)
+    return np.convolve(denominator, response)[: len(states) + 1], denominator
+
+
+def low_pass_step(polynomial: Sequence[float], derivatives: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return how the states (k,) of 1/(polynomial in s) change over a unit of time.
+
+    They are the output and its derivatives. The first matrix, shape (k, k), takes them over without
+    a signal; the rows of the second, shape (derivatives + 1, k), are what they gain from a signal
+    of one, and from a first and each higher derivative of one.
     """
     from scipy.linalg import expm
 
     leading, *others = polynomial
-    order = len(others)
-    whole = np.zeros((order + 4, order + 4))
+    order, size = len(others), len(others) + derivatives + 1
+    whole = np.zeros((size, size))
     whole[: order - 1, 1:order] = np.eye(order - 1)
     whole[order - 1, :order] = -np.array(others[::-1]) / leading
     whole[order - 1, order] = 1.0 / leading
-    whole[order : order + 3, order + 1 :] = np.eye(3)
+    whole[order:-1, order + 1 :] = np.eye(derivatives)
     step = expm(whole)
     return step[:order, :order], step[:order, order:].T
-
-
-def _numerator(
-    states: np.ndarray, denominator: np.ndarray, before: np.ndarray, now: np.ndarray
-) -> np.ndarray:
-    """Return that of the filter whose states add ``before`` times a sample, ``now`` the next."""
-    response, moved = [now[0]], before + states @ now
-    for _ in range(len(states)):
-        response.append(moved[0])
-        moved = states @ moved
-    return np.convolve(denominator, response)[: len(states) + 1]
 
 
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
