@@ -22,6 +22,7 @@ from dea.discrepancy.search.hints import jumps
 from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.discrepancy.search.screening import Base, Offer, promising
 from dea.discrepancy.search.search import Search, pool_of
+from dea.discrepancy.search.starts import bases_beside
 from dea.simulation import Port, catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL, NOISE = 0.02, 0.002
@@ -95,6 +96,53 @@ def test_a_course_in_time_promises_much_whether_it_rises_or_falls(name, sign):
     base = Base.of(moved, nominal)
     best, *_ = promising(moved, [base], Offer(catalogue()[name], scales), 2)
     assert best.left < 0.3 * (base.left @ base.left)
+
+
+def test_a_law_starts_within_the_motion_of_the_fit_that_it_is_attached_to():
+    problem, extended = hidden()
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    smaller = nominal.coordinates.copy()
+    gain = [extended.names[i] for i in extended.free].index("static_gain")
+    smaller[gain] += np.log(0.5)
+    half = at(problem, extended, smaller)
+    stop = Offer(catalogue()["end_stop"], measured_scales(extended, nominal.values, problem))
+    ranges = []
+    for fitted in (nominal, half):
+        z = fitted.extended.run(fitted.values, problem.u, INTERVAL)[0]
+        starts = promising(problem, [Base.of(problem, fitted)], stop, 2)
+        scales = starts[0].extended.attached[-1].scales
+        ranges.append((z.min() / scales.z_low, z.max() / scales.z_high))
+    np.testing.assert_allclose(ranges[0], ranges[1], rtol=1e-3)
+
+
+def test_a_further_effect_starts_beside_the_simulation_near_its_prior_too():
+    problem, extended = hidden("dead_zone", "sensor_lag")
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    alone = extend_by_each(problem, [nominal], [catalogue()["sensor_lag"]], Budget(), 1)
+    found = alone.candidates[0].fit
+    first, near = bases_beside(problem, found)
+    assert first is found
+    own = np.arange(extended.free.size)
+    np.testing.assert_array_equal(near.coordinates[own.size :], found.coordinates[own.size :])
+    assert np.linalg.norm(near.coordinates[own]) < np.linalg.norm(found.coordinates[own])
+
+
+def test_an_effect_of_a_pair_is_exchanged_for_any_of_its_family():
+    """The sensor's lag was not fitted to the end alone, so that it is no leading effect."""
+    problem, extended = hidden("dead_zone", "sensor_lag")
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    offered = [catalogue()[name] for name in ("dead_zone", "electrode_lag", "sensor_lag")]
+    alone = extend_by_each(problem, [nominal], offered[:1], Budget(), 1).candidates[0]
+    pair = extend_by_each(problem, [alone.fit], offered[1:2], Budget(), 1).candidates[0]
+
+    class Led(Search):
+        @property
+        def singles(self):
+            return Round(nominal, (alone,))
+
+    search = Led(problem, [nominal], offered, Budget(), Rules())
+    found = pool_of(search._exchanged(pair))
+    assert {"dead_zone", "sensor_lag"} in [set(c.names) for c in found]
 
 
 @pytest.mark.parametrize("first", ["slew_limit", "input_saturation"])

@@ -58,6 +58,14 @@ class Fit:
         return self.extended.values(self.coordinates)
 
     @property
+    def of_laws(self) -> np.ndarray:
+        """Which coordinates (k,) are the laws', and not the simulation's own."""
+        slices = self.extended.effect_slices
+        first = slices[0].start if slices else len(self.extended.parameters)
+        result: np.ndarray = self.extended.free >= first
+        return result
+
+    @property
     def records(self) -> list[slice]:
         """The samples of each record."""
         return samples_of_each(self.extended.lengths or (self.residual.size,))

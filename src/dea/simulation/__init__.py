@@ -9,7 +9,13 @@ from dea.simulation.law_course import LawCourse, law_courses
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.parameter import Parameter
-from dea.simulation.preparation import measured_scales, prepared, slowest_time, with_fine_steps
+from dea.simulation.preparation import (
+    measured_scales,
+    motion,
+    prepared,
+    slowest_time,
+    with_fine_steps,
+)
 from dea.simulation.saved import load_extended, save_extended
 from dea.simulation.scales import Scales
 from dea.simulation.sensor_filter import SensorFilter
@@ -38,6 +44,7 @@ __all__ = [
     "load_simulation",
     "low_pass",
     "measured_scales",
+    "motion",
     "prepared",
     "samples_of_each",
     "save_extended",

@@ -117,19 +117,7 @@ def measured_scales(
     Those of the input are of number ``at_input``, those of the motion at one ``force_port``.
     """
     own = extended.simulation
-    z = np.zeros(2)
-    if own.force_ports:
-        port = own.force_ports[force_port]
-        prior = extended.values(np.zeros(extended.free.size))
-        z, z_prior = (
-            _deflection(extended, port, v, record.u, record.interval)
-            / extended.normalisations[force_port].scale
-            for v in (values, prior)
-        )
-        # A simulation fitted to a device that sticks does not move and gives no scale; without the
-        # effect that holds the device it may diverge.
-        if not np.ptp(z) >= _STILL * np.ptp(z_prior):
-            z = z_prior
+    z_low, z_high = motion(extended, values, record, force_port) if own.force_ports else (0.0, 1.0)
     u = by_input(record.u)[at_input]
     rate = np.abs(np.diff(u)) / record.interval
     return Scales(
@@ -140,12 +128,34 @@ def measured_scales(
         u_rate=float(np.quantile(rate[rate > 0], 0.98)) if rate.any() else 0.0,
         y_low=float(record.y.min()),
         y_high=float(record.y.max()),
-        z_low=float(z.min()),
-        z_high=float(z.max()) if np.ptp(z) > 0 else float(z.min()) + 1.0,
+        z_low=z_low,
+        z_high=z_high,
         interval=record.interval,
         duration=float(max(extended.lengths or (u.size,)) * record.interval),
         smooth=own.input_interpolation == "smooth",
     )
+
+
+def motion(
+    extended: ExtendedSimulation, values: np.ndarray, record: Sampled, force_port: int
+) -> tuple[float, float]:
+    """Return the lowest and highest normalised position at a force port, simulated at ``values``.
+
+    Those of the prior means where it hardly moves at these values.
+    """
+    port = extended.simulation.force_ports[force_port]
+    prior = extended.values(np.zeros(extended.free.size))
+    z, z_prior = (
+        _deflection(extended, port, v, record.u, record.interval)
+        / extended.normalisations[force_port].scale
+        for v in (values, prior)
+    )
+    # A simulation fitted to a device that sticks does not move and gives no scale; without the
+    # effect that holds the device it may diverge.
+    if not np.ptp(z) >= _STILL * np.ptp(z_prior):
+        z = z_prior
+    low, high = float(z.min()), float(z.max())
+    return low, high if high > low else low + 1.0
 
 
 def slowest_time(extended: ExtendedSimulation, u: np.ndarray) -> float:

@@ -1,7 +1,7 @@
 """Screen an effect: fit it by a few cheap steps from its most promising starts."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.discrepancy.sensitivity import unabsorbed
-from dea.simulation import Effect, ExtendedSimulation, Scales
+from dea.simulation import Effect, ExtendedSimulation, Scales, motion
 
 # Starts that get cheap steps beyond the kept ones, and fits that go on after them beyond the two
 # that are used: both are ranked only roughly.
@@ -22,27 +22,49 @@ _NOTHING, _FAR = 0.3, 6.0
 
 @dataclass(frozen=True)
 class Base:
-    """A fit to start from, what its parameters cannot absorb of a change, and of its residual."""
+    """A fit to start from, what its parameters cannot absorb of a change, and of its residual.
+
+    ``motions`` are the lowest and highest position at each force port. Of two fits of one
+    simulation they may have nothing in common: an offset moves the range of one of them.
+    """
 
     fit: Fit
     remainder: Callable[[np.ndarray], np.ndarray]
     left: np.ndarray
+    motions: tuple[tuple[float, float], ...]
 
     @classmethod
     def of(cls, problem: Problem, fitted: Fit) -> "Base":
         """Prepare a fit; all effects offered share it."""
         remainder = unabsorbed(fitted.jacobian[problem.seen], problem.noise)
-        return cls(fitted, remainder, remainder(fitted.residual[problem.seen]))
+        ports = range(len(fitted.extended.simulation.force_ports))
+        motions = (motion(fitted.extended, fitted.values, problem, port) for port in ports)
+        return cls(fitted, remainder, remainder(fitted.residual[problem.seen]), tuple(motions))
 
 
 @dataclass(frozen=True)
 class Offer:
-    """An effect, the force port or input at which it would be attached, and its scales."""
+    """An effect, the force port or input at which it would be attached, and scales of the record.
+
+    The motion is that of the base that it is attached to.
+    """
 
     effect: Effect
     scales: Scales
     place: int = 0
     upstream: bool = False
+
+    def scales_at(self, base: Base) -> Scales:
+        """Return the scales of the record and of the motion of a base."""
+        if self.effect.on_input or not base.motions:
+            return self.scales
+        low, high = base.motions[self.place]
+        return replace(self.scales, z_low=low, z_high=high)
+
+    def attached_to(self, base: Base) -> ExtendedSimulation:
+        """Return the simulation of a base with the effect."""
+        scales = self.scales_at(base)
+        return base.fit.extended.attach(self.effect, scales, self.place, self.upstream)
 
 
 class Start(NamedTuple):
@@ -67,13 +89,13 @@ def promising(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) 
     The bases are fits of one simulation. There is one start more than are ``kept``, from one base
     half as many at most; none where this record gives the effect no start.
     """
-    extended = bases[0].fit.extended.attach(offer.effect, offer.scales, offer.place, offer.upstream)
-    law = extended.attached[-1]
     found: list[Start] = []
     for base in bases:
+        extended = offer.attached_to(base)
+        law = extended.attached[-1]
         own = [
             _promised(problem, base, extended, law.started(start))
-            for start in offer.effect.starts(offer.scales)
+            for start in offer.effect.starts(offer.scales_at(base))
         ]
         found += sorted(own, key=lambda start: start.left)[: max(1, kept // 2)]
     return sorted(found, key=lambda start: start.left)[: kept + min(_MORE, kept - 1)]
@@ -110,7 +132,7 @@ def screen(
     cheap = [first_steps(start) for start in starts]
     if min(map(error, cheap), default=0.0) > error(base.fit):
         # Where it does nothing, a law leaves the simulation's own fit.
-        nothing = where_it_does_nothing(problem, base, starts[0].extended, offer)
+        nothing = where_it_does_nothing(problem, base, offer)
         cheap += [] if nothing is None else [first_steps(nothing)]
     cheap.sort(key=error)
     whole = [
@@ -121,20 +143,19 @@ def screen(
     return sorted((each for each in whole if each.stable), key=error)[:kept]
 
 
-def where_it_does_nothing(
-    problem: Problem, base: Base, extended: ExtendedSimulation, offer: Offer
-) -> Start | None:
-    """Return the start at which the last law attached changes least, if it then hardly does.
+def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start | None:
+    """Return the start at which the law offered changes least, if it then hardly does.
 
     One parameter of a start at a time is put at its bounds, or far from its prior: a threshold at
     zero, a limit beyond the range, a stiffness of nothing.
     """
+    extended = offer.attached_to(base)
     law = extended.attached[-1]
     first = base.fit.coordinates.size
     low, high = extended.bounds
     seen, noise = problem.seen, problem.noise
     least, found = _NOTHING * noise, None
-    for start in offer.effect.starts(offer.scales):
+    for start in offer.effect.starts(offer.scales_at(base)):
         placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
         for i in range(first, placed.size):
             for end in (max(low[i], -_FAR), min(high[i], _FAR)):

@@ -25,6 +25,7 @@ from dea.discrepancy.search.rounds import (
     fitted_again,
     from_prior_means,
 )
+from dea.discrepancy.search.starts import bases_beside
 from dea.simulation import Effect, Port
 
 
@@ -63,7 +64,7 @@ class Search:
         return extend_by_each(self.problem, bases, effects, self.budget, self.workers)
 
     def _extended(self, candidates: Sequence[Candidate]) -> list[Round]:
-        return [self._round([c.fit], self.offered) for c in candidates]
+        return [self._round(bases_beside(self.problem, c.fit), self.offered) for c in candidates]
 
     def _leading(self, rounds: Sequence[Round]) -> list[Candidate]:
         return [c for c in pool_of(rounds) if c.finished][: self.budget.beam]
@@ -100,10 +101,14 @@ class Search:
         return grown
 
     def _exchanged(self, pair: Candidate) -> list[Round]:
-        """Offer the leading effects beside each effect of a pair, as the pair has fitted it."""
+        """Offer the leading effects beside each effect of a pair, as the pair has fitted it.
+
+        Those of its families are among them: one of these may stand for another.
+        """
         finished = [c.fit for c in self.singles.candidates if c.finished]
-        leading = {a.effect.name for each in (pair.fit, *finished) for a in each.extended.attached}
-        effects = [effect for effect in self.offered if effect.name in leading]
+        leading = {a.effect.name for each in finished for a in each.extended.attached}
+        families = {a.effect.family for a in pair.fit.extended.attached}
+        effects = [each for each in self.offered if each.name in leading or each.family in families]
         kept = [without(self.problem, pair.fit, i) for i in range(len(pair.names))]
         return [self._round([fitted], effects) for fitted in kept if fitted.stable]
 

@@ -1,8 +1,10 @@
 """Fits of the simulation alone, which the candidates are compared with and start from."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from dea.discrepancy.fit import Fit, at, fit
+from dea.discrepancy.fit import Columns, Fit, at, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem, rmse
 from dea.errors import InputError
@@ -51,9 +53,35 @@ def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
     A refit spreads the residual that a missing effect causes over the whole record; in this fit
     it stays where the effect acts.
     """
-    trust = rmse(refitted.residual, problem.seen) * np.sqrt(problem.seen.sum()) / 3.0
     start = np.zeros(refitted.coordinates.size)
-    return fit(problem.with_noise(max(trust, problem.noise)), refitted.extended, start)
+    return fit(problem.with_noise(_doubt(problem, refitted)), refitted.extended, start)
+
+
+def bases_beside(problem: Problem, found: Fit) -> list[Fit]:
+    """Return the fits to start a further effect from: that of the effects found so far first.
+
+    Then the same laws with the simulation near its prior: its parameters may have moved far to make
+    up for the effect that is still missing.
+    """
+    laws = found.of_laws
+    start = np.where(laws, found.coordinates, 0.0)
+    doubted = problem.with_noise(_doubt(problem, found))
+    near = fit(doubted, found.extended, start, columns=Columns(held=laws))
+    return [found, *_far_from(found, [near])]
+
+
+def _doubt(problem: Problem, refitted: Fit) -> float:
+    """Return the noise to assume in a fit whose parameters shall stay near their prior."""
+    left = rmse(refitted.residual, problem.seen)
+    return float(max(left * np.sqrt(problem.seen.sum()) / 3.0, problem.noise))
+
+
+def _far_from(refitted: Fit, others: Sequence[Fit]) -> list[Fit]:
+    return [
+        other
+        for other in others
+        if other.stable and np.linalg.norm(refitted.coordinates - other.coordinates) > _FAR
+    ]
 
 
 def fit_parts(problem: Problem, near: Fit) -> list[Fit]:
@@ -82,9 +110,4 @@ def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -
     drawn = [at(problem, nominal.extended, x) for x in 0.7 * rng.standard_normal((draws, size))]
     others = [near, *fit_parts(problem, near)] if near.stable else []
     others.append(at(problem, nominal.extended, np.zeros(size)))
-    far = [
-        other
-        for other in others
-        if other.stable and np.linalg.norm(nominal.coordinates - other.coordinates) > _FAR
-    ]
-    return [nominal, *far, *(each for each in drawn if each.stable)]
+    return [nominal, *_far_from(nominal, others), *(each for each in drawn if each.stable)]
