@@ -22,7 +22,6 @@ from dea.discrepancy.search.hints import jumps
 from dea.discrepancy.search.rounds import Round, extend_by_each
 from dea.discrepancy.search.screening import Base, Offer, promising
 from dea.discrepancy.search.search import Search, pool_of
-from dea.discrepancy.search.starts import bases_beside
 from dea.simulation import Port, catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL, NOISE = 0.02, 0.002
@@ -99,32 +98,61 @@ def test_a_course_in_time_promises_much_whether_it_rises_or_falls(name, sign):
 
 
 def test_a_law_starts_within_the_motion_of_the_fit_that_it_is_attached_to():
+    """Fits with other constants at the input: one device moves above the other."""
     problem, extended = hidden()
+    extended = replace(extended, simulation=replace(extended.simulation, input_offset_spread=5.0))
     nominal = fit(problem, extended, np.zeros(extended.free.size))
-    smaller = nominal.coordinates.copy()
-    gain = [extended.names[i] for i in extended.free].index("static_gain")
-    smaller[gain] += np.log(0.5)
-    half = at(problem, extended, smaller)
+    lifted = nominal.coordinates.copy()
+    lifted[[extended.names[i] for i in extended.free].index("input_offset")] = 2.0
     stop = Offer(catalogue()["end_stop"], measured_scales(extended, nominal.values, problem))
-    ranges = []
-    for fitted in (nominal, half):
-        z = fitted.extended.run(fitted.values, problem.u, INTERVAL)[0]
-        starts = promising(problem, [Base.of(problem, fitted)], stop, 2)
-        scales = starts[0].extended.attached[-1].scales
-        ranges.append((z.min() / scales.z_low, z.max() / scales.z_high))
-    np.testing.assert_allclose(ranges[0], ranges[1], rtol=1e-3)
+    for fitted in (nominal, at(problem, extended, lifted)):
+        position = fitted.extended.run(fitted.values, problem.u, INTERVAL)[1]
+        for start in promising(problem, [Base.of(problem, fitted)], stop, 2):
+            values = start.extended.values(start.coordinates)
+            own = dict(zip(start.extended.names, values, strict=True))
+            stops = own["end_stop.upper_stop"], own["end_stop.lower_stop"]
+            assert any(position.min() < each < position.max() for each in stops)
+
+
+def test_a_law_takes_its_scales_at_the_force_port_that_it_is_attached_to():
+    own = load_simulation("two_heaters")
+    rng = np.random.default_rng(4)
+    u = np.repeat(rng.uniform(0, 100, (40, 2)), 20, axis=0)
+    everything = np.ones(len(u), bool)
+    extended = prepared(own, u, 1.0, 1e-3)
+    y = extended.simulate(extended.values(np.zeros(extended.free.size)), u, 1.0)
+    problem = Problem(u, y, 1.0, everything, ~everything, ~everything)
+    fitted = at(problem, extended, np.zeros(extended.free.size))
+    base = Base.of(problem, fitted)
+    assert len(base.motions) == len(own.force_ports) > 1
+    for place in range(len(own.force_ports)):
+        told = measured_scales(extended, fitted.values, problem, place)
+        found = Offer(catalogue()["end_stop"], told, place).scales_at(base)
+        assert found == told
 
 
 def test_a_further_effect_starts_beside_the_simulation_near_its_prior_too():
     problem, extended = hidden("dead_zone", "sensor_lag")
     nominal = fit(problem, extended, np.zeros(extended.free.size))
     alone = extend_by_each(problem, [nominal], [catalogue()["sensor_lag"]], Budget(), 1)
-    found = alone.candidates[0].fit
-    first, near = bases_beside(problem, found)
-    assert first is found
-    own = np.arange(extended.free.size)
-    np.testing.assert_array_equal(near.coordinates[own.size :], found.coordinates[own.size :])
-    assert np.linalg.norm(near.coordinates[own]) < np.linalg.norm(found.coordinates[own])
+    [candidate] = alone.candidates
+    joined = []
+
+    class Watched(Search):
+        def _round(self, bases, effects):
+            joined.extend(bases)
+            return alone
+
+    Watched(problem, [nominal], [], Budget(), Rules())._extended([candidate])
+    first, near = joined
+    assert first is candidate.fit
+    laws = first.extended.of_laws
+    np.testing.assert_array_equal(near.coordinates[laws], first.coordinates[laws])
+    distances = [np.linalg.norm(each.coordinates[~laws]) for each in joined]
+    assert 0.0 < distances[1] < distances[0]
+    prior = at(problem, first.extended, first.at_prior_means)
+    assert problem.seen_rmse(near.residual) < problem.seen_rmse(prior.residual)
+    assert (np.linalg.norm(near.jacobian[:, laws], axis=0) > 0).any()
 
 
 def test_an_effect_of_a_pair_is_exchanged_for_any_of_its_family():

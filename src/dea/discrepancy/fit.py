@@ -58,12 +58,9 @@ class Fit:
         return self.extended.values(self.coordinates)
 
     @property
-    def of_laws(self) -> np.ndarray:
-        """Which coordinates (k,) are the laws', and not the simulation's own."""
-        slices = self.extended.effect_slices
-        first = slices[0].start if slices else len(self.extended.parameters)
-        result: np.ndarray = self.extended.free >= first
-        return result
+    def at_prior_means(self) -> np.ndarray:
+        """The coordinates (k,), those that are not of laws at their prior means."""
+        return np.where(self.extended.of_laws, self.coordinates, 0.0)
 
     @property
     def records(self) -> list[slice]:

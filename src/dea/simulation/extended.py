@@ -132,7 +132,7 @@ class ExtendedSimulation:
         of known parameters would make up for a missing effect.
         """
         pairs = np.array([self.parameters[i].coordinate_bounds() for i in self.free])
-        own = self.free < self._laws_from
+        own = ~self.of_laws
         pairs[own] = np.clip(pairs[own], -_REACH, _REACH)
         return pairs[:, 0], pairs[:, 1]
 
@@ -140,6 +140,12 @@ class ExtendedSimulation:
     def _laws_from(self) -> int:
         """Where in ``values`` the effects' parameters begin."""
         return len(self.parameters) - sum(len(a.parameters) for a in self.attached)
+
+    @cached_property
+    def of_laws(self) -> np.ndarray:
+        """Which free coordinates are the effects', and not the simulation's own."""
+        result: np.ndarray = self.free >= self._laws_from
+        return result
 
     @cached_property
     def shapes(self) -> np.ndarray:

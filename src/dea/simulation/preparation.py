@@ -139,9 +139,9 @@ def measured_scales(
 def motion(
     extended: ExtendedSimulation, values: np.ndarray, record: Sampled, force_port: int
 ) -> tuple[float, float]:
-    """Return the lowest and highest normalised position at a force port, simulated at ``values``.
+    """Return the lowest and highest normalised position at a force port, without any effect.
 
-    Those of the prior means where it hardly moves at these values.
+    It is simulated at ``values``; where it hardly moves there, at the prior means.
     """
     port = extended.simulation.force_ports[force_port]
     prior = extended.values(np.zeros(extended.free.size))

@@ -143,7 +143,7 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     """
     whole = [slice(0, problem.size)]
     best = fitted_again(problem, fitted, budget)
-    own = fitted.of_laws
+    own = fitted.extended.of_laws
     count = budget.shakes if len(fitted.extended.attached) == 1 else 0
     for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
         noise = white_level(best.residual, whole)
@@ -161,8 +161,7 @@ def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     Another effect is better attached to the fit that was found without this: what is best alone may
     make up for it.
     """
-    start = np.where(fitted.of_laws, fitted.coordinates, 0.0)
-    return fitted_again(problem, replace(fitted, coordinates=start), budget)
+    return fitted_again(problem, replace(fitted, coordinates=fitted.at_prior_means), budget)
 
 
 def fitted_again(problem: Problem, fitted: Fit, budget: Budget) -> Fit:

@@ -24,8 +24,8 @@ _NOTHING, _FAR = 0.3, 6.0
 class Base:
     """A fit to start from, what its parameters cannot absorb of a change, and of its residual.
 
-    ``motions`` are the lowest and highest position at each force port. Of two fits of one
-    simulation they may have nothing in common: an offset moves the range of one of them.
+    ``motions`` are the lowest and highest position at each force port, without any effect. Two fits
+    of one simulation, with other zeros of the sensor, may have no position in common.
     """
 
     fit: Fit
@@ -44,9 +44,10 @@ class Base:
 
 @dataclass(frozen=True)
 class Offer:
-    """An effect, the force port or input at which it would be attached, and scales of the record.
+    """An effect, the force port or input at which it would be attached, and its scales.
 
-    The motion is that of the base that it is attached to.
+    These are of the record and of one motion, which is replaced by that of the base that the effect
+    is attached to.
     """
 
     effect: Effect

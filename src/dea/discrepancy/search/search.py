@@ -64,7 +64,13 @@ class Search:
         return extend_by_each(self.problem, bases, effects, self.budget, self.workers)
 
     def _extended(self, candidates: Sequence[Candidate]) -> list[Round]:
-        return [self._round(bases_beside(self.problem, c.fit), self.offered) for c in candidates]
+        bases = in_parallel(
+            lambda c: bases_beside(self.problem, c.fit),
+            candidates,
+            self.workers,
+            "the simulation near its prior, beside the leading effects",
+        )
+        return [self._round(each, self.offered) for each in bases]
 
     def _leading(self, rounds: Sequence[Round]) -> list[Candidate]:
         return [c for c in pool_of(rounds) if c.finished][: self.budget.beam]
@@ -101,9 +107,10 @@ class Search:
         return grown
 
     def _exchanged(self, pair: Candidate) -> list[Round]:
-        """Offer the leading effects beside each effect of a pair, as the pair has fitted it.
+        """Offer effects beside each effect of a pair, as the pair has fitted it.
 
-        Those of its families are among them: one of these may stand for another.
+        These are the effects that lead alone and all of the pair's families, of which one may
+        stand for another.
         """
         finished = [c.fit for c in self.singles.candidates if c.finished]
         leading = {a.effect.name for each in finished for a in each.extended.attached}

@@ -48,32 +48,27 @@ def fit_nominal(
 
 
 def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
-    """Fit with so large an assumed noise that the parameters stay near their prior.
+    """Fit with so large an assumed noise that the simulation's parameters stay near their prior.
 
     A refit spreads the residual that a missing effect causes over the whole record; in this fit
-    it stays where the effect acts.
+    it stays where the effect acts. Effects that are attached keep their parameters.
     """
-    start = np.zeros(refitted.coordinates.size)
-    return fit(problem.with_noise(_doubt(problem, refitted)), refitted.extended, start)
+    left = rmse(refitted.residual, problem.seen)
+    doubt = max(left * np.sqrt(problem.seen.sum()) / 3.0, problem.noise)
+    extended = refitted.extended
+    held = Columns(held=extended.of_laws)
+    near = fit(problem.with_noise(doubt), extended, refitted.at_prior_means, columns=held)
+    # Columns that were held are zero, and the cost is that of another noise.
+    return at(problem, extended, near.coordinates)
 
 
 def bases_beside(problem: Problem, found: Fit) -> list[Fit]:
     """Return the fits to start a further effect from: that of the effects found so far first.
 
-    Then the same laws with the simulation near its prior: its parameters may have moved far to make
-    up for the effect that is still missing.
+    Then the same laws with the simulation near its prior, if that is far from it: its parameters
+    may have moved to make up for the effect that is still missing.
     """
-    laws = found.of_laws
-    start = np.where(laws, found.coordinates, 0.0)
-    doubted = problem.with_noise(_doubt(problem, found))
-    near = fit(doubted, found.extended, start, columns=Columns(held=laws))
-    return [found, *_far_from(found, [near])]
-
-
-def _doubt(problem: Problem, refitted: Fit) -> float:
-    """Return the noise to assume in a fit whose parameters shall stay near their prior."""
-    left = rmse(refitted.residual, problem.seen)
-    return float(max(left * np.sqrt(problem.seen.sum()) / 3.0, problem.noise))
+    return [found, *_far_from(found, [fit_near_prior(problem, found)])]
 
 
 def _far_from(refitted: Fit, others: Sequence[Fit]) -> list[Fit]:
