@@ -158,6 +158,11 @@ class ExtendedSimulation:
         return np.array([self.parameters[i].at_start for i in self.free])
 
     @cached_property
+    def events(self) -> np.ndarray:
+        """Which free coordinates say when something happened, or how long that took."""
+        return np.array([self.parameters[i].event for i in self.free])
+
+    @cached_property
     def own_of_records(self) -> np.ndarray:
         """Which free coordinates belong to one record: its start, and what happens in it alone."""
         own = np.array([p.at_start for p in self.parameters])

@@ -47,6 +47,8 @@ a positive parameter. The last column tells what a fit does with the parameter:
 * free: it is fitted from the beginning;
 * shape: it only shapes the law, and is held until place and size of the effect are found;
 * start: it belongs to the state at the start of a record, and is fitted anew to another;
+* event: it says when something happened, or how long that took, and is not estimated again where
+  the samples around it are left out;
 * known: no fit changes it, except that a ratio of one side to the other is fitted where the input
   has both signs, and that of falling to rising where it has one.
 
@@ -95,7 +97,7 @@ def _section(effect: Effect) -> Iterator[str]:
 def _fit(parameter: Parameter) -> str:
     if parameter.spread == 0.0:
         return "known"
-    kinds = {"shape": parameter.shape, "start": parameter.at_start}
+    kinds = {"shape": parameter.shape, "start": parameter.at_start, "event": parameter.event}
     return ", ".join(kind for kind, applies in kinds.items() if applies) or "free"
 
 

@@ -27,6 +27,9 @@ class Parameter:
         found: freed earlier, it would adapt to an effect in the wrong place.
     at_start
         Whether it belongs to the state at the start of a record, and is fitted anew to another.
+    event
+        Whether it says when something happened or how long that took, which only the samples around
+        that instant tell.
 
     Raises
     ------
@@ -44,6 +47,7 @@ class Parameter:
     log: bool = False
     shape: bool = False
     at_start: bool = False
+    event: bool = False
 
     def __post_init__(self) -> None:
         if self.spread < 0.0:

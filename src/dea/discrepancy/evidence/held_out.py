@@ -18,7 +18,8 @@ class HeldOut:
 
     The blocks are dealt into folds, and each is predicted by a fit to all others (Geisser 1975,
     cross-validation). The parameters change so little that the Jacobian of the fit to all is used.
-    The state at the start stays that of the fit to all: without the first block nothing tells it.
+    The state at the start stays that of the fit to all, and the instant of an event: without their
+    blocks nothing tells them.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -48,13 +49,14 @@ class HeldOut:
     def _cross_validated(self, fitted: Fit) -> np.ndarray:
         result = fitted.residual.copy()
         estimates = []
+        untold = fitted.extended.at_start | fitted.extended.events
         for fold in folds(self._problem):
             again = fit(
                 self._problem.seeing(~fold),
                 fitted.extended,
                 fitted.coordinates,
                 iterations=_ITERATIONS,
-                columns=Columns(held=fitted.extended.at_start, kept=fitted.jacobian),
+                columns=Columns(held=untold, kept=fitted.jacobian),
             )
             result[fold] = again.residual[fold]
             estimates.append(again.coordinates)

@@ -27,13 +27,16 @@ def offset(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.n
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the instant, the steps of gain and of offset, and how long they take."""
     dt, duration = scales.interval, scales.duration
+    low, high = 0.5 * dt, 0.05 * duration
     # The instant may lie in a block that is held out, where a fit cannot see it.
     likeliest = scales.jumps[0] if scales.jumps else 0.5 * duration
     return (
-        Parameter("instant", "s", likeliest, 0.02 * duration, 0.0, duration, shape=True),
+        Parameter(
+            "instant", "s", likeliest, 0.02 * duration, 0.0, duration, shape=True, event=True
+        ),
         Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
         Parameter("offset_step", scales.y_unit, 0.0, 0.1 * scales.y_span),
-        Parameter("rise_time", "s", 4 * dt, 1.0, 0.5 * dt, 0.05 * duration, log=True, shape=True),
+        Parameter("rise_time", "s", 4 * dt, 1.0, low, high, log=True, shape=True, event=True),
     )
 
 
