@@ -25,7 +25,6 @@ from dea.discrepancy.search.rounds import (
     fitted_again,
     from_prior_means,
 )
-from dea.discrepancy.search.starts import bases_beside
 from dea.simulation import Effect, Port
 
 
@@ -64,13 +63,7 @@ class Search:
         return extend_by_each(self.problem, bases, effects, self.budget, self.workers)
 
     def _extended(self, candidates: Sequence[Candidate]) -> list[Round]:
-        bases = in_parallel(
-            lambda c: bases_beside(self.problem, c.fit),
-            candidates,
-            self.workers,
-            "the simulation near its prior, beside the leading effects",
-        )
-        return [self._round(each, self.offered) for each in bases]
+        return [self._round([c.fit], self.offered) for c in candidates]
 
     def _leading(self, rounds: Sequence[Round]) -> list[Candidate]:
         return [c for c in pool_of(rounds) if c.finished][: self.budget.beam]
@@ -107,15 +100,10 @@ class Search:
         return grown
 
     def _exchanged(self, pair: Candidate) -> list[Round]:
-        """Offer effects beside each effect of a pair, as the pair has fitted it.
-
-        These are the effects that lead alone and all of the pair's families, of which one may
-        stand for another.
-        """
+        """Offer the leading effects beside each effect of a pair, as the pair has fitted it."""
         finished = [c.fit for c in self.singles.candidates if c.finished]
-        leading = {a.effect.name for each in finished for a in each.extended.attached}
-        families = {a.effect.family for a in pair.fit.extended.attached}
-        effects = [each for each in self.offered if each.name in leading or each.family in families]
+        leading = {a.effect.name for each in (pair.fit, *finished) for a in each.extended.attached}
+        effects = [effect for effect in self.offered if effect.name in leading]
         kept = [without(self.problem, pair.fit, i) for i in range(len(pair.names))]
         return [self._round([fitted], effects) for fitted in kept if fitted.stable]
 

@@ -1,10 +1,8 @@
 """Fits of the simulation alone, which the candidates are compared with and start from."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from dea.discrepancy.fit import Columns, Fit, at, fit
+from dea.discrepancy.fit import Fit, at, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem, rmse
 from dea.errors import InputError
@@ -48,35 +46,14 @@ def fit_nominal(
 
 
 def fit_near_prior(problem: Problem, refitted: Fit) -> Fit:
-    """Fit with so large an assumed noise that the simulation's parameters stay near their prior.
+    """Fit with so large an assumed noise that the parameters stay near their prior.
 
     A refit spreads the residual that a missing effect causes over the whole record; in this fit
-    it stays where the effect acts. Effects that are attached keep their parameters.
+    it stays where the effect acts.
     """
-    left = rmse(refitted.residual, problem.seen)
-    doubt = max(left * np.sqrt(problem.seen.sum()) / 3.0, problem.noise)
-    extended = refitted.extended
-    held = Columns(held=extended.of_laws)
-    near = fit(problem.with_noise(doubt), extended, refitted.at_prior_means, columns=held)
-    # Columns that were held are zero, and the cost is that of another noise.
-    return at(problem, extended, near.coordinates)
-
-
-def bases_beside(problem: Problem, found: Fit) -> list[Fit]:
-    """Return the fits to start a further effect from: that of the effects found so far first.
-
-    Then the same laws with the simulation near its prior, if that is far from it: its parameters
-    may have moved to make up for the effect that is still missing.
-    """
-    return [found, *_far_from(found, [fit_near_prior(problem, found)])]
-
-
-def _far_from(refitted: Fit, others: Sequence[Fit]) -> list[Fit]:
-    return [
-        other
-        for other in others
-        if other.stable and np.linalg.norm(refitted.coordinates - other.coordinates) > _FAR
-    ]
+    trust = rmse(refitted.residual, problem.seen) * np.sqrt(problem.seen.sum()) / 3.0
+    start = np.zeros(refitted.coordinates.size)
+    return fit(problem.with_noise(max(trust, problem.noise)), refitted.extended, start)
 
 
 def fit_parts(problem: Problem, near: Fit) -> list[Fit]:
@@ -105,4 +82,9 @@ def bases(problem: Problem, nominal: Fit, near: Fit, rng: np.random.Generator) -
     drawn = [at(problem, nominal.extended, x) for x in 0.7 * rng.standard_normal((draws, size))]
     others = [near, *fit_parts(problem, near)] if near.stable else []
     others.append(at(problem, nominal.extended, np.zeros(size)))
-    return [nominal, *_far_from(nominal, others), *(each for each in drawn if each.stable)]
+    far = [
+        other
+        for other in others
+        if other.stable and np.linalg.norm(nominal.coordinates - other.coordinates) > _FAR
+    ]
+    return [nominal, *far, *(each for each in drawn if each.stable)]
