@@ -127,8 +127,8 @@ def test_a_law_takes_its_scales_at_the_force_port_that_it_is_attached_to():
     assert len(base.motions) == len(own.force_ports) > 1
     for place in range(len(own.force_ports)):
         told = measured_scales(extended, fitted.values, problem, place)
-        found = Offer(catalogue()["end_stop"], told, place).scales_at(base)
-        assert found == told
+        found = Offer(catalogue()["end_stop"], told, place).attached_to(base)
+        assert found.attached[-1].scales == told
 
 
 @pytest.mark.parametrize("first", ["slew_limit", "input_saturation"])

@@ -58,11 +58,6 @@ class Fit:
         return self.extended.values(self.coordinates)
 
     @property
-    def at_prior_means(self) -> np.ndarray:
-        """The coordinates (k,), those that are not of laws at their prior means."""
-        return np.where(self.extended.of_laws, self.coordinates, 0.0)
-
-    @property
     def records(self) -> list[slice]:
         """The samples of each record."""
         return samples_of_each(self.extended.lengths or (self.residual.size,))

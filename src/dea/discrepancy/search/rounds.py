@@ -161,7 +161,8 @@ def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     Another effect is better attached to the fit that was found without this: what is best alone may
     make up for it.
     """
-    return fitted_again(problem, replace(fitted, coordinates=fitted.at_prior_means), budget)
+    start = np.where(fitted.extended.of_laws, fitted.coordinates, 0.0)
+    return fitted_again(problem, replace(fitted, coordinates=start), budget)
 
 
 def fitted_again(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
@@ -201,9 +202,9 @@ def _offers(
     instants = jumps(problem, residual, before.records)
 
     @cache
-    def scales(force_port: int, at_input: int) -> Scales:
+    def scales(at_input: int) -> Scales:
         return replace(
-            measured_scales(extended, before.values, problem, force_port, at_input),
+            measured_scales(extended, before.values, problem, at_input=at_input),
             frequencies=frequencies,
             foreign_frequencies=foreign,
             jumps=instants,
@@ -223,7 +224,7 @@ def _offers(
             meets = (effect.shape_input and place in on_input) or (
                 effect.shape_output and on_output
             )
-            own = scales(0, place) if effect.on_input else scales(place, 0)
+            own = scales(place if effect.on_input else 0)
             sides = (False, True) if meets else (False,)
             offers += [Offer(effect, own, place, upstream) for upstream in sides]
     return offers, skipped

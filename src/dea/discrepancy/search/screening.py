@@ -55,16 +55,12 @@ class Offer:
     place: int = 0
     upstream: bool = False
 
-    def scales_at(self, base: Base) -> Scales:
-        """Return the scales of the record and of the motion of a base."""
-        if self.effect.on_input or not base.motions:
-            return self.scales
-        low, high = base.motions[self.place]
-        return replace(self.scales, z_low=low, z_high=high)
-
     def attached_to(self, base: Base) -> ExtendedSimulation:
-        """Return the simulation of a base with the effect."""
-        scales = self.scales_at(base)
+        """Return the simulation of a base with the effect, whose scales hold the base's motion."""
+        scales = self.scales
+        if base.motions and not self.effect.on_input:
+            low, high = base.motions[self.place]
+            scales = replace(scales, z_low=low, z_high=high)
         return base.fit.extended.attach(self.effect, scales, self.place, self.upstream)
 
 
@@ -96,7 +92,7 @@ def promising(problem: Problem, bases: Sequence[Base], offer: Offer, kept: int) 
         law = extended.attached[-1]
         own = [
             _promised(problem, base, extended, law.started(start))
-            for start in offer.effect.starts(offer.scales_at(base))
+            for start in offer.effect.starts(law.scales)
         ]
         found += sorted(own, key=lambda start: start.left)[: max(1, kept // 2)]
     return sorted(found, key=lambda start: start.left)[: kept + min(_MORE, kept - 1)]
@@ -156,7 +152,7 @@ def where_it_does_nothing(problem: Problem, base: Base, offer: Offer) -> Start |
     low, high = extended.bounds
     seen, noise = problem.seen, problem.noise
     least, found = _NOTHING * noise, None
-    for start in offer.effect.starts(offer.scales_at(base)):
+    for start in offer.effect.starts(law.scales):
         placed = extended.coordinates(np.concatenate([base.fit.values, law.started(start)]))
         for i in range(first, placed.size):
             for end in (max(low[i], -_FAR), min(high[i], _FAR)):
