@@ -184,20 +184,18 @@ def test_a_bent_input_does_not_bear_the_name_of_a_leak(leaks):
 
 
 def test_two_effects_are_found_beside_laws_that_pass_for_them():
-    """Of three records in two at least: rounding decides which local minimum a fit ends in."""
-    names = ("dead_zone", "sensor_lag", "coulomb_friction", "electrode_lag", "second_mode")
-    offered = [catalogue()[name] for name in names]
-    right = 0
-    for seed in (1, 3, 5):
-        problem, extended = hidden("dead_zone", "sensor_lag", seed=seed)
-        nominal = fit(problem, extended, np.zeros(extended.free.size))
-        rounds = Search(problem, [nominal], offered, Budget(), Rules(), 1).rounds()
-        pool = pool_of(rounds)
-        sets = [(frozenset(c.labels), c.finished) for c in pool]
-        assert len(sets) == len(set(sets))
-        found = set(pool[0].names) == {"dead_zone", "sensor_lag"}
-        right += found and pool[0].rmse < 1.1 * NOISE < rounds[0].candidates[0].rmse
-    assert right >= 2
+    problem, extended = hidden("dead_zone", "sensor_lag")
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    offered = [
+        catalogue()[name]
+        for name in ("dead_zone", "sensor_lag", "coulomb_friction", "electrode_lag", "second_mode")
+    ]
+    rounds = Search(problem, [nominal], offered, Budget(), Rules(), 1).rounds()
+    pool = pool_of(rounds)
+    assert set(pool[0].names) == {"dead_zone", "sensor_lag"}
+    assert pool[0].rmse < 1.1 * NOISE < rounds[0].candidates[0].rmse
+    sets = [(frozenset(c.labels), c.finished) for c in pool]
+    assert len(sets) == len(set(sets))
 
 
 def test_a_second_effect_that_only_helped_the_first_one_is_dropped():

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from dea.discrepancy.evidence.noise import white_level
-from dea.discrepancy.fit import Fit, fit
+from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.search.budget import Budget
@@ -152,6 +152,22 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
         shaken = replace(best, coordinates=best.coordinates + np.where(own, push, 0.0))
         best = min(best, fitted_again(problem, shaken, budget), key=lambda each: each.cost)
     return best
+
+
+def with_shapes_anew(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
+    """Return a fit in which the parameters that shape the laws start from their prior means again.
+
+    They may have adapted to an effect in the wrong place, or to the lack of another one.
+    """
+    shapes = fitted.extended.shapes
+    placed = fit(
+        problem,
+        fitted.extended,
+        np.where(shapes, 0.0, fitted.coordinates),
+        iterations=budget.first_steps,
+        columns=Columns(held=shapes),
+    )
+    return fitted_again(problem, placed, budget)
 
 
 def from_prior_means(problem: Problem, fitted: Fit, budget: Budget) -> Fit:

@@ -7,7 +7,7 @@ Regression, ch. 3). In the end each effect of the leading pairs is fitted again 
 and the leading candidates from the prior means of the simulation.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -24,8 +24,12 @@ from dea.discrepancy.search.rounds import (
     extend_by_each,
     fitted_again,
     from_prior_means,
+    with_shapes_anew,
 )
 from dea.simulation import Effect, Port
+
+# Leading candidates that are fitted once more with their laws' shapes from the prior.
+_SHAPED_ANEW = 2
 
 
 @dataclass(frozen=True)
@@ -125,15 +129,34 @@ class Search:
         return replace(self.singles, candidates=tuple(candidates))
 
     def _restarted(self, rounds: Sequence[Round]) -> list[Round]:
-        """Return the rounds with the leading candidates fitted once more, unless noise is left."""
-        leading = [c for c in pool_of(rounds) if c.finished][: self.budget.restarted]
-        if not leading or leading[0].rmse <= self.budget.exchange_above * _lowest_level(leading):
-            return list(rounds)
+        """Return the rounds with the leading candidates fitted once more, unless noise is left.
+
+        The first ones whatever is left: what they leave may look like noise because their laws
+        were shaped in the wrong place.
+        """
+        leading, found = self._restartable(rounds), list(rounds)
+        if leading and leading[0].rmse > self.budget.exchange_above * _lowest_level(leading):
+            step = "leading candidates from the prior means of the simulation"
+            found = self._fitted_anew(found, leading, from_prior_means, step)
+        shaped = self._restartable(found)[:_SHAPED_ANEW]
+        return self._fitted_anew(found, shaped, with_shapes_anew, "leading laws shaped anew")
+
+    def _restartable(self, rounds: Sequence[Round]) -> list[Candidate]:
+        return [c for c in pool_of(rounds) if c.finished][: self.budget.restarted]
+
+    def _fitted_anew(
+        self,
+        rounds: Sequence[Round],
+        leading: Sequence[Candidate],
+        attempt: Callable[[Problem, Fit, Budget], Fit],
+        step: str,
+    ) -> list[Round]:
+        """Return the rounds with leading candidates replaced where an ``attempt`` is better."""
         again = in_parallel(
-            lambda c: judged(self.problem, from_prior_means(self.problem, c.fit, self.budget)),
+            lambda c: judged(self.problem, attempt(self.problem, c.fit, self.budget)),
             leading,
             self.workers,
-            "leading candidates from the prior means of the simulation",
+            step,
         )
         pairs = zip(leading, again, strict=True)
         better = {id(old): new for old, new in pairs if new.fit.stable and new.error < old.error}
