@@ -1,3 +1,4 @@
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -7,6 +8,7 @@ import pytest
 
 from dea.acquisition.duty import duty_file
 from dea.acquisition.endpoint_lock import endpoint_lock
+from dea.acquisition.shared_file import open_shared
 from dea.errors import InputError
 from dea.modbus import read_device
 
@@ -75,6 +77,15 @@ def test_users_with_other_temporary_folders_share_the_lock(device, holder, monke
     monkeypatch.setattr("tempfile.tempdir", None)
     with pytest.raises(InputError), endpoint_lock(device):
         pass
+
+
+def test_another_user_may_open_a_shared_file_whatever_the_umask(tmp_path):
+    before = os.umask(0o077)
+    try:
+        os.close(open_shared(tmp_path / "lock"))
+    finally:
+        os.umask(before)
+    assert (tmp_path / "lock").stat().st_mode & 0o777 == 0o666
 
 
 def test_the_guardian_of_an_output_is_found_whatever_the_temporary_folder(device, monkeypatch):

@@ -292,6 +292,8 @@ def test_mullins_unloading_follows_the_error_function():
     felt = resist(law, path)
     assert np.abs(felt[:500]).max() < 1e-9  # the virgin curve is not softened
     _, share, m, beta = law.constants
+    # As Ogden and Roxburgh's m is: a fraction of the work of the largest stroke.
+    assert 0.05 <= m / (0.5 * K * TOP**2) <= 0.3
     work = 0.5 * K * path[500:] ** 2
     most = 0.5 * K * 100.0
     expected = -K * path[500:] * share * erf((most - work) / (m + beta * most))

@@ -36,6 +36,16 @@ def test_what_is_written_is_read_back_with_its_provenance(tmp_path):
     assert back["time"].dtype == np.float64
 
 
+def test_seconds_stay_numbers_however_their_units_are_spelled(tmp_path):
+    """A reader that follows the CF conventions would turn them into dates and durations."""
+    foreign = record().assign(lag=("time", np.ones(100), {"units": "seconds"}))
+    foreign["time"].attrs["units"] = "seconds since 2026-01-01"
+    foreign.to_netcdf(tmp_path / "foreign.nc")
+    back = store.read(tmp_path / "foreign.nc")
+    np.testing.assert_array_equal(back["lag"], 1.0)
+    np.testing.assert_array_equal(back["time"], record()["time"])
+
+
 def test_two_writes_give_the_same_bytes(tmp_path):
     first, second = tmp_path / "a" / "record.nc", tmp_path / "b" / "record.nc"
     for path in (first, second):

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from dea.errors import InputError
 from dea.tracking import recursive_least_squares
+from dea.tracking.rls import recursion_covariance
 
 
 def weighted_ridge(Phi, y, n, forgetting, leakage, delta, theta_0, target):
@@ -122,6 +123,50 @@ def test_standard_deviations_say_how_far_the_estimates_are():
         found = recursive_least_squares(Phi, y, delta=1e-6)
         errors.append((found.theta[-1] - 1.0) / np.sqrt(found.variance[-1]))
     assert np.std(errors) == pytest.approx(1.0, abs=0.12)
+
+
+@pytest.mark.parametrize("forgetting", [0.97, 1.0])
+def test_the_covariance_is_that_of_a_linear_map_of_noise_and_target(forgetting):
+    """The estimate is linear in outputs and target: its Jacobians by the batch solution."""
+    Phi, y, rng = problem(6, 120, 3)
+    options = {"forgetting": forgetting, "leakage": 0.02, "delta": 3.0}
+    target = rng.standard_normal(3)
+    root = rng.standard_normal((3, 3))
+    of_target = root @ root.T
+    found = recursive_least_squares(Phi, y, theta_0=target, **options)
+    at = np.array([4, 60, 60, 119])
+    covariance = recursion_covariance(
+        Phi, found, at, target_covariance=of_target, walk=np.zeros(3), **options
+    )
+    for n, each in zip(at + 1, covariance, strict=True):
+
+        def solved(outputs, pulled, n=n):
+            return weighted_ridge(Phi, outputs, n, theta_0=pulled, target=pulled, **options)
+
+        theta = solved(y[:n], target)
+        weight = forgetting ** np.arange(n)[::-1]
+        pull = options["leakage"] * weight.sum() + options["delta"] * forgetting**n
+        squares = weight @ (y[:n] - Phi[:n] @ theta) ** 2 + pull * np.sum((theta - target) ** 2)
+        by_output = np.column_stack([solved(unit, np.zeros(3)) for unit in np.eye(n)])
+        by_target = np.column_stack([solved(np.zeros(n), unit) for unit in np.eye(3)])
+        expected = squares / weight.sum() * by_output @ by_output.T
+        expected += by_target @ of_target @ by_target.T
+        np.testing.assert_allclose(each, expected, rtol=1e-7, atol=1e-12)
+
+
+def test_parameters_that_walk_are_as_far_off_as_the_covariance_says():
+    """Without noise, a mean with forgetting lags behind a random walk of known steps."""
+    rng = np.random.default_rng(7)
+    n, walks, forgetting = 600, 2000, 0.98
+    truth = np.cumsum(0.1 * rng.standard_normal((walks, n)), axis=1)
+    weight = (1.0 - forgetting) * forgetting ** np.arange(n)[::-1]
+    Phi, options = np.ones((n, 1)), {"forgetting": forgetting, "leakage": 0.0, "delta": 1e-9}
+    found = recursive_least_squares(Phi, np.zeros(n), **options)
+    covariance = recursion_covariance(
+        Phi, found, np.array([n - 1]), target_covariance=np.zeros((1, 1)),
+        walk=np.array([0.01]), **options,
+    )  # fmt: skip
+    assert covariance.item() == pytest.approx(np.var(truth @ weight - truth[:, -1]), rel=0.1)
 
 
 @pytest.mark.parametrize("setting", [{"forgetting": 0.0}, {"leakage": -1.0}, {"delta": 0.0}])
