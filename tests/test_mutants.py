@@ -57,7 +57,7 @@ def suite_of(ran, *files):
     for context, lines in ran.items():
         data.set_context(context)
         data.add_lines({MUTANT.file: lines})
-    return Suite(files, data)
+    return Suite(files, data, {})
 
 
 MUTANT = Mutant("src/dea/narx/terms.py", 2, 0, "parse", "NumberReplacer", 0)
@@ -95,6 +95,18 @@ def test_the_likeliest_tests_come_first_and_stay_in_the_budget():
     )
 
 
+def test_the_second_half_of_the_budget_is_for_the_quickest_of_the_others():
+    near, far = "tests/narx/test_narx_terms.py", "tests/x/test_x.py"
+    files = [
+        TimedFile(near, "", {f"{near}::test_{name}": 8.0 for name in "ab"}),
+        TimedFile(far, "", {f"{far}::test_{name}": 1.0 for name in "cdefg"}),
+    ]
+    every = {f"{name}|run": [2] for file in files for name in file.seconds}
+    found = select(MUTANT, CALLED, "narx", suite_of(every, *files), 20.0)
+    assert [test[-1] for test in found.tests] == list("acdefg")
+    assert found.seconds == pytest.approx(13.0)
+
+
 @pytest.mark.parametrize(
     ("name", "text"),
     [
@@ -124,6 +136,33 @@ def test_where_no_test_is_seen_to_run_a_line_those_of_its_module_and_room_are_as
     ran = {"tests/gfrf/test_gfrf_x.py::test_e|run": [5], "": [2]}
     assert chosen(ran) == ["test_a", "test_b", "test_c[|-1]", "test_e", "test_d"]
     assert "test_e" not in chosen({"": [2]})
+
+
+def test_the_tests_of_a_compiled_function_are_those_that_run_a_line_which_names_it():
+    """Through the compiled function that calls it; a private name is one of its own file."""
+    sources = {
+        "src/dea/narx/kernels.py": "def _inner(x):\n    return x\n\n"
+        "def outer(x):\n    return _inner(x)\n\ndef other(x):\n    return x\n",
+        "src/dea/narx/model.py": "from dea.narx import kernels\n\ndef run(x):\n"
+        "    first = kernels.outer(\n        x,\n    )\n    return kernels.other(first)\n",
+        "src/dea/narx/lags.py": "def _inner(x):\n    return x\n\ndef lag(x):\n"
+        "    return _inner(x)\n",
+    }
+    names = [f"{name}|run" for file in FILES for name in file.seconds]
+    data = CoverageData(no_disk=True)
+    for context, path, lines in [
+        (names[0], "src/dea/narx/model.py", [4]),
+        (names[1], "src/dea/narx/model.py", [7]),
+        (names[2], "src/dea/narx/lags.py", [5]),
+        ("", "src/dea/narx/kernels.py", [1, 4, 7]),
+    ]:
+        data.set_context(context)
+        data.add_lines({path: lines})
+    suite = Suite(FILES, data, sources)
+    for line, name, expected in ((2, "_inner", 0), (5, "outer", 0), (8, "other", 1)):
+        mutant = Mutant("src/dea/narx/kernels.py", line, 0, name, "NumberReplacer", 0)
+        found = select(mutant, sources[mutant.file], "narx", suite, 20.0)
+        assert found.tests == (names[expected].removesuffix("|run"),)
 
 
 def test_the_head_of_a_compound_statement_is_a_statement():

@@ -4,8 +4,9 @@ import ast
 import re
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
@@ -40,6 +41,7 @@ class Suite:
 
     files: Sequence[TimedFile]
     ran: CoverageData  # by pytest's name and phase of each test
+    sources: Mapping[str, str]  # of the package, by path relative to the project
 
     def running(self, file: str, lines: Iterable[int] | None = None) -> set[str]:
         """Return the tests that run any of these lines of a file, or any line of it at all.
@@ -53,6 +55,27 @@ class Suite:
         return {context.rpartition("|")[0] for context in found} | {
             name for each in self.files if each.path in shared for name in each.seconds
         }
+
+    def calling(self, file: str, function: str) -> set[str]:
+        """Return the tests that run a line which names a function of a file.
+
+        No line of a compiled function is seen to run. Where such a one names the function, the
+        lines that name that one are asked for in its place. A private name is one of its own file.
+        """
+        found: set[str] = set()
+        left, seen = [(file, function)], {(file, function)}
+        while left:
+            home, name = left.pop()
+            for path, text in self.sources.items():
+                if name not in text or (name.startswith("_") and path != home):
+                    continue
+                for line, around in _mentions(text, name):
+                    tests = self.running(path, statement(text, line))
+                    found |= tests
+                    if not tests and around and (path, around) not in seen:
+                        seen.add((path, around))
+                        left.append((path, around))
+        return found
 
 
 @dataclass(frozen=True)
@@ -80,21 +103,28 @@ def read_suite(root: Path, report: Path, ran: Path) -> Suite:
         for path in sorted(seconds)
         if _LEFT_OUT not in Path(path).parts
     ]
-    return Suite(files, data)
+    sources = {
+        str(path.relative_to(root)): path.read_text() for path in sorted(root.glob("src/**/*.py"))
+    }
+    return Suite(files, data, sources)
 
 
 def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) -> Selection:
     """Return the tests to run, at most ``budget`` seconds of them.
 
-    They are those that run the changed line. Where none is seen to, as in compiled functions, in
-    constants and in other processes: those that run its module, and those of its room. First come
+    They are those that run the changed line. Where none is seen to, as in compiled functions: those
+    that run a line which names its function. Where there is none either, as of constants and in
+    other processes: those that run its module, and those of its room. First come
     the files that carry the module's name in theirs, then those that import it or name it in their
     text, as an effect's, then those that name the function changed, then the others; among these
-    the quicker ones before. A test that alone takes more than half of the budget is left out, and
-    a file with one that takes more than all of it, since what its tests share may be what takes
-    long.
+    the quicker ones before. Half of the budget is for them in that order, the other half for the
+    quickest of those that are left, of which it holds the most. A test that alone takes more than
+    half of the budget is left out, and a file with one that takes more than all of it, since what
+    its tests share may be what takes long.
     """
     running = suite.running(mutant.file, statement(source, mutant.line))
+    if not running and mutant.definition:
+        running = suite.calling(mutant.file, mutant.definition)
     if not running:
         running = suite.running(mutant.file) | {
             name
@@ -108,23 +138,25 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
         if max(file.seconds.values()) <= budget
     ]
     chosen.sort(key=lambda pair: (_distance(mutant, pair[0]), sum(pair[1].values())))
-    tests: list[str] = []
-    seconds, state = 0.0, sha256()
-    for file, times in chosen:
-        for name, time in times.items():
-            if time <= budget / 2 and seconds + time <= budget:
-                tests.append(name)
-                seconds += time
-        if times:
+    times = {name: time for _, each in chosen for name, time in each.items()}
+    kept, seconds = set(), 0.0
+    for order, limit in ((times, budget / 2), (sorted(times, key=times.__getitem__), budget)):
+        for name in order:
+            if name not in kept and seconds + times[name] <= limit:
+                kept.add(name)
+                seconds += times[name]
+    state = sha256()
+    for file, each in chosen:
+        if each:
             state.update(file.text.encode())
-    return Selection(tuple(tests), seconds, state.hexdigest())
+    return Selection(tuple(name for name in times if name in kept), seconds, state.hexdigest())
 
 
 def statement(source: str, line: int) -> range:
     """Return the lines of the innermost statement around a line; of a compound one, its head."""
     found = range(line, line + 1)
     first = 0
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(_parsed(source)):
         if not isinstance(node, ast.stmt | ast.ExceptHandler):
             continue
         body = getattr(node, "body", None)
@@ -132,6 +164,26 @@ def statement(source: str, line: int) -> range:
         if first < node.lineno <= line <= last:
             found, first = range(node.lineno, last + 1), node.lineno
     return found
+
+
+@cache
+def _parsed(source: str) -> ast.Module:
+    return ast.parse(source)
+
+
+def _mentions(text: str, name: str) -> Iterator[tuple[int, str]]:
+    """Yield each line that names a function, and the outermost function around it, or nothing."""
+
+    def visit(node: ast.AST, around: str) -> Iterator[tuple[int, str]]:
+        if isinstance(node, ast.Name | ast.Attribute):
+            if name == (node.id if isinstance(node, ast.Name) else node.attr):
+                yield node.lineno, around
+        elif isinstance(node, ast.FunctionDef):
+            around = around or node.name
+        for child in ast.iter_child_nodes(node):
+            yield from visit(child, around)
+
+    yield from visit(_parsed(text), "")
 
 
 def _distance(mutant: Mutant, file: TimedFile) -> int:
