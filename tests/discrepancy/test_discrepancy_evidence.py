@@ -372,7 +372,8 @@ def test_the_residual_model_finds_nothing_in_noise():
 def test_the_dictionary_holds_what_its_names_say():
     rng = np.random.default_rng(11)
     u, simulated = rng.uniform(-1.0, 1.0, 400), rng.uniform(1.0, 5.0, 400)
-    names, columns = dictionary(problem_of(u, simulated), simulated)
+    problem = problem_of(u, simulated)
+    names, columns = dictionary(problem, simulated)
     told = dict(zip(names, columns.T, strict=True))
     own = {"u": (u - u.mean()) / u.std(), "y": (simulated - simulated.mean()) / simulated.std()}
     hinges = [name for name in names if name.startswith("max(")]
@@ -386,6 +387,15 @@ def test_the_dictionary_holds_what_its_names_say():
         np.testing.assert_allclose(told[f"{symbol}^2"], signal**2)
         np.testing.assert_allclose(told[f"{symbol}^3"], signal**3)
     np.testing.assert_allclose(told["u y"], own["u"] * own["y"])
+    delayed = [name for name in names if name.startswith("lag(")]
+    lagging = {"u": own["u"], "u^2": own["u"] ** 2, "y^2": own["y"] ** 2}
+    assert {name[len("lag(") :].split(",")[0] for name in delayed} == lagging.keys()
+    for name in delayed:
+        symbol, time = name[len("lag(") : -len(" s)")].split(", ")
+        fine = np.interp(np.arange(8000) / 20, np.arange(400), lagging[symbol])
+        share = problem.interval / (20.0 * float(time))
+        follower = lfilter([share], [1.0, share - 1.0], fine - fine[0])
+        assert np.corrcoef(told[name][100:], follower[2000::20])[0, 1] > 0.98
 
 
 # What each effect contributes

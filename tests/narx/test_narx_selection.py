@@ -20,6 +20,7 @@ from dea.narx import (
 from dea.narx.candidate_models import CandidateModels
 from dea.narx.forward import forward_and_prune
 from dea.narx.trace import Trace
+from dea.terms import Term
 
 # DEA2's column of Table 1 of the reference study.
 DEA2 = {
@@ -198,6 +199,18 @@ def test_the_trace_retells_the_papers_selection():
         elif status == "pruned":
             kept.remove(term)
     assert kept == {str(term) for term in found.terms}
+
+
+def test_the_trace_of_the_orthogonal_start_holds_the_errors_of_free_runs():
+    _, u, y = record(SMALL, 300, noise=0.05)
+    found = select_terms(u, y, y_lags=2, u_lags=2, degree=2)
+    trace = found.trace.to_dataframe()
+    steps = trace[trace.trial_phase == "orthogonal"]
+    inside, outside = found.scaling.normalise_input(u), found.scaling.normalise_output(y)
+    candidates = [Term.parse(name) for name in steps.trial_term]
+    for k, error in enumerate(steps.trial_msse):
+        expected = slow_candidate(candidates, range(k + 1), inside, outside, 2)[0]
+        assert error == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_trace_names_the_model_selected_among_all_tried():

@@ -14,6 +14,7 @@ from made_conditions import (
     sweep,
     through,
 )  # fmt: skip
+from scipy.optimize import curve_fit
 
 from dea.plant.film import SUBSTEP
 
@@ -23,6 +24,19 @@ def test_heating_changes_the_gain_slowly_and_more_at_high_commands():
     cool = through(built("thermal_feedback", "thermal_feedback", 0.5)[0], np.full(200_000, 2.0))
     assert warm[0] == 4.0
     assert abs(warm[-1] / 4.0 - 1.0) > 4.0 * abs(cool[-1] / 2.0 - 1.0) > 0.0
+
+
+def test_heating_lasts_many_periods_of_the_band():
+    law = built("thermal_feedback", "thermal_feedback", 0.5)[0]
+    gain = through(law, np.full(SAMPLES, CONDITIONS.high)) / CONDITIONS.high
+
+    def heated(t, time, power):
+        return 0.5 * (1.0 - np.exp(-t / time)) ** power
+
+    (time, power), _ = curve_fit(heated, TIME, np.abs(gain**2 - 1.0), [15.0, 2.0])
+    np.testing.assert_allclose(np.abs(gain**2 - 1.0), heated(TIME, time, power), atol=1e-3)
+    assert 8.0 * CONDITIONS.time <= time <= 30.0 * CONDITIONS.time
+    assert 1.5 <= power <= 3.0
 
 
 def test_the_held_reading_jumps():
