@@ -54,11 +54,11 @@ def test_the_contact_has_two_levels():
 
 
 def test_delays_grow_with_command_and_with_time():
-    for share in (0.0, 0.5, 1.0):
+    for share in (-0.5, 0.0, 0.5, 1.0, 1.5):
         ramp = CONDITIONS.low + share * CONDITIONS.span + 1e-6 * np.arange(3000)
         law = built("input_dependent_delay", "input_dependent_delay", 0.2)[0]
         late = (ramp - through(law, ramp))[-1] / 1e-6 * SUBSTEP
-        assert late == pytest.approx(0.2 * share, rel=0.11, abs=2e-3)
+        assert late == pytest.approx(0.2 * min(max(share, 0.0), 1.0), rel=0.11, abs=2e-3)
     late = TIME - through(built("drifting_clock", "drifting_clock", 0.5)[0], TIME)
     assert late[-1] == pytest.approx(0.5, rel=0.01)
     assert (np.diff(late[1000:]) > -2 * SUBSTEP).all()
