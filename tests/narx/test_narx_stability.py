@@ -6,7 +6,7 @@ from dea.gfrf import zero_input_response
 from dea.narx import NarxModel, Scaling, UnstableModel, select_terms
 from dea.narx.rest import _nearest, rests_over
 from dea.narx.simulation import bounded, simulate
-from dea.narx.stability import StabilityTest
+from dea.narx.stability import StabilityTest, time_constant
 from dea.narx.surrogates import phase_randomised, same_class
 from dea.terms import Term
 
@@ -44,6 +44,13 @@ def test_poles_are_those_of_the_equation_over_the_whole_input_range():
     )
     assert report.holds == (int(np.sum(np.linspace(u.min(), u.max(), 20) < 2 / 3)), 20)
     assert (report.runs[1], report.surrogates[1]) == (100, 20)
+
+
+@pytest.mark.parametrize(
+    ("modulus", "samples"), [(0.0, 0.0), (np.exp(-0.1), 10.0), (1.0, np.inf), (1.2, np.inf)]
+)
+def test_the_time_constant_is_that_of_the_decay(modulus, samples):
+    assert time_constant(modulus) == pytest.approx(samples)
 
 
 def test_rests_are_those_that_the_frequency_responses_are_taken_around():

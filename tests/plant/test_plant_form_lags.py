@@ -287,6 +287,7 @@ def test_the_rate_is_limited_and_the_target_reached(form, seed):
     law, defining = built("slew_limit", form, 2.0, seed)
     passed = through(law, np.repeat([1.0, 4.0, 1.0], [10, 6000, 6000]))
     rates = np.diff(passed) / SUBSTEP
+    np.testing.assert_allclose(passed[:10], 1.0, atol=1e-9)  # it starts at rest
     assert defining["rate"] == pytest.approx(CONDITIONS.span / 2.0)
     assert np.abs(rates).max() < 1.45 * defining["rate"]
     assert np.abs(rates).max() > 0.9 * defining["rate"]
@@ -308,6 +309,7 @@ def test_the_trapezoid_bounds_the_acceleration():
 def test_the_follower_falls_at_its_rate_and_rises_at_once():
     law, defining = built("slew_limit", "class_a_follower", 2.0)
     passed = through(law, np.repeat([1.0, 4.0, 1.0], [10, 3000, 3000]))
+    np.testing.assert_allclose(passed[:10], 1.0, atol=1e-9)
     assert passed[40] == pytest.approx(4.0, abs=0.01)
     falling = np.diff(passed[3010:])
     np.testing.assert_allclose(falling[:1900], -defining["rate"] * SUBSTEP, rtol=1e-9)
