@@ -294,6 +294,18 @@ def test_what_leakage_holds_is_as_uncertain_as_its_target():
     np.testing.assert_allclose(found, np.broadcast_to(deviation, found.shape), rtol=1e-3)
 
 
+def test_a_pull_to_parameters_of_unknown_covariance_withholds_the_band():
+    """The parameter is given and not estimated, so that nothing says how far off it is."""
+    model = NarxModel.from_terms({"u(t-1)": 0.5})
+    u, noise = np.random.default_rng(6).standard_normal((2, 2000))
+    y = model.simulate(u) + 0.1 * noise
+    pulled, free = (
+        track_parameters(model, u, y, method="rls", leakage=leakage) for leakage in (1e-3, 0.0)
+    )
+    assert "covariance is not known" in pulled.attrs["withheld"]
+    assert not free.attrs["withheld"]
+
+
 def test_the_interval_of_a_free_run_takes_the_covariance_of_its_part_of_the_record():
     """y = theta u(t-1): its deviation is that of theta times |u|."""
     model = NarxModel.from_terms({"u(t-1)": 0.5}, scaling=Scaling(y_scale=3.0))
