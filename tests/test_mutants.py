@@ -1,9 +1,11 @@
 """The mutants that the tests are tried with: where the code may be changed, and what is counted."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from benchmarks.mutants.campaign import judged
+from benchmarks.mutants.judgements import judgements
 from benchmarks.mutants.report import kill_rate, markdown
 from benchmarks.mutants.sites import Mutant, mutants
 from benchmarks.mutants.suite import Suite, TimedFile, read_suite, select, statement
@@ -165,6 +167,16 @@ def test_the_tests_of_a_compiled_function_are_those_that_run_a_line_which_names_
         assert found.tests == (names[expected].removesuffix("|run"),)
 
 
+def test_of_a_compiled_function_that_no_function_names_all_tests_of_the_room_are_asked():
+    """One test has run it uncompiled, when it was imported and checked."""
+    source = "@njit\ndef slope(x):\n    return x\n\ndevice = Device(slope)\n"
+    suite = suite_of({f"{next(iter(FILES[0].seconds))}|run": [3, 5]}, *FILES)
+    suite = replace(suite, sources={MUTANT.file: source})
+    mutant = replace(MUTANT, line=3, definition="slope")
+    found = select(mutant, source, "narx", suite, 40.0)
+    assert len(found.tests) == sum(len(file.seconds) for file in FILES)
+
+
 def test_the_head_of_a_compound_statement_is_a_statement():
     source = "if (\n    a\n    < b\n):\n    c = 1\nelse:\n    c = 2\n"
     assert statement(source, 3) == range(1, 5)
@@ -207,10 +219,22 @@ def test_survivors_are_listed_with_their_change():
         "control": None,
     }  # fmt: skip
     killed = row | {"outcome": "killed", "control": "killed"}
-    report = markdown([row, killed], seed=1, budget=60.0)
+    report = markdown([row, killed], {}, seed=1, budget=60.0)
     assert "1 mutants were run beside: 1 of these runs failed" in " ".join(report.split())
-    assert "| narx | 1 | 0 | 1 | 0 | 50.0 |" in report
-    assert report.count("+if not a:") == 1
+    assert "| narx | 1 | 0 | 1 | 0 | 0 | 50.0 |" in report
+    assert report.count("| `narx/x.py` f | `if a:` → `if not a:` |  |") == 1
+    judged = {("src/dea/narx/x.py", "if a:", "if not a:"): "both do the same"}
+    report = markdown([row, killed], judged, seed=1, budget=60.0)
+    assert "| narx | 1 | 0 | 1 | 1 | 0 | 50.0 |" in report
+    assert "| both do the same |" in report
+
+
+def test_every_judgement_is_of_a_change_that_the_code_still_allows():
+    for (file, before, after), why in judgements().items():
+        code = " ".join((ROOT / file).read_text().split())
+        assert before in code, f"{file} no longer has `{before}`"
+        assert after != before
+        assert why
 
 
 def test_what_was_compiled_is_kept_where_the_mutant_cannot_reach_it(tmp_path):

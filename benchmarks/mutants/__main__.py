@@ -1,7 +1,7 @@
 """Change the code in a few hundred places and see which changes the tests notice.
 
 Writes ``results/mutants.json``, from which an interrupted campaign goes on, and
-``results/mutants.md``.
+``results/mutants.md``; ``--store`` keeps the report for the documents.
 """
 
 import argparse
@@ -9,7 +9,9 @@ import os
 from pathlib import Path
 
 from benchmarks.mutants.campaign import ROOMS, Campaign, run
-from benchmarks.mutants.report import kill_rate, markdown
+from benchmarks.mutants.judgements import judgements
+from benchmarks.mutants.report import kill_rate, markdown, values
+from benchmarks.stored import store
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,6 +24,9 @@ def main() -> None:
     parser.add_argument("--room", choices=ROOMS, action="append", help="only these rooms")
     parser.add_argument("--budget", type=float, default=60.0, help="seconds of tests for each")
     parser.add_argument("--cores", type=int, default=os.cpu_count(), help="mutants at a time")
+    parser.add_argument(
+        "--store", action="store_true", help="keep it as docs/measured/mutants.json"
+    )
     given = parser.parse_args()
     campaign = Campaign(
         root=ROOT,
@@ -34,7 +39,11 @@ def main() -> None:
     )
     rows = run(campaign, ROOT / "results" / "mutants.json")
     report = ROOT / "results" / "mutants.md"
-    report.write_text(markdown(rows, given.seed, given.budget))
+    judged = judgements()
+    report.write_text(markdown(rows, judged, given.seed, given.budget))
+    if given.store:
+        command = f"make mutants COUNT={given.count} SEED={given.seed}"
+        store("mutants", command, values(rows, judged))
     rate = kill_rate([str(row["outcome"]) for row in rows])
     if rate is not None:
         print(f"{100 * rate[0]:.1f} % of {len(rows)} mutants were noticed; survivors: {report}")

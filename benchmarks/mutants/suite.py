@@ -60,7 +60,8 @@ class Suite:
         """Return the tests that run a line which names a function of a file.
 
         No line of a compiled function is seen to run. Where such a one names the function, the
-        lines that name that one are asked for in its place. A private name is one of its own file.
+        lines that name that one are asked for in its place. Lines outside functions run once for
+        all tests, whichever of them is first. A private name is one of its own file.
         """
         found: set[str] = set()
         left, seen = [(file, function)], {(file, function)}
@@ -70,9 +71,11 @@ class Suite:
                 if name not in text or (name.startswith("_") and path != home):
                     continue
                 for line, around in _mentions(text, name):
+                    if not around:
+                        continue
                     tests = self.running(path, statement(text, line))
                     found |= tests
-                    if not tests and around and (path, around) not in seen:
+                    if not tests and (path, around) not in seen:
                         seen.add((path, around))
                         left.append((path, around))
         return found
@@ -112,8 +115,8 @@ def read_suite(root: Path, report: Path, ran: Path) -> Suite:
 def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) -> Selection:
     """Return the tests to run, at most ``budget`` seconds of them.
 
-    They are those that run the changed line. Where none is seen to, as in compiled functions: those
-    that run a line which names its function. Where there is none either, as of constants and in
+    They are those that run the changed line, and those that run a line which names its function
+    where that is compiled, or run by none of them. Where there are none, as of constants and in
     other processes: those that run its module, and those of its room. First come
     the files that carry the module's name in theirs, then those that import it or name it in their
     text, as an effect's, then those that name the function changed, then the others; among these
@@ -123,10 +126,13 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
     its tests share may be what takes long.
     """
     running = suite.running(mutant.file, statement(source, mutant.line))
-    if not running and mutant.definition:
-        running = suite.calling(mutant.file, mutant.definition)
-    if not running:
-        running = suite.running(mutant.file) | {
+    seen = bool(running)
+    if mutant.definition and (not running or _compiled(source, mutant.definition)):
+        # What a check of a compiled function runs of it uncompiled are lines of few tests.
+        called = suite.calling(mutant.file, mutant.definition)
+        running, seen = running | called, bool(called)
+    if not seen:
+        running |= suite.running(mutant.file) | {
             name
             for file in suite.files
             if file.room == room or _distance(mutant, file) < 3
@@ -164,6 +170,15 @@ def statement(source: str, line: int) -> range:
         if first < node.lineno <= line <= last:
             found, first = range(node.lineno, last + 1), node.lineno
     return found
+
+
+def _compiled(source: str, function: str) -> bool:
+    return any(
+        isinstance(node, ast.FunctionDef)
+        and node.name == function
+        and any("njit" in ast.unparse(each) for each in node.decorator_list)
+        for node in ast.walk(_parsed(source))
+    )
 
 
 @cache
