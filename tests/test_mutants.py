@@ -177,6 +177,15 @@ def test_of_a_compiled_function_that_no_function_names_all_tests_of_the_room_are
     assert len(found.tests) == sum(len(file.seconds) for file in FILES)
 
 
+def test_of_a_constant_all_tests_of_the_room_are_asked_and_not_the_one_that_imported_it():
+    source = "LEAST = [\n    3,\n]\n\ndef parse(x=4):\n    return x\n"
+    suite = suite_of({f"{next(iter(FILES[0].seconds))}|run": [1, 2, 5]}, *FILES)
+    for line, definition in ((2, ""), (5, "parse")):
+        mutant = replace(MUTANT, line=line, definition=definition)
+        found = select(mutant, source, "narx", suite, 40.0)
+        assert len(found.tests) == sum(len(file.seconds) for file in FILES)
+
+
 def test_the_head_of_a_compound_statement_is_a_statement():
     source = "if (\n    a\n    < b\n):\n    c = 1\nelse:\n    c = 2\n"
     assert statement(source, 3) == range(1, 5)

@@ -1,4 +1,7 @@
-"""What a person has found of survivors: changes that alter no result, and why."""
+"""Survivors that a person has judged to be no fault, and why.
+
+Such a change alters no result, or one that was chosen freely, as how long a search goes on.
+"""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,6 +25,6 @@ def change(row: Mapping[str, Any]) -> Change:
 
 
 def judgements(file: Path = FILE) -> dict[Change, str]:
-    """Return why a change alters no result, of each change that was judged so."""
+    """Return why a change is no fault, of each change that was judged so."""
     judged: Sequence[Mapping[str, str]] = yaml.safe_load(file.read_text()) or []
     return {(each["file"], each["before"], each["after"]): each["why"] for each in judged}

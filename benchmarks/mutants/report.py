@@ -12,13 +12,13 @@ HEAD = """# Mutants
 
 {count} mutants, drawn with seed {seed}, each put before at most {budget:g} s of the tests that run
 its line. A mutant with which no test can be run (incompetent) is left out of the rate; one with
-which the tests do not end in time (timeout) counts as killed, one that was judged to alter no
-result as survived. On the code as it is, the tests of {controls} mutants were run beside: {failed}
-of these runs failed.
+which the tests do not end in time (timeout) counts as killed, and a survivor that was judged to be
+no fault as survived. On the code as it is, the tests of {controls} mutants were run beside:
+{failed} of these runs failed.
 
 """
 TABLE = (
-    "| room | killed | timeout | survived | alter no result | incompetent | kill rate (%)"
+    "| room | killed | timeout | survived | no fault | incompetent | kill rate (%)"
     " | 95 % interval (%) |",
     "|---|---|---|---|---|---|---|---|",
 )
@@ -59,7 +59,7 @@ def values(rows: Sequence[Mapping[str, Any]], judged: Mapping[Change, str]) -> d
     return {
         "count": len(rows),
         "survived": len(survivors),
-        "alter no result": sum(change(row) in judged for row in survivors),
+        "no fault": sum(change(row) in judged for row in survivors),
         "rate": rate and rate[0],
         "interval": rate and rate[1:],
         "controls": len(controls),
@@ -70,7 +70,7 @@ def values(rows: Sequence[Mapping[str, Any]], judged: Mapping[Change, str]) -> d
             _line("all", rows, judged),
         ],
         "survivors": [
-            "| where | change | judged to alter no result, because |",
+            "| where | change | judged no fault, because |",
             "|---|---|---|",
             *(_survivor(row, judged.get(change(row), "")) for row in survivors),
         ],

@@ -125,9 +125,11 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
     half of the budget is left out, and a file with one that takes more than all of it, since what
     its tests share may be what takes long.
     """
-    running = suite.running(mutant.file, statement(source, mutant.line))
+    inside = _in_function(source, mutant.line)
+    # A line outside functions runs once for all tests, whichever of them is first.
+    running = suite.running(mutant.file, statement(source, mutant.line)) if inside else set()
     seen = bool(running)
-    if mutant.definition and (not running or _compiled(source, mutant.definition)):
+    if inside and (not running or _compiled(source, mutant.definition)):
         # What a check of a compiled function runs of it uncompiled are lines of few tests.
         called = suite.calling(mutant.file, mutant.definition)
         running, seen = running | called, bool(called)
@@ -170,6 +172,13 @@ def statement(source: str, line: int) -> range:
         if first < node.lineno <= line <= last:
             found, first = range(node.lineno, last + 1), node.lineno
     return found
+
+
+def _in_function(source: str, line: int) -> bool:
+    return any(
+        isinstance(node, ast.FunctionDef) and node.body[0].lineno <= line <= (node.end_lineno or 0)
+        for node in ast.walk(_parsed(source))
+    )
 
 
 def _compiled(source: str, function: str) -> bool:
