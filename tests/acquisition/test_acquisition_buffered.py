@@ -40,6 +40,16 @@ def test_at_wall_time(serve_bench, tmp_path):
     assert bench.applied[-1] == 0
 
 
+def test_a_device_whose_fifo_is_full_hears_from_the_host_well_within_its_watchdog(
+    serve_bench, tmp_path
+):
+    bench = serve_bench(virtual_clock=False, watchdog_time=1.0, fifo_length=170)
+    link = acquire(bench.endpoint, sine(160), tmp_path / "a.partial", FAST).link
+    silent = np.diff(link.send_time.values)
+    assert silent.max() < 0.4
+    assert silent.size < 200  # 3.5 s, and zero before and after; it is not asked without need
+
+
 def moved(device, **addresses):
     registers = {
         name: replace(register, address=addresses.get(name, register.address))

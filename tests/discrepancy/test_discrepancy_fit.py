@@ -386,6 +386,21 @@ def test_effects_of_one_family_are_one_class_wherever_they_attach():
     assert not same_class(twice, candidate(("end_stop", 0)))
 
 
+@pytest.mark.parametrize(("apart", "count"), [(0.0, 1), (2.0, 2)])
+def test_a_fit_is_a_further_base_where_it_is_far_from_the_refit(monkeypatch, apart, count):
+    problem, extended = carriage(10)
+    here = at(problem, extended, np.full(extended.free.size, 0.6))
+    moved = here.coordinates.copy()
+    moved[0] += apart
+    near = at(problem, extended, moved)
+    monkeypatch.setattr(starts, "fit_parts", lambda problem, near: [])
+    monkeypatch.setattr(starts, "_DRAWS", 0)
+    found = starts.bases(problem, here, near, np.random.default_rng(0))
+    *given, prior = found
+    assert given == [here, near][:count]
+    np.testing.assert_array_equal(prior.coordinates, 0.0)
+
+
 def test_no_candidate_starts_from_a_draw_that_runs_away(monkeypatch):
     problem, extended = carriage(10)
     nominal = fit(problem, extended, np.zeros(extended.free.size))

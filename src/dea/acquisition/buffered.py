@@ -189,13 +189,13 @@ class _Playback:
         self._position = position
 
     def rest(self, reply: Reply) -> None:
-        """Start once the FIFO is filled; wait if it is and nothing is left to read."""
+        """Start once the FIFO holds what it can; wait while it does and little is there to read."""
         full = reply.fifo >= self.high_water or self.sent == self.counts.size
         if not self.started and full:
             self.panel.set("command", START)
             self.started = True
-        elif reply.fifo >= self.high_water and reply.next - self.wanted < self.exchange.capacity:
-            left = self.pause
+        elif full and reply.next - self.wanted < self.exchange.capacity:
+            left = min(self.pause, reply.fifo / self.panel.device.sampling_rate)
             while left > 0:
                 step = min(left, self.laws.interval)
                 self.panel.link.rest(step)
