@@ -1,6 +1,7 @@
 """Drawing blind trials: balanced, reproducible, of the drawn strength, and sealed."""
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,7 +14,7 @@ from dea.excitation import design
 from dea.plant.drive import Drive
 from dea.plant.hidden import EFFECTS, Use
 from dea.plant.hidden.devices import DEVICES
-from dea.plant.hidden.draw import FEWEST, MOST, _sized, draw
+from dea.plant.hidden.draw import FEWEST, MOST, _sized, draw, draw_excitation
 from dea.plant.hidden.effect import Port
 from dea.plant.hidden.noise import Noise, NoiseKind
 from dea.plant.hidden.schedule import AMBIGUOUS, INSIDE, ROUND, ambiguous_plans, forms_of, plans
@@ -136,6 +137,20 @@ def test_the_label_tells_what_the_excitation_does_not(trials):
         assert [effect["name"] for effect in label["effects"]] == [e.name for e in trial.effects]
         assert all(effect["use"] is Use.REPORTING for effect in label["effects"])
         assert not any(name in repr(trial.excitation) for name in EFFECTS)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_an_excitation_is_as_slow_as_its_device(seed):
+    fast = replace(DEVICES["film"], time=0.5)
+    found, slow = (
+        draw_excitation(np.random.default_rng(seed), device)
+        for device in (fast, replace(fast, time=2.0))
+    )
+    for name in ("active", "rest", "period", "hold", "rise", "slowest", "fastest"):
+        if name in found:
+            assert slow[name] == pytest.approx(4.0 * found[name])
+    if "band" in found:
+        assert slow["band"] == pytest.approx(found["band"] / 4.0)
 
 
 def test_a_file_that_is_no_trial_is_refused(tmp_path):
