@@ -308,6 +308,8 @@ def test_a_residual_is_found_along_what_it_depends_on(along, large, number, low,
     bound = found[f"{along}_null"].values[[number, *others]]
     assert ((bound > localised.rms) & (bound < 2.5 * localised.rms)).all()
     assert localised.rms == pytest.approx(np.sqrt(np.mean(residual**2)))
+    # Twice as many in time, where nothing is as rare as at the ends of a range.
+    assert {name: found.sizes[name] for name in ("time", "input")} == {"time": 24, "input": 12}
 
 
 def test_a_concentration_compares_a_bin_with_the_others():

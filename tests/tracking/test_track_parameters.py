@@ -201,6 +201,19 @@ def test_frozen_errors_are_those_of_each_stretchs_middle_parameters():
     assert found.sel(simulation="made").item() == pytest.approx(np.median(errors) / np.var(y))
 
 
+def test_errors_of_free_runs_are_in_the_outputs_unit_and_in_parts_of_its_variance():
+    scaling = Scaling(y_scale=4.0, y_offset=10.0)
+    model = NarxModel.from_terms({"1": 0.1, "u(t-1)": 0.5}, scaling=scaling)
+    u, noise = np.random.default_rng(14).standard_normal((2, 500))
+    y = model.simulate(u) + 0.3 * noise
+    track = xr.Dataset({"parameter": (("time", "term"), np.tile(model.parameters, (u.size, 1)))})
+    found = compare_free_runs(model, {"made": track}, u, y, window=100).sel(simulation="made")
+    # The first sample is where the run begins.
+    square = np.mean((y - model.simulate(u, y))[1:] ** 2)
+    assert found["rmse"].item() == pytest.approx(np.sqrt(square), rel=0.01)
+    assert found["nmse"].item() == pytest.approx(square / np.var(y), rel=0.01)
+
+
 def test_the_track_is_labelled_and_complete():
     u, y, _ = record(5, noise=1e-3)
     track = track_parameters(PLANT, u, y, forgetting=0.999, sampling_rate=RATE)
