@@ -331,3 +331,18 @@ def test_the_interval_of_a_free_run_takes_the_covariance_of_its_part_of_the_reco
     assert reach[0] == 0.0
     run[-1] = np.inf
     assert np.isnan(_reach(model, theta, u, run, np.ones((1, 1, 1)))).all()
+
+
+def test_a_free_run_has_an_interval_unless_that_of_its_track_is_withheld():
+    model = NarxModel.from_terms({"u(t-1)": 0.5})
+    u, noise = np.random.default_rng(6).standard_normal((2, 2000))
+    y = model.simulate(u) + 0.1 * noise
+    track = track_parameters(model, u, y, method="rls", leakage=0.0)
+    assert not track.attrs["withheld"]
+    withheld = track.assign_attrs(withheld="for a reason")
+    found = compare_free_runs(model, {"given": track, "withheld": withheld}, u, y, window=500)
+    within = (found["simulated_low"] <= found["simulated"]) & (
+        found["simulated"] <= found["simulated_high"]
+    )
+    assert within.sel(simulation="given").all()
+    assert found["simulated_low"].sel(simulation="withheld").isnull().all()
