@@ -331,7 +331,7 @@ def test_the_processes_of_a_run_are_found_by_their_mark(tmp_path):
 
 @pytest.mark.parametrize(
     ("victim", "share"),
-    [("plain", 1 / 4), pytest.param("bench", 1 / 2, marks=pytest.mark.campaign)],
+    [("plain", 1 / 10), pytest.param("bench", 1 / 2, marks=pytest.mark.campaign)],
 )
 def test_the_command_keeps_the_laws_whatever_fails(victim, share, request):
     """Short plans, short faults, many at a time; ``make faults`` takes its time."""
