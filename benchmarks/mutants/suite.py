@@ -115,9 +115,10 @@ def read_suite(root: Path, report: Path, ran: Path) -> Suite:
 def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) -> Selection:
     """Return the tests to run, at most ``budget`` seconds of them.
 
-    They are those that run the changed line, and those that run a line which names its function
-    where that is compiled, or run by none of them. Where there are none, as of constants and in
-    other processes: those that run its module, and those of its room. First come
+    They are those that run the changed line. Where its function is compiled, or run by none of
+    them: those that run a line which names it, and those of files that name its module or it.
+    Where there are none, as of constants and in other processes: those that run its module, and
+    those of its room. First come
     the files that carry the module's name in theirs, then those that import it or name it in their
     text, as an effect's, then those that name the function changed, then the others; among these
     the quicker ones before. Half of the budget is for them in that order, the other half for the
@@ -133,6 +134,7 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
         # What a check of a compiled function runs of it uncompiled are lines of few tests.
         called = suite.calling(mutant.file, mutant.definition)
         running, seen = running | called, bool(called)
+        running |= {n for each in suite.files if _distance(mutant, each) < 3 for n in each.seconds}
     if not seen:
         running |= suite.running(mutant.file) | {
             name

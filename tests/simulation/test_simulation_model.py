@@ -513,6 +513,36 @@ def test_a_second_mass_moves_as_its_equations_wherever_the_states_stand(order):
     np.testing.assert_allclose(found, expected, atol=2e-3 * np.ptp(expected))
 
 
+@pytest.mark.parametrize(
+    ("device", "start", "bias", "places"),
+    [
+        ("mass_spring_damper", "position", 0.0, (0, 0)),
+        ("mass_spring_damper", "position", 0.0, (0, 0, 0)),
+        ("cascaded_tanks", "upper_level", 3.0, (0, 2)),
+        ("cascaded_tanks", "upper_level", 3.0, (0, 2, 1)),
+    ],
+)
+def test_forces_add_up_whatever_their_order(device, start, bias, places):
+    """Each of them remembers something, so that the memories must be kept apart."""
+    u = bias + np.sin(2 * np.pi * 0.7 * T) + 0.3 * np.sin(2 * np.pi * 1.9 * T)
+    plain = prepared(load_simulation(device), u, DT, 1e-4)
+    own = plain.values(np.zeros(plain.free.size))
+    own[plain.names.index(f"initial.{start}")] = 0.7 + bias  # memories begin away from rest
+    record = SimpleNamespace(u=u, y=u, interval=DT)
+    names = "viscoelastic_creep", "rate_independent_hysteresis", "cyclic_softening"
+    runs = []
+    for order in permutations(zip(names, places, strict=False)):
+        extended = plain
+        for name, place in order:
+            scales = measured_scales(plain, own, record, place)
+            extended = extended.attach(catalogue()[name], scales, place)
+        laws = [a.started(a.effect.starts(a.scales)[0]) for a in extended.attached]
+        runs.append(extended.simulate(np.concatenate([own, *laws]), u, DT))
+    assert np.ptp(runs[0] - plain.simulate(own, u, DT)) > 1e-3 * np.ptp(runs[0])
+    for run in runs[1:]:
+        np.testing.assert_allclose(run, runs[0], atol=1e-6 * np.ptp(runs[0]))
+
+
 @pytest.mark.parametrize("slope", ["1 / p[0] / x[0]", "1.0 / (x[0] - x[0])", "(x[0] - 1) ** 0.5"])
 def test_an_index_of_the_output_is_checked_beside_a_slope_that_python_refuses(tmp_path, slope):
     path = write_own(tmp_path / "own.py", slope=slope)
