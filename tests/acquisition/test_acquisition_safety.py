@@ -17,6 +17,7 @@ from dea.acquisition import (
     Interrupted,
     ZeroNotVerifiedError,
     acquire,
+    by_hand,
 )
 from dea.errors import InputError
 from dea.modbus import encode
@@ -149,6 +150,18 @@ def test_a_start_is_refused_after_a_trip_until_it_is_reset(serve_bench, partial)
         acquire(bench.endpoint, VOLTS, partial, FAST)
     result = acquire(bench.endpoint, VOLTS, partial, FAST, reset=True)
     assert result.record.sizes["time"] == VOLTS.size
+
+
+def test_taking_an_output_to_zero_by_hand_leaves_a_trip_to_be_found(serve_bench):
+    bench = serve_bench(watchdog_time=0.1)
+    master = Master(bench)
+    for name, value in (("claim", 5), ("command", 1), ("output", 5000)):
+        master.set(name, value)
+    time.sleep(0.3)
+    bench.player.watchdog.timeout = 5.0
+    by_hand.zero(bench.endpoint, FAST)
+    assert bench.player.applied == 0
+    assert bench.player.watchdog.latched
 
 
 class OnceDrivenError(Exception):

@@ -85,7 +85,7 @@ def test_a_lone_number_is_a_constant(tmp_path):
 
 
 def test_matlab_matrices_and_structures_come_apart(tmp_path):
-    savemat(tmp_path / "m.mat", {"d": {"uy": np.array([U, Y])}, "Ts": 0.1, "who": "me"})
+    savemat(tmp_path / "m.mat", {"who": "me", "d": {"uy": np.array([U, Y])}, "Ts": 0.1})
     found = read_foreign(tmp_path / "m.mat")
     np.testing.assert_array_equal(found.columns["d.uy_1"], U)
     np.testing.assert_array_equal(found.columns["d.uy_2"], Y)
