@@ -34,8 +34,9 @@ def dense_posterior(Phi, y, q, theta_0, prior):
     sigma2 = error @ np.linalg.solve(S, error) / seen.size
     gain = np.linalg.solve(S, H @ C).T
     value = -0.5 * (seen.size * np.log(sigma2) + np.linalg.slogdet(S)[1])
-    variance = sigma2 * np.diag(C - gain @ H @ C)
-    return (mean + gain @ error).reshape(n, p), variance.reshape(n, p), sigma2, value
+    whole = sigma2 * (C - gain @ H @ C)
+    covariance = np.array([whole[t : t + p, t : t + p] for t in range(0, n * p, p)])
+    return (mean + gain @ error).reshape(n, p), covariance, sigma2, value
 
 
 @settings(max_examples=25, deadline=None)
@@ -50,10 +51,13 @@ def test_smoother_and_likelihood_are_those_of_the_joint_gaussian(seed, n, q, mis
     if missing:
         y[n // 2] = np.nan
     known = {"theta_0": np.ones(len(q)), "prior_variance": 2.0}
-    mean, variance, sigma2, value = dense_posterior(Phi, y, np.array(q), np.ones(len(q)), 2.0)
-    found = smooth(Phi, y, q, **known)
+    mean, covariance, sigma2, value = dense_posterior(Phi, y, np.array(q), np.ones(len(q)), 2.0)
+    at = np.unique([0, n // 3, n - 1])
+    found = smooth(Phi, y, q, **known, at=at)
     np.testing.assert_allclose(found.theta, mean, rtol=1e-9, atol=1e-9)
+    variance = np.diagonal(covariance, axis1=1, axis2=2)
     np.testing.assert_allclose(found.variance, variance, rtol=1e-8, atol=1e-12)
+    np.testing.assert_allclose(found.covariance, covariance[at], rtol=1e-8, atol=1e-12)
     assert found.noise_variance == pytest.approx(sigma2, rel=1e-9)
     assert log_likelihood(Phi, y, q, **known)[0] == pytest.approx(value, rel=1e-9, abs=1e-9)
     last, _, _, _ = dense_posterior(Phi, y, np.array(q), np.ones(len(q)), 2.0)

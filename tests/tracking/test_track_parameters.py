@@ -175,6 +175,11 @@ def test_the_band_of_the_smoother_is_that_of_the_joint_gaussian():
     theta = model.parameters + (gain @ residual).reshape(n, p)
     np.testing.assert_allclose(track["parameter"].values[1:], theta, rtol=1e-6)
     np.testing.assert_allclose(track["parameter_std"].values[1:], np.sqrt(variance), rtol=1e-6)
+    whole = noise * (prior - gain @ observe @ prior)
+    for at, found in zip(track["instant"].values[1:], track["covariance"].values[1:], strict=True):
+        t = p * (np.searchsorted(track["time"].values, at) - 1)
+        expected = whole[t : t + p, t : t + p]
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9 * expected.max())
     # What was fitted stands for each term, what was given as an attribute.
     np.testing.assert_allclose(track["noise_ratio"], ratio)
     assert track.attrs["delta"] == delta
