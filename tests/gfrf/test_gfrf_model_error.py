@@ -66,6 +66,15 @@ def test_of_two_inputs_the_one_whose_response_lacks_something_is_told():
     assert np.median(size[1]) < 0.1 * np.median(size[0])
 
 
+@pytest.mark.parametrize(("segments", "told"), [(8, False), (9, False), (10, True), (12, True)])
+def test_fewer_than_eight_independent_segments_tell_nothing(segments, told):
+    """Neighbours that share a half count for 9/11 of a segment (Welch 1967, Hann's window)."""
+    u = excitation(90_000, 1)
+    y = outputs(u, noise=0.01)
+    y[4000 + 2000 * (segments - 1) :] = np.nan
+    assert (lacking(u, y) is not None) == told
+
+
 def test_stretches_with_missing_outputs_are_left_out():
     u = excitation(90_000, 1)
     y = outputs(u)

@@ -159,6 +159,17 @@ def test_the_slowest_time_is_that_of_the_slowest_pole(damping, slowest):
     assert slowest_time(extended, np.ones(10)) == pytest.approx(slowest, rel=1e-4)
 
 
+def test_the_slowest_time_is_that_of_a_small_motion():
+    """A damper that is twice as strong a tenth of a unit away from rest."""
+    own = load_simulation("piezo_stage")
+
+    def derivative(x, u, p, dx):
+        dx[0] = -0.5 * x[0] * (1.0 + 100.0 * x[0] * x[0])
+
+    still = replace(own, states=(replace(own.states[0], initial=0.0),), derivative=derivative)
+    assert slowest_time(ExtendedSimulation(still), np.zeros(10)) == pytest.approx(2.0, rel=1e-4)
+
+
 def test_steps_are_refined_until_the_output_keeps_within_the_tolerance():
     tanks = load_simulation("cascaded_tanks")
     u = 3.0 + 2.0 * np.sign(np.sin(0.3 * np.arange(200)))
