@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from made_conditions import CONDITIONS, at, bend, built, held, resist, steady, sweep
+from scipy.integrate import solve_ivp
 from scipy.special import erf
 
 from dea.plant import forces
 from dea.plant.film import SUBSTEP
+from dea.plant.force_laws.friction import ageing_friction, carry_age
 from dea.plant.hidden import EFFECTS
 
 K, TRAVEL, TOP = CONDITIONS.stiffness, CONDITIONS.travel, CONDITIONS.top
@@ -379,3 +381,24 @@ def test_a_moving_hertz_stop_presses_harder_while_it_closes():
     y = TOP - 0.39 * TRAVEL
     closing, still, opening = (forces.total_force(stacked, y, v) for v in (5.0, 0.0, -5.0))
     assert closing > still > opening >= 0.0
+
+
+def test_contacts_age_at_rest_and_are_renewed_by_slip():
+    """Dieterich's law of ageing, a' = 1 - |v| a/L, by another integrator."""
+    slip, dt = 0.3, 1e-3
+    constants, memory = np.array([1.0, 0.1, 0.2, slip, 0.05]), np.zeros(4)
+    speeds = np.repeat([0.0, 2.0, 0.0, -0.5, 0.1], 400)
+    found = []
+    for v in speeds:
+        carry_age(constants, memory, v, dt)
+        found.append(memory[0])
+    age = np.zeros(1)
+    expected = []
+    for v in speeds:
+        age = solve_ivp(lambda t, a, v=v: 1.0 - abs(v) * a / slip, (0, dt), age, rtol=1e-9).y[:, -1]
+        expected.append(age[0])
+    np.testing.assert_allclose(found, expected, atol=2e-3)
+    # Friction after a long rest over that of new contacts: 1 + 0.1 log(1 + a/0.2).
+    rested = ageing_friction(constants, np.array([4.0]), 10.0)
+    fresh = ageing_friction(constants, np.zeros(1), 10.0)
+    assert rested / fresh == pytest.approx(1.0 + 0.1 * np.log(21.0))
