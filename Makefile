@@ -26,7 +26,7 @@ comma := ,
 .PHONY: help env study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
 	container calibration real trials records faults peers interoperability soak coverage intervals configuration laws docs audit sign crate slurm \
 	killed processor numbers fresh \
-	check test compiled-tests plant-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
+	check test compiled-tests timed-tests other-tests mutants benchmark benchmark-naming clean FORCE
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 20
@@ -205,11 +205,10 @@ check: $(VENV)/installed ## linters, formatters, the type checker, import contra
 	snakefmt --check Snakefile workflow
 	snakemake --lint
 
-# All processes share what one has compiled: the tests of the plant come first, beside the linters,
-# since most others and their jobs call what these compile.
+# All processes share what one has compiled, beside the linters, which leave cores idle.
 test: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/installed ## the whole test suite
-	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync compiled-tests check plant-tests
+	$(MAKE) --no-print-directory --jobs $(CORES) --output-sync check compiled-tests
 	$(MAKE) --no-print-directory --keep-going --jobs $(CORES) timed-tests other-tests; \
 		status=$$?; cat build/timed_tests.txt; exit $$status
 
@@ -225,10 +224,7 @@ timed-tests: $(VENV)/installed
 		> build/timed_tests.txt
 
 other-tests: $(VENV)/installed
-	nice pytest --numprocesses $(CORES) $(BY_FILE) $(TIMED:%=--ignore %) --ignore tests/plant
-
-plant-tests: $(VENV)/installed
-	pytest --quiet tests/plant
+	nice pytest --numprocesses $(CORES) $(BY_FILE) $(TIMED:%=--ignore %)
 
 compiled-tests: $(VENV)/installed
 	@mkdir -p build
