@@ -130,38 +130,41 @@ def test_a_start_is_refused_while_another_owns_the_outputs(serve_bench, partial)
     assert not started(bench)
 
 
-def test_a_start_is_refused_while_the_output_is_driven(serve_bench, partial):
-    bench = serve_bench()
+def drive(bench):
+    """Have another master put a voltage on the output."""
     master = Master(bench)
     for name, value in (("claim", 5), ("command", 1), ("output", 5000)):
         master.set(name, value)
+
+
+@pytest.fixture
+def tripped(serve_bench):
+    """A bench whose watchdog has tripped: another master fell silent while driving."""
+    bench = serve_bench(watchdog_time=0.1)
+    drive(bench)
+    time.sleep(0.3)
+    bench.player.watchdog.timeout = 5.0
+    return bench
+
+
+def test_a_start_is_refused_while_the_output_is_driven(serve_bench, partial):
+    bench = serve_bench()
+    drive(bench)
     with pytest.raises(InputError, match=r"the output is not zero: 1\.14"):
         acquire(bench.endpoint, VOLTS, partial, FAST)
 
 
-def test_a_start_is_refused_after_a_trip_until_it_is_reset(serve_bench, partial):
-    bench = serve_bench(watchdog_time=0.1)
-    master = Master(bench)
-    for name, value in (("claim", 5), ("command", 1), ("output", 5000)):
-        master.set(name, value)
-    time.sleep(0.3)
-    bench.player.watchdog.timeout = 5.0
+def test_a_start_is_refused_after_a_trip_until_it_is_reset(tripped, partial):
     with pytest.raises(InputError, match="watchdog has latched"):
-        acquire(bench.endpoint, VOLTS, partial, FAST)
-    result = acquire(bench.endpoint, VOLTS, partial, FAST, reset=True)
+        acquire(tripped.endpoint, VOLTS, partial, FAST)
+    result = acquire(tripped.endpoint, VOLTS, partial, FAST, reset=True)
     assert result.record.sizes["time"] == VOLTS.size
 
 
-def test_taking_an_output_to_zero_by_hand_leaves_a_trip_to_be_found(serve_bench):
-    bench = serve_bench(watchdog_time=0.1)
-    master = Master(bench)
-    for name, value in (("claim", 5), ("command", 1), ("output", 5000)):
-        master.set(name, value)
-    time.sleep(0.3)
-    bench.player.watchdog.timeout = 5.0
-    by_hand.zero(bench.endpoint, FAST)
-    assert bench.player.applied == 0
-    assert bench.player.watchdog.latched
+def test_taking_an_output_to_zero_by_hand_leaves_a_trip_to_be_found(tripped):
+    by_hand.zero(tripped.endpoint, FAST)
+    assert tripped.player.applied == 0
+    assert tripped.player.watchdog.latched
 
 
 class OnceDrivenError(Exception):
