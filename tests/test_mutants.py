@@ -8,7 +8,8 @@ from benchmarks.mutants.campaign import judged
 from benchmarks.mutants.judgements import judgements
 from benchmarks.mutants.report import kill_rate, markdown
 from benchmarks.mutants.sites import Mutant, mutants
-from benchmarks.mutants.suite import Suite, TimedFile, read_suite, select, statement
+from benchmarks.mutants.suite import Suite, TimedFile, read_suite, select
+from benchmarks.mutants.syntax import statement
 from benchmarks.mutants.workplace import Workplace
 from coverage import CoverageData
 

@@ -7,7 +7,6 @@ from typing import Any
 from benchmarks.mutants.judgements import Change, change
 from dea.trials import wilson
 
-OUTCOMES = ("killed", "timeout", "survived", "incompetent")
 HEAD = """# Mutants
 
 {count} mutants, drawn with seed {seed}, each put before at most {budget:g} s of the tests that run
@@ -78,11 +77,13 @@ def values(rows: Sequence[Mapping[str, Any]], judged: Mapping[Change, str]) -> d
 
 
 def _line(room: str, rows: Sequence[Mapping[str, Any]], judged: Mapping[Change, str]) -> str:
-    counts: Counter[str] = Counter(row["outcome"] for row in rows)
-    same = sum(row["outcome"] == "survived" and change(row) in judged for row in rows)
-    cells = [room, counts["killed"], counts["timeout"], counts["survived"], same]
-    cells.append(counts["incompetent"])
-    rate = kill_rate([row["outcome"] for row in rows])
+    outcomes = [row["outcome"] for row in rows]
+    counts, rate = Counter(outcomes), kill_rate(outcomes)
+    no_fault = sum(row["outcome"] == "survived" and change(row) in judged for row in rows)
+    cells = [
+        room, counts["killed"], counts["timeout"], counts["survived"], no_fault,
+        counts["incompetent"],
+    ]  # fmt: skip
     if rate is None:
         cells += ["", ""]
     else:

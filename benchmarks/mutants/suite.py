@@ -1,18 +1,17 @@
 """Which tests are asked about a mutant: those that run its line, the likeliest ones first."""
 
-import ast
 import re
 import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
 from coverage import CoverageData
 
 from benchmarks.mutants.sites import Mutant
+from benchmarks.mutants.syntax import compiled, in_function, mentions, statement
 
 # Lines that run in the set-up of a test may be those of a fixture that its whole file shares.
 _SETUP = "|setup"
@@ -70,7 +69,7 @@ class Suite:
             for path, text in self.sources.items():
                 if name not in text or (name.startswith("_") and path != home):
                     continue
-                for line, around in _mentions(text, name):
+                for line, around in mentions(text, name):
                     if not around:
                         continue
                     tests = self.running(path, statement(text, line))
@@ -115,35 +114,16 @@ def read_suite(root: Path, report: Path, ran: Path) -> Suite:
 def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) -> Selection:
     """Return the tests to run, at most ``budget`` seconds of them.
 
-    They are those that run the changed line. Where its function is compiled, or run by none of
-    them: those that run a line which names it, and those of files that name its module or it.
-    Where there are none, as of constants and in other processes: those that run its module, and
-    those of its room. First come
-    the files that carry the module's name in theirs, then those that import it or name it in their
-    text, as an effect's, then those that name the function changed, then the others; among these
-    the quicker ones before. Half of the budget is for them in that order, the other half for the
-    quickest of those that are left, of which it holds the most. A test that alone takes more than
-    half of the budget is left out, and a file with one that takes more than all of it, since what
-    its tests share may be what takes long.
+    First come the files that carry the module's name in theirs, then those that import it or name
+    it in their text, as an effect's, then those that name the function changed, then the others;
+    among these the quicker ones before. Half of the budget is for them in that order, the other
+    half for the quickest of those that are left, of which it holds the most. A test that alone
+    takes more than half of the budget is left out, and a file with one that takes more than all of
+    it, since what its tests share may be what takes long.
     """
-    inside = _in_function(source, mutant.line)
-    # A line outside functions runs once for all tests, whichever of them is first.
-    running = suite.running(mutant.file, statement(source, mutant.line)) if inside else set()
-    seen = bool(running)
-    if inside and (not running or _compiled(source, mutant.definition)):
-        # What a check of a compiled function runs of it uncompiled are lines of few tests.
-        called = suite.calling(mutant.file, mutant.definition)
-        running, seen = running | called, bool(called)
-        running |= {n for each in suite.files if _distance(mutant, each) < 3 for n in each.seconds}
-    if not seen:
-        running |= suite.running(mutant.file) | {
-            name
-            for file in suite.files
-            if file.room == room or _distance(mutant, file) < 3
-            for name in file.seconds
-        }
+    asked = _asked(mutant, source, room, suite)
     chosen = [
-        (file, {name: time for name, time in file.seconds.items() if name in running})
+        (file, {name: time for name, time in file.seconds.items() if name in asked})
         for file in suite.files
         if max(file.seconds.values()) <= budget
     ]
@@ -162,54 +142,29 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
     return Selection(tuple(name for name in times if name in kept), seconds, state.hexdigest())
 
 
-def statement(source: str, line: int) -> range:
-    """Return the lines of the innermost statement around a line; of a compound one, its head."""
-    found = range(line, line + 1)
-    first = 0
-    for node in ast.walk(_parsed(source)):
-        if not isinstance(node, ast.stmt | ast.ExceptHandler):
-            continue
-        body = getattr(node, "body", None)
-        last = max(body[0].lineno - 1, node.lineno) if body else node.end_lineno or node.lineno
-        if first < node.lineno <= line <= last:
-            found, first = range(node.lineno, last + 1), node.lineno
-    return found
+def _asked(mutant: Mutant, source: str, room: str, suite: Suite) -> set[str]:
+    """Return the tests that may notice a mutant.
 
+    They are those that run the changed line. Where its function is compiled, or run by none of
+    them: those that run a line which names it, and those of files that name its module or it.
+    Where there are none, as of constants and in other processes: those of such files, those that
+    run its module, and those of its room.
+    """
 
-def _in_function(source: str, line: int) -> bool:
-    return any(
-        isinstance(node, ast.FunctionDef) and node.body[0].lineno <= line <= (node.end_lineno or 0)
-        for node in ast.walk(_parsed(source))
-    )
+    def of(files: Iterable[TimedFile]) -> set[str]:
+        return {name for file in files for name in file.seconds}
 
-
-def _compiled(source: str, function: str) -> bool:
-    return any(
-        isinstance(node, ast.FunctionDef)
-        and node.name == function
-        and any("njit" in ast.unparse(each) for each in node.decorator_list)
-        for node in ast.walk(_parsed(source))
-    )
-
-
-@cache
-def _parsed(source: str) -> ast.Module:
-    return ast.parse(source)
-
-
-def _mentions(text: str, name: str) -> Iterator[tuple[int, str]]:
-    """Yield each line that names a function, and the outermost function around it, or nothing."""
-
-    def visit(node: ast.AST, around: str) -> Iterator[tuple[int, str]]:
-        if isinstance(node, ast.Name | ast.Attribute):
-            if name == (node.id if isinstance(node, ast.Name) else node.attr):
-                yield node.lineno, around
-        elif isinstance(node, ast.FunctionDef):
-            around = around or node.name
-        for child in ast.iter_child_nodes(node):
-            yield from visit(child, around)
-
-    yield from visit(_parsed(text), "")
+    naming = [file for file in suite.files if _distance(mutant, file) < 3]
+    # A line outside functions runs once for all tests, whichever of them is first.
+    if in_function(source, mutant.line):
+        running = suite.running(mutant.file, statement(source, mutant.line))
+        if running and not compiled(source, mutant.definition):
+            return running
+        # What a check of a compiled function runs of it uncompiled are lines of few tests.
+        if called := suite.calling(mutant.file, mutant.definition):
+            return running | called | of(naming)
+    in_room = [file for file in suite.files if file.room == room]
+    return suite.running(mutant.file) | of(naming) | of(in_room)
 
 
 def _distance(mutant: Mutant, file: TimedFile) -> int:
