@@ -70,7 +70,7 @@ class Search:
         return [self._round([c.fit], self.offered) for c in candidates]
 
     def _leading(self, rounds: Sequence[Round]) -> list[Candidate]:
-        return [c for c in pool_of(rounds) if c.finished][: self.budget.beam]
+        return finished_of(rounds)[: self.budget.beam]
 
     def _diverse(self, rounds: Sequence[Round]) -> list[Candidate]:
         """Return the leading candidates, and the first that acts elsewhere than any of them.
@@ -83,7 +83,7 @@ class Search:
 
         leading = self._leading(rounds)
         there = {port for c in leading for port in ports(c)}
-        others = (c for c in pool_of(rounds) if c.finished and not ports(c) & there)
+        others = (c for c in finished_of(rounds) if not ports(c) & there)
         return [*leading, *islice(others, 1)]
 
     def _pairs_from(self, beam: Sequence[Candidate]) -> list[Round]:
@@ -134,15 +134,12 @@ class Search:
         The first ones whatever is left: what they leave may look like noise because their laws
         were shaped in the wrong place.
         """
-        leading, found = self._restartable(rounds), list(rounds)
+        leading, found = finished_of(rounds)[: self.budget.restarted], list(rounds)
         if leading and leading[0].rmse > self.budget.exchange_above * _lowest_level(leading):
             step = "leading candidates from the prior means of the simulation"
             found = self._fitted_anew(found, leading, from_prior_means, step)
-        shaped = self._restartable(found)[:_SHAPED_ANEW]
+        shaped = finished_of(found)[: min(_SHAPED_ANEW, self.budget.restarted)]
         return self._fitted_anew(found, shaped, with_shapes_anew, "leading laws shaped anew")
-
-    def _restartable(self, rounds: Sequence[Round]) -> list[Candidate]:
-        return [c for c in pool_of(rounds) if c.finished][: self.budget.restarted]
 
     def _fitted_anew(
         self,
@@ -183,6 +180,11 @@ class Search:
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
     """Return the best candidate of every effect set that was tried, best first."""
     return best_of_each_set(c for r in rounds for c in r.candidates)
+
+
+def finished_of(rounds: Sequence[Round]) -> list[Candidate]:
+    """Return those of the pool that were fitted to the end, best first."""
+    return [c for c in pool_of(rounds) if c.finished]
 
 
 def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
