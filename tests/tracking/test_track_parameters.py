@@ -301,6 +301,13 @@ def test_a_step_that_leads_nowhere_leaves_the_kalman_track():
     assert nmse["output_error"] <= nmse["kalman"]
 
 
+def delayed_gain():
+    """A model whose parameter is given and not estimated, and a record with white noise."""
+    model = NarxModel.from_terms({"u(t-1)": 0.5})
+    u, noise = np.random.default_rng(6).standard_normal((2, 2000))
+    return model, u, model.simulate(u) + 0.1 * noise
+
+
 def test_what_leakage_holds_is_as_uncertain_as_its_target():
     u, y, _ = record(5, noise=1e-3)
     deviation = 0.1 * (1.0 + np.abs(PLANT.parameters))
@@ -313,10 +320,7 @@ def test_what_leakage_holds_is_as_uncertain_as_its_target():
 
 
 def test_a_pull_to_parameters_of_unknown_covariance_withholds_the_band():
-    """The parameter is given and not estimated, so that nothing says how far off it is."""
-    model = NarxModel.from_terms({"u(t-1)": 0.5})
-    u, noise = np.random.default_rng(6).standard_normal((2, 2000))
-    y = model.simulate(u) + 0.1 * noise
+    model, u, y = delayed_gain()
     pulled, free = (
         track_parameters(model, u, y, method="rls", leakage=leakage) for leakage in (1e-3, 0.0)
     )
@@ -339,9 +343,7 @@ def test_the_interval_of_a_free_run_takes_the_covariance_of_its_part_of_the_reco
 
 
 def test_a_free_run_has_an_interval_unless_that_of_its_track_is_withheld():
-    model = NarxModel.from_terms({"u(t-1)": 0.5})
-    u, noise = np.random.default_rng(6).standard_normal((2, 2000))
-    y = model.simulate(u) + 0.1 * noise
+    model, u, y = delayed_gain()
     track = track_parameters(model, u, y, method="rls", leakage=0.0)
     assert not track.attrs["withheld"]
     withheld = track.assign_attrs(withheld="for a reason")
