@@ -2,6 +2,8 @@
 
 import os
 import signal
+import socket
+import subprocess
 import time
 
 from dea.acquisition import launch
@@ -31,3 +33,17 @@ def test_a_killed_origin_is_replaced_when_the_next_guardian_is_asked_for():
     assert wire.take() == []
     assert not wire.closed
     wire.close()
+
+
+def test_a_killed_origin_is_replaced_though_a_fork_of_it_still_holds_its_end(monkeypatch):
+    ended = subprocess.Popen(["true"])
+    ended.wait()
+    ours, theirs = socket.socketpair()
+    monkeypatch.setattr(launch, "_nursery", (os.getpid(), ended, ours))
+    with theirs:
+        launch.launch().close()
+        own = launch._nursery[1]
+        assert own.pid != ended.pid
+        assert own.poll() is None
+    own.kill()
+    own.wait()

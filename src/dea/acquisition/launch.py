@@ -28,7 +28,7 @@ def launch() -> Wire:
     with _lock, theirs:
         try:
             _ask(_control(), theirs)
-        except OSError:  # the nursery was killed
+        except OSError:  # the nursery was killed just now
             _ask(_control(anew=True), theirs)
     return Wire(ours)
 
@@ -61,7 +61,7 @@ def _ask(control: socket.socket, end: socket.socket) -> None:
 
 def _control(*, anew: bool = False) -> socket.socket:
     global _nursery
-    if _nursery is None or _nursery[0] != os.getpid() or anew:
+    if _nursery is None or anew or _nursery[0] != os.getpid() or _ended(_nursery[1]):
         ours, theirs = socket.socketpair()
         with theirs:
             process = subprocess.Popen(
@@ -74,3 +74,8 @@ def _control(*, anew: bool = False) -> socket.socket:
                 _nursery[2].close()
         _nursery = os.getpid(), process, ours
     return _nursery[2]
+
+
+def _ended(nursery: subprocess.Popen[bytes]) -> bool:
+    """Return whether it was killed: a fork of it may still hold its end, and would ask nobody."""
+    return nursery.poll() is not None
