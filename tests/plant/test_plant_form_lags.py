@@ -7,6 +7,7 @@ from made_conditions import CONDITIONS, built, through
 from dea.plant.film import SUBSTEP
 from dea.plant.hidden import EFFECTS
 from dea.plant.hidden.effect import Port
+from dea.plant.hidden.forms.delays import _jittered
 from dea.plant.signal_law import SignalLaw
 
 STEP = np.repeat([1.0, 2.0], [1000, 20_000])
@@ -130,6 +131,15 @@ def test_the_jittered_delay_varies_within_a_fifth_of_its_mean():
     late = (ramp - through(law, ramp))[1000:]
     assert np.abs(late - defining["delay"]).max() <= 0.2 * defining["delay"] + SUBSTEP
     assert np.std(late) > 0.005
+
+
+def test_a_varying_delay_lies_between_sub_steps():
+    ramp = np.arange(100) * SUBSTEP
+    mean, depth = 3.5 * SUBSTEP, 1.0 * SUBSTEP
+    # A sine that stands at a quarter of its height.
+    still = [mean, depth, 0.0, np.arcsin(0.25)]
+    passed = through(SignalLaw(_jittered, still, np.zeros(10)), ramp)
+    np.testing.assert_allclose(ramp[10:] - passed[10:], 3.75 * SUBSTEP, rtol=1e-9)
 
 
 def test_the_dispersed_edge_is_that_of_equal_tanks():

@@ -56,6 +56,16 @@ def test_times_that_fall_back_are_refused():
         resample(np.array([0.0, 1.0, 2.0, 1.0, 3.0]), np.arange(5.0), np.arange(5.0), 1.0)
 
 
+def test_fewer_than_three_whole_samples_are_refused():
+    time = np.arange(5.0)
+    u, y = straight(time)
+    y[:3] = np.nan
+    with pytest.raises(InputError, match="2 samples have both input and output"):
+        resample(time, u, y, 1.0)
+    y[2] = straight(time)[1][2]
+    assert np.isfinite(resample(time, u, y, 1.0).y).sum() == 3
+
+
 def test_each_of_several_inputs_is_interpolated_for_itself():
     time = 100.0 + np.r_[0.0:0.5:0.1, 0.54, 0.6:3.0:0.1]
     slopes, starts = np.array([2.0, -1.0, 0.5]), np.array([1.0, 7.0, 0.0])
