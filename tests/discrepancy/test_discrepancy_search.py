@@ -556,6 +556,36 @@ def test_what_a_further_effect_surely_explains_is_not_called_noise():
 
 
 @pytest.mark.parametrize(
+    ("second", "size", "names"),
+    [
+        ("baseline_drift", 1.4, ("dead_zone",)),
+        ("baseline_drift", 1.7, ("dead_zone", "baseline_drift")),
+        ("gain_drift", 1.4, ("dead_zone", "gain_drift")),  # what it explains follows the motion
+    ],
+)
+def test_a_drift_as_small_as_the_white_noise_is_noise(second, size, names):
+    """Size of all noise in white ones; half of it at most may be slow."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    rng = np.random.default_rng(8)
+    slow = lfilter([1.0], [1.0, -0.98], rng.standard_normal(1500))
+    white = candidate(1.0).fit.residual
+    noise = white + NOISE * np.sqrt(size**2 - 1.0) * slow / slow.std()
+
+    def leaving(residual, *names):
+        made = candidate(1.0, *names)
+        error = evidence.problem.seen_rmse(residual)
+        return replace(made, fit=replace(made.fit, residual=residual), rmse=error, error=error)
+
+    alone, pair = leaving(noise, "dead_zone"), leaving(white, "dead_zone", second)
+    pool = [pair, alone, candidate(6.0, second)]
+    weighed = Presence((pair, alone), np.array([1.0, 0.0]))
+    found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer.names) == ("named", names)
+    assert (found.reason is Reason.COLOURED) == (len(names) == 1)
+
+
+@pytest.mark.parametrize(
     ("weight", "left", "rival", "status"),
     [
         (0.95, 1.01, 1.1, "named"),

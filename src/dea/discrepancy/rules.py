@@ -36,7 +36,7 @@ class Rules:
         something else is missing.
     noise_like
         Residual, in noise floors, up to which a residual that no effect and no flexible model
-        reduces counts as noise.
+        reduces counts as noise, and up to which that of an effect may hold a drift of the reading.
     negligible
         Part of the noise floor below which the misfits of two candidates are not distinguished.
     near

@@ -1,5 +1,7 @@
 """How much of the gap a candidate removes, and whether it leaves room for another effect."""
 
+from collections.abc import Sequence
+
 from dea.discrepancy.decision.decision import Reason
 from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
@@ -45,6 +47,30 @@ def leaves_coloured_noise(evidence: Evidence, chosen: Candidate, weighed: Presen
     if weighed.wider_than(chosen) >= evidence.rules.certain:
         return False
     return is_coloured_noise(evidence.problem, chosen.fit.residual, evidence.blocks)
+
+
+def without_noise(
+    evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]
+) -> Candidate | None:
+    """Return an answer without the courses in time of its reading, if they are coloured noise.
+
+    A drift of a sensor that is as small as its white noise is part of its noise. None where there
+    is no such course, or where it is more than that.
+    """
+    rules, attached = evidence.rules, chosen.fit.extended.attached
+    kept = frozenset(
+        chosen.fit.extended.name_of(each)
+        for each in attached
+        if each.effect.transferable or not each.effect.only_reads
+    )
+    parts = (c for c in pool if c.finished and c.effects == kept != chosen.effects)
+    part = min(parts, key=lambda c: c.error, default=None)
+    if part is None or part.rmse > rules.noise_like * evidence.floor:
+        return None
+    if share_of(evidence, part).low < rules.part:
+        return None
+    noise = is_coloured_noise(evidence.problem, part.fit.residual, evidence.blocks)
+    return part if noise else None
 
 
 def share_of(evidence: Evidence, part: Candidate) -> Share:
