@@ -115,8 +115,8 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
     """Return the tests to run, at most ``budget`` seconds of them.
 
     First come the files that carry the module's name in theirs, then those that import it or name
-    it in their text, as an effect's, then those that name the function changed, then the others;
-    among these the quicker ones before. Half of the budget is for them in that order, the other
+    it in their text, as an effect's, then those that name the function changed, then those of the
+    room, then the others; among these the quicker ones before. Half of the budget is for them in that order, the other
     half for the quickest of those that are left, of which it holds the most. A test that alone
     takes more than half of the budget is left out, and a file with one that takes more than all of
     it, since what its tests share may be what takes long.
@@ -127,7 +127,12 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
         for file in suite.files
         if max(file.seconds.values()) <= budget
     ]
-    chosen.sort(key=lambda pair: (_distance(mutant, pair[0]), sum(pair[1].values())))
+
+    def nearest(pair: tuple[TimedFile, Mapping[str, float]]) -> tuple[int, bool, float]:
+        file, each = pair
+        return _distance(mutant, file), file.room != room, sum(each.values())
+
+    chosen.sort(key=nearest)
     times = {name: time for _, each in chosen for name, time in each.items()}
     kept, seconds = set(), 0.0
     for order, limit in ((times, budget / 2), (sorted(times, key=times.__getitem__), budget)):
