@@ -14,8 +14,9 @@ from plain_module import PlainModule
 from rich.console import Console
 
 from dea import store
+from dea.acquisition import latch
 from dea.acquisition.__main__ import _plain, main
-from dea.acquisition.display import Display, health
+from dea.acquisition.display import SHOWN, Display, health
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.partial import PartialFile
 from dea.acquisition.samples import DrivenSamples, Quality
@@ -146,6 +147,7 @@ def test_a_broken_acquisition_is_rescued_with_its_flags(serve_bench, tmp_path, c
     main([*recover, "--device", str(DEVICE)])
     shown = capsys.readouterr().out
     assert "flagged" in shown
+    assert "damaged" not in shown
     assert "overwritten before they were read" in shown
     rescued = store.read(tmp_path / "rescued.nc", "record")
     lost = rescued.quality.values == Quality.LOST
@@ -333,3 +335,27 @@ def test_the_bench_says_what_is_wrong(tmp_path, capsys, actuator, changes, optio
     shown = capsys.readouterr()
     assert message in shown.err
     assert not shown.out
+
+
+def test_the_display_keeps_the_last_seconds_alone():
+    device = read_device(DEVICE)
+    second = round(device.sampling_rate)
+    console = Console(width=100, height=40, file=open(os.devnull, "w"))  # noqa: SIM115
+    with Display(device, 3 * SHOWN * second, live=True, console=console) as display:
+        for begun in range(3 * int(SHOWN)):
+            drawn = samples(second)
+            index = begun * second + drawn.device_index
+            display(drawn._replace(device_index=index), LinkLog())
+        times = np.concatenate([signals[0] for signals in display._signals])
+    assert times[-1] == pytest.approx(3 * SHOWN, abs=1.0)
+    assert SHOWN <= times[-1] - times[0] <= SHOWN + 1.0  # pieces of a second are kept whole
+
+
+@pytest.mark.parametrize(
+    ("reason", "told"),
+    [(None, "nothing has tripped"), ("too much current", "acknowledged: too much current")],
+)
+def test_what_was_acknowledged_is_told(monkeypatch, capsys, reason, told):
+    monkeypatch.setattr(latch, "acknowledge", lambda device, by: reason)
+    main(["acknowledge", "--device", str(DEVICE), "--by", "A. Person"])
+    assert capsys.readouterr().out.strip() == told

@@ -48,6 +48,7 @@ def test_a_staircase_shows_gain_offset_and_noise_of_a_read_back(module, tmp_path
     report = commission(target, tmp_path / "c.partial", SETTINGS, 0.03)
     assert max(module.path()[1]) == pytest.approx(0.03 * 4.0, abs=1e-3)
     assert module.volts == 0.0
+    assert report["highest"] == pytest.approx(0.03 * 4.0)
     assert report["read_back_gain"] == pytest.approx(1.1, abs=0.02)
     assert report["read_back_offset"] == pytest.approx(0.01, abs=0.002)
     assert 0 < report["read_back_delay"] < 0.03

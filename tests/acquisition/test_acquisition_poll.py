@@ -6,6 +6,7 @@ from memory_link import MemoryLink
 
 from dea.acquisition.panel import Panel
 from dea.acquisition.poll import NEIGHBOURS, Poll
+from dea.acquisition.retrying_link import DeviceRefusedError
 
 
 @pytest.mark.parametrize(("apart", "requests"), [(NEIGHBOURS - 1, 1), (NEIGHBOURS, 2)])
@@ -18,3 +19,24 @@ def test_a_sample_takes_one_request_where_its_registers_are_near(apart, requests
     windows = Poll(Panel(MemoryLink(device))).windows
     assert len(windows) == requests + 1
     assert "displacement" in [register.name for register in windows[0].registers]
+
+
+@pytest.mark.parametrize("refused", [False, True])
+def test_registers_are_read_one_by_one_where_the_device_refuses_what_lies_between(refused):
+    device = module(
+        applied_output={"address": 10, "unit": "V"}, displacement={"address": 14, "unit": "mm"}
+    )
+    link = MemoryLink(device)
+    poll = Poll(Panel(link))
+    assert len(poll.windows) == 1
+
+    def read(address, size, table="holding"):
+        if refused:
+            raise DeviceRefusedError(2, 3)
+        return [0] * size
+
+    link.read = read
+    poll.learn()
+    names = [[register.name for register in window.registers] for window in poll.windows]
+    apart, together = [["applied_output"], ["displacement"]], [["applied_output", "displacement"]]
+    assert names == (apart if refused else together)

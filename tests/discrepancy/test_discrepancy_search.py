@@ -416,6 +416,23 @@ def test_an_effect_that_acts_rarely_is_sure_where_it_leaves_noise_alone(
     assert sure == [rare][:found]
 
 
+@pytest.mark.parametrize(("left", "chosen"), [(1.4, "pair"), (1.6, "alone")])
+def test_a_further_effect_must_remove_most_of_what_is_left(left, chosen):
+    """Of a misfit of 2.83 floors it leaves 0.98, or 1.25, where at most 0.99 may be left."""
+    evidence, candidate = graded()
+    alone, pair = candidate(3.0, "dead_zone"), candidate(left, "dead_zone", "sensor_lag")
+    rounds = [Round(evidence.nominal, (alone,)), Round(alone.fit, (pair,))]
+    assert best_extension(evidence, rounds, [alone]) is {"pair": pair, "alone": alone}[chosen]
+
+
+def test_no_more_effects_are_combined_than_the_budget_allows():
+    problem, extended = hidden("dead_zone", "sensor_lag")
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    offered = [catalogue()[name] for name in ("dead_zone", "sensor_lag")]
+    rounds = Search(problem, [nominal], offered, Budget(effects=1, restarted=0), Rules()).rounds()
+    assert {len(c.names) for each in rounds for c in each.candidates} == {1}
+
+
 @pytest.mark.parametrize(("left", "chosen"), [(1.02, "pair"), (1.6, "alone")])
 def test_a_pair_that_leaves_noise_alone_need_not_predict_every_block(left, chosen):
     """A drift that three blocks show is extrapolated badly to each of them."""

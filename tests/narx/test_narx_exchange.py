@@ -7,7 +7,7 @@ import pytest
 
 from dea.narx import NarxModel, linear_terms, regressor_matrix
 from dea.narx.candidate_models import CandidateModels
-from dea.narx.descent import relative_sizes
+from dea.narx.descent import _held_out, relative_sizes
 from dea.narx.exchange import Exchange, FittedStructure, JointFit, System
 from dea.narx.trace import Trace
 from dea.terms import Term
@@ -134,3 +134,17 @@ def test_where_runs_are_linear_in_the_parameters_a_move_s_prediction_is_its_erro
         error = least_squares(*subset).fit.error
         assert abs(error - now.fit.error) > 0.01
         assert predicted[subset] == pytest.approx(error, rel=1e-6)
+
+
+def test_what_is_left_out_counts_by_the_share_of_each_system_that_is_not_predicted():
+    """Of one system none is predicted, of the other half of the output, so a quarter is left."""
+    rng = np.random.default_rng(4)
+    left_out = []
+    for scale in (1.0, 30.0):
+        u = rng.standard_normal(300)
+        left_out.append([(u, scale * np.concatenate([[0.0], u[:-1]]))])
+    candidates = Term.parse("y(t-1)"), Term.parse("u(t-1)")
+    found = JointFit((np.zeros(1), np.array([15.0])), 0.0)
+    fold = [([], segments) for segments in left_out]
+    share = _held_out(candidates, FittedStructure((1,), found), fold)
+    assert share == pytest.approx((1.0 + 0.25) / 2.0, rel=1e-9)

@@ -17,6 +17,8 @@ from made_conditions import (
 from scipy.optimize import curve_fit
 
 from dea.plant.film import SUBSTEP
+from dea.plant.hidden.forms.foreign import _telegraph
+from dea.plant.signal_law import SignalLaw
 
 
 def test_heating_changes_the_gain_slowly_and_more_at_high_commands():
@@ -51,6 +53,13 @@ def test_the_contact_has_two_levels():
         through(built("telegraph_contact", "telegraph_contact", 0.2)[0], np.ones(60_000))
     )
     np.testing.assert_allclose(levels, [0.8, 1.0])
+
+
+def test_the_contact_is_good_at_first_and_changes_at_the_times_drawn():
+    passed = through(SignalLaw(_telegraph, [0.8, 0.01, 0.03, 0.08], [0.0]), np.ones(100))
+    expected = np.repeat([1.0, 0.8, 1.0, 0.8], [10, 20, 50, 20])
+    # Sums of milliseconds may pass a time one step late.
+    assert np.count_nonzero(passed != expected) <= 3
 
 
 def test_delays_grow_with_command_and_with_time():

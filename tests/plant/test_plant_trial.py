@@ -14,7 +14,7 @@ from dea.excitation import design
 from dea.plant.drive import Drive
 from dea.plant.hidden import EFFECTS, Use
 from dea.plant.hidden.devices import DEVICES
-from dea.plant.hidden.draw import FEWEST, MOST, _sized, draw, draw_excitation
+from dea.plant.hidden.draw import FEWEST, MOST, _draw_noise, _sized, draw, draw_excitation
 from dea.plant.hidden.effect import Port
 from dea.plant.hidden.noise import Noise, NoiseKind
 from dea.plant.hidden.schedule import AMBIGUOUS, INSIDE, ROUND, ambiguous_plans, forms_of, plans
@@ -160,3 +160,23 @@ def test_a_file_that_is_no_trial_is_refused(tmp_path):
     path.write_text('{"name": "0001"}')
     with pytest.raises(InputError, match="Draw the trial again"):
         Trial.read(path)
+
+
+def test_the_noise_of_each_kind_has_the_correlation_and_shift_of_that_kind():
+    device, rate = DEVICES["film"], 50.0
+    correlations = {NoiseKind.COLOURED: (2.0, 15.0), NoiseKind.DRIFTING: (200.0, 2000.0)}
+    for kind in NoiseKind:
+        drawn = [_draw_noise(np.random.default_rng(s), kind, device, rate) for s in range(20)]
+        low, high = correlations.get(kind, (0.0, 0.0))
+        assert all(each.kind is kind and low <= each.correlation <= high for each in drawn)
+        # Less than the 20 ms between readings, in milliseconds.
+        shifted = kind is NoiseKind.SHIFTED
+        assert all((0 < abs(each.shift) < 20) == shifted for each in drawn)
+        assert {np.sign(each.shift) for each in drawn} == ({-1, 1} if shifted else {0})
+
+
+def test_devices_vary_by_no_more_than_the_spread_of_each_parameter():
+    for trial in (draw(CONFIG, SEED, index, Use.TUNING) for index in range(4)):
+        spread = DEVICES[trial.device].spread
+        assert set(trial.factors) == set(spread)
+        assert all(abs(np.log(trial.factors[name])) <= most for name, most in spread.items())

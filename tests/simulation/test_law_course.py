@@ -109,3 +109,28 @@ def test_every_law_of_the_catalogue_has_a_shape(name):
     [course] = law_courses(*attached((name, {})), U, INTERVAL)
     assert np.isfinite(course.value.values).all()
     assert course.along.values.shape == course.value.values.shape == course.idle.shape == U.shape
+
+
+def test_the_courses_of_two_records_are_those_of_each_alone():
+    laws = ("dead_zone", {"threshold": 0.5}), ("sensor_lag", {})
+    joint, values = attached(*laws, lengths=(600, 400))
+    courses = law_courses(joint, values, U, INTERVAL)
+    assert joint.records == 2
+    for course, *parts in zip(
+        courses,
+        *(law_courses(joint.alone, own, U[part], INTERVAL) for part, own in joint.each(values)),
+        strict=True,
+    ):
+        for axis in ("along", "value"):
+            whole = np.concatenate([getattr(each, axis).values for each in parts])
+            np.testing.assert_array_equal(getattr(course, axis).values, whole)
+
+
+def test_a_hum_is_shown_as_what_it_adds_to_the_reading():
+    hum = {"sine_1": 0.3, "frequency": 1.7}
+    extended, values = attached(("periodic_disturbance", hum))
+    plain, own = attached()
+    [course] = law_courses(extended, values, U, INTERVAL)
+    added = extended.simulate(values, U, INTERVAL) - plain.simulate(own, U, INTERVAL)
+    assert np.ptp(added) > 0.1
+    np.testing.assert_allclose(course.value.values, added, atol=1e-9)

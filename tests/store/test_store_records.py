@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from dea.errors import InputError
-from dea.store import check_record, flag_counts, signals
+from dea.store import Record, check_record, flag_counts, signals
 
 FILE = Path("record.nc")
 N = 20
@@ -39,6 +39,15 @@ def test_flagged_samples_are_left_out_and_counted():
     assert found.left_out == 2
     assert found.u[3] == 3.0  # what was applied is known
     assert found.u[7] == 6.0  # a sample that was never written held the last
+
+
+@pytest.mark.parametrize(
+    ("u", "y"), [((9,), (9, 1)), ((9,), (8,)), ((9, 2), (9, 2)), ((3, 3, 3), (3,)), ((1,), (1,))]
+)
+def test_signals_of_other_shapes_are_no_record(u, y):
+    with pytest.raises(InputError, match="input and output have shapes") as error:
+        Record.of(np.ones(u), np.ones(y), 50.0)
+    assert error.value.remedy
 
 
 def test_a_record_without_a_good_sample_is_refused():

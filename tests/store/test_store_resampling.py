@@ -54,6 +54,8 @@ def test_the_usual_interval_survives_jitter_and_gaps(interval):
 def test_times_that_fall_back_are_refused():
     with pytest.raises(InputError, match="sample 3 is at 1 s, the one before it at 2 s"):
         resample(np.array([0.0, 1.0, 2.0, 1.0, 3.0]), np.arange(5.0), np.arange(5.0), 1.0)
+    with pytest.raises(InputError, match="sample 2 is at 1 s, the one before it at 1 s"):
+        resample(np.array([0.0, 1.0, 1.0, 2.0, 3.0]), np.arange(5.0), np.arange(5.0), 1.0)
 
 
 def test_fewer_than_three_whole_samples_are_refused():

@@ -189,3 +189,11 @@ def test_missing_outputs_are_left_out():
     # Each stretch has a trend of its own, so that the constant is determined anew.
     assert 0.0 < np.abs(moved / deviation)[:, 1:].max() < 1.0
     assert track.attrs["withheld"] == ""
+
+
+def test_the_innovation_is_the_error_of_the_prediction_from_what_was_measured():
+    u, y = record(2000)
+    track = track_parameters(PLANT, u, y, method="local")
+    theta = track["parameter"].values[1:]
+    predicted = theta[:, 0] + theta[:, 1] * y[:-1] + theta[:, 2] * u[:-1]
+    np.testing.assert_allclose(track["innovation"].values[1:], y[1:] - predicted, atol=1e-9)
