@@ -116,10 +116,10 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
 
     First come the files that carry the module's name in theirs, then those that import it or name
     it in their text, as an effect's, then those that name the function changed, then those of the
-    room, then the others; among these the quicker ones before. Half of the budget is for them in that order, the other
-    half for the quickest of those that are left, of which it holds the most. A test that alone
-    takes more than half of the budget is left out, and a file with one that takes more than all of
-    it, since what its tests share may be what takes long.
+    room, then the others; among these the quicker ones before. Half of the budget is for them in
+    that order, the other half for the quickest of those that are left, of which it holds the most.
+    A test that alone takes more than half of the budget is left out, and a file with one that takes
+    more than all of it, since what its tests share may be what takes long.
     """
     asked = _asked(mutant, source, room, suite)
     chosen = [

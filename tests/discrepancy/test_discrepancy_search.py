@@ -814,3 +814,14 @@ def test_pairs_are_also_built_on_an_effect_that_acts_elsewhere_than_the_leading_
     _, *pairs = Search(problem, [nominal], offered, Budget(beam=1, exchanges=0), Rules()).rounds()
     ports = [a.effect.port for each in pairs for a in each.before.extended.attached]
     assert sorted(ports) == [Port.INPUT, Port.OUTPUT]
+
+
+def test_fewer_further_effects_are_fitted_to_the_end_than_first_ones():
+    problem, extended = hidden("dead_zone")
+    base = fit(problem, extended, np.zeros(extended.free.size))
+    names = "dead_zone", "input_saturation", "strain_stiffening", "sensor_lag", "electrode_lag"
+    budget = Budget(finished=3, starts=2, shakes=0, near=100.0)
+    for finished in (3, 2):
+        found = extend_by_each(problem, [base], [catalogue()[n] for n in names], budget, 1)
+        assert sum(c.finished for c in found.candidates) == finished
+        base = found.candidates[0].fit
