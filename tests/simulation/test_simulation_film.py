@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from dea.configuration.bench import read_bench
 from dea.plant.parameters import read_plain
 from dea.plant.rig import Rig
 from dea.simulation import Scales, SensorFilter, catalogue, load_simulation, prepared
@@ -20,6 +21,11 @@ SCALES = Scales("V", "mm", 1.5, 3.2, 50.0, 0.6, 1.2, 0.0, 1.0, DT, 8.0)
 def at_nominal(name, u):
     extended = prepared(load_simulation(name), u, DT, 1e-5)
     return extended.simulate(extended.values(np.zeros(extended.free.size)), u, DT)
+
+
+def test_it_is_read_through_the_filter_of_the_bench():
+    for actuator in read_bench(BENCH).actuators.values():
+        assert load_simulation("dea_film").sensor_filter == SensorFilter(actuator.sensor.cutoff)
 
 
 @pytest.mark.parametrize("volts", [0.0, 1.5, 3.0, 3.6])
