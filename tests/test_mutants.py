@@ -179,6 +179,41 @@ def test_the_tests_of_a_compiled_function_are_those_that_run_a_line_which_names_
         assert found.tests == (names[expected].removesuffix("|run"),)
 
 
+def test_files_that_call_a_compiled_function_through_a_helper_of_theirs_are_asked(tmp_path):
+    text = {
+        "tests/narx/test_narx_near.py": "import made_paths\n",
+        "tests/narx/test_narx_far.py": "from numpy import outer_product\n",
+        "tests/narx/test_narx_run.py": "",
+        "tests/made_paths.py": "from made_kernels import along\n",
+        "tests/made_kernels.py": "from dea.narx.kernels import outer\n",
+    }
+    for name, content in text.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(content)
+    cases = [
+        f'<testcase classname="{name[:-3].replace("/", ".")}" name="test_a" time="1.0"/>'
+        for name in text
+        if "test_" in name
+    ]
+    report = tmp_path / "report.xml"
+    report.write_text(f"<testsuite>{''.join(cases)}</testsuite>")
+    sources = {
+        "src/dea/narx/kernels.py": "@njit\ndef _inner(x):\n    return x\n\n"
+        "@njit\ndef outer(x):\n    return _inner(x)\n",
+        "src/dea/gfrf/model.py": "def run(x):\n    return outer(x)\n",
+    }
+    ran = CoverageData(str(tmp_path / "ran"))
+    ran.set_context("tests/narx/test_narx_run.py::test_a|run")
+    ran.add_lines({"src/dea/gfrf/model.py": [2]})
+    ran.write()
+    suite = replace(read_suite(tmp_path, report, tmp_path / "ran"), sources=sources)
+    mutant = replace(MUTANT, file="src/dea/narx/kernels.py", line=3, definition="_inner")
+    found = select(mutant, sources[mutant.file], "narx", suite, 20.0)
+    assert sorted(found.tests) == [
+        f"tests/narx/test_narx_{name}.py::test_a" for name in ("near", "run")
+    ]
+
+
 def test_of_a_compiled_function_that_no_function_names_all_tests_of_the_room_are_asked():
     """One test has run it uncompiled, when it was imported and checked."""
     source = "@njit\ndef slope(x):\n    return x\n\ndevice = Device(slope)\n"

@@ -5,6 +5,7 @@ import xml.etree.ElementTree as ElementTree
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 
@@ -26,6 +27,12 @@ class TimedFile:
     path: str  # relative to the project
     text: str
     seconds: Mapping[str, float]  # of those that pass, by pytest's name, in the order they ran
+    helpers: str = ""  # the text of the modules beside the tests that it imports
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """Every word of it and of its helpers."""
+        return frozenset(re.findall(r"\w+", self.text + self.helpers))
 
     @property
     def room(self) -> str:
@@ -55,10 +62,10 @@ class Suite:
             name for each in self.files if each.path in shared for name in each.seconds
         }
 
-    def calling(self, file: str, function: str) -> set[str]:
-        """Return the tests that run a line which names a function of a file.
+    def calling(self, file: str, function: str) -> tuple[set[str], set[str]]:
+        """Return the tests that run a line which names a function, and the names they may know it by.
 
-        No line of a compiled function is seen to run. Where such a one names the function, the
+        These are its own and those of the compiled functions that call it. No line of a compiled function is seen to run. Where such a one names the function, the
         lines that name that one are asked for in its place. Lines outside functions run once for
         all tests, whichever of them is first. A private name is one of its own file.
         """
@@ -77,7 +84,7 @@ class Suite:
                     if not tests and (path, around) not in seen:
                         seen.add((path, around))
                         left.append((path, around))
-        return found
+        return found, {name for _, name in seen}
 
 
 @dataclass(frozen=True)
@@ -100,9 +107,15 @@ def read_suite(root: Path, report: Path, ran: Path) -> Suite:
         seconds[module][name] = float(case.attrib["time"])
     data = CoverageData(str(ran))
     data.read()
+    helpers = {
+        path.stem: path.read_text()
+        for path in root.glob("tests/**/*.py")
+        if not path.stem.startswith("test_")
+    }
+    texts = {path: (root / path).read_text() for path in sorted(seconds)}
     files = [
-        TimedFile(path, (root / path).read_text(), seconds[path])
-        for path in sorted(seconds)
+        TimedFile(path, text, seconds[path], _imported(text, helpers))
+        for path, text in texts.items()
         if _LEFT_OUT not in Path(path).parts
     ]
     sources = {
@@ -143,7 +156,7 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
     state = sha256()
     for file, each in chosen:
         if each:
-            state.update(file.text.encode())
+            state.update((file.text + file.helpers).encode())
     return Selection(tuple(name for name in times if name in kept), seconds, state.hexdigest())
 
 
@@ -151,7 +164,8 @@ def _asked(mutant: Mutant, source: str, room: str, suite: Suite) -> set[str]:
     """Return the tests that may notice a mutant.
 
     They are those that run the changed line. Where its function is compiled, or run by none of
-    them: those that run a line which names it, and those of files that name its module or it.
+    them: those that run a line which names it or a compiled function that calls it, and those of
+    files that name one of these or its module.
     Where there are none, as of constants and in other processes: those of such files, those that
     run its module, and those of its room.
     """
@@ -166,7 +180,9 @@ def _asked(mutant: Mutant, source: str, room: str, suite: Suite) -> set[str]:
         if running and not compiled(source, mutant.definition):
             return running
         # What a check of a compiled function runs of it uncompiled are lines of few tests.
-        if called := suite.calling(mutant.file, mutant.definition):
+        called, names = suite.calling(mutant.file, mutant.definition)
+        if called:
+            naming += [file for file in suite.files if names & file.names]
             return running | called | of(naming)
     in_room = [file for file in suite.files if file.room == room]
     return suite.running(mutant.file) | of(naming) | of(in_room)
@@ -184,6 +200,13 @@ def _distance(mutant: Mutant, file: TimedFile) -> int:
     if mutant.definition and mutant.definition in file.text:
         return 2
     return 3
+
+
+def _imported(text: str, helpers: Mapping[str, str]) -> str:
+    """Return the text of the helpers that a module imports, and of those that they import."""
+    names = re.findall(r"^(?:from|import) (\w+)", text, re.MULTILINE)
+    own = (helpers[name] for name in dict.fromkeys(names) if name in helpers)
+    return "".join(each + _imported(each, helpers) for each in own)
 
 
 def _file_and_classes(dotted: str) -> tuple[str, list[str]]:
