@@ -63,11 +63,12 @@ class Suite:
         }
 
     def calling(self, file: str, function: str) -> tuple[set[str], set[str]]:
-        """Return the tests that run a line which names a function, and the names they may know it by.
+        """Return the tests that run a line which names a function, and what others may name.
 
-        These are its own and those of the compiled functions that call it. No line of a compiled function is seen to run. Where such a one names the function, the
-        lines that name that one are asked for in its place. Lines outside functions run once for
-        all tests, whichever of them is first. A private name is one of its own file.
+        These are the function and the compiled ones that call it. No line of a compiled function is
+        seen to run. Where such a one names the function, the lines that name that one are asked for
+        in its place. Lines outside functions run once for all tests, whichever of them is first. A
+        private name is one of its own file.
         """
         found: set[str] = set()
         left, seen = [(file, function)], {(file, function)}
