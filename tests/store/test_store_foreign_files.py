@@ -27,6 +27,11 @@ def table(separator, decimal, *above, end=""):
         (table("\t", ".", "t\tu\ty"), "tuy", {}),
         (table("\t", ",", "t\tu\ty"), "tuy", {}),
         (table(";", ",", "t;u;y", "s;V;mm"), "tuy", {"t": "s", "u": "V", "y": "mm"}),
+        (
+            table(",", ".", "rig 2,,", "time of the sample,u,y", "s,V,mm"),
+            ("time of the sample", "u", "y"),
+            {"time of the sample": "s", "u": "V", "y": "mm"},
+        ),
         (table(";", ",", "t [sec];u [V];y (mm)"), "tuy", {"t": "s", "u": "V", "y": "mm"}),
         (table("  ", ".", "t u y"), "tuy", {}),
         (table(" ", ".", "% measured on a Monday", "% t u y"), "tuy", {}),
