@@ -15,6 +15,7 @@ from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Fit, at, fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
+from dea.discrepancy.search import rounds as search_rounds
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.degenerate import unfinish_degenerate
@@ -825,3 +826,32 @@ def test_fewer_further_effects_are_fitted_to_the_end_than_first_ones():
         found = extend_by_each(problem, [base], [catalogue()[n] for n in names], budget, 1)
         assert sum(c.finished for c in found.candidates) == finished
         base = found.candidates[0].fit
+
+
+@pytest.mark.parametrize(
+    ("names", "above", "refits"),
+    [
+        (("dead_zone",), 1.0, 1 + 3),
+        (("dead_zone",), 50.0, 1),  # little is left already
+        (("dead_zone", "sensor_lag"), 1.0, 1),  # fitted from enough starts
+    ],
+)
+def test_the_best_single_effects_are_fitted_from_perturbed_starts_too(
+    monkeypatch, names, above, refits
+):
+    problem, extended = hidden("dead_zone")
+    told = measured_scales(extended, extended.values(np.zeros(extended.free.size)), problem)
+    for name in names:
+        extended = extended.attach(catalogue()[name], told)
+    start = at(problem, extended, np.zeros(extended.free.size))
+    starts = []
+
+    def again(problem, fitted, budget):
+        starts.append(fitted.coordinates)
+        return fitted
+
+    monkeypatch.setattr(search_rounds, "fitted_again", again)
+    search_rounds._polished(problem, start, Budget(shakes=3, shake_above=above))
+    assert len(starts) == refits
+    for each in starts[1:]:
+        np.testing.assert_array_equal(each != start.coordinates, extended.of_laws)
