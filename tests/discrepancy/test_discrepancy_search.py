@@ -8,6 +8,7 @@ import pytest
 from scipy.signal import lfilter
 
 from dea.discrepancy.decision import Reason, best_extension, decide, sure_alone
+from dea.discrepancy.decision.adequacy import without_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.presence import Presence
@@ -573,34 +574,87 @@ def test_what_a_further_effect_surely_explains_is_not_called_noise():
         assert (found.status, found.reason) == ("named", reason)
 
 
-@pytest.mark.parametrize(
-    ("second", "size", "names"),
-    [
-        ("baseline_drift", 1.4, ("dead_zone",)),
-        ("baseline_drift", 1.7, ("dead_zone", "baseline_drift")),
-        ("gain_drift", 1.4, ("dead_zone", "gain_drift")),  # what it explains follows the motion
-    ],
-)
-def test_a_drift_as_small_as_the_white_noise_is_noise(second, size, names):
-    """Size of all noise in white ones; half of it at most may be slow."""
+def beside_noise(
+    second="baseline_drift", size=1.4, before=9.0, bent=0.0, finished=True, better=9.0
+):
+    """Decide on a dead zone with a second effect, which takes up what is not white noise.
+
+    ``size`` is all noise in floors, ``bent`` an error of the law, ``before`` what the simulation
+    alone leaves, and ``better`` what another single effect does.
+    """
     evidence, candidate = graded()
-    evidence = replace(evidence, rules=Rules())
+    evidence = replace(evidence, rules=Rules(), nominal=candidate(before).fit)
     rng = np.random.default_rng(8)
     slow = lfilter([1.0], [1.0, -0.98], rng.standard_normal(1500))
     white = candidate(1.0).fit.residual
-    noise = white + NOISE * np.sqrt(size**2 - 1.0) * slow / slow.std()
+    law = evidence.problem.u**3
+    noise = white + NOISE * np.sqrt(size**2 - 1.0 - bent**2) * slow / slow.std()
+    noise += bent * NOISE * law / law.std()
 
     def leaving(residual, *names):
         made = candidate(1.0, *names)
         error = evidence.problem.seen_rmse(residual)
         return replace(made, fit=replace(made.fit, residual=residual), rmse=error, error=error)
 
-    alone, pair = leaving(noise, "dead_zone"), leaving(white, "dead_zone", second)
-    pool = [pair, alone, candidate(6.0, second)]
+    alone = replace(leaving(noise, "dead_zone"), finished=finished)
+    pair = leaving(white, "dead_zone", second)
+    pool = [pair, alone, candidate(6.0, second), candidate(better, "strain_stiffening")]
     weighed = Presence((pair, alone), np.array([1.0, 0.0]))
-    found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
-    assert (found.status, found.answer.names) == ("named", names)
-    assert (found.reason is Reason.COLOURED) == (len(names) == 1)
+    return decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+
+
+def test_a_drift_as_small_as_the_white_noise_is_noise():
+    found = beside_noise()
+    assert (found.status, found.answer.names) == ("named", ("dead_zone",))
+    assert found.reason is Reason.COLOURED
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"size": 1.7},  # it is larger than white noise
+        {"second": "gain_drift"},  # what it explains follows the motion
+        {"second": "sensor_lag"},
+        {"second": "periodic_disturbance"},  # a line is no noise
+        {"size": 1.45, "bent": 1.0},  # what is left follows the input
+        {"before": 1.8},  # the dead zone removes less than half of the gap
+        {"finished": False},
+        {"better": 1.2},  # without the drift another effect is better
+    ],
+)
+def test_what_a_further_effect_explains_is_noise_only_if_it_is_a_small_drift(changed):
+    found = beside_noise(**changed)
+    assert found.answer is None or len(found.answer.names) == 2
+    assert found.reason is not Reason.COLOURED
+
+
+def test_what_is_named_without_its_drift_acts_at_the_same_place():
+    evidence, candidate = graded()
+    simulation = load_simulation("two_heaters")
+    u = np.random.default_rng(1).uniform(0.0, 50.0, (1500, len(simulation.inputs)))
+    plain = prepared(simulation, u, 1.0, 1e-2)
+    values = plain.values(np.zeros(plain.free.size))
+    y = plain.simulate(values, u, 1.0)
+    told = measured_scales(plain, values, SimpleNamespace(u=u, y=y, interval=1.0))
+
+    def made(residual, *laws):
+        extended = plain
+        for name, place in laws:
+            extended = extended.attach(catalogue()[name], told, place)
+        fitted = Fit(extended, np.zeros(extended.free.size), residual, np.zeros((1500, 1)), 0.0)
+        error = evidence.problem.seen_rmse(residual)
+        return Candidate(fitted, error, error, 9.0)
+
+    rng = np.random.default_rng(3)
+    slow = lfilter([1.0], [1.0, -0.98], rng.standard_normal(1500))
+    white = candidate(1.0).fit.residual
+    noise = white + 0.9 * NOISE * slow / slow.std()
+    pair = made(white, ("end_stop", 1), ("baseline_drift", 0))
+    here, elsewhere = made(1.01 * noise, ("end_stop", 1)), made(1.05 * noise, ("end_stop", 0))
+    assert here.names == elsewhere.names
+    assert here.labels != elsewhere.labels
+    assert without_noise(evidence, pair, [here, elsewhere, pair]) is here
+    assert without_noise(evidence, pair, [elsewhere, pair]) is None
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from dea.discrepancy import NamedEffect, Settings, Verdict, read_verdict
+from dea.discrepancy.decision import Reason
 from dea.resolution import (
     ANOTHER,
     Design,
@@ -21,11 +22,13 @@ from dea.resolution.posterior import Posterior
 from dea.resolution.weighing import _offered, _parts
 from dea.stages.resolve import said
 
-PRIOR = {"none": 0.1, "a": 0.4, "b": 0.3, "a+b": 0.1, ANOTHER: 0.1}
+DRIFTING = "a+baseline_drift"
+PRIOR = {"none": 0.1, "a": 0.4, "b": 0.2, "a+b": 0.1, DRIFTING: 0.1, ANOTHER: 0.1}
 
 
-def knowledge(now, status="named", names=("a",), whole=True):
+def knowledge(now, status="named", names=("a",), whole=True, reason=None):
     verdict = SimpleNamespace(status=status, names=names, whole=whole)
+    diagnosis = SimpleNamespace(verdict=verdict, decision=SimpleNamespace(reason=reason))
     explanations = {
         name: SimpleNamespace(effects=frozenset(name.split("+")) - {"none"})
         for name in PRIOR
@@ -33,7 +36,7 @@ def knowledge(now, status="named", names=("a",), whole=True):
     }
     logs = dict.fromkeys(PRIOR, -np.inf) | {name: np.log(value) for name, value in now.items()}
     posterior = Posterior(PRIOR, logs)
-    return Knowledge((), SimpleNamespace(verdict=verdict), explanations, posterior, None)
+    return Knowledge((), diagnosis, explanations, posterior, None)
 
 
 @pytest.mark.parametrize(
@@ -42,6 +45,10 @@ def knowledge(now, status="named", names=("a",), whole=True):
         ({"a": 0.9, "a+b": 0.1}, {}, ResolutionOutcome.DECIDED),
         ({"a": 0.9, "a+b": 0.1}, {"whole": False}, ResolutionOutcome.PART),
         ({"a+b": 1.0}, {}, ResolutionOutcome.PART),
+        ({"a+b": 1.0}, {"reason": Reason.COLOURED}, ResolutionOutcome.PART),
+        ({DRIFTING: 1.0}, {}, ResolutionOutcome.PART),
+        # What the verdict takes for coloured noise is no further effect.
+        ({DRIFTING: 1.0}, {"reason": Reason.COLOURED}, ResolutionOutcome.DECIDED),
         ({"a": 0.9, "a+b": 0.1}, {"status": "ambiguous"}, ResolutionOutcome.OPEN),
         ({"a": 0.9, "a+b": 0.1}, {"names": ("a", "b")}, ResolutionOutcome.OPEN),
         ({"a": 0.9, "b": 0.1}, {}, ResolutionOutcome.OPEN),

@@ -7,10 +7,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from dea.discrepancy import Diagnosis, Status, Verdict
+from dea.discrepancy.decision import Reason
 from dea.resolution.design import Forms
 from dea.resolution.explanation import NONE, Explanation
 from dea.resolution.law_error import LawError
 from dea.resolution.posterior import Posterior
+from dea.simulation import catalogue
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,6 +115,9 @@ class Knowledge:
         held = [self.explanations[name].effects for name in left]
         if not all(named <= effects for effects in held):
             return ResolutionOutcome.OPEN
+        if self.diagnosis.decision.reason is Reason.COLOURED:
+            drifts = {each.name for each in catalogue().values() if each.drifts_reading}
+            held += [effects - drifts for effects in held]  # which are that noise
         # Where every hypothesis that is left holds more, what is named is a part of the answer.
         return (
             ResolutionOutcome.DECIDED if verdict.whole and named in held else ResolutionOutcome.PART

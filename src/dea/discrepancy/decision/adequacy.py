@@ -7,6 +7,7 @@ from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.problem import rmse
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 
@@ -52,25 +53,27 @@ def leaves_coloured_noise(evidence: Evidence, chosen: Candidate, weighed: Presen
 def without_noise(
     evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]
 ) -> Candidate | None:
-    """Return an answer without the courses in time of its reading, if they are coloured noise.
+    """Return an answer without the drift of its reading, if that is coloured noise.
 
     A drift of a sensor that is as small as its white noise is part of its noise. None where there
-    is no such course, or where it is more than that.
+    is no drift beside other effects, where it is more than that in any record, or where others
+    explain the record better without it.
     """
-    rules, attached = evidence.rules, chosen.fit.extended.attached
-    kept = frozenset(
-        chosen.fit.extended.name_of(each)
-        for each in attached
-        if each.effect.transferable or not each.effect.only_reads
-    )
-    parts = (c for c in pool if c.finished and c.effects == kept != chosen.effects)
-    part = min(parts, key=lambda c: c.error, default=None)
-    if part is None or part.rmse > rules.noise_like * evidence.floor:
+    rules, problem, extended = evidence.rules, evidence.problem, chosen.fit.extended
+    kept = {extended.label(a) for a in extended.attached if not a.effect.drifts_reading}
+    if not kept or kept == set(chosen.labels):
+        return None
+    as_large = (c for c in pool if c.finished and len(c.labels) == len(kept))
+    part = min(as_large, key=lambda c: c.error, default=None)
+    if part is None or set(part.labels) != kept:
+        return None
+    residual = part.fit.residual
+    most = rules.noise_like * evidence.floor
+    if any(rmse(residual[own], problem.seen[own]) > most for own in part.fit.records):
         return None
     if share_of(evidence, part).low < rules.part:
         return None
-    noise = is_coloured_noise(evidence.problem, part.fit.residual, evidence.blocks)
-    return part if noise else None
+    return part if is_coloured_noise(problem, residual, evidence.blocks) else None
 
 
 def share_of(evidence: Evidence, part: Candidate) -> Share:

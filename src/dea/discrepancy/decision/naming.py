@@ -33,7 +33,10 @@ def decide(
     if decision.status is not Status.NAMED or decision.answer is None or not decision.whole:
         return decision
     part = without_noise(evidence, decision.answer, pool)
-    return decision if part is None else Decision(Status.NAMED, part, reason=Reason.COLOURED)
+    if part is None:
+        return decision
+    akin = tuple(rivals_of(evidence, part, pool, akin=True))
+    return Decision(Status.NAMED, part, akin, Reason.COLOURED)
 
 
 def _decided(

@@ -115,3 +115,8 @@ class Effect:
     def only_reads(self) -> bool:
         """Whether the law changes the reading alone, and not the motion."""
         return self.shape_input is None and self.force is None and self.scale_drive is None
+
+    @property
+    def drifts_reading(self) -> bool:
+        """Whether the law is a course of the reading in time, as slow noise has it, too."""
+        return self.only_reads and self.port is Port.TIME
