@@ -65,6 +65,19 @@ def test_rests_are_those_that_the_frequency_responses_are_taken_around():
     assert found.outputs[4] == pytest.approx(float(zero_input_response(model)))
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_of_several_rests_that_is_followed_which_is_nearest_to_zero_without_input(sign):
+    """At rest y**3 - y = u: of -1, 0 and 1 the middle one, which ends at u**2 = 4/27."""
+    model = NarxModel.from_terms({"y(t-1)": 2.0, "y(t-1)^3": -1.0, "u(t-1)": 1.0})
+    levels = sign * np.linspace(0.0, 1.0, 6)
+    found = rests_over(model.terms, model.parameters, levels).outputs
+    np.testing.assert_allclose(found**3 - found, levels, atol=1e-9)
+    held = levels**2 < 4 / 27
+    assert np.count_nonzero(held) == 2
+    assert (sign * found[held] <= 0.0).all()
+    assert (sign * found[~held] > 1.0).all()
+
+
 def test_a_model_without_a_rest_is_unstable_there():
     model = NarxModel.from_terms({"1": 1.0, "y(t-1)": 1.0, "y(t-1)^2": 1.0, "u(t-1)": 0.1})
     found = rests_over(model.terms, model.parameters, np.array([-1.0, 0.0, 1.0]))

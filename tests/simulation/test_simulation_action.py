@@ -4,9 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
-from dea.simulation.devices.dea_membrane import NODES, simulation, stiffness
+from dea.simulation.devices.dea_membrane import (
+    NODES,
+    simulation,
+    squares_of,
+    stiffness,
+    suspending,
+    work,
+)
 
 DT = 0.02
 
@@ -32,6 +40,27 @@ def test_beyond_pull_in_there_is_no_stiffness():
     expected = np.array([stiffness(volts, p) for volts in u])
     np.testing.assert_array_equal(np.isnan(found), np.isnan(expected))
     np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("prestretch", [3.0, 3.3, 3.6, 4.0])
+def test_the_stretch_is_found_up_to_where_the_film_pulls_in(prestretch):
+    """The first stretch at which nothing resists it, by bisection between close points."""
+    p = simulation.nominal.copy()
+    p[simulation.parameter_names.index("prestretch")] = prestretch
+    squares = squares_of(p)
+    stretches = np.linspace(1.0, 1.7, 1400)
+    for volts in np.linspace(0.4, 5.2, 49):
+        resisted = np.array([work(x, volts, p, squares)[0] for x in stretches])
+        (below,) = np.nonzero((resisted[:-1] <= 0.0) & (resisted[1:] > 0.0))
+        if not below.size:
+            assert np.isnan(stiffness(volts, p))
+            break
+        ends = stretches[below[0]], stretches[below[0] + 1]
+        x = brentq(lambda x, u=volts: work(x, u, p, squares)[0], *ends, xtol=1e-12)
+        expected = suspending(x, *work(x, volts, p, squares)[1:], p)
+        assert stiffness(volts, p) == pytest.approx(expected, rel=1e-5)
+    else:
+        pytest.fail("the film has not pulled in")
 
 
 def test_a_film_moves_the_same_with_and_without_it():

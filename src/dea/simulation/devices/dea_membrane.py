@@ -28,7 +28,9 @@ GRAVITY = 9.80665
 POINT = 0.1127016653792583
 WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 TRIES = 40
-CLOSE = 1e-7
+# Distance of stretches, and part of the modulus that resists, at which a root is found; distance of
+# the stretches that are tried where the estimates lead nowhere.
+CLOSE, FLAT, FAR = 1e-7, 1e-4, 0.02
 # Nodes of the table of stiffnesses, and those next to pull-in between which none is interpolated.
 NODES, NEAR_PULL_IN = 256, 16
 
@@ -97,7 +99,8 @@ def stiffness(u: float, p: np.ndarray) -> float:
     """Return the vertical stiffness in N/m, NaN beyond pull-in.
 
     x is found by inverse quadratic interpolation from estimates below it, of which the first is
-    that of a neo-Hookean film: the work is concave in x, so that it stays on this side of pull-in.
+    that of a neo-Hookean film: where the work is concave in x, it stays on this side of pull-in.
+    Elsewhere x is looked for from 1 outwards.
     """
     initial, squares = p[5] * p[5], squares_of(p)
     outer = squares[3]
@@ -115,11 +118,33 @@ def stiffness(u: float, p: np.ndarray) -> float:
         x_3 = x_0 * work_1 * work_2 / (d_01 * d_02)
         x_3 -= x_1 * work_0 * work_2 / (d_01 * d_12)
         x_3 += x_2 * work_0 * work_1 / (d_02 * d_12)
-        if abs(x_3 - x_2) < CLOSE:
+        if abs(x_3 - x_2) < CLOSE and abs(work_2) < FLAT * W:
             return suspending(x_2, sigma, compliance, p)
         x_0, x_1, x_2 = x_1, x_2, x_3
         work_0, work_1 = work_1, work_2
-    return nan
+    return searched(u, p, squares)
+
+
+@njit(cache=True, error_model="numpy")
+def searched(u: float, p: np.ndarray, squares: tuple[float, float, float, float, float]) -> float:
+    """Return the stiffness at the first stretch that is resisted, NaN where none is.
+
+    A slack disc grows, and the annulus is crushed at the largest stretch.
+    """
+    below = above = 1.0
+    largest = 1.0 + (squares[3] - 1.0) / (squares[3] + 1.0) - CLOSE
+    while not work(above, u, p, squares)[0] > 0.0:
+        if above >= largest:
+            return nan
+        below, above = above, min(above + FAR, largest)
+    while above - below > CLOSE:
+        middle = 0.5 * (below + above)
+        if work(middle, u, p, squares)[0] > 0.0:
+            above = middle
+        else:
+            below = middle
+    _, sigma, compliance = work(above, u, p, squares)
+    return suspending(above, sigma, compliance, p)
 
 
 @njit(VECTOR(VECTOR, VECTOR, VECTOR), cache=True, nogil=True, error_model="numpy")
