@@ -65,10 +65,10 @@ class Suite:
     def calling(self, file: str, function: str) -> tuple[set[str], set[str]]:
         """Return the tests that run a line which names a function, and what others may name.
 
-        These are the function and the compiled ones that call it. No line of a compiled function is
-        seen to run. Where such a one names the function, the lines that name that one are asked for
-        in its place. Lines outside functions run once for all tests, whichever of them is first. A
-        private name is one of its own file.
+        These are the function and those of which no test is seen to run the line that calls it, as
+        of compiled ones. Where such a one names the function, the lines that name that one are
+        asked for in its place. Lines outside functions run once for all tests, whichever of them is
+        first. A private name is one of its own file.
         """
         found: set[str] = set()
         left, seen = [(file, function)], {(file, function)}
@@ -108,14 +108,14 @@ def read_suite(root: Path, report: Path, ran: Path) -> Suite:
         seconds[module][name] = float(case.attrib["time"])
     data = CoverageData(str(ran))
     data.read()
-    helpers = {
+    modules = {
         path.stem: path.read_text()
         for path in root.glob("tests/**/*.py")
         if not path.stem.startswith("test_")
     }
     texts = {path: (root / path).read_text() for path in sorted(seconds)}
     files = [
-        TimedFile(path, text, seconds[path], _imported(text, helpers))
+        TimedFile(path, text, seconds[path], "".join(_helpers(text, modules)))
         for path, text in texts.items()
         if _LEFT_OUT not in Path(path).parts
     ]
@@ -166,7 +166,7 @@ def _asked(mutant: Mutant, source: str, room: str, suite: Suite) -> set[str]:
 
     They are those that run the changed line. Where its function is compiled, or run by none of
     them: those that run a line which names it or a compiled function that calls it, and those of
-    files that name one of these or its module.
+    files that name its module, or use its package and name one of these.
     Where there are none, as of constants and in other processes: those of such files, those that
     run its module, and those of its room.
     """
@@ -183,7 +183,9 @@ def _asked(mutant: Mutant, source: str, room: str, suite: Suite) -> set[str]:
         # What a check of a compiled function runs of it uncompiled are lines of few tests.
         called, names = suite.calling(mutant.file, mutant.definition)
         if called:
-            naming += [file for file in suite.files if names & file.names]
+            package = ".".join(Path(mutant.file).with_suffix("").parts[1:3])
+            users = (file for file in suite.files if package in file.text + file.helpers)
+            naming += [file for file in users if names & file.names]
             return running | called | of(naming)
     in_room = [file for file in suite.files if file.room == room]
     return suite.running(mutant.file) | of(naming) | of(in_room)
@@ -203,11 +205,15 @@ def _distance(mutant: Mutant, file: TimedFile) -> int:
     return 3
 
 
-def _imported(text: str, helpers: Mapping[str, str]) -> str:
-    """Return the text of the helpers that a module imports, and of those that they import."""
-    names = re.findall(r"^(?:from|import) (\w+)", text, re.MULTILINE)
-    own = (helpers[name] for name in dict.fromkeys(names) if name in helpers)
-    return "".join(each + _imported(each, helpers) for each in own)
+def _helpers(text: str, modules: Mapping[str, str]) -> list[str]:
+    """Return the texts of the modules beside the tests that a text imports, and those import."""
+    left, found = [text], dict[str, str]()
+    while left:
+        names = re.findall(r"^(?:from|import) (\w+)", left.pop(), re.MULTILINE)
+        further = {name: modules[name] for name in names if name in modules and name not in found}
+        found |= further
+        left += further.values()
+    return list(found.values())
 
 
 def _file_and_classes(dotted: str) -> tuple[str, list[str]]:
