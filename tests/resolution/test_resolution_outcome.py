@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dea.discrepancy import NamedEffect, Settings, Verdict, read_verdict
-from dea.discrepancy.decision import Reason
+from dea.discrepancy import NamedEffect, Reason, Settings, Verdict, read_verdict
 from dea.resolution import (
     ANOTHER,
     Design,

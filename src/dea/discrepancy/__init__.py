@@ -1,6 +1,6 @@
 """Find, name and certify the effect that a simulation is missing."""
 
-from dea.discrepancy.decision import Status
+from dea.discrepancy.decision import Reason, Status
 from dea.discrepancy.diagnose import diagnose
 from dea.discrepancy.diagnosis import Diagnosis
 from dea.discrepancy.evidence.certificate import Certified, certify_elsewhere, transferable
@@ -30,6 +30,7 @@ __all__ = [
     "Fit",
     "NamedEffect",
     "Problem",
+    "Reason",
     "Rules",
     "Samples",
     "Settings",

@@ -6,8 +6,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from dea.discrepancy import Diagnosis, Status, Verdict
-from dea.discrepancy.decision import Reason
+from dea.discrepancy import Diagnosis, Reason, Status, Verdict
 from dea.resolution.design import Forms
 from dea.resolution.explanation import NONE, Explanation
 from dea.resolution.law_error import LawError
