@@ -543,7 +543,10 @@ def test_forces_add_up_whatever_their_order(device, start, bias, places):
         np.testing.assert_allclose(run, runs[0], atol=1e-6 * np.ptp(runs[0]))
 
 
-@pytest.mark.parametrize("slope", ["1 / p[0] / x[0]", "(x[0] - 1) ** 0.5", "1 / float(x[0])"])
+@pytest.mark.parametrize(
+    "slope",
+    ["1 / p[0] / x[0]", "1.0 / (x[0] - x[0])", "(x[0] - 1) ** 0.5", "1 / float(x[0])"],
+)
 def test_an_index_of_the_output_is_checked_beside_a_slope_that_python_refuses(tmp_path, slope):
     path = write_own(tmp_path / "own.py", slope=slope)
     path.write_text(path.read_text().replace("return x[0]", "return x[1]"))
