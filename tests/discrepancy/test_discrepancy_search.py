@@ -7,8 +7,15 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from dea.discrepancy.decision import Reason, best_extension, decide, sure_alone
-from dea.discrepancy.decision.adequacy import without_noise
+from dea.discrepancy.decision import (
+    Decision,
+    Reason,
+    Status,
+    best_extension,
+    decide,
+    sure_alone,
+    without_small_drift,
+)
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.held_out import HeldOut
 from dea.discrepancy.evidence.presence import Presence
@@ -600,7 +607,8 @@ def beside_noise(
     pair = leaving(white, "dead_zone", second)
     pool = [pair, alone, candidate(6.0, second), candidate(better, "strain_stiffening")]
     weighed = Presence((pair, alone), np.array([1.0, 0.0]))
-    return decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    decided = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    return without_small_drift(decided, evidence, pool)
 
 
 def test_a_drift_as_small_as_the_white_noise_is_noise():
@@ -653,8 +661,9 @@ def test_what_is_named_without_its_drift_acts_at_the_same_place():
     here, elsewhere = made(1.01 * noise, ("end_stop", 1)), made(1.05 * noise, ("end_stop", 0))
     assert here.names == elsewhere.names
     assert here.labels != elsewhere.labels
-    assert without_noise(evidence, pair, [here, elsewhere, pair]) is here
-    assert without_noise(evidence, pair, [elsewhere, pair]) is None
+    decided = Decision(Status.NAMED, pair)
+    assert without_small_drift(decided, evidence, [here, elsewhere, pair]).answer is here
+    assert without_small_drift(decided, evidence, [elsewhere, pair]) is decided
 
 
 @pytest.mark.parametrize(

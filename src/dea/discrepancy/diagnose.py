@@ -12,6 +12,7 @@ from dea.discrepancy.decision import (
     decide,
     proven_alone,
     sure_alone,
+    without_small_drift,
 )
 from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
 from dea.discrepancy.evidence.bootstrap import Gains, gains
@@ -138,6 +139,7 @@ def diagnose(
 
     # Decide, and withdraw what samples not used so far contradict.
     decided = decide(evidence, chosen, pool, proven, nominal.residual, weighed)
+    decided = without_small_drift(decided, evidence, pool)
     answer = decided.answer.fit if decided.answer else nominal
     left_out = (
         leave_one_out(problem, nominal, answer) if decided.answer and len(records) > 1 else {}

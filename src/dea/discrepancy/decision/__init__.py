@@ -5,6 +5,7 @@ from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.extension import best_extension, proven_alone, sure_alone
 from dea.discrepancy.decision.naming import decide
 from dea.discrepancy.decision.rivals import same_class
+from dea.discrepancy.decision.small_drift import without_small_drift
 
 __all__ = [
     "Decision",
@@ -16,4 +17,5 @@ __all__ = [
     "proven_alone",
     "same_class",
     "sure_alone",
+    "without_small_drift",
 ]

@@ -1,13 +1,10 @@
 """How much of the gap a candidate removes, and whether it leaves room for another effect."""
 
-from collections.abc import Sequence
-
 from dea.discrepancy.decision.decision import Reason
 from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.problem import rmse
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 
@@ -43,37 +40,14 @@ def leaves_coloured_noise(evidence: Evidence, chosen: Candidate, weighed: Presen
 
     What a further effect surely explains is no noise.
     """
-    if share_of(evidence, chosen).low < evidence.rules.part:
+    return beside_noise(evidence, chosen) and weighed.wider_than(chosen) < evidence.rules.certain
+
+
+def beside_noise(evidence: Evidence, part: Candidate) -> bool:
+    """Return whether a candidate explains most of the gap, and leaves what looks like noise."""
+    if share_of(evidence, part).low < evidence.rules.part:
         return False
-    if weighed.wider_than(chosen) >= evidence.rules.certain:
-        return False
-    return is_coloured_noise(evidence.problem, chosen.fit.residual, evidence.blocks)
-
-
-def without_noise(
-    evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]
-) -> Candidate | None:
-    """Return an answer without the drift of its reading, if that is coloured noise.
-
-    A drift of a sensor that is as small as its white noise is part of its noise. None where there
-    is no drift beside other effects, where it is more than that in any record, or where others
-    explain the record better without it.
-    """
-    rules, problem, extended = evidence.rules, evidence.problem, chosen.fit.extended
-    kept = {extended.label(a) for a in extended.attached if not a.effect.drifts_reading}
-    if not kept or kept == set(chosen.labels):
-        return None
-    as_large = (c for c in pool if c.finished and len(c.labels) == len(kept))
-    part = min(as_large, key=lambda c: c.error, default=None)
-    if part is None or set(part.labels) != kept:
-        return None
-    residual = part.fit.residual
-    most = rules.noise_like * evidence.floor
-    if any(rmse(residual[own], problem.seen[own]) > most for own in part.fit.records):
-        return None
-    if share_of(evidence, part).low < rules.part:
-        return None
-    return part if is_coloured_noise(problem, residual, evidence.blocks) else None
+    return is_coloured_noise(evidence.problem, part.fit.residual, evidence.blocks)
 
 
 def share_of(evidence: Evidence, part: Candidate) -> Share:

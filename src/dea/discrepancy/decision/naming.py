@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.decision.adequacy import explained, rest_of, share_of, without_noise
+from dea.discrepancy.decision.adequacy import explained, rest_of, share_of
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
 from dea.discrepancy.decision.rivals import rivals_of
@@ -29,24 +29,6 @@ def decide(
     ``pool`` holds all candidates, ``proven`` the single effects whose gain is significant,
     ``residual`` (n,) is that of the simulation alone.
     """
-    decision = _decided(evidence, chosen, pool, proven, residual, weighed)
-    if decision.status is not Status.NAMED or decision.answer is None or not decision.whole:
-        return decision
-    part = without_noise(evidence, decision.answer, pool)
-    if part is None:
-        return decision
-    akin = tuple(rivals_of(evidence, part, pool, akin=True))
-    return Decision(Status.NAMED, part, akin, Reason.COLOURED)
-
-
-def _decided(
-    evidence: Evidence,
-    chosen: Candidate | None,
-    pool: Sequence[Candidate],
-    proven: Sequence[Candidate],
-    residual: np.ndarray,
-    weighed: Presence,
-) -> Decision:
     error, rules = evidence.nominal_error, evidence.rules
     if error <= rules.noise_like * evidence.accuracy:
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)

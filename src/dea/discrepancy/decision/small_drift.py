@@ -1,0 +1,44 @@
+"""A drift that is named beside other effects, and is as small as the white noise of the sensor."""
+
+from collections.abc import Sequence
+
+from dea.discrepancy.decision.adequacy import beside_noise
+from dea.discrepancy.decision.decision import Decision, Reason, Status
+from dea.discrepancy.decision.rivals import rivals_of
+from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.problem import rmse
+from dea.discrepancy.search.candidates import Candidate
+
+
+def without_small_drift(
+    decision: Decision, evidence: Evidence, pool: Sequence[Candidate]
+) -> Decision:
+    """Leave the drift of the reading out of a whole answer, if it is coloured noise.
+
+    It is no noise where it is more than that in any record, or where others explain the record
+    better without it. A drift that is named alone stays.
+    """
+    if decision.status is not Status.NAMED or decision.chosen is None or not decision.whole:
+        return decision
+    part = _without_drift(decision.chosen, pool)
+    if part is None:
+        return decision
+    residual, seen = part.fit.residual, evidence.problem.seen
+    most = evidence.rules.noise_like * evidence.floor
+    if any(rmse(residual[own], seen[own]) > most for own in part.fit.records):
+        return decision
+    if not beside_noise(evidence, part):
+        return decision
+    akin = tuple(rivals_of(evidence, part, pool, akin=True))
+    return Decision(Status.NAMED, part, akin, Reason.COLOURED)
+
+
+def _without_drift(chosen: Candidate, pool: Sequence[Candidate]) -> Candidate | None:
+    """Return the other effects alone, if there are any and none of as many has a smaller error."""
+    extended = chosen.fit.extended
+    kept = {extended.label(a) for a in extended.attached if not a.effect.drifts_reading}
+    if not kept or kept == set(chosen.labels):
+        return None
+    as_many = (c for c in pool if c.finished and len(c.labels) == len(kept))
+    best = min(as_many, key=lambda c: c.error, default=None)
+    return best if best is not None and set(best.labels) == kept else None
