@@ -13,6 +13,8 @@ from benchmarks.mutants.syntax import statement
 from benchmarks.mutants.workplace import Workplace
 from coverage import CoverageData
 
+from written_files import write_files
+
 ROOT = Path(__file__).parents[1]
 SOURCE = '''"""Adds 1 and 2."""
 from numba import njit
@@ -187,9 +189,7 @@ def test_files_that_call_a_compiled_function_through_a_helper_of_theirs_are_aske
         "tests/made_paths.py": "from made_kernels import along\n",
         "tests/made_kernels.py": "from dea.narx.kernels import outer\n",
     }
-    for name, content in text.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(content)
+    write_files(tmp_path, text)
     cases = [
         f'<testcase classname="{name[:-3].replace("/", ".")}" name="test_a" time="1.0"/>'
         for name in text

@@ -3,6 +3,8 @@ from pathlib import Path
 
 import pytest
 
+from written_files import write_files
+
 sys.path.insert(0, str(Path(__file__).parents[2] / "workflow"))
 
 import imports
@@ -25,9 +27,7 @@ def source(tmp_path, monkeypatch):
         "house/c.py": "import house.errors\n",
         "house/alone.py": "",
     }
-    for name, text in files.items():
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text)
+    write_files(tmp_path, files)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(imports, "SOURCE", tmp_path)
     monkeypatch.setattr(imports, "PACKAGE", "house")
