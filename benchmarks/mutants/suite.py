@@ -29,10 +29,15 @@ class TimedFile:
     seconds: Mapping[str, float]  # of those that pass, by pytest's name, in the order they ran
     helpers: str = ""  # the text of the modules beside the tests that it imports
 
+    @property
+    def whole(self) -> str:
+        """Its text with that of its helpers."""
+        return self.text + self.helpers
+
     @cached_property
     def names(self) -> frozenset[str]:
         """Every word of it and of its helpers."""
-        return frozenset(re.findall(r"\w+", self.text + self.helpers))
+        return frozenset(re.findall(r"\w+", self.whole))
 
     @property
     def room(self) -> str:
@@ -157,7 +162,7 @@ def select(mutant: Mutant, source: str, room: str, suite: Suite, budget: float) 
     state = sha256()
     for file, each in chosen:
         if each:
-            state.update((file.text + file.helpers).encode())
+            state.update(file.whole.encode())
     return Selection(tuple(name for name in times if name in kept), seconds, state.hexdigest())
 
 
@@ -166,9 +171,9 @@ def _asked(mutant: Mutant, source: str, room: str, suite: Suite) -> set[str]:
 
     They are those that run the changed line. Where its function is compiled, or run by none of
     them: those that run a line which names it or a compiled function that calls it, and those of
-    files that name its module, or use its package and name one of these.
-    Where there are none, as of constants and in other processes: those of such files, those that
-    run its module, and those of its room.
+    files that name its module, or use its package and name one of these. Where there are none, as
+    of constants and in other processes: those of files that name it or its module, those that run
+    its module, and those of its room.
     """
 
     def of(files: Iterable[TimedFile]) -> set[str]:
@@ -184,7 +189,7 @@ def _asked(mutant: Mutant, source: str, room: str, suite: Suite) -> set[str]:
         called, names = suite.calling(mutant.file, mutant.definition)
         if called:
             package = ".".join(Path(mutant.file).with_suffix("").parts[1:3])
-            users = (file for file in suite.files if package in file.text + file.helpers)
+            users = (file for file in suite.files if package in file.whole)
             naming += [file for file in users if names & file.names]
             return running | called | of(naming)
     in_room = [file for file in suite.files if file.room == room]
