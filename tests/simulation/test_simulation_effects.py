@@ -786,7 +786,7 @@ def test_a_drift_goes_on_straight_where_no_sample_tells_it():
     assert np.abs(X @ weights - course)[~known].max() < 0.003
 
 
-def test_step_fault_changes_gain_and_offset_at_one_instant():
+def test_step_fault_changes_gain_offset_and_scale_at_one_instant():
     q = values("step_fault", instant=11.01, gain_step=-0.2, offset_step=0.05, rise_time=1e-6)
     effect = catalogue()["step_fault"]
     after = T > 11.01
@@ -797,6 +797,9 @@ def test_step_fault_changes_gain_and_offset_at_one_instant():
     share = np.array([0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0])
     assert np.allclose(effect.scale_drive(t, slow), 1.0 + 0.4 * share)
     assert np.allclose(effect.shape_output(np.zeros(7), t, slow, DT), 0.05 * share)
+    scaled = values("step_fault", instant=11.01, offset_step=0.05, rise_time=1e-6, scale_step=-0.1)
+    assert np.allclose(effect.scale_drive(T, scaled), 1.0)
+    assert np.allclose(effect.shape_output(Y, T, scaled, DT), np.where(after, 0.9 * Y + 0.05, Y))
 
 
 def test_sensor_nonlinearity_bends_and_folds():

@@ -104,6 +104,7 @@ def test_a_fault_scales_the_drive_of_its_own_input():
         "step_fault@right__gain_step": -0.4,
         "step_fault@right__offset_step": 0.0,
         "step_fault@right__rise_time": 1e-6,
+        "step_fault@right__scale_step": 0.0,
     }
     found = extended.simulate(values_of(extended, **step), u, INTERVAL)
     fault = reference(u, lambda t: 0.6 if t > 30.0 else 0.8 if t == 30.0 else 1.0)

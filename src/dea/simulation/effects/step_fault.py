@@ -1,4 +1,4 @@
-"""Gain and offset change at one instant."""
+"""Gain, offset and the scale of the reading change at one instant."""
 
 import numpy as np
 
@@ -19,13 +19,13 @@ def gain(t: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def offset(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Shift the output from the same instant."""
-    result: np.ndarray = y + q[2] * _after(t, q)
+    """Shift and scale the output from the same instant."""
+    result: np.ndarray = y + (q[2] + q[4] * y) * _after(t, q)
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the instant, the steps of gain and of offset, and how long they take."""
+    """Return the instant, the steps of gain, offset and scale, and how long they take."""
     dt, duration = scales.interval, scales.duration
     low, high = 0.5 * dt, 0.05 * duration
     # The instant may lie in a block that is held out, where a fit cannot see it.
@@ -37,6 +37,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("gain_step", "1", 0.0, 0.1, -0.99, 5.0),
         Parameter("offset_step", scales.y_unit, 0.0, 0.1 * scales.y_span),
         Parameter("rise_time", "s", 4 * dt, 1.0, low, high, log=True, shape=True, event=True),
+        Parameter("scale_step", "1", 0.0, 0.1, -0.99, 5.0, shape=True),
     )
 
 
@@ -48,7 +49,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     rise = 0.01 * scales.duration
     gain, shift = 0.01, 0.01 * scales.y_span
     return tuple(
-        (instant, *step, rise)
+        (instant, *step, rise, 0.0)
         for instant in scales.jumps
         for step in ((gain, 0.0), (-gain, 0.0), (0.0, shift), (0.0, -shift))
     )
