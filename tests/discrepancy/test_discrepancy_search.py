@@ -531,6 +531,21 @@ def test_what_a_pair_shares_with_its_rivals_is_named_where_it_is_likely(weights,
     assert (found.status, found.answer) == (status, {"named": alone}.get(status, pairs[0]))
 
 
+@pytest.mark.parametrize(("name", "named"), [("dead_zone", False), ("gain_drift", True)])
+def test_a_law_that_predicts_blocks_left_out_worse_is_not_named_by_the_evidence(name, named):
+    """A course in time may be extrapolated badly to them."""
+    evidence, candidate = graded()
+    surest = candidate(1.01, name)
+    worse = SimpleNamespace(
+        residual=lambda fitted: (12.0 if fitted is surest.fit else 1.0) * fitted.residual,
+        rmse=lambda fitted: evidence.problem.seen_rmse(fitted.residual),
+    )
+    evidence = replace(evidence, rules=Rules(), held_out=worse)
+    weighed = Presence((surest,), np.array([1.0]))
+    found = decide(evidence, None, [surest], [], evidence.nominal.residual, weighed)
+    assert (found.answer is surest) == named
+
+
 @pytest.mark.parametrize(("nominal", "named"), [(1.3, True), (1.1, False)])
 def test_of_a_simulation_that_leaves_noise_nothing_is_named_by_the_evidence_alone(nominal, named):
     evidence, candidate = graded()

@@ -50,6 +50,20 @@ def beside_noise(evidence: Evidence, part: Candidate) -> bool:
     return is_coloured_noise(evidence.problem, part.fit.residual, evidence.blocks)
 
 
+def borne_out(evidence: Evidence, candidate: Candidate) -> bool:
+    """Return whether a candidate removes most of the gap on blocks left out, too.
+
+    Those of a course in time are extrapolated, and say nothing against it.
+    """
+    share = share_of(evidence, candidate).value
+    return in_time(candidate) or share >= evidence.rules.part
+
+
+def in_time(candidate: Candidate) -> bool:
+    """Return whether a candidate holds a course in time, which other samples do not follow."""
+    return not all(a.effect.transferable for a in candidate.fit.extended.attached)
+
+
 def share_of(evidence: Evidence, part: Candidate) -> Share:
     """Return the part of the simulation's misfit on held-out blocks that a candidate removes."""
     held_out = evidence.held_out

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dea.discrepancy.decision.adequacy import borne_out, in_time
 from dea.discrepancy.evidence.bootstrap import Gains, beaten
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, families_of
@@ -31,7 +32,8 @@ def sure_alone(evidence: Evidence, rounds: Sequence[Round], weighed: Presence) -
     rules, floor, before = evidence.rules, evidence.floor, evidence.nominal_error
     sure = weighed.sure(rules.certain)
     singles = (c for c in rounds[0].candidates if c.finished and c.effects <= sure)
-    return [c for c in singles if rules.completes(c.rmse, before, floor)]
+    complete = (c for c in singles if rules.completes(c.rmse, before, floor))
+    return [c for c in complete if borne_out(evidence, c)]
 
 
 def best_extension(
@@ -57,10 +59,10 @@ def best_extension(
         best = simplest([c for c in larger if len(c.names) == size])
         before = chosen.fit if chosen else rounds[0].before
         _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.rng)
-        # What leaves noise alone is right, though a course in time that few blocks show may be
-        # extrapolated badly.
+        # A course in time that leaves noise alone is right, though few blocks may show it, so that
+        # it is extrapolated badly.
         left = evidence.problem.seen_rmse(before.residual)
-        complete = rules.completes(best.rmse, left, floor)
+        complete = in_time(best) and rules.completes(best.rmse, left, floor)
         if not complete and held_out.rmse(best.fit) >= held_out.rmse(before):
             continue
         if chosen is None:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.decision.adequacy import explained, rest_of, share_of
+from dea.discrepancy.decision.adequacy import borne_out, explained, rest_of, share_of
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
 from dea.discrepancy.decision.rivals import rivals_of
@@ -129,7 +129,9 @@ def _stands_alone(
     of_readings = any(law.only_reads and not law.transferable for law in laws)
     before = evidence.nominal_error
     complete = before > rules.grow * floor and not rules.leaves_room(surest.rmse, before, floor)
-    return (complete and not of_readings) or share_of(evidence, surest).low >= rules.part
+    if complete and not of_readings:
+        return borne_out(evidence, surest)
+    return share_of(evidence, surest).low >= rules.part
 
 
 def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
