@@ -596,6 +596,23 @@ def test_what_a_further_effect_surely_explains_is_not_called_noise():
         assert (found.status, found.reason) == ("named", reason)
 
 
+@pytest.mark.parametrize(("bent", "whole"), [(0.0, True), (1.5, False)])
+def test_a_pair_may_leave_coloured_noise_and_nothing_else(bent, whole):
+    """Both effects are certain: they are a part where what is left follows the input besides."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    noise = lfilter([1.0], [1.0, -0.9], np.random.default_rng(8).standard_normal(1500))
+    left = 1.5 * noise / noise.std() + bent * evidence.problem.u / evidence.problem.u.std()
+
+    pair = candidate(1.5, "sensor_lag", "second_mode")
+    pair = replace(pair, fit=replace(pair.fit, residual=NOISE * left))
+    alone = [candidate(size, name) for size, name in ((6.0, "sensor_lag"), (7.0, "second_mode"))]
+    weighed = Presence((pair, *alone), np.array([1.0, 0.0, 0.0]))
+    found = decide(evidence, pair, [pair, *alone], alone, evidence.nominal.residual, weighed)
+    assert (found.status, found.answer, found.whole) == ("named", pair, whole)
+    assert found.reason == (Reason.COLOURED if whole else Reason.REMAINS)
+
+
 def beside_noise(
     second="baseline_drift", size=1.4, before=9.0, bent=0.0, finished=True, better=9.0
 ):

@@ -79,7 +79,8 @@ class Rules(Section):
     )
     misfit: Share = key("part of the nominal misfit that may remain")
     grow: Positive = key(
-        "residual above which a further effect is looked for; several effects may not leave more",
+        "residual above which a further effect is looked for; several effects may leave more if "
+        "each is certain and it is coloured noise",
         unit="noise floors",
     )
     room: Share = key("part of the nominal misfit that must be left for a further effect")

@@ -19,8 +19,8 @@ class Rules:
         Part of the nominal misfit (RMS above the noise floor) that may remain.
     grow
         A further effect is looked for if the residual exceeds this many noise floors, or the
-        misfit exceeds what may remain. Several effects together may not leave more floors,
-        whatever its colour.
+        misfit exceeds what may remain. Several effects together may not leave more floors, unless
+        each is certain and it is coloured noise.
     room
         Part of the nominal misfit that must be left for a further effect, and four times that for
         one of the same family: less is the error of a law that is only nearly right.

@@ -19,7 +19,8 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
         return False
     # Several laws together fit almost any residual, so that they must leave noise alone.
     if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
-        return False
+        certain = weighed.least_of(chosen) >= rules.certain
+        return certain and leaves_coloured_noise(evidence, chosen, weighed)
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     if left > rules.misfit * whole:
         return leaves_coloured_noise(evidence, chosen, weighed)
