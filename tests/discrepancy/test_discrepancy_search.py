@@ -500,6 +500,24 @@ def test_a_name_that_the_evidence_is_against_is_not_given():
         assert (found.status, found.answer) == (status, chosen)
 
 
+@pytest.mark.parametrize(("error", "status"), [(1.04, "ambiguous"), (1.07, "named")])
+def test_another_pair_with_nearly_the_error_is_a_rival_though_its_misfit_is_larger(error, status):
+    """Of single effects the misfit counts, which of a small error is much larger."""
+    evidence, candidate = graded()
+    evidence = replace(evidence, rules=Rules())
+    chosen, other = (candidate(1.1 * size, "sensor_lag", name)
+                     for size, name in ((1.0, "dead_zone"), (error, "second_mode")))  # fmt: skip
+    alone = [candidate(8.0, name) for name in ("sensor_lag", "dead_zone", "second_mode")]
+    pool = [chosen, other, *alone]
+    weighed = Presence((chosen, other), np.array([0.8, 0.2]))
+    found = decide(evidence, chosen, pool, [], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer) == (status, chosen)
+    single, rival = candidate(1.1, "dead_zone"), candidate(1.1 * error, "second_mode")
+    weighed = Presence((single, rival), np.array([0.8, 0.2]))
+    found = decide(evidence, single, [single, rival], [], evidence.nominal.residual, weighed)
+    assert (found.status, found.answer) == ("named", single)
+
+
 def test_the_likeliest_other_explanation_is_one_rival():
     evidence, candidate = graded()
     evidence = replace(evidence, rules=Rules())
