@@ -1,6 +1,7 @@
 """Each law against an implementation that shares nothing with it."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
+from scipy.linalg import expm
 from scipy.signal import cont2discrete, lfilter, lfilter_zi, lti
 
 from dea.simulation import Port, Scales, catalogue
@@ -285,6 +287,35 @@ def test_a_part_of_a_sensor_lag_may_be_faster():
     gain = (1.0 - part) * slow + part / (1.0 + 0.15j * omega * tau)
     expected = 0.8 + 0.4 * np.imag(gain * np.exp(1j * omega * T))
     assert np.allclose(smooth[1000:], expected[1000:], atol=2e-4)
+
+
+@pytest.mark.parametrize(("damping", "equal"), [(0.9, 1.0), (0.6, 1.0), (0.8, 0.4)])
+def test_electrodes_ring_as_a_series_circuit_with_an_inductance(damping, equal):
+    """Against its matrix exponential, at means over intervals of a held input."""
+    slow = 0.25
+    fast = equal * slow
+    ringing = (slow + fast) ** 2 / (4.0 * damping**2 * slow * fast) - 1.0
+    square = (1.0 + ringing) / (slow * fast)
+    A = np.array([[0.0, 1.0], [-square, -2.0 * damping * np.sqrt(square)]])
+    fine = 40
+    whole = np.zeros((3, 3))
+    whole[:2, :2], whole[1, 2] = A, square
+    step = expm(whole * DT / fine)
+    held = np.repeat(np.random.default_rng(4).uniform(0.5, 2.0, 40), 25)
+    x, expected = np.array([held[0], 0.0]), []
+    for u in held:
+        path = [x]
+        for _ in range(fine):
+            path.append(step[:2, :2] @ path[-1] + step[:2, 2] * u)
+        x = path[-1]
+        expected.append(np.mean([0.5 * (a[0] + b[0]) for a, b in pairwise(path)]))
+    q = values(
+        "electrode_lag", time_constant=slow, fast_ratio=equal, near_weight=0.0, ringing=ringing
+    )
+    found = catalogue()["electrode_lag"].shape_input(held, q, DT)
+    assert np.abs(found - expected).max() < 0.02
+    if damping < 0.9:
+        assert found.max() > held.max() or found.min() < held.min()
 
 
 def test_an_electrode_may_discharge_more_slowly_than_it_charges():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from dea.simulation.effects._laws import held_lag, limited
+from dea.simulation.effects._laws import held_charge, limited
 from dea.simulation.effects.input_saturation import law
 
 
@@ -26,9 +26,11 @@ def test_a_lag_grows_with_what_it_holds(falling, growth):
         factor = falling if target < v[0] else 1.0
         return [(target - v[0]) / (tau * factor * np.exp(growth * v[0] ** 2))]
 
-    found, expected = held_lag(u, 0.0, tau, falling, growth, interval), [0.0]
+    held, found, expected = 0.0, [], [0.0]
     for target in u:
+        mean, held = held_charge(held, target, tau, falling, growth, interval)
+        found.append(mean)
         path = solve_ivp(slope, (0.0, interval), expected[-1:], args=(target,), rtol=1e-8)
         expected.append(path.y[0, -1])
     middle = 0.5 * (np.array(expected[1:]) + np.array(expected[:-1]))
-    assert np.abs(found - middle).max() < 3e-3
+    assert np.abs(np.array(found) - middle).max() < 3e-3

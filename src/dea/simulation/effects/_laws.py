@@ -40,31 +40,29 @@ def limited(x: float, limit: float, sharpness: float) -> float:
     return result
 
 
-@njit(
-    _VECTOR(_VECTOR, float64, float64, float64, float64, float64), cache=True, error_model="numpy"
-)
-def held_lag(
-    u: np.ndarray, start: float, tau: float, falling: float, growth: float, interval: float
-) -> np.ndarray:
-    """Return the mean over each interval of a held input behind a first-order lag.
+@njit(inline="always")
+def held_charge(
+    v: float, target: float, tau: float, falling: float, growth: float, interval: float
+) -> tuple[float, float]:
+    """Return the mean and the end of a first-order lag that follows a held value for an interval.
 
-    The lag stands at ``start`` when the record begins. Its time constant is ``tau`` while it rises
-    and ``falling`` times that while it falls, exactly; over an interval that begins at v it is
-    longer by a factor of exp(``growth`` v²).
+    Its time constant is ``tau`` while it rises and ``falling`` times that while it falls, exactly;
+    where it begins at v it is longer by a factor of exp(``growth`` v²).
     """
-    result = np.empty(u.size)
-    v, down, ratio, decay, weight = start, -1, 0.0, 0.0, 0.0
+    ratio = interval / (tau * falling if target < v else tau)
+    if growth != 0.0:
+        ratio *= np.exp(-growth * v * v)
+    decay = np.exp(-ratio)
+    weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
+    return target + (v - target) * weight, target + (v - target) * decay
+
+
+@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
+def held_lag(u: np.ndarray, tau: float, interval: float) -> np.ndarray:
+    """Return the mean over each interval of a held input behind a lag that has settled before."""
+    result, v = np.empty(u.size), u[0]
     for k in range(u.size):
-        falls = 1 if u[k] < v else 0
-        if falls != down or growth != 0.0:
-            down = falls
-            ratio = interval / (tau * falling if down else tau)
-            if growth != 0.0:
-                ratio *= np.exp(-growth * v * v)
-            decay = np.exp(-ratio)
-            weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
-        result[k] = u[k] + (v - u[k]) * weight
-        v = u[k] + (v - u[k]) * decay
+        result[k], v = held_charge(v, u[k], tau, 1.0, 0.0, interval)
     return result
 
 

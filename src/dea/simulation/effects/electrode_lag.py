@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import held_lag
+from dea.simulation.effects._laws import held_charge
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
@@ -17,12 +17,23 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     near part of the lags' ratio on what two lags in parallel are. Its charge at the start of the
     record is unknown. An input of one sign may discharge it through another resistance than it
     charges through. A device that its voltage v stretches has a differential capacity that grows
-    with it: the lags are longer by exp(``growth`` v²), v in units of the largest input.
+    with it: the lags are longer by exp(``growth`` v²), v in units of the largest input. With
+    ``ringing`` r the near part is charged by (1 + r) u less r times the far charge: both lags are
+    then those of a series circuit with an inductance, of equal ones with a damping ratio of
+    1/√(1 + r).
     """
     slow, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
-    near = held_lag(u, u[0], slow * ratio, falling, growth, interval)
-    far = held_lag(near, u[0] + start, slow, falling, growth, interval)
-    result: np.ndarray = (1.0 - part) * far + part * near
+    ringing = q[7]
+    result = np.empty(u.size)
+    near, far, before = u[0], u[0] + start, u[0] + start
+    for k in range(u.size):
+        # The far charge in the middle of the interval goes on as it went before.
+        back = far + 0.5 * (far - before)
+        target = (1.0 + ringing) * u[k] - ringing * back
+        before = far
+        near_mean, near = held_charge(near, target, slow * ratio, falling, growth, interval)
+        far_mean, far = held_charge(far, near_mean, slow, falling, growth, interval)
+        result[k] = (1.0 - part) * far_mean + part * near_mean
     return result
 
 
@@ -37,6 +48,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("falling_ratio", "1", 1.0, spread, 0.1, 10.0, log=True, shape=True),
         Parameter("growth", "1", 0.0, 1.0, -1.0, 4.0, shape=True),
         Parameter("full_input", scales.u_unit, scales.u_peak, 0.0),
+        Parameter("ringing", "1", 0.0, 0.3, 0.0, 3.0, shape=True),
     )
 
 
@@ -44,10 +56,10 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return slow times of a few intervals, a capacity that grows, and a slower discharge."""
     dt, full = scales.interval, scales.u_peak
     return (
-        *((samples * dt, 0.1, 0.1, 0.0, 1.0, 0.0, full) for samples in (2.0, 8.0, 30.0)),
-        (0.3 * dt, 0.1, 0.1, 0.0, 1.0, 2.0, full),
+        *((samples * dt, 0.1, 0.1, 0.0, 1.0, 0.0, full, 0.0) for samples in (2.0, 8.0, 30.0)),
+        (0.3 * dt, 0.1, 0.1, 0.0, 1.0, 2.0, full, 0.0),
         *(
-            (samples * dt, 0.1, 0.1, 0.0, 3.0, 0.0, full)
+            (samples * dt, 0.1, 0.1, 0.0, 3.0, 0.0, full, 0.0)
             for samples in (4.0, 16.0)
             if not scales.bipolar
         ),
@@ -60,7 +72,8 @@ EFFECT = Effect(
     family=Family.LAG,
     symptom="the device answers to a smoothed input",
     citation="Graf and Maas (2012), Smart Materials and Structures 21:094001, on electrode "
-    "resistance; Horowitz and Hill (2015), The Art of Electronics, on bleeders",
+    "resistance; Horowitz and Hill (2015), The Art of Electronics, on bleeders; Nilsson and Riedel "
+    "(2011), Electric Circuits, on inductance in series",
     parameters=parameters,
     starts=starts,
     shape_input=law,

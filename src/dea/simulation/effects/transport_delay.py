@@ -16,9 +16,7 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """
     delay, spread, smooth = q
     shifted = delayed_smoothly if smooth else delayed
-    return shifted(
-        held_lag(u, u[0], spread * delay, 1.0, 0.0, interval), (1.0 - spread) * delay, interval
-    )
+    return shifted(held_lag(u, spread * delay, interval), (1.0 - spread) * delay, interval)
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
