@@ -18,6 +18,7 @@ Y = np.linspace(CONDITIONS.bottom, CONDITIONS.top, 4001)
         "yield_stress",
         "jumping_threshold",
         "cracking_valve",
+        "glow_lamp",
         "diode_drop",
         "square_law_foot",
     ],
@@ -97,7 +98,8 @@ def test_the_square_law_has_a_parabola_between_nothing_and_a_line():
 
 
 @pytest.mark.parametrize(
-    "form", ["parabolic_shoulder", "residual_gain", "error_integral", "falling_tube"]
+    "form",
+    ["parabolic_shoulder", "residual_gain", "stored_charge", "error_integral", "falling_tube"],
 )
 @pytest.mark.parametrize("seed", range(3))
 def test_a_saturation_is_transparent_below_and_flat_at_the_top(form, seed):
@@ -179,6 +181,7 @@ def test_the_tube_falls_beyond_its_crest():
         "leaking_rail",
         "overloaded_converter",
         "overload_recovery",
+        "blocking_grid",
         "exponential_rail",
         "arctangent_rail",
     ],

@@ -7,6 +7,7 @@ from made_draws import SHARES, UNEVEN, drawn
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
+from dea.plant import forces
 from dea.plant.film import SUBSTEP
 
 K, TRAVEL, TIME = UNEVEN.stiffness, UNEVEN.travel, UNEVEN.time
@@ -140,3 +141,155 @@ def test_a_cone_s_force_is_the_square_of_its_depth(share):
     depth = np.maximum(path - place, 0.0) / (0.02 * TRAVEL)
     expected = draws.at(5.0, 20.0) * 0.02 * FORCE * depth**2
     np.testing.assert_allclose(resist(made, path), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_chains_creep_ever_less_as_another_integrator_says(share):
+    made, defining, draws = drawn("bergstrom_boyce", 0.3, share)
+    assert not defining
+    length, time = draws.at(0.1, 0.4) * TRAVEL, TIME * draws.log(0.2, 2.0)
+    order, own = draws.at(2.0, 5.0), draws.at(0.05, 0.3) * TRAVEL
+    for stretch in (4.0, -4.0):
+
+        def flow(t, x, stretch=stretch):
+            rate = length / time * (np.abs(stretch - x) / length) ** order
+            return np.sign(stretch) * rate * own / (own + np.abs(x))
+
+        solved = solve_ivp(
+            flow, (0.0, 4.0), [0.0], method="LSODA", rtol=1e-9, atol=1e-12, dense_output=True
+        )
+        times = np.array([0.02, 0.1, 0.5, 1.0, 4.0])
+        made = drawn("bergstrom_boyce", 0.3, share)[0]
+        felt = at(held(made, REST + stretch, 4.0), *times)
+        expected = 0.9 * K * (stretch - solved.sol(times)[0])
+        np.testing.assert_allclose(felt, expected, atol=0.01 * 0.9 * K * abs(stretch))
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_a_rubber_relaxes_once_its_antioxidant_is_used_up(share):
+    made, defining, draws = drawn("inhibited_oxidation", 0.2, share)
+    assert not defining
+    late, time = draws.at(0.15, 0.5) * LAST, draws.at(0.15, 0.6) * LAST
+    # Chains are cut at a rate that rises as a logistic to one a time constant.
+    t = np.arange(1, 4001) * SUBSTEP
+    rates = 1.0 / (1.0 + np.exp(-5.0 * (t - 0.5 * SUBSTEP - late) / late)) / time
+    lost = 1.0 - np.exp(-np.cumsum(rates) * SUBSTEP)
+    felt = held(made, 3.0, LAST)
+    np.testing.assert_allclose(felt, -0.2 * K * 3.0 * lost / lost[-1], atol=1e-4 * K)
+    assert abs(felt[round(0.5 * late / SUBSTEP)]) < 0.05 * abs(felt[-1])
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_flags_have_the_corners_of_springs_that_yield(share):
+    made, defining, draws = drawn("flag_loops", 0.5, share)
+    assert not defining
+    k, yielded = 0.5 * K, draws.at(0.15, 0.45) * TRAVEL
+    after, returned = (
+        draws.at(0.02, 0.2),
+        (1.0 - draws.at(0.4, 0.9)) * draws.at(0.15, 0.45) * TRAVEL,
+    )
+    path = sweep(TOP, BOTTOM - 0.3, TOP, start=REST, points=4000)
+    felt = resist(made, path)
+    d = np.maximum(path - BOTTOM, 0.0)
+    # A spring of the stiffness left, and one that slips at a constant force: corners in the place.
+    up = k * (after * d + (1.0 - after) * np.minimum(d, yielded))
+    down = k * (after * d + (1.0 - after) * np.minimum(d, returned))
+    turned = up[4000] - k * (TOP - path)
+    np.testing.assert_allclose(felt[:4001], up[:4001], atol=1e-9)
+    np.testing.assert_allclose(felt[4001:8001], np.maximum(down, turned)[4001:8001], atol=1e-9)
+    np.testing.assert_allclose(felt[8001:], up[8001:], atol=1e-9)
+    assert (felt[path < BOTTOM] == 0.0).all()
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_surfaces_run_in_over_a_path_whatever_the_direction(share):
+    made, defining, draws = drawn("running_in", 0.05, share)
+    assert not defining
+    lost, length = draws.at(0.4, 0.7), draws.at(0.1, 0.4) * UNEVEN.path
+    speeds = UNEVEN.speed * np.repeat([3.0, -2.0, 0.5, -8.0], 1500)
+    path = REST + np.cumsum(speeds) * SUBSTEP
+    felt = resist(made, path)[1:]
+    way = np.cumsum(np.abs(np.diff(path)))
+    near = np.sin(np.arctan(speeds[1:] / (0.03 * UNEVEN.speed)))
+    expected = 0.05 * FORCE * near * (1.0 - lost * (1.0 - np.exp(-way / length)))
+    np.testing.assert_allclose(felt, expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_the_cone_s_coils_are_solid_one_after_the_other(share):
+    """By a thousand short pieces in series, each of which gives way no further than its room."""
+    made, defining, draws = drawn("conical_spring", 0.4, share)
+    assert not defining
+    narrow = draws.at(0.3, 0.6)
+    radii = narrow + (1.0 - narrow) * (np.arange(4000) + 0.5) / 4000
+    force = np.geomspace(1e-3, narrow**-3, 3000)
+    depth = (1.0 - narrow) * np.minimum(force[:, None] * radii**3, 1.0).mean(axis=1)
+    begun = 0.25 * (1.0 - narrow**4)
+    at_top = begun + draws.at(0.5, 0.8) * (1.0 - narrow - begun)
+    d = np.linspace(0.0, at_top, 300)
+    added = np.interp(d, depth, force) - d / begun
+    expected = np.where(d > begun, added, 0.0) * 0.4 * FORCE / added[-1]
+    felt = resist(made, BOTTOM + TRAVEL * d / at_top)
+    np.testing.assert_allclose(felt, expected, atol=2e-3 * 0.4 * FORCE)
+    beyond = resist(made, np.linspace(TOP + 2.0 * TRAVEL, TOP + 3.0 * TRAVEL, 50))
+    assert np.isfinite(beyond).all()
+    np.testing.assert_allclose(np.diff(beyond, 2), 0.0, atol=1e-9 * beyond[-1])
+    assert beyond[0] > felt[-1]
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_swings_count_by_their_power_above_the_limit_alone(share):
+    order, limit = (
+        drawn("endurance_limit", 0.1, share)[2].at(*ends) for ends in ((3.0, 6.0), (0.15, 0.35))
+    )
+
+    def lost(part, turns):
+        made = drawn("endurance_limit", 0.1, share)[0]
+        path = sweep(*[BOTTOM + part * TRAVEL, BOTTOM] * turns, start=BOTTOM, points=100)
+        return -(resist(made, path) / (K * path))[150::200]
+
+    assert (lost(0.9 * limit, 10) == 0.0).all()
+    whole, half = lost(1.0, 10), lost(0.5, 10)
+    np.testing.assert_allclose(np.diff(whole), np.diff(whole)[0], rtol=1e-9)
+    assert np.diff(half)[0] / np.diff(whole)[0] == pytest.approx(0.5**order, rel=1e-6)
+    # The sum over as many swings as are expected, with a Rayleigh distribution, is the size.
+    mean = UNEVEN.path / (2.0 * UNEVEN.cycles * TRAVEL)
+    swings = mean * np.sqrt(-4.0 / np.pi * np.log((np.arange(100_000) + 0.5) / 100_000))
+    each = min(np.mean(np.where(swings > limit, swings, 0.0) ** order), 1.0)
+    assert np.diff(whole)[0] == pytest.approx(0.1 / (UNEVEN.cycles * each), rel=0.01)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_the_crack_s_spring_is_stiffer_on_one_side(share):
+    made, defining, draws = drawn("breathing_crack", 0.3, share)
+    frequency = draws.at(0.6, 2.0) / TIME
+    assert defining == {"frequency": pytest.approx(frequency)}
+    pull, push = (forces_at(made, REST + d) for d in (1.0, -1.0))
+    assert pull == pytest.approx(0.3 * K)
+    ratio = draws.at(np.sqrt(1.5), 2.0) ** (2.0 * draws.side())
+    assert -push / pull == pytest.approx(ratio)
+    # Half a period on either side, as a mass alone on either spring has it.
+    mass = made.constants[0]
+    halves = [np.pi * np.sqrt(mass / spring) for spring in (pull, -push)]
+    assert sum(halves) == pytest.approx(1.0 / frequency)
+    # Its equation of motion, by another integrator.
+    dashpot = made.constants[2]
+    place = REST + 1.5
+
+    def move(t, s):
+        stretch, speed = place - s[0], -s[1]
+        spring = pull if stretch > 0.0 else -push
+        return [s[1], (spring * stretch + dashpot * speed) / mass]
+
+    solved = solve_ivp(move, (0.0, 2.0), [REST, 0.0], max_step=0.002, rtol=1e-8, dense_output=True)
+    times = np.arange(1, 2000) * SUBSTEP
+    s = solved.sol(times)
+    stretch = place - s[0]
+    expected = np.where(stretch > 0.0, pull, -push) * stretch - dashpot * s[1]
+    felt = held(made, place, 2.0)[: times.size]
+    np.testing.assert_allclose(felt, expected, atol=0.05 * max(pull, -push) * 1.5)
+
+
+def forces_at(law, y):
+    """Return the force of a law at rest at a place."""
+    return forces.total_force(forces.stack([law]), y, 0.0)

@@ -24,9 +24,11 @@ from dea.plant.force_laws.contact import (
 )
 from dea.plant.force_laws.damage import (
     carry_crack,
+    carry_miner,
     count_reversals,
     crack_loss,
     cycle_damage,
+    miner_loss,
     pseudo_elastic_loss,
     work_damage,
 )
@@ -34,6 +36,7 @@ from dea.plant.force_laws.damping import drag_force, pumped_force
 from dea.plant.force_laws.elastic import (
     cable_force,
     chain_force,
+    conical_force,
     demiray_force,
     fibre_force,
     fung_force,
@@ -51,11 +54,13 @@ from dea.plant.force_laws.friction import (
     carry_dahl,
     composite_friction,
     lorentzian_friction,
+    running_in_friction,
     stribeck_friction,
 )
 from dea.plant.force_laws.hysteresis import (
     carry_bouc_wen,
     carry_duhem,
+    carry_flag,
     carry_sliders,
     masing_force,
     note_reversals,
@@ -77,6 +82,7 @@ from dea.plant.force_laws.viscoelastic import (
     carry_eyring,
     carry_norton,
     carry_quasi_linear,
+    carry_reptation,
     carry_spectrum,
     quasi_linear_force,
     spectrum_force,
@@ -130,7 +136,12 @@ WIDTH = 64  # length of a row of constants or memory
     LORENTZIAN,
     SERIES,
     CONE,
-) = range(45)
+    REPTATION,
+    FLAG,
+    RUNNING_IN,
+    CONICAL,
+    MINER,
+) = range(50)
 
 
 class Forces(NamedTuple):
@@ -166,7 +177,7 @@ def total_force(forces: Forces, y: float, v: float) -> float:
         kind, c, m = forces.kind[row], forces.constants[row], forces.memory[row]
         if kind == SPECTRUM:
             total += spectrum_force(c, m, y)
-        elif kind in (EYRING, NORTON):
+        elif kind in (EYRING, NORTON, REPTATION):
             total += c[0] * (y - m[0])
         elif kind == MASING:
             total += masing_force(c, m, y)
@@ -174,7 +185,7 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += preisach_force(c, m, y)
         elif kind == BOUC_WEN:
             total += c[0] * m[0]
-        elif kind in (DUHEM, DAHL):
+        elif kind in (DUHEM, DAHL, FLAG):
             total += m[0]
         elif kind == LUGRE:
             total += bristle_force(c, m, v)
@@ -250,6 +261,12 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += series_force(c, m, y, v)
         elif kind == CONE:
             total += cone_stop(c, y)
+        elif kind == RUNNING_IN:
+            total += running_in_friction(c, m, v)
+        elif kind == CONICAL:
+            total += conical_force(c, y)
+        elif kind == MINER:
+            total -= c[0] * y * miner_loss(c, m)
     return total
 
 
@@ -298,3 +315,11 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             carry_twins(c, m, y, v, dt)
         elif kind == SERIES:
             carry_series(c, m, y, v, dt)
+        elif kind == REPTATION:
+            carry_reptation(c, m, y, dt)
+        elif kind == FLAG:
+            carry_flag(c, m, y)
+        elif kind == RUNNING_IN:
+            m[0] += abs(v) * dt
+        elif kind == MINER:
+            carry_miner(c, m, y)

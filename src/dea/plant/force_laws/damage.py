@@ -93,3 +93,20 @@ def crack_loss(c: Array, m: Array) -> float:
     length += max(cycles - 1.0, 0.0) * fall / q * c[3] ** (1.0 + q)
     value: float = min(c[1] * (length - 1.0) / (c[3] - 1.0), 0.9)
     return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_miner(c: Array, m: Array, y: float) -> None:
+    """Count in m[4] as :func:`carry_crack` does, but no swing below a share c[3] of c[5]."""
+    before = m[0]
+    count_reversals(c, m, y)
+    share = 2.0 * (m[0] - before)
+    if share > c[3]:
+        m[4] += 0.5 * share ** c[6]
+
+
+@njit(cache=True, error_model="numpy")
+def miner_loss(c: Array, m: Array) -> float:
+    """Return the share lost, c[1] after c[2] cycles: M. A. Miner, J. Appl. Mech. 12 (1945) A159."""
+    value: float = min(c[1] * m[4] / c[2], 0.9)
+    return value

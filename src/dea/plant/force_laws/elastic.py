@@ -110,3 +110,25 @@ def toe_force(c: Array, y: float) -> float:
     grown = np.exp(inside / c[1])
     force: float = c[0] * (grown - 1.0 + (d - inside) / c[1] * grown)
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def conical_force(c: Array, y: float) -> float:
+    """Return what solid coils add to the force of a conical spring, wound from 1 down to c[3].
+
+    E. Rodriguez et al., J. Mech. Des. 128 (2006) 1352. With the force c[0] at which the widest coil
+    is solid, its room c[1] as length and c[2] as place without force, coils wider than x are solid
+    at the force x^-3 and at the depth d = 1 - 3x/4 - q^4/(4x^3), q = c[3]. Where 0.95 of the way
+    is over on which coils become solid, it goes on in a straight line.
+    """
+    d, q = max(y - c[2], 0.0) / c[1], c[3]
+    begun = 0.25 * (1.0 - q**4)
+    inside = min(d, begun + 0.95 * (1.0 - q - begun))
+    if inside <= begun:
+        return 0.0
+    x = 1.0
+    for _ in range(12):  # Newton's rule for the largest root, from above
+        x -= (3.0 * x - 4.0 * (1.0 - inside) + q**4 / x**3) / (12.0 * (1.0 - (1.0 - inside) / x))
+    added = x**-3 - inside / begun + (d - inside) * (4.0 / (x**4 - q**4) - 1.0 / begun)
+    force: float = c[0] * added
+    return force

@@ -101,3 +101,13 @@ def lorentzian_friction(c: Array, v: float) -> float:
     ratio = v / c[2]
     force: float = (c[0] + (c[1] - c[0]) / (1.0 + ratio * ratio)) * v / np.hypot(v, c[3])
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def running_in_friction(c: Array, m: Array, v: float) -> float:
+    """Return friction c[0] of which a share c[1] is lost over a path c[2]; m: the path.
+
+    P. J. Blau, Tribol. Int. 38 (2005) 1007. c[3]: speed of regularisation.
+    """
+    force: float = c[0] * (1.0 + c[1] * np.expm1(-m[0] / c[2])) * v / np.hypot(v, c[3])
+    return force

@@ -139,3 +139,23 @@ def carry_sliders(c: Array, m: Array, y: float) -> None:
     for i in range(int(c[0])):
         m[1 + i] = min(max(m[1 + i] + step, -c[2 + 2 * i]), c[2 + 2 * i])
     m[0] = y
+
+
+@njit(cache=True, error_model="numpy")
+def _flag_edge(c: Array, d: float, length: float) -> float:
+    """Return a spring c[0] that yields at a length, with a share c[2] of its stiffness left."""
+    force: float = c[0] * (d if d < length else length + c[2] * (d - length))
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def carry_flag(c: Array, m: Array, y: float) -> None:
+    """Carry a spring that yields at the length c[1] and returns at 1 - c[3] of it.
+
+    C. Christopoulos et al., Earthq. Eng. Struct. Dyn. 31 (2002) 1131. It is slack below the place
+    c[4]. m: force and latest place.
+    """
+    d, before = max(y - c[4], 0.0), max(m[1] - c[4], 0.0)
+    force = m[0] + c[0] * (d - before)
+    m[0] = min(max(force, _flag_edge(c, d, (1.0 - c[3]) * c[1])), _flag_edge(c, d, c[1]))
+    m[1] = y

@@ -16,7 +16,8 @@ from dea.plant.array import Array
     DRAINING,
     RAMP,
     STRETCHED,
-) = range(10)
+    INDUCTION,
+) = range(11)
 
 
 @njit(cache=True, error_model="numpy")
@@ -28,7 +29,9 @@ def course(shape: float, a: float, b: float, t: float) -> float:
     SIGMOID: logistic at a of width b; SETTLING: exponential after a with time constant b;
     INSTANT: at a; DRAINING: with one exponential of the root of t/a and one of t/a (Y. Hu et al.,
     Appl. Phys. Lett. 96 (2010) 121904, a sphere); RAMP: a straight line from a over b;
-    STRETCHED: exponential in (t/a)^b (R. Kohlrausch, Ann. Phys. 91 (1854) 179).
+    STRETCHED: exponential in (t/a)^b (R. Kohlrausch, Ann. Phys. 91 (1854) 179); INDUCTION: an
+    exponential with time constant b of the integral of a logistic at a of width a/5 (J. Scanlan
+    and W. F. Watson, Trans. Faraday Soc. 54 (1958) 740).
     """
     value: float = 0.0
     if shape == POWER:
@@ -52,6 +55,9 @@ def course(shape: float, a: float, b: float, t: float) -> float:
         value = min(max((t - a) / b, 0.0), 1.0)
     elif shape == STRETCHED:
         value = -np.expm1(-((t / a) ** b))
+    elif shape == INDUCTION:
+        cut = np.logaddexp(0.0, 5.0 * (t - a) / a) - np.logaddexp(0.0, -5.0)
+        value = -np.expm1(-0.2 * a / b * cut)
     return value
 
 

@@ -5,12 +5,18 @@ from numba import njit
 
 from dea.plant.array import Array
 
-HARDENING, PENDULUM = 0.0, 1.0
+HARDENING, PENDULUM, BILINEAR = 0.0, 1.0, 2.0
 
 
 @njit(cache=True, error_model="numpy")
 def _spring(c: Array, stretch: float) -> float:
-    """Return the force of the spring c[1]: hardening, or the sine of a pendulum's angle."""
+    """Return the force of the spring c[1]: hardening, or the sine of a pendulum's angle.
+
+    A bilinear one is c[4] times as stiff where it is pressed.
+    """
+    if c[5] == BILINEAR:
+        bent: float = c[1] * (max(stretch, 0.0) + c[4] * min(stretch, 0.0))
+        return bent
     if c[5] == PENDULUM:
         force: float = c[1] * c[4] * np.sin(stretch / c[4])
         return force

@@ -75,3 +75,12 @@ def carry_quasi_linear(c: Array, m: Array, y: float) -> None:
     response = _elastic(c, y)
     for i in range(int(c[0])):
         m[i] += c[4 + 2 * i] * (response - m[i])
+
+
+@njit(cache=True, error_model="numpy")
+def carry_reptation(c: Array, m: Array, y: float, dt: float) -> None:
+    """Carry Norton's dashpot, ever slower with its own stretch over c[4] from the place c[5].
+
+    J. S. Bergström and M. C. Boyce, J. Mech. Phys. Solids 46 (1998) 931.
+    """
+    carry_norton(c, m, y, dt / (1.0 + abs(m[0] - c[5]) / c[4]))

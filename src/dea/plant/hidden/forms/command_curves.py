@@ -88,6 +88,23 @@ def cracking_valve(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(command_curve(flow, conditions), {"threshold": threshold})
 
 
+@njit(cache=True)
+def _glow_lamp(c: Array, m: Array, u: Array) -> None:
+    """Pass nothing until c[0], then c[2] times what exceeds c[1] until that is gone; m: lit."""
+    for k in range(u.shape[0]):
+        m[0] = 1.0 if u[k] > (c[1] if m[0] == 1.0 else c[0]) else 0.0
+        u[k] = c[2] * (u[k] - c[1]) if m[0] == 1.0 else 0.0
+
+
+@tuning("Pearson and Anson, Proc. Phys. Soc. 34 (1922) 204: a neon lamp that strikes and goes out")
+def glow_lamp(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A lamp in series strikes at the threshold and then takes 0.5 to 0.85 of it, until it dies."""
+    strike, _ = _threshold(size, conditions)
+    burning = rng.uniform(0.5, 0.85) * strike
+    constants = [strike, burning, conditions.high / (conditions.high - burning)]
+    return Built(SignalLaw(_glow_lamp, constants), {})
+
+
 @reporting("Banwell and Jayakumar, Electron. Lett. 36 (2000) 291: a diode in series with a load")
 def diode_drop(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The load's voltage v solves v + n ln(1 + v/s) = u, by Lambert's function."""
@@ -215,6 +232,22 @@ def magnetic_core(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(command_curve(magnetised, conditions), {"limit": limit})
 
 
+@njit(cache=True)
+def _stored_charge(c: Array, m: Array, u: Array) -> None:
+    """Clip at c[0] while a charge m[0] is left, which the overdrive leaves and loses in c[1]."""
+    for k in range(u.shape[0]):
+        m[0] = max(m[0] + SUBSTEP * (u[k] - c[0] - m[0] / c[1]), 0.0)
+        if m[0] > 0.0:
+            u[k] = c[0]
+
+
+@tuning("Moll, Proc. IRE 42 (1954) 1773: a saturated transistor, which stores a charge")
+def stored_charge(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A limit that is left when the overdrive's charge is gone, of 0.05 to 0.4 band periods."""
+    limit, time = _ceiling(size, conditions), rng.uniform(0.05, 0.4) * conditions.time
+    return Built(SignalLaw(_stored_charge, [limit, time]), {"limit": limit})
+
+
 @reporting("Baum, IRE Trans. Inf. Theory 3 (1957) 193: the smooth limiter of an error integral")
 def error_integral(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A straight line up to a knee, and an error integral from there to the limit."""
@@ -246,11 +279,11 @@ EFFECTS = (
     EffectKind(
         "dead_zone", Port.INPUT, 0.04, 0.5, "1",
         (rounded_threshold, overlapped_valve, yield_stress, jumping_threshold, cracking_valve,
-         diode_drop, square_law_foot),
+         glow_lamp, diode_drop, square_law_foot),
     ),
     EffectKind(
         "input_saturation", Port.INPUT, 0.02, 0.45, "1",
         (parabolic_shoulder, residual_gain, solid_state_amplifier, sagging_rail, peak_limiter,
-         magnetic_core, error_integral, falling_tube),
+         magnetic_core, stored_charge, error_integral, falling_tube),
     ),
 )  # fmt: skip

@@ -128,6 +128,38 @@ def joined_samples(size: float, conditions: Conditions, rng: Generator) -> Built
 
 
 @njit(cache=True)
+def _loaded(c: Array, m: Array, u: Array) -> None:
+    """Pass waves along coils and capacitors in c[1] steps of c[0] section delays each.
+
+    m: whether started, then current and voltage of every section; the end is matched.
+    """
+    sections = m.shape[0] // 2
+    if m[0] == 0.0:
+        m[0] = 1.0
+        m[1:] = u[0]
+    for k in range(u.shape[0]):
+        for _ in range(int(c[1])):
+            before = u[k]
+            for i in range(sections):
+                m[1 + 2 * i] += c[0] * (before - m[2 + 2 * i])
+                before = m[2 + 2 * i]
+            for i in range(sections):
+                after = m[3 + 2 * i] if i < sections - 1 else m[2 + 2 * i]
+                m[2 + 2 * i] += c[0] * (m[1 + 2 * i] - after)
+        u[k] = before
+
+
+@tuning("Pupin, Trans. AIEE 17 (1900) 445: a line that is loaded with coils")
+def loaded_line(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Ten to thirty coils with capacitors: quick waves come later, so that an edge rings."""
+    sections, mean = int(rng.integers(10, 31)), size * conditions.time
+    rate = SUBSTEP * sections / mean
+    steps = max(int(np.ceil(rate / 0.25)), 1)
+    law = SignalLaw(_loaded, [rate / steps, steps], np.zeros(1 + 2 * sections))
+    return Built(law, {"delay": mean})
+
+
+@njit(cache=True)
 def _jittered(c: Array, m: Array, u: Array) -> None:
     """c: mean, depth (s), (frequency, phase) of every sine of the delay.
 
@@ -170,6 +202,6 @@ EFFECTS = (
     EffectKind(
         "transport_delay", Port.INPUT, 0.004, 0.6, "band periods",
         (pure_delay, sampled_and_held, laminar_tube, reflecting_line, bucket_brigade,
-         joined_samples, jittered_delay, dispersed_plug_flow),
+         joined_samples, loaded_line, jittered_delay, dispersed_plug_flow),
     ),
 )  # fmt: skip

@@ -69,6 +69,15 @@ def hess_soom(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _falling(forces.LORENTZIAN, size, conditions, rng)
 
 
+@tuning("Blau, Tribol. Int. 38 (2005) 1007: surfaces that run in")
+def running_in(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that falls with the path, as an exponential of it, to 0.3 to 0.6 of the first."""
+    sliding, speed = conditions.device_forces(size), conditions.speed
+    length = rng.uniform(0.1, 0.4) * conditions.path
+    constants = [sliding, rng.uniform(0.4, 0.7), length, 0.03 * speed]
+    return Built(ForceLaw(forces.RUNNING_IN, constants), {})
+
+
 @reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
 def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Dahl's friction, which saturates within about two hundredths of the travel."""
@@ -91,7 +100,7 @@ def makkar(size: float, conditions: Conditions, rng: Generator) -> Built:
 EFFECTS = (
     EffectKind(
         "coulomb_friction", Port.FORCE, 0.002, 0.2, "device forces",
-        (lugre, stribeck_curve, maxwell_slip, ageing_contacts, loaded_bearing, hess_soom, dahl,
-         makkar),
+        (lugre, stribeck_curve, maxwell_slip, ageing_contacts, loaded_bearing, hess_soom,
+         running_in, dahl, makkar),
     ),
 )  # fmt: skip

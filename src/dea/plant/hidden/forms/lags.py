@@ -124,6 +124,24 @@ def bleeder_resistor(size: float, conditions: Conditions, rng: Generator) -> Bui
     return Built(SignalLaw(_bled, shares, [0.0, 0.0]), {})
 
 
+@njit(cache=True)
+def _tunnelled(c: Array, m: Array, u: Array) -> None:
+    """Follow at a rate that is a sinh of the error over c[0], exactly at a held command."""
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, u[0]
+    for k in range(u.shape[0]):
+        half = min(max(0.5 * (u[k] - m[1]) / c[0], -15.0), 15.0)
+        m[1] = u[k] - 2.0 * c[0] * np.arctanh(c[1] * np.tanh(half))
+        u[k] = m[1]
+
+
+@tuning("Simmons, J. Appl. Phys. 34 (1963) 1793: tunnelling between the particles of an electrode")
+def tunnelling_contacts(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A lag of ``size`` band periods, ever less for errors above 0.05 to 0.3 of the range."""
+    scale, time = rng.uniform(0.05, 0.3) * conditions.span, size * conditions.time
+    return Built(SignalLaw(_tunnelled, [scale, np.exp(-SUBSTEP / time)], [0.0, 0.0]), {})
+
+
 @reporting("Cole and Cole, J. Chem. Phys. 9 (1941) 341: a distribution of relaxation times")
 def cole_cole(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Lags side by side, with Cole and Cole's density around a central time."""
@@ -226,6 +244,30 @@ def thermistor_bead(size: float, conditions: Conditions, rng: Generator) -> Buil
     return Built(law, {"lag": mean})
 
 
+@njit(cache=True)
+def _turned(c: Array, m: Array, y: Array) -> None:
+    """A first-order lag as quick as what it follows is large: c[1] s at one c[2] above c[0]."""
+    calm, time, unit = c
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, y[0]
+    for k in range(y.shape[0]):
+        wind = max((y[k] - calm) / unit, 0.05)
+        m[1] -= np.expm1(-SUBSTEP / time * wind) * (y[k] - m[1])
+        y[k] = m[1]
+
+
+@tuning("Busch and Kristensen, J. Appl. Meteorol. 15 (1976) 1328: a cup anemometer that overspeeds")
+def cup_anemometer(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A lag of a constant length of wind: quick for much of it, slow for little.
+
+    It is ``size`` band periods in the middle of the travel, with a calm 0.1 to 0.6 travels below.
+    """
+    below = (0.5 + rng.uniform(0.1, 0.6)) * conditions.travel
+    calm = 0.5 * (conditions.bottom + conditions.top) - below
+    law = SignalLaw(_turned, [calm, size * conditions.time, below], [0.0, 0.0], output=True)
+    return Built(law, {})
+
+
 @reporting("Thomson, Proc. IEE 96 (1949) 487: a Bessel filter of fourth order")
 def bessel_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A Bessel filter of fourth order whose delay at low frequency is ``size`` band periods."""
@@ -256,12 +298,12 @@ def sheathed_probe(size: float, conditions: Conditions, rng: Generator) -> Built
 EFFECTS = (
     EffectKind(
         "electrode_lag", Port.INPUT, 0.01, 1.0, "band periods",
-        (cable_diffusion, two_stages, lead_inductance, rim_contact, bleeder_resistor, cole_cole,
-         stretched_electrode),
+        (cable_diffusion, two_stages, lead_inductance, rim_contact, bleeder_resistor,
+         tunnelling_contacts, cole_cole, stretched_electrode),
     ),
     EffectKind(
         "sensor_lag", Port.OUTPUT, 0.01, 1.0, "band periods",
         (seismic_element, integrating_converter, bare_thermometer, buried_sensor, thermistor_bead,
-         bessel_filter, sheathed_probe),
+         cup_anemometer, bessel_filter, sheathed_probe),
     ),
 )  # fmt: skip

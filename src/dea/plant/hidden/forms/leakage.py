@@ -10,7 +10,7 @@ from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporti
 from dea.plant.hidden.forms.kernels import parallel
 from dea.plant.signal_law import SignalLaw
 
-SPACE_CHARGE, POOLE_FRENKEL, SCHOTTKY, HOPPING, TUNNELLING = range(5)
+SPACE_CHARGE, POOLE_FRENKEL, SCHOTTKY, HOPPING, TUNNELLING, CORONA = range(6)
 
 
 @njit(cache=True)
@@ -35,6 +35,8 @@ def _trapped(c: Array, m: Array, u: Array) -> None:
             current = np.sinh(steep * x) / np.sinh(steep)
         elif law == TUNNELLING:
             current = x * x * np.exp(steep * (1.0 - 1.0 / max(x, 1e-3)))
+        elif law == CORONA:
+            current = x * max(x - steep, 0.0) / (1.0 - steep)
         m[0] += SUBSTEP / time * (size * ceiling * current - m[0])
         u[k] = field
 
@@ -67,6 +69,12 @@ def hopping(size: float, conditions: Conditions, rng: Generator) -> Built:
 def tunnelling(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Traps filled by a current E² exp(-b/E) of the field."""
     return _trap(size, conditions, rng, TUNNELLING, rng.uniform(0.7, 2.5))
+
+
+@tuning("Townsend, Phil. Mag. 28 (1914) 83: a corona, which begins at a voltage")
+def corona(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Traps filled above 0.3 to 0.6 of the ceiling alone, by a current E (E - E0) of the field."""
+    return _trap(size, conditions, rng, CORONA, rng.uniform(0.3, 0.6))
 
 
 @tuning("Wagner, Arch. Elektrotech. 2 (1914) 371: charge that gathers at interfaces")
@@ -119,7 +127,7 @@ def curie_von_schweidler(size: float, conditions: Conditions, rng: Generator) ->
 EFFECTS = (
     EffectKind(
         "charge_leakage", Port.INPUT, 0.005, 0.7, "1",
-        (space_charge, schottky_emission, hopping, tunnelling, interfacial_polarisation,
-         filling_traps, poole_frenkel, curie_von_schweidler),
+        (space_charge, schottky_emission, hopping, tunnelling, corona,
+         interfacial_polarisation, filling_traps, poole_frenkel, curie_von_schweidler),
     ),
 )  # fmt: skip

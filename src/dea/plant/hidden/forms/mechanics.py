@@ -7,7 +7,7 @@ from numpy.random import Generator
 
 from dea.plant import forces
 from dea.plant.force_laws import damage, mode
-from dea.plant.force_laws.elastic import fibre_force
+from dea.plant.force_laws.elastic import conical_force, fibre_force
 from dea.plant.forces import ForceLaw
 from dea.plant.hidden.effect import Built, Conditions, EffectKind, Port, reporting, tuning
 
@@ -68,6 +68,17 @@ def tendon_toe(size: float, conditions: Conditions, rng: Generator) -> Built:
     top = np.expm1(steep) + (1.0 / end - 1.0) * steep * np.exp(steep)
     force, toe = conditions.device_forces(size) / top, end * conditions.travel
     return _static(forces.TOE, [force, toe / steep, conditions.bottom, toe])
+
+
+@tuning("Rodriguez et al., J. Mech. Des. 128 (2006) 1352: a conical spring, solid coil by coil")
+def conical_spring(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A force that begins when the widest coil is solid; at the top 0.5 to 0.8 of the rest are."""
+    narrow = rng.uniform(0.3, 0.6)
+    begun, solid = 0.25 * (1.0 - narrow**4), 1.0 - narrow
+    length = conditions.travel / (begun + rng.uniform(0.5, 0.8) * (solid - begun))
+    whole = conical_force(np.array([1.0, length, conditions.bottom, narrow]), conditions.top)
+    force = conditions.device_forces(size) / whole
+    return _static(forces.CONICAL, [force, length, conditions.bottom, narrow])
 
 
 @reporting("Gent, Rubber Chem. Technol. 69 (1996) 59: limited extensibility")
@@ -142,6 +153,24 @@ def three_stages(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The stiffness lost is a sum of a power of 0.2 to 0.4 and one of 4 to 8 of the cycles."""
     first, share, last = rng.uniform(0.2, 0.4), rng.uniform(0.3, 0.7), rng.uniform(4.0, 8.0)
     return _cycling(size, conditions, damage.STAGES, first, share, last)
+
+
+@tuning("Miner, J. Appl. Mech. 12 (1945) A159: a sum over cycles, here above an endurance limit")
+def endurance_limit(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A loss by a power of 3 to 6 of each swing; swings below 0.15 to 0.35 travels do nothing."""
+    from scipy.special import gammaincc
+
+    order, limit = rng.uniform(3.0, 6.0), rng.uniform(0.15, 0.35)
+    cycles = max(conditions.cycles, 2.0)
+    # As for a crack, of the swings above the limit.
+    scale = conditions.path / (2.0 * cycles * conditions.travel) / np.sqrt(0.25 * np.pi)
+    half = 1.0 + 0.5 * order
+    mean = scale**order * gamma(half) * gammaincc(half, (limit / scale) ** 2)
+    constants = [
+        conditions.stiffness, size, cycles * min(mean, 1.0), limit,
+        0.1 * conditions.travel, conditions.travel, order,
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.MINER, constants), {})
 
 
 @reporting("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
@@ -233,6 +262,19 @@ def masses_in_series(size: float, conditions: Conditions, rng: Generator) -> Bui
     return Built(law, {"frequency": frequency})
 
 
+@tuning("Chu and Shen, AIAA J. 30 (1992) 2512: a bilinear spring, as a crack that breathes")
+def breathing_crack(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A second mass on a spring 1.5 to 4 times as stiff on one side as on the other."""
+    frequency = rng.uniform(0.6, 2.0) / conditions.time
+    root = rng.uniform(np.sqrt(1.5), 2.0) ** rng.choice([-1.0, 1.0])
+    # Half a period on either side.
+    ahead = 0.5 * frequency * (1.0 + root) / root
+    mass, spring, dashpot = _attached(size, conditions, ahead, rng.uniform(0.03, 0.12))
+    constants = [mass, spring, dashpot, 0.0, root**2, mode.BILINEAR]
+    law = ForceLaw(forces.MODE, constants, [conditions.rest])
+    return Built(law, {"frequency": frequency})
+
+
 @reporting("Ren, J. Sound Vib. 245 (2001) 762: an absorber damped to the ground")
 def grounded_damper(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A second mass on a hardening spring, damped against the ground."""
@@ -248,17 +290,17 @@ def sloshing_pendulum(size: float, conditions: Conditions, rng: Generator) -> Bu
 EFFECTS = (
     EffectKind(
         "strain_stiffening", Port.FORCE, 0.01, 20.0, "device forces",
-        (fung, ogden_term, demiray, recruited_fibres, taut_cables, tendon_toe, gent,
-         langevin_chain),
+        (fung, ogden_term, demiray, recruited_fibres, taut_cables, tendon_toe,
+         conical_spring, gent, langevin_chain),
     ),
     EffectKind(
         "cyclic_softening", Port.FORCE, 0.002, 0.8, "1",
         (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, three_stages,
-         damage_by_work, logarithm_of_cycles),
+         endurance_limit, damage_by_work, logarithm_of_cycles),
     ),
     EffectKind(
         "second_mode", Port.FORCE, 0.002, 2.0, "stiffnesses",
         (hardening_absorber, shared_damping, liquid_column, twin_masses, masses_in_series,
-         grounded_damper, sloshing_pendulum),
+         breathing_crack, grounded_damper, sloshing_pendulum),
     ),
 )  # fmt: skip

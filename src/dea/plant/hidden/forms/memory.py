@@ -87,6 +87,18 @@ def fractional_zener(size: float, conditions: Conditions, rng: Generator) -> Bui
     return _spectrum(spectrum, conditions, size)
 
 
+@tuning("Bergström and Boyce, J. Mech. Phys. Solids 46 (1998) 931: chains that creep ever less")
+def bergstrom_boyce(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A spring on a dashpot whose rate is a power of the spring's stretch over its own."""
+    length = rng.uniform(0.1, 0.4) * conditions.travel
+    time = conditions.time * np.exp(rng.uniform(np.log(0.2), np.log(2.0)))
+    constants = [
+        3.0 * size * conditions.stiffness, length / time, length, rng.uniform(2.0, 5.0),
+        rng.uniform(0.05, 0.3) * conditions.travel, conditions.rest,
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.REPTATION, constants, [conditions.rest]), {})
+
+
 @reporting("Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896: creep with the logarithm of time")
 def logarithmic_creep(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Relaxation with the logarithm of time: equal elements over two to three decades."""
@@ -147,6 +159,15 @@ def stretched_relaxation(size: float, conditions: Conditions, rng: Generator) ->
     """The prestress relaxes as 1 - exp(-(t/T)^b)."""
     time = rng.uniform(0.1, 0.6) * conditions.duration
     return _relaxing(size, conditions, in_time.STRETCHED, time, rng.uniform(0.5, 0.8))
+
+
+@tuning("Scanlan and Watson, Trans. Faraday Soc. 54 (1958) 740: a rubber that ages, late at first")
+def inhibited_oxidation(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Chains are cut at a constant rate after 0.15 to 0.5 of the record, before hardly any."""
+    late, time = rng.uniform(0.15, 0.5), rng.uniform(0.15, 0.6)
+    return _relaxing(
+        size, conditions, in_time.INDUCTION, *(conditions.duration * np.array([late, time]))
+    )
 
 
 @reporting("Kubát, Nature 205 (1965) 378: stress relaxation with the logarithm of time")
@@ -227,6 +248,16 @@ def prandtl_sliders(size: float, conditions: Conditions, rng: Generator) -> Buil
     return sliders(size * conditions.stiffness * shares / shares.sum(), stretches, conditions)
 
 
+@tuning("Christopoulos et al., Earthq. Eng. Struct. Dyn. 31 (2002) 1131: loops shaped as flags")
+def flag_loops(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A spring of ``size`` stiffnesses that yields, returns at a lower force and is slack below."""
+    constants = [
+        size * conditions.stiffness, rng.uniform(0.15, 0.45) * conditions.travel,
+        rng.uniform(0.02, 0.2), rng.uniform(0.4, 0.9), conditions.bottom,
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.FLAG, constants, [0.0, conditions.rest]), {})
+
+
 @reporting("Biorci and Pescetti, Nuovo Cimento 7 (1958) 829: Preisach's model, density a product")
 def preisach_product(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Preisach's relays with Lorentzian densities; the whole loop is ``size`` film forces high."""
@@ -249,16 +280,16 @@ EFFECTS = (
     EffectKind(
         "viscoelastic_creep", Port.FORCE, 0.005, 1.5, "stiffnesses",
         (spring_pot, stretched_exponential, standard_linear_solid, norton_dashpot, quasi_linear,
-         fractional_zener, logarithmic_creep, activated_dashpot),
+         fractional_zener, bergstrom_boyce, logarithmic_creep, activated_dashpot),
     ),
     EffectKind(
         "stress_relaxation", Port.FORCE, 0.001, 0.5, "1",
         (power_relaxation, two_times, maxwell_relaxation, draining_gel, stretched_relaxation,
-         logarithmic_relaxation, hyperbolic_relaxation),
+         inhibited_oxidation, logarithmic_relaxation, hyperbolic_relaxation),
     ),
     EffectKind(
         "rate_independent_hysteresis", Port.FORCE, 0.005, 4.0, "stiffnesses",
         (masing_loops, menegotto_pinto, bouc_wen, prandtl_sliders, ramberg_osgood,
-         preisach_product, coleman_hodgdon),
+         flag_loops, preisach_product, coleman_hodgdon),
     ),
 )  # fmt: skip

@@ -88,6 +88,23 @@ def logarithmic_pixel(size: float, conditions: Conditions, rng: Generator) -> Bu
     return Built(law, {})
 
 
+@njit(cache=True)
+def _blocking(c: Array, m: Array, y: Array) -> None:
+    """Clip at c[0]; what is over charges a bias m[0] in c[1] seconds, which decays in c[2]."""
+    for k in range(y.shape[0]):
+        biased = y[k] - m[0]
+        y[k] = min(biased, c[0])
+        m[0] += SUBSTEP * ((biased - y[k]) / c[1] - m[0] / c[2])
+
+
+@tuning("Langford-Smith, Radiotron Designer's Handbook (1953): a grid that blocks after overload")
+def blocking_grid(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A clipped reading that is too low for 0.5 to 3 band periods after it was clipped."""
+    limit, decay = _read_limit(size, conditions), rng.uniform(0.5, 3.0) * conditions.time
+    constants = [limit, decay / rng.uniform(0.15, 0.5), decay]
+    return Built(SignalLaw(_blocking, constants, output=True), {"limit": limit})
+
+
 @reporting("Zölzer, DAFX (2011): exponential distortion, 1 - exp(-x)")
 def exponential_rail(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Above a knee the reading approaches its limit exponentially."""
@@ -236,6 +253,22 @@ def optical_lever(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(reading_curve(spot, conditions), {})
 
 
+@tuning("Todd, The Potentiometer Handbook (1975): a track of uneven resistance")
+def uneven_track(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A wiper on 30 to 80 pieces of track whose resistances are lognormal, true at both ends."""
+    pieces = np.exp(size * rng.standard_normal(int(rng.integers(30, 81))))
+    divided = np.concatenate([[0.0], np.cumsum(pieces) / pieces.sum()])
+    joints = np.linspace(0.0, 1.0, divided.size)
+
+    def tapped(y: Array) -> Array:
+        place = (y - conditions.bottom) / conditions.travel
+        error = np.interp(place, joints, divided) - np.clip(place, 0.0, 1.0)
+        value: Array = y + conditions.travel * error
+        return value
+
+    return Built(reading_curve(tapped, conditions), {})
+
+
 @reporting("Doebelin, Measurement Systems (2003): an unbalanced Wheatstone bridge, x/(1 + a x)")
 def unbalanced_bridge(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A bridge whose reading falls short of (or exceeds) the straight line by a hyperbola."""
@@ -281,12 +314,12 @@ EFFECTS = (
     EffectKind(
         "output_saturation", Port.OUTPUT, 0.02, 0.7, "1",
         (hyperbolic_rail, leaking_rail, overloaded_converter, paralysed_counter, overload_recovery,
-         logarithmic_pixel, exponential_rail, arctangent_rail),
+         logarithmic_pixel, blocking_grid, exponential_rail, arctangent_rail),
     ),
     EffectKind(
         "sensor_nonlinearity", Port.OUTPUT, 0.005, 1.5, "1",
         (calibration_polynomial, interpolation_error, loaded_potentiometer, oblique_cable,
-         approached_magnet, segmented_converter, mismatched_bits, optical_lever, unbalanced_bridge,
-         lever_angle, exponential_element),
+         approached_magnet, segmented_converter, mismatched_bits, optical_lever, uneven_track,
+         unbalanced_bridge, lever_angle, exponential_element),
     ),
 )  # fmt: skip

@@ -165,6 +165,29 @@ def switched_motor(size: float, conditions: Conditions, rng: Generator) -> Built
 
 
 @njit(cache=True)
+def _ringing(c: Array, m: Array, u: Array) -> None:
+    """Integrate the limited error, behind it a lag, which is fed back; m: started and both."""
+    rate, gain, share = c
+    if m[0] == 0.0:
+        m[0], m[1], m[2] = 1.0, u[0], u[0]
+    for k in range(u.shape[0]):
+        m[1] += SUBSTEP * min(max(gain * (u[k] - m[2]), -rate), rate)
+        m[2] += share * (m[1] - m[2])
+        u[k] = m[2]
+
+
+@tuning("Chuang, IEEE J. Solid-State Circuits 17 (1982) 74: slewing, then settling with ringing")
+def ringing_amplifier(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A bounded rate, then a swing of second order of 0.1 to 0.3 times the time for the range."""
+    rate, damping = _rate(size, conditions), rng.uniform(0.3, 0.6)
+    period = max(rng.uniform(0.1, 0.3) * size * conditions.time, 25.0 * SUBSTEP)
+    angular = 2.0 * np.pi / period
+    share = -np.expm1(-SUBSTEP * 2.0 * damping * angular)
+    constants = [rate, 0.5 * angular / damping, share]
+    return Built(SignalLaw(_ringing, constants, np.zeros(3)), {"rate": rate})
+
+
+@njit(cache=True)
 def _orifice(c: Array, m: Array, u: Array) -> None:
     """A rate that is a root of the error up to c[1], and constant beyond."""
     rate, opening = c
@@ -213,6 +236,6 @@ EFFECTS = (
     EffectKind(
         "slew_limit", Port.INPUT, 0.05, 6.0, "band periods per range",
         (differential_pair, trapezoidal_speed, class_a_follower, rate_limited_servo, stepping_motor,
-         smoothed_ramp, switched_motor, orifice_flow, foldback_current),
+         smoothed_ramp, switched_motor, ringing_amplifier, orifice_flow, foldback_current),
     ),
 )  # fmt: skip
