@@ -183,10 +183,10 @@ def test_a_rubber_relaxes_once_its_antioxidant_is_used_up(share):
 def test_flags_have_the_corners_of_springs_that_yield(share):
     made, defining, draws = drawn("flag_loops", 0.5, share)
     assert not defining
-    k, yielded = 0.5 * K, draws.at(0.15, 0.45) * TRAVEL
+    k, yielded = 0.5 * K, draws.at(0.06, 0.25) * TRAVEL
     after, returned = (
         draws.at(0.02, 0.2),
-        (1.0 - draws.at(0.4, 0.9)) * draws.at(0.15, 0.45) * TRAVEL,
+        (1.0 - draws.at(0.4, 0.9)) * draws.at(0.06, 0.25) * TRAVEL,
     )
     path = sweep(TOP, BOTTOM - 0.3, TOP, start=REST, points=4000)
     felt = resist(made, path)

@@ -252,7 +252,7 @@ def prandtl_sliders(size: float, conditions: Conditions, rng: Generator) -> Buil
 def flag_loops(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A spring of ``size`` stiffnesses that yields, returns at a lower force and is slack below."""
     constants = [
-        size * conditions.stiffness, rng.uniform(0.15, 0.45) * conditions.travel,
+        size * conditions.stiffness, rng.uniform(0.06, 0.25) * conditions.travel,
         rng.uniform(0.02, 0.2), rng.uniform(0.4, 0.9), conditions.bottom,
     ]  # fmt: skip
     return Built(ForceLaw(forces.FLAG, constants, [0.0, conditions.rest]), {})
