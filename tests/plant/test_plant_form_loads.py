@@ -293,3 +293,23 @@ def test_the_crack_s_spring_is_stiffer_on_one_side(share):
 def forces_at(law, y):
     """Return the force of a law at rest at a place."""
     return forces.total_force(forces.stack([law]), y, 0.0)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_a_dent_stays_and_is_left_along_a_steeper_line(share):
+    made, defining, draws = drawn("dented_stop", 0.3, share)
+    place, stiffness = TOP - 0.3 * TRAVEL, draws.at(5.0, 20.0) * K
+    assert defining == {"limit": pytest.approx(place)}
+    deep, deeper = 0.1 * TRAVEL, 0.2 * TRAVEL
+    path = sweep(
+        place + deep, BOTTOM, place + deeper, BOTTOM, place + deep, start=REST, points=2000
+    )
+    felt, expected, largest = resist(made, path), [], 0.0
+    for depth in path - place:
+        largest = max(largest, depth)
+        # From the largest depth the force falls so fast that a part of the depth is left.
+        left = largest * (1.0 - 1.0 / draws.at(1.3, 3.0))
+        steep = stiffness * largest / (largest - left) if largest > 0.0 else 0.0
+        expected.append(max(steep * (depth - left), 0.0))
+    np.testing.assert_allclose(felt, expected, atol=1e-9)
+    assert felt[-1] < stiffness * deep

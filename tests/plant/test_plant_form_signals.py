@@ -224,3 +224,28 @@ def test_a_corona_charges_above_its_onset_alone(share):
     left = onset * HIGH - through(made, np.full(1000, onset * HIGH))
     decayed = lfilter([1.0], [1.0, SUBSTEP / time - 1.0], np.append(left[:1], np.zeros(999)))
     np.testing.assert_allclose(left, decayed, rtol=1e-9)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_the_oscillation_obeys_van_der_pol_s_equation(share):
+    made, defining, draws = drawn("relaxation_oscillation", 0.3, share)
+    assert made.output
+    frequency = 10.0 ** draws.at(-0.7, 0.8) / TIME
+    assert defining == {"frequency": pytest.approx(frequency)}
+    bend = draws.at(1.5, 5.0)
+    wave = through(made, np.zeros(40_000)) / (0.3 * TRAVEL)
+    assert np.abs(wave).max() == pytest.approx(1.0, abs=0.01)
+
+    def move(t, s):
+        return [s[1], bend * (1.0 - s[0] ** 2) * s[1] - s[0]]
+
+    # The share of time that it spends at each height, over whole periods.
+    solved = solve_ivp(move, (0.0, 400.0), [2.0, 0.0], max_step=0.02, dense_output=True)
+    x = solved.sol(np.linspace(200.0, 400.0, 400_000))[0]
+    whole = np.flatnonzero((x[:-1] < 0.0) & (x[1:] >= 0.0))
+    x = x[whole[0] : whole[-1]]
+    expected = np.quantile(x / np.abs(x).max(), np.linspace(0.02, 0.98, 49))
+    found = np.quantile(wave, np.linspace(0.02, 0.98, 49))
+    np.testing.assert_allclose(found, expected, atol=0.03)
+    rises = np.flatnonzero((wave[:-1] < 0.0) & (wave[1:] >= 0.0))
+    assert np.diff(rises).mean() * SUBSTEP == pytest.approx(1.0 / frequency, rel=0.01)

@@ -54,6 +54,11 @@ def clearing_electrode(size, d):
     return np.where(at_the_jump, np.nan, gain(np.where(since > 0, -lost, 0)))
 
 
+def lost_effectiveness(size, d):
+    stuck = d.side(UNEVEN.low, UNEVEN.high)
+    return stuck + (U - stuck) * (1.0 - min(size, 0.9) * ramp(d))
+
+
 def exponential(d):
     return 1.0 - np.exp(-WITHIN / (d.at(0.2, 0.6) * DURATION))
 
@@ -93,6 +98,22 @@ def wandering(d):
     return np.interp(WITHIN, np.linspace(0.0, DURATION, points), path / np.abs(path).max())
 
 
+def discharge(d):
+    """A part that is exponential, and one in which what is left of the charge divides."""
+    whole, time, share = d.at(1.05, 1.3) * DURATION, d.at(0.03, 0.1) * DURATION, d.at(0.2, 0.5)
+    left = 1.0 / (1.0 - WITHIN / whole) - 1.0
+    return share * (1.0 - np.exp(-WITHIN / time)) + (1.0 - share) * left / left.max()
+
+
+def heat(d):
+    """The integral of the flow of heat by which a thick wall answers a step."""
+    fine = np.linspace(0.0, DURATION, 100_001)[1:]
+    late = d.at(0.1, 0.6) * DURATION
+    flow = np.sqrt(late / np.pi) * fine**-1.5 * np.exp(-late / fine)
+    risen = np.cumsum(flow)
+    return np.interp(WITHIN, fine, risen / risen[-1])
+
+
 def tide(d):
     angle, phase = 2.0 * np.pi * WITHIN / (d.at(1.2, 3.0) * DURATION), d.at(0.0, 2.0 * np.pi)
     return 0.5 * (np.sin(angle + phase) - np.sin(phase))
@@ -104,6 +125,7 @@ COURSES = {
     "linear_gain": lambda d: WITHIN / DURATION,
     "autocatalytic_gain": logistic,
     "passing_gain": passing,
+    "discharging_gain": discharge,
     "logarithmic_gain": logarithm,
     "wandering_gain": wandering,
     "warming_mount": exponential,
@@ -111,6 +133,7 @@ COURSES = {
     "steady_zero": lambda d: WITHIN / DURATION,
     "creeping_mount": cubic,
     "differential_expansion": two_parts,
+    "heated_wall": heat,
     "wandering_baseline": wandering,
     "daily_swing": tide,
 }
@@ -189,8 +212,8 @@ def rectified_sine(size, d):
     "law",
     [
         abrupt_gain, settling_gain, biased_sensor, biased_command, clearing_electrode,
-        machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing, oil_whirl,
-        beating_machines, rectified_sine,
+        lost_effectiveness, machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing,
+        oil_whirl, beating_machines, rectified_sine,
     ],
     ids=lambda law: law.__name__,
 )  # fmt: skip
@@ -206,7 +229,7 @@ def test_a_fault_or_a_wave_is_as_the_law_says(law, share, size):
     key, value = ("time", moment) if "time" in defining else ("frequency", frequency)
     assert defining == {key: pytest.approx(value(draws))}
     unread = {"abrupt_gain", "settling_gain", "biased_command", "clearing_electrode",
-              "supply_ripple", "capacitor_ripple"}  # fmt: skip
+              "lost_effectiveness", "supply_ripple", "capacitor_ripple"}  # fmt: skip
     assert made.output is (law.__name__ not in unread)
 
 

@@ -16,6 +16,7 @@ from dea.plant.array import Array, Values
 from dea.plant.force_laws.contact import (
     air_cushion,
     cone_stop,
+    dented_stop,
     disc_stop,
     hertz_stop,
     padded_stop,
@@ -141,7 +142,8 @@ WIDTH = 64  # length of a row of constants or memory
     RUNNING_IN,
     CONICAL,
     MINER,
-) = range(50)
+    DENTED,
+) = range(51)
 
 
 class Forces(NamedTuple):
@@ -267,6 +269,8 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += conical_force(c, y)
         elif kind == MINER:
             total -= c[0] * y * miner_loss(c, m)
+        elif kind == DENTED:
+            total += dented_stop(c, m, y)
     return total
 
 
@@ -323,3 +327,5 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             m[0] += abs(v) * dt
         elif kind == MINER:
             carry_miner(c, m, y)
+        elif kind == DENTED:
+            m[0] = max(m[0], y - c[1])

@@ -82,3 +82,15 @@ def cone_stop(c: Array, y: float) -> float:
     depth = max(y - c[1], 0.0)
     force: float = c[0] * depth * depth
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def dented_stop(c: Array, m: Array, y: float) -> float:
+    """Return a stop c[0] that is left along a line c[2] times as steep; m: the largest depth.
+
+    O. R. Walton and R. L. Braun, J. Rheol. 30 (1986) 949.
+    """
+    depth = max(y - c[1], 0.0)
+    back = c[2] * depth - (c[2] - 1.0) * m[0]
+    value: float = c[0] * max(min(depth, back), 0.0)
+    return value

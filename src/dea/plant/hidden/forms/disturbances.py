@@ -143,6 +143,47 @@ def chopped_supply(size: float, conditions: Conditions, rng: Generator) -> Built
 
 
 @njit(cache=True)
+def _repeated(c: Array, m: Array, y: Array) -> None:
+    """c: frequency and phase (of 1) of a wave, then its values over one period, the first twice."""
+    points = c.shape[0] - 3
+    for k in range(y.shape[0]):
+        place = (c[0] * m[0] + c[1]) % 1.0 * points
+        i = min(int(place), points - 1)
+        y[k] += c[2 + i] + (place - i) * (c[3 + i] - c[2 + i])
+        m[0] += SUBSTEP
+
+
+def _limit_cycle(stiffening: float) -> Array:
+    """Return a period of Van der Pol's oscillation, of height 1, at 400 places and the first."""
+    from scipy.integrate import solve_ivp
+
+    def slopes(t: float, s: Array) -> list[float]:
+        return [s[1], stiffening * (1.0 - s[0] ** 2) * s[1] - s[0]]
+
+    def rising(t: float, s: Array) -> float:
+        return float(s[0])
+
+    rising.direction = 1.0  # type: ignore[attr-defined]
+    solved = solve_ivp(
+        slopes, (0.0, 20.0 * (2.0 + stiffening)), [2.0, 0.0], method="LSODA", rtol=1e-8,
+        atol=1e-8, events=rising, dense_output=True,
+    )  # fmt: skip
+    start, end = solved.t_events[0][-2:]
+    wave = solved.sol(np.linspace(start, end, 401))[0]
+    value: Array = wave / np.abs(wave).max()
+    return value
+
+
+@tuning("Van der Pol, Phil. Mag. 2 (1926) 978: relaxation oscillations, here of a regulator")
+def relaxation_oscillation(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A wave on the reading that lingers at either side and then crosses quickly."""
+    frequency, phase = _frequency(conditions, rng), rng.random()
+    wave = size * conditions.travel * _limit_cycle(rng.uniform(1.5, 5.0))
+    law = SignalLaw(_repeated, np.concatenate([[frequency, phase], wave]), output=True)
+    return Built(law, {"frequency": frequency})
+
+
+@njit(cache=True)
 def _beat(c: Array, m: Array, y: Array) -> None:
     """Two lines of slightly different frequency."""
     height, first, second, share, phase = c
@@ -195,6 +236,7 @@ EFFECTS = (
     EffectKind(
         "periodic_disturbance", Port.OUTPUT, 0.002, 1.0, "travels",
         (machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing, oil_whirl,
-         hunting_machine, chopped_supply, beating_machines, cogging, rectified_sine),
+         hunting_machine, chopped_supply, relaxation_oscillation, beating_machines, cogging,
+         rectified_sine),
     ),
 )  # fmt: skip

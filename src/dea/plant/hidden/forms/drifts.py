@@ -108,6 +108,33 @@ def _wandering(conditions: Conditions, rng: Generator) -> Course:
     return lambda t: np.interp(t, times, path)
 
 
+def _discharge(conditions: Conditions, rng: Generator) -> Course:
+    """Change exponentially at first, then hardly, and as a hyperbola before the end, to 1."""
+    whole = rng.uniform(1.05, 1.3) * conditions.duration
+    time, share = rng.uniform(0.03, 0.1) * conditions.duration, rng.uniform(0.2, 0.5)
+    at_end = conditions.duration / (whole - conditions.duration)
+
+    def course(t: Array) -> Array:
+        value: Array = share * -np.expm1(-t / time) + (1.0 - share) * t / (whole - t) / at_end
+        return value
+
+    return course
+
+
+def _through_a_wall(conditions: Conditions, rng: Generator) -> Course:
+    """Rise as heat does that arrives through a wall, late and with the root of time, to 1."""
+    from scipy.special import erfc
+
+    late = rng.uniform(0.1, 0.6) * conditions.duration
+
+    def course(t: Array) -> Array:
+        arrived = erfc(np.sqrt(late / np.maximum(t, 1e-9 * conditions.duration)))
+        value: Array = arrived / erfc(np.sqrt(late / conditions.duration))
+        return value
+
+    return course
+
+
 def _tide(conditions: Conditions, rng: Generator) -> Course:
     """Swing as a day does: a sine with a period of 1.2 to 3 durations."""
     period = rng.uniform(1.2, 3.0) * conditions.duration
@@ -161,6 +188,12 @@ def wearing_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
 def crystallising_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The gain changes slowly, then faster, and ends."""
     return _gain(size, conditions, rng, _spreading(conditions, rng))
+
+
+@tuning("Shepherd, J. Electrochem. Soc. 112 (1965) 657: a battery that is discharged")
+def discharging_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The gain changes at the beginning and, faster and faster, at the end."""
+    return _gain(size, conditions, rng, _discharge(conditions, rng))
 
 
 @reporting("Struik, Physical Aging in Amorphous Polymers (1978): ageing with the logarithm of time")
@@ -217,6 +250,12 @@ def consolidating_bed(size: float, conditions: Conditions, rng: Generator) -> Bu
     return _added(size, conditions, rng, _consolidation(conditions, rng))
 
 
+@tuning("Carslaw and Jaeger, Conduction of Heat in Solids (1959): heat through a thick wall")
+def heated_wall(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading moves late, and then ever more slowly."""
+    return _added(size, conditions, rng, _through_a_wall(conditions, rng))
+
+
 @reporting("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
 def wandering_baseline(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The reading's baseline wanders smoothly."""
@@ -242,11 +281,11 @@ EFFECTS = (
     EffectKind(
         "gain_drift", Port.TIME, 0.002, 1.0, "1",
         (ageing_gain, diffusing_gain, linear_gain, autocatalytic_gain, passing_gain,
-         wearing_gain, crystallising_gain, logarithmic_gain, wandering_gain),
+         wearing_gain, crystallising_gain, discharging_gain, logarithmic_gain, wandering_gain),
     ),
     EffectKind(
         "baseline_drift", Port.TIME, 0.005, 2.0, "travels",
         (warming_mount, swelling_mount, steady_zero, creeping_mount, differential_expansion,
-         consolidating_bed, wandering_baseline, daily_swing, settling_load),
+         consolidating_bed, heated_wall, wandering_baseline, daily_swing, settling_load),
     ),
 )  # fmt: skip

@@ -127,6 +127,15 @@ def dropped_load(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(law, {"time": moment})
 
 
+@tuning("Zhang and Jiang, Annu. Rev. Control 32 (2008) 229: an actuator that loses effectiveness")
+def lost_effectiveness(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The command's distance from its lowest or its highest becomes 1 - ``size`` of what it was."""
+    moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
+    stuck = rng.choice([conditions.low, conditions.high])
+    law = SignalLaw(_rescaled, [-min(size, 0.9), moment, width, stuck])
+    return Built(law, {"time": moment})
+
+
 @reporting("Isermann, Fault-Diagnosis Systems (2006): a fault whose consequence settles")
 def settling_gain(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The gain leaves its value at once and settles exponentially at another."""
@@ -149,6 +158,6 @@ EFFECTS = (
     EffectKind(
         "step_fault", Port.TIME, 0.002, 1.0, "1",
         (abrupt_gain, cracked_spring, biased_sensor, biased_command, clearing_electrode,
-         rescaled_sensor, dropped_load, settling_gain, slipped_mount),
+         rescaled_sensor, dropped_load, lost_effectiveness, settling_gain, slipped_mount),
     ),
 )  # fmt: skip

@@ -58,6 +58,13 @@ def pressed_cone(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _stopped(forces.CONE, size, conditions, stiffness)
 
 
+@tuning("Walton and Braun, J. Rheol. 30 (1986) 949: a contact that is pressed in for good")
+def dented_stop(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A stop of 5 to 20 device stiffnesses, left along a line 1.3 to 3 times as steep."""
+    stiffness = rng.uniform(5.0, 20.0) * conditions.stiffness
+    return _stopped(forces.DENTED, size, conditions, stiffness, rng.uniform(1.3, 3.0))
+
+
 @reporting("Lindley, Engineering Design with Natural Rubber (1974): a bumper")
 def rubber_bumper(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A soft bumper that stiffens exponentially within a few hundredths of the travel."""
@@ -77,7 +84,7 @@ def air_cushion(size: float, conditions: Conditions, rng: Generator) -> Built:
 EFFECTS = (
     EffectKind(
         "end_stop", Port.FORCE, 0.02, 0.7, "travels",
-        (hertz_contact, sprung_contact, stepped_pad, disc_springs, pressed_cone, rubber_bumper,
-         air_cushion),
+        (hertz_contact, sprung_contact, stepped_pad, disc_springs, pressed_cone, dented_stop,
+         rubber_bumper, air_cushion),
     ),
 )  # fmt: skip
