@@ -7,34 +7,23 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from law_values import DT, SCALES, values
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
 from scipy.linalg import expm
 from scipy.signal import cont2discrete, lfilter, lfilter_zi, lti
 
-from dea.simulation import Port, Scales, catalogue
+from dea.simulation import Port, catalogue
 from dea.simulation.effects._laws import DRIFT_MODES, drift_modes, low_pass
 from dea.simulation.effects.sensor_nonlinearity import MODES, curve_modes
 from dea.simulation.effects.strain_stiffening import MODES as STIFFNESS_MODES
 from dea.simulation.effects.strain_stiffening import curve_modes as stiffness_modes
 from dea.simulation.signatures import MEMORY, SLOTS, no_force, no_update
 
-DT = 0.02
-SCALES = Scales(
-    u_unit="V", y_unit="mm", u_low=1.1, u_high=3.75, u_rate=4.0, y_low=0.4, y_high=1.2,
-    z_low=0.4, z_high=1.0, interval=DT, duration=40.0, frequencies=(1.3,),
-    foreign_frequencies=(1.3,), jumps=(11.0,),
-)  # fmt: skip
 T = np.arange(2000) * DT
 U = 2.4 + np.sin(2 * np.pi * 0.31 * T) * np.cos(2 * np.pi * 0.05 * T)
 Y = 0.8 + 0.4 * np.sin(2 * np.pi * 0.23 * T)
 Z = 0.7 + 0.3 * np.sin(2 * np.pi * 0.4 * T) * np.cos(2 * np.pi * 0.03 * T)
-
-
-def values(name, **changed):
-    parameters = catalogue()[name].parameters(SCALES)
-    assert set(changed) <= {p.name for p in parameters}
-    return np.array([float(changed.get(p.name, p.nominal)) for p in parameters])
 
 
 def forces(name, q, z=Z, h=DT):
@@ -675,7 +664,7 @@ def test_second_mode_resonates_at_its_frequency():
 @pytest.mark.parametrize("grounded", [0.0, 0.6])
 def test_second_mode_follows_the_equations_of_two_masses(grounded):
     own = {"coupling": 0.7, "frequency": 1.2, "damping_ratio": 0.1, "hardening": 2.0}
-    q = values("second_mode", start_position=0.5, grounded_damping=grounded, **own)
+    q = values("second_mode", start_position=0.5, grounded_damping=grounded, asymmetry=0.5, **own)
     omega, loss = 2 * np.pi * 1.2, 2 * 0.1 / (2 * np.pi * 1.2)
 
     def place(t):
@@ -687,7 +676,8 @@ def test_second_mode_follows_the_equations_of_two_masses(grounded):
     def pull(t, state):
         stretch = place(t) - state[0]
         slide = (1 - grounded) * loss * (speed(t) - state[1])
-        return stretch * (1 + 2.0 * stretch**2) + slide
+        side = np.exp(np.where(stretch > 0.0, 0.5, -0.5))
+        return side * stretch * (1 + 2.0 * stretch**2) + slide
 
     h = 2e-3
     t = np.arange(5000) * h

@@ -497,7 +497,7 @@ def test_a_second_mass_moves_as_its_equations_wherever_the_states_stand(order):
     extended = extended.attach(catalogue()["second_mode"], scales)
     unit = extended.normalisations[0]
     coupling, own_omega, damping = 0.6, 2 * pi * 1.3, 0.1
-    law = [coupling, 1.3, damping, 0.0, 0.0, 0.0]
+    law = [coupling, 1.3, damping, 0.0, 0.0, 0.0, 0.0]
 
     def slope(_, x, v):
         z, w = (x[0] - unit.rest) / unit.scale, x[1] / unit.scale

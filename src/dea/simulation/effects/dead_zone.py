@@ -11,12 +11,22 @@ from dea.simulation.scales import Scales
 
 @njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
-    """Pass a power of the excess over the threshold (gate 0), or the whole input there (gate 1)."""
+    """Pass a power of the excess over the threshold (gate 0), or the whole input there (gate 1).
+
+    Once it is overcome, the threshold falls by the part ``drop``, until the input is below it.
+    """
     threshold, width, gate, ratio, slope = q[0], q[1], q[2], q[3], q[4]
-    exponent, bend, jump, peak = q[5], q[6], q[7], q[8]
+    exponent, bend, jump, peak, drop = q[5], q[6], q[7], q[8], q[9]
     result = np.empty(u.size)
+    overcome = 0.0
     for k in range(u.size):
         limit = threshold if u[k] >= 0 else threshold * ratio
+        if abs(u[k]) > limit:
+            overcome = np.sign(u[k])
+        elif abs(u[k]) <= (1.0 - drop) * limit or u[k] * overcome <= 0.0:
+            overcome = 0.0
+        if overcome != 0.0:
+            limit *= 1.0 - drop
         beyond = abs(u[k]) - limit
         excess = knee(beyond, width) / peak
         rest = slope * peak * excess**exponent * (1.0 + bend * excess)
@@ -26,7 +36,10 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the threshold, its corner and gate, and the course of what passes beyond it."""
+    """Return the threshold, its corner and gate, and the course of what passes beyond it.
+
+    And the part of the threshold that is gone once it is overcome.
+    """
     unit, peak = scales.u_unit, scales.u_peak
     return (
         Parameter("threshold", unit, 0.5 * peak, 0.3 * peak, 0.0, peak),
@@ -39,20 +52,22 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("bend", "1", 0.0, 0.3, -0.28, 5.0, shape=True),
         Parameter("jump_width", unit, 0.01 * peak, 0.0),
         Parameter("range", unit, peak, 0.0),
+        Parameter("drop", "1", 0.0, 0.2, 0.0, 0.7, shape=True),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return thresholds through the range of the input, with both kinds of gate."""
+    """Return thresholds through the range of the input, with both kinds of gate, or a drop."""
     low, high, peak = max(scales.u_low, 0.0), scales.u_high, scales.u_peak
 
-    def zone(part: float, gate: float) -> tuple[float, ...]:
-        # The largest input passes unchanged, as in the fitted simulation.
-        slope = high / ((1.0 - part) * (high - low))
+    def zone(part: float, gate: float = 0.0, drop: float = 0.0) -> tuple[float, ...]:
         threshold = low + part * (high - low)
-        return (threshold, 0.04 * peak, gate, 1.0, slope, 1.0, 0.0, 0.01 * peak, peak)
+        # The largest input passes unchanged, as in the fitted simulation.
+        slope = high / (high - (1.0 - drop) * threshold)
+        return (threshold, 0.04 * peak, gate, 1.0, slope, 1.0, 0.0, 0.01 * peak, peak, drop)
 
-    return (*(zone(part, 0.0) for part in (0.05, 0.15, 0.25, 0.37, 0.5)), zone(0.3, 1.0))
+    zones = (zone(part) for part in (0.05, 0.15, 0.25, 0.37, 0.5))
+    return (*zones, zone(0.3, gate=1.0), *(zone(part, drop=0.3) for part in (0.25, 0.5)))
 
 
 EFFECT = Effect(
@@ -61,7 +76,8 @@ EFFECT = Effect(
     family=Family.THRESHOLD,
     symptom="below a threshold of the input the simulation moves and the device does not",
     citation="Tao and Kokotovic (1996), Adaptive Control of Systems with Actuator and Sensor "
-    "Nonlinearities, chapter 2; beyond a yield as a power: Herschel and Bulkley (1926)",
+    "Nonlinearities, chapter 2; beyond a yield as a power: Herschel and Bulkley (1926); "
+    "with a drop: Pearson and Anson (1922), Proceedings of the Physical Society 34:204",
     parameters=parameters,
     starts=starts,
     shape_input=law,

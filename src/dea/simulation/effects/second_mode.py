@@ -1,22 +1,30 @@
 """A second mass is coupled to the first by a spring and a dashpot."""
 
 import numpy as np
-from numba import njit
+from numba import float64, njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
-from dea.simulation.signatures import FORCE, MEMORY, UPDATE
+from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
 
 _TWO_PI = 6.283185307179586
+
+
+@njit(float64(float64, VECTOR), cache=True, error_model="numpy")
+def _spring(stretch: float, q: np.ndarray) -> float:
+    """Return the factor on the spring's stiffness: it hardens, and differs between its sides."""
+    side = q[6] if stretch > 0.0 else -q[6]
+    return float(np.exp(side) * (1.0 + q[4] * stretch * stretch))
 
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
     """Hardening spring and dashpot to the second mass: ``memory`` is its place and velocity."""
     stretch = z - memory[0]
+    spring = _spring(stretch, q)
     loss = 2.0 * q[2] * (1.0 - q[5]) / (_TWO_PI * q[1])
-    return float(-q[0] * (stretch * (1.0 + q[4] * stretch * stretch) + loss * (w - memory[1])))
+    return float(-q[0] * (stretch * spring + loss * (w - memory[1])))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
@@ -29,7 +37,7 @@ def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray)
     a, v = memory[0], memory[1]
     half = 0.5 * h
     # The stiffness at the present stretch: only the linear part is implicit.
-    square = omega * omega * (1.0 + q[4] * (z - a) ** 2)
+    square = omega * omega * _spring(z - a, q)
     pull = square * (z_next - a - half * v) + damping * ((1.0 - q[5]) * (z_next - z) / h - v)
     v_next = v + h * pull / (1.0 + half * damping + half * half * square)
     memory[0] = a + half * (v + v_next)
@@ -46,7 +54,7 @@ def memory(q: np.ndarray) -> np.ndarray:
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return coupling, frequency, damping and start of the second mass, and the hardening.
 
-    And the part of the damping that is to the ground.
+    And the part of the damping that is to the ground, and how the spring's sides differ.
     """
     nyquist, middle = 0.5 / scales.interval, 0.5 * (scales.z_low + scales.z_high)
     span = scales.z_span
@@ -57,6 +65,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("start_position", "1", middle, span, at_start=True),
         Parameter("hardening", "1", 0.0, 0.3 / span**2, 0.0, 10.0 / span**2, shape=True),
         Parameter("grounded_damping", "1", 0.0, 0.3, 0.0, 1.0, shape=True),
+        Parameter("asymmetry", "1", 0.0, 0.3, -1.5, 1.5, shape=True),
     )
 
 
@@ -68,7 +77,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     nyquist, middle = 0.5 / scales.interval, 0.5 * (scales.z_low + scales.z_high)
     grid = [part * nyquist for part in (0.02, 0.05, 0.1, 0.3)]
     lines = [line for line in scales.frequencies if 1e-3 * nyquist < line < nyquist]
-    return tuple((0.05, frequency, 0.15, middle, 0.0, 0.0) for frequency in (*lines, *grid))
+    return tuple((0.05, frequency, 0.15, middle, 0.0, 0.0, 0.0) for frequency in (*lines, *grid))
 
 
 EFFECT = Effect(
@@ -76,7 +85,8 @@ EFFECT = Effect(
     port=Port.FORCE,
     family=Family.OSCILLATION,
     symptom="after a jump, or at one frequency, the device rings where the simulation does not",
-    citation="Den Hartog (1956), Mechanical Vibrations, chapter 3, on the dynamic absorber",
+    citation="Den Hartog (1956), Mechanical Vibrations, chapter 3, on the dynamic absorber; "
+    "Chu and Shen (1992), AIAA Journal 30:2512, on a spring with unlike sides",
     parameters=parameters,
     starts=starts,
     force=force,
