@@ -59,7 +59,7 @@ def test_the_gain_needed_removes_the_margin_of_the_error():
     ],
 )
 def test_room_for_a_further_effect(error, nominal, room):
-    rules = Rules(clean=1.15, grow=1.25, misfit=0.25)
+    rules = Rules(clean=1.15, grow=1.25, misfit=0.25, room=0.06)
     assert rules.leaves_room(2.0 * error, 2.0 * nominal, 2.0) is room
 
 

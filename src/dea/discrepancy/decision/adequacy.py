@@ -1,7 +1,7 @@
 """How much of the gap a candidate removes, and whether it leaves room for another effect."""
 
 from dea.discrepancy.decision.decision import Reason
-from dea.discrepancy.evidence.colour import is_coloured_noise
+from dea.discrepancy.evidence.colour import PREDICTED, is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
@@ -48,7 +48,9 @@ def beside_noise(evidence: Evidence, part: Candidate) -> bool:
     """Return whether a candidate explains most of the gap, and leaves what looks like noise."""
     if share_of(evidence, part).low < evidence.rules.part:
         return False
-    return is_coloured_noise(evidence.problem, part.fit.residual, evidence.blocks)
+    # Several laws leave little of what they do not explain to be seen.
+    most = PREDICTED / len(part.names)
+    return is_coloured_noise(evidence.problem, part.fit.residual, evidence.blocks, most)
 
 
 def borne_out(evidence: Evidence, candidate: Candidate) -> bool:

@@ -11,7 +11,7 @@ from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
 
 # A flexible model of the residual that predicts more than this part of it has found a cause.
-_PREDICTED = 0.2
+PREDICTED = 0.2
 # Excess kurtosis of the innovations, and spread of the logarithms of their levels block by block,
 # above which they do not come from one stationary source.
 _KURTOSIS, _UNEVEN = 1.0, 0.35
@@ -19,11 +19,14 @@ _KURTOSIS, _UNEVEN = 1.0, 0.35
 _LAGS, _LONGEST, _RIDGE = 24, 20, 1e-4
 
 
-def is_coloured_noise(problem: Problem, residual: np.ndarray, blocks: Sequence[slice]) -> bool:
+def is_coloured_noise(
+    problem: Problem, residual: np.ndarray, blocks: Sequence[slice], most: float = PREDICTED
+) -> bool:
     """Return whether a residual (n,) is stationary, Gaussian and follows from nothing known.
 
     An autoregression whitens it; what that leaves must be as large in every one of the
-    ``blocks`` and without outliers, and nothing of it may be predicted from input and motion.
+    ``blocks`` and without outliers, and at ``most`` this part of the residual may be predicted from
+    input and motion.
     """
     parts = long_parts(residual, blocks)
     if len(parts) < 2:  # nothing says whether it is as large everywhere
@@ -34,7 +37,7 @@ def is_coloured_noise(problem: Problem, residual: np.ndarray, blocks: Sequence[s
     kurtosis = float(np.mean((left - left.mean()) ** 4) / np.var(left) ** 2 - 3.0)
     levels = np.log([part.std() for part in parts])
     even = float(np.std(levels)) <= _UNEVEN
-    return even and kurtosis <= _KURTOSIS and predictable(problem, residual) <= _PREDICTED
+    return even and kurtosis <= _KURTOSIS and predictable(problem, residual) <= most
 
 
 def predictable(problem: Problem, residual: np.ndarray) -> float:
