@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dea.discrepancy import NamedEffect, Reason, Settings, Verdict, read_verdict
+from dea.discrepancy import NamedEffect, Reason, Rules, Settings, Verdict, read_verdict
 from dea.resolution import (
     ANOTHER,
     Design,
@@ -18,7 +18,7 @@ from dea.resolution import (
     resolution_dataset,
 )
 from dea.resolution.posterior import Posterior
-from dea.resolution.weighing import _offered, _parts
+from dea.resolution.weighing import _explanations, _offered, _parts
 from dea.stages.resolve import said
 
 DRIFTING = "a+baseline_drift"
@@ -130,3 +130,32 @@ def test_new_explanations_share_a_half_however_unlikely_all_of_them_are(size):
 def test_where_nothing_new_was_found_the_probabilities_stay():
     posterior = Posterior.of({"none": 0.5, ANOTHER: 0.5})
     assert posterior.with_new(_parts({"c": 0.0}), ANOTHER) == posterior
+
+
+@pytest.mark.parametrize(
+    ("creep", "drift", "kept"),
+    [
+        (1.1, 2.2, {"none", "creep", "drift", "hum"}),
+        (4.0, 2.2, {"none", "creep", "drift", "hum"}),
+        (4.0, 3.6, {"none", "creep", "drift", "hum", "fault"}),
+    ],
+)
+def test_what_leaves_more_than_a_right_explanation_is_no_hypothesis(
+    creep, drift, kept, monkeypatch
+):
+    """The gap is 9.95 floors; the verdict speaks of creep, which may leave too much itself."""
+
+    def left(name, rmse):
+        return SimpleNamespace(labels=(name,), rmse=rmse, finished=True, fit=name)
+
+    # Where none is right, all are kept.
+    hum, fault = left("hum", 2.6 if drift < 3.0 else 3.3), left("fault", 3.5)
+    found = SimpleNamespace(
+        nominal=SimpleNamespace(residual=10.0), floor=1.0, rules=Rules(misfit=0.25),
+        problem=SimpleNamespace(seen_rmse=abs),
+        decision=SimpleNamespace(chosen=left("creep", creep), rivals=()),
+        presence=SimpleNamespace(candidates=(left("drift", drift), fault)),
+        singles=SimpleNamespace(candidates=(hum, fault)),
+    )  # fmt: skip
+    monkeypatch.setattr("dea.resolution.weighing.explained", lambda fitted, error: fitted)
+    assert set(_explanations(found, None)) == kept

@@ -162,16 +162,16 @@ def _offered(
 def _explanations(found: Diagnosis, error: Error) -> dict[str, Explanation]:
     """Return the simulation alone and every candidate that may be right, by their names.
 
-    These are the candidates that were weighed, those that the verdict speaks of, and every single
-    effect that was fitted to the end.
+    These are those that the verdict speaks of, the candidates that were weighed, and every single
+    effect that was fitted to the end. Where one leaves no more than a right one may, those that
+    leave more are not right: a course of its own in every record would still predict the next one.
     """
     decision = found.decision
-    candidates = [
-        *found.presence.candidates,
-        *([decision.chosen] if decision.chosen else []),
-        *decision.rivals,
-        *(c for c in found.singles.candidates if c.finished),
-    ]
+    spoken = [*([decision.chosen] if decision.chosen else []), *decision.rivals]
+    others = [*found.presence.candidates, *(c for c in found.singles.candidates if c.finished)]
+    most = found.rules.misfit * _unexplained(found)
+    right = [c for c in (*spoken, *others) if misfit(c.rmse, found.floor) <= most]
+    candidates = [*spoken, *right] if right else [*spoken, *others]
     explanations = {NONE: explained(found.nominal, error)}
     for candidate in candidates:
         if _name(candidate) not in explanations:
@@ -197,12 +197,17 @@ def _law_error(found: Diagnosis) -> LawError:
     """
     simulated = found.problem.y - found.nominal.residual
     motion = Motion.of(*(simulated[samples] for samples in found.nominal.records))
-    unexplained = misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
+    unexplained = _unexplained(found)
     left = min(found.error.left, found.rules.misfit * unexplained)
     fastest = max(motion.size / motion.pace, 1.0) if motion.pace else 1.0
     slowest = max(found.error.memory, memory_of(found.nominal.residual), fastest)
     seen = Error(found.error.white, left, slowest, fastest)
     return LawError(seen, motion, found.rules.law_error, unexplained, found.rules.misfit)
+
+
+def _unexplained(found: Diagnosis) -> float:
+    """Return the misfit of the simulation alone."""
+    return misfit(found.problem.seen_rmse(found.nominal.residual), found.floor)
 
 
 def _errors_on(known: Knowledge, samples: Samples) -> Errors:
