@@ -18,7 +18,7 @@ from dea.resolution import (
     resolution_dataset,
 )
 from dea.resolution.posterior import Posterior
-from dea.resolution.weighing import _explanations, _offered, _parts
+from dea.resolution.weighing import _explanations, _offered, _parts, learnt
 from dea.stages.resolve import said
 
 DRIFTING = "a+baseline_drift"
@@ -159,3 +159,27 @@ def test_what_leaves_more_than_a_right_explanation_is_no_hypothesis(
     )  # fmt: skip
     monkeypatch.setattr("dea.resolution.weighing.explained", lambda fitted, error: fitted)
     assert set(_explanations(found, None)) == kept
+
+
+def test_what_a_later_diagnosis_drops_is_no_new_hypothesis(monkeypatch):
+    """It has a weight, and no explanation that could predict the next record."""
+    known = knowledge({"none": 0.1, "a": 0.4, ANOTHER: 0.5})
+    spread = SimpleNamespace(informed="told", log_density=0.0)
+    fitted = {"none": "fitted", "a": "fitted", "new": "fitted"}
+    stubs = {
+        "signals_of": lambda record, simulation: SimpleNamespace(u=np.zeros(10), interval=0.1),
+        "_errors_on": lambda known, samples: (None, ()),
+        "predicted": lambda explanation, samples, error: spread,
+        "_not_offered": lambda *arguments: 0.0,
+        "_offered": lambda *arguments: (),
+        "diagnose": lambda records, simulation, **options: known.diagnosis,
+        "_law_error": lambda found: SimpleNamespace(seen=None),
+        "_explanations": lambda found, error: fitted,
+        "_shares": lambda found: {"a": 0.9, "new": 0.05, "dropped": 0.05},
+    }
+    for name, stub in stubs.items():
+        monkeypatch.setattr(f"dea.resolution.weighing.{name}", stub)
+    after, _ = learnt(known, None, None, Settings(), Options(), 1)
+    assert set(after.posterior.now) - {ANOTHER} == set(after.explanations)
+    assert "new" in after.explanations
+    assert "dropped" not in after.posterior.now

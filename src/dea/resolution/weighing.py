@@ -98,7 +98,7 @@ def learnt(
     now = _law_error(found)
     fitted = _explanations(found, now.seen)
     shares = _shares(found)
-    new = {name: share for name, share in shares.items() if name not in posterior.now}
+    new = {name: shares.get(name, 0.0) for name in fitted if name not in posterior.now}
     posterior = posterior.with_new(_parts(new), ANOTHER)
     explanations = {name: each.informed for name, each in told.items()} | {
         name: each for name, each in fitted.items() if name in posterior.now
@@ -164,7 +164,7 @@ def _explanations(found: Diagnosis, error: Error) -> dict[str, Explanation]:
 
     These are those that the verdict speaks of, the candidates that were weighed, and every single
     effect that was fitted to the end. Where one leaves no more than a right one may, those that
-    leave more are not right: a course of its own in every record would still predict the next one.
+    leave more are dropped: a drift with a course of its own in every record explains a short one.
     """
     decision = found.decision
     spoken = [*([decision.chosen] if decision.chosen else []), *decision.rivals]
