@@ -41,20 +41,32 @@ def limited(x: float, limit: float, sharpness: float) -> float:
 
 
 @njit(inline="always")
-def held_charge(
+def remaining(
     v: float, target: float, tau: float, falling: float, growth: float, interval: float
 ) -> tuple[float, float]:
-    """Return the mean and the end of a first-order lag that follows a held value for an interval.
+    """Return which part of the distance v - target a first-order lag has left over an interval.
 
-    Its time constant is ``tau`` while it rises and ``falling`` times that while it falls, exactly;
-    where it begins at v it is longer by a factor of exp(``growth`` v²).
+    On average, and at its end. Its time constant is ``tau`` while it rises and ``falling`` times
+    that while it falls, exactly; where it begins at v it is longer by a factor of
+    exp(``growth`` v²).
     """
     ratio = interval / (tau * falling if target < v else tau)
     if growth != 0.0:
         ratio *= np.exp(-growth * v * v)
     decay = np.exp(-ratio)
-    weight = (1.0 - decay) / ratio if ratio > 1e-9 else 1.0
-    return target + (v - target) * weight, target + (v - target) * decay
+    return (1.0 - decay) / ratio if ratio > 1e-9 else 1.0, decay
+
+
+@njit(inline="always")
+def held_charge(
+    v: float, target: float, tau: float, falling: float, growth: float, interval: float
+) -> tuple[float, float]:
+    """Return the mean and the end of a first-order lag that follows a held value for an interval.
+
+    The time constants are those of :func:`remaining`.
+    """
+    mean, end = remaining(v, target, tau, falling, growth, interval)
+    return target + (v - target) * mean, target + (v - target) * end
 
 
 @njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")

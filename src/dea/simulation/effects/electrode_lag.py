@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import held_charge
+from dea.simulation.effects._laws import held_charge, remaining
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
@@ -25,12 +25,16 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     slow, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
     ringing = q[7]
     result = np.empty(u.size)
-    near, far, before = u[0], u[0] + start, u[0] + start
+    near, far = u[0], u[0] + start
     for k in range(u.size):
-        # The far charge in the middle of the interval goes on as it went before.
-        back = far + 0.5 * (far - before)
-        target = (1.0 + ringing) * u[k] - ringing * back
-        before = far
+        target = u[k]
+        if ringing > 0.0:
+            # The mean far charge of this interval is linear in the target that it sets.
+            own, _ = remaining(near, target, slow * ratio, falling, growth, interval)
+            other, _ = remaining(far, near, slow, falling, growth, interval)
+            back = near * own * (1.0 - other) + far * other
+            passed = (1.0 - own) * (1.0 - other)
+            target = ((1.0 + ringing) * u[k] - ringing * back) / (1.0 + ringing * passed)
         near_mean, near = held_charge(near, target, slow * ratio, falling, growth, interval)
         far_mean, far = held_charge(far, near_mean, slow, falling, growth, interval)
         result[k] = (1.0 - part) * far_mean + part * near_mean
