@@ -49,6 +49,13 @@ def test_a_threshold_may_fall_once_it_is_overcome():
     np.testing.assert_allclose(found, expected, atol=1e-7)
 
 
+def test_a_held_threshold_with_a_soft_corner_is_left_without_a_jump():
+    q = values("dead_zone", threshold=2.0, corner_width=0.8, slope=1.0, drop=0.4)
+    falling = np.linspace(3.0, 0.0, 3001)
+    found = catalogue()["dead_zone"].shape_input(falling, q, DT)
+    assert np.abs(np.diff(found)).max() < 2e-3
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_limit_may_be_left_late(sign):
     """Against small steps of the charge, over intervals of a held input."""
@@ -73,6 +80,36 @@ def test_a_limit_may_be_left_late(sign):
     )
     assert np.abs(np.abs(found) - plain).max() > 1.0
     np.testing.assert_allclose(soon, plain, atol=1e-3)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.5, 0.0])
+def test_a_limit_that_is_left_late_limits_either_sign(ratio):
+    """Against small steps, each of which is limited on the side of its charge or of its input."""
+    limit, time, fine = 3.0, 0.1, 400
+    u = np.repeat(np.random.default_rng(5).uniform(-4.5, 4.5, 60), 8)
+    q = values(
+        "input_saturation", limit=limit, sharpness=200.0, recovery=time, negative_ratio=ratio
+    )
+    found = catalogue()["input_saturation"].shape_input(u, q, DT)
+    charge, side, expected = 0.0, 1.0, []
+    for v in u:
+        total = 0.0
+        for _ in range(fine):
+            side = side if charge > 0.0 else 1.0 if v >= 0.0 else -1.0
+            own = limit if side > 0.0 else limit * ratio
+            charge = max(charge + DT / fine * (side * v - own - charge / time), 0.0)
+            side = side if charge > 0.0 else 1.0 if v >= 0.0 else -1.0
+            own = limit if side > 0.0 else limit * ratio
+            total += side * (own if charge > 0.0 else min(side * v, own))
+        expected.append(total / fine)
+    assert np.abs(found - expected).max() < 0.08
+    soon, plain = (
+        catalogue()["input_saturation"].shape_input(
+            u, values("input_saturation", limit=limit, negative_ratio=ratio, recovery=each), DT
+        )
+        for each in (1e-9, 0.0)
+    )
+    np.testing.assert_allclose(soon, plain, atol=1e-5)
 
 
 @pytest.mark.parametrize("damping", [1.0, 0.4])

@@ -13,7 +13,8 @@ from dea.simulation.scales import Scales
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Pass a power of the excess over the threshold (gate 0), or the whole input there (gate 1).
 
-    Once it is overcome, the threshold falls by the part ``drop``, until the input is below it.
+    Once it is overcome, the threshold falls by the part ``drop``, until the input is below what is
+    left of it.
     """
     threshold, width, gate, ratio, slope = q[0], q[1], q[2], q[3], q[4]
     exponent, bend, jump, peak, drop = q[5], q[6], q[7], q[8], q[9]
@@ -23,7 +24,7 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
         limit = threshold if u[k] >= 0 else threshold * ratio
         if abs(u[k]) > limit:
             overcome = np.sign(u[k])
-        elif abs(u[k]) <= (1.0 - drop) * limit or u[k] * overcome <= 0.0:
+        elif abs(u[k]) <= (1.0 - drop) * limit - width or u[k] * overcome <= 0.0:
             overcome = 0.0
         if overcome != 0.0:
             limit *= 1.0 - drop

@@ -9,6 +9,14 @@ from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
 
+@njit(inline="always")
+def _charged(charge: float, excess: float, recovery: float, duration: float) -> float:
+    """Return what is stored after an excess over the limit, which may be negative, has lasted."""
+    decay = np.exp(-duration / recovery)
+    left: float = max(charge * decay + recovery * (1.0 - decay) * excess, 0.0)
+    return left
+
+
 @njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Limit either sign softly, and keep a part ``slope`` of what is lost by that.
@@ -18,23 +26,23 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """
     limit, sharpness, slope, ratio, recovery = q[0], q[1], q[2], q[3], q[4]
     result = np.empty(u.size)
-    charge, sign = 0.0, 1.0
-    decay = np.exp(-interval / recovery) if recovery > 0.0 else 0.0
+    charge, side = 0.0, 1.0
     for k in range(u.size):
-        if charge <= 0.0:
-            sign = 1.0 if u[k] >= 0.0 else -1.0
-        own = limit if sign > 0.0 else limit * ratio
-        excess = sign * u[k] - own
-        inside = limited(sign * u[k], own, sharpness)
-        if recovery > 0.0:
-            left = charge * decay + recovery * (1.0 - decay) * excess
-            if charge > 0.0 and excess < 0.0:
-                # Part of the interval for which the charge lasts.
-                lasting = recovery * np.log1p(-charge / (recovery * excess))
-                part = min(lasting / interval, 1.0)
-                inside = part * limited(own, own, sharpness) + (1.0 - part) * inside
-            charge = max(left, 0.0)
-        result[k] = sign * (inside + slope * (sign * u[k] - inside))
+        inside, rest = 0.0, 1.0
+        own = limit if side > 0.0 else limit * ratio
+        excess = side * u[k] - own
+        if charge > 0.0 and excess < 0.0:
+            lasting = recovery * np.log1p(-charge / (recovery * excess))
+            held = min(lasting / interval, 1.0)
+            inside, rest = held * side * limited(own, own, sharpness), 1.0 - held
+            charge = _charged(charge, excess, recovery, interval) if rest == 0.0 else 0.0
+        if rest > 0.0:
+            side = 1.0 if u[k] >= 0.0 else -1.0
+            own = limit if side > 0.0 else limit * ratio
+            inside += rest * side * limited(side * u[k], own, sharpness)
+            if recovery > 0.0:
+                charge = _charged(charge, side * u[k] - own, recovery, rest * interval)
+        result[k] = inside + slope * (u[k] - inside)
     return result
 
 

@@ -18,7 +18,7 @@ def gain(t: np.ndarray, q: np.ndarray) -> np.ndarray:
     return result
 
 
-def offset(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
+def reading(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Shift and scale the output from the same instant."""
     result: np.ndarray = y + (q[2] + q[4] * y) * _after(t, q)
     return result
@@ -64,6 +64,6 @@ EFFECT = Effect(
     parameters=parameters,
     starts=starts,
     scale_drive=gain,
-    shape_output=offset,
+    shape_output=reading,
     transferable=False,
 )
