@@ -423,6 +423,11 @@ def test_an_effect_that_acts_rarely_is_sure_where_it_leaves_noise_alone(
     weighed = Presence((rare, other), np.array([presence, 1.0 - presence]))
     sure = sure_alone(evidence, [Round(evidence.nominal, (rare, other))], weighed)
     assert sure == [rare][:found]
+    worse = SimpleNamespace(
+        residual=lambda fitted: (5.0 if fitted is rare.fit else 1.0) * fitted.residual
+    )
+    evidence = replace(evidence, held_out=worse)
+    assert not sure_alone(evidence, [Round(evidence.nominal, (rare, other))], weighed)
 
 
 @pytest.mark.parametrize(("left", "chosen"), [(1.4, "pair"), (1.6, "alone")])
@@ -442,11 +447,18 @@ def test_no_more_effects_are_combined_than_the_budget_allows():
     assert {len(c.names) for each in rounds for c in each.candidates} == {1}
 
 
-@pytest.mark.parametrize(("left", "chosen"), [(1.02, "pair"), (1.6, "alone")])
-def test_a_pair_that_leaves_noise_alone_need_not_predict_every_block(left, chosen):
-    """A drift that three blocks show is extrapolated badly to each of them."""
+@pytest.mark.parametrize(
+    ("left", "second", "chosen"),
+    [
+        (1.02, "baseline_drift", "pair"),
+        (1.6, "baseline_drift", "alone"),
+        (1.02, "sensor_lag", "alone"),
+    ],
+)
+def test_a_drift_that_leaves_noise_alone_need_not_predict_every_block(left, second, chosen):
+    """A drift that three blocks show is extrapolated badly to each of them; a law is not."""
     evidence, candidate = graded()
-    alone, pair = candidate(4.0, "dead_zone"), candidate(left, "dead_zone", "baseline_drift")
+    alone, pair = candidate(4.0, "dead_zone"), candidate(left, "dead_zone", second)
     worse = {pair.fit: 5.0 * pair.fit.residual}
 
     def residual(fitted):
@@ -614,21 +626,28 @@ def test_what_a_further_effect_surely_explains_is_not_called_noise():
         assert (found.status, found.reason) == ("named", reason)
 
 
-@pytest.mark.parametrize(("bent", "whole"), [(0.0, True), (1.5, False)])
-def test_a_pair_may_leave_coloured_noise_and_nothing_else(bent, whole):
-    """Both effects are certain: they are a part where what is left follows the input besides."""
+@pytest.mark.parametrize(
+    ("bent", "weight", "reason"),
+    [
+        (0.0, 1.0, Reason.COLOURED), (0.0, 0.85, Reason.UNEXPLAINED), (1.2, 1.0, Reason.REMAINS),
+        (2.0, 1.0, Reason.REMAINS),
+    ],
+)  # fmt: skip
+def test_a_pair_may_leave_coloured_noise_and_nothing_else(bent, weight, reason):
+    """What is left may follow the input by a tenth; of certain effects, a part is named even so."""
     evidence, candidate = graded()
     evidence = replace(evidence, rules=Rules())
     noise = lfilter([1.0], [1.0, -0.9], np.random.default_rng(9).standard_normal(1500))
     left = 1.5 * noise / noise.std() + bent * evidence.problem.u / evidence.problem.u.std()
-
     pair = candidate(1.5, "sensor_lag", "second_mode")
     pair = replace(pair, fit=replace(pair.fit, residual=NOISE * left))
     alone = [candidate(size, name) for size, name in ((6.0, "sensor_lag"), (7.0, "second_mode"))]
-    weighed = Presence((pair, *alone), np.array([1.0, 0.0, 0.0]))
-    found = decide(evidence, pair, [pair, *alone], alone, evidence.nominal.residual, weighed)
-    assert (found.status, found.answer, found.whole) == ("named", pair, whole)
-    assert found.reason == (Reason.COLOURED if whole else Reason.REMAINS)
+    other = candidate(4.0, "sensor_lag", "dead_zone")
+    weighed = Presence((pair, other), np.array([weight, 1.0 - weight]))
+    pool = [pair, other, *alone, candidate(8.0, "dead_zone")]
+    found = decide(evidence, pair, pool, alone, evidence.nominal.residual, weighed)
+    assert found.reason == reason
+    assert found.answer is (None if reason is Reason.UNEXPLAINED else pair)
 
 
 def beside_noise(

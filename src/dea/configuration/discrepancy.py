@@ -113,7 +113,8 @@ class Rules(Section):
     certain: Share = key("presence from which an effect is certain", default=0.9)
     part: Share = key(
         "part of the held-out misfit that certain effects must remove to be named where something"
-        " else remains, and of what the others leave that each of several effects must remove",
+        " else remains, and a law that the evidence alone names; and of what the others leave that"
+        " each of several effects must remove",
         default=0.5,
     )
     ahead: Share = key(

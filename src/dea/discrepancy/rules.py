@@ -49,7 +49,8 @@ class Rules:
         Presence from which an effect, or a family of effects, is certain.
     part
         Part of the held-out misfit that certain effects must remove to be named where something
-        else remains, at the lower end of its interval; and part of what the others leave that each
+        else remains, at the lower end of its interval, and a law that the evidence alone names by
+        its value; and part of what the others leave that each
         of several effects must remove to be named with them.
     ahead
         Such effects must leave less misfit than any explanation without their family by this part.
@@ -103,6 +104,10 @@ class Rules:
         if left <= self.room * whole:
             return False
         return error > self.grow * floor or left > self.misfit * whole
+
+    def nearly(self, error: float, best: float) -> bool:
+        """Return whether an error is the ``best`` one, or nearly so."""
+        return error <= self.rival_margin * best
 
     def as_good(self, error: float, best: float, floor: float) -> bool:
         """Return whether the misfit of an error is that of the ``best`` one, or nearly so."""

@@ -1,6 +1,7 @@
 """How much of the gap a candidate removes, and whether it leaves room for another effect."""
 
 from dea.discrepancy.decision.decision import Reason
+from dea.discrepancy.evidence.certificate import transferable
 from dea.discrepancy.evidence.colour import PREDICTED, is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, share_removed
@@ -17,7 +18,7 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     further = rules.leaves_room(chosen.rmse, evidence.nominal_error, floor)
     if further and weighed.wider_than(chosen) >= rules.certain:
         return False
-    # Several laws together fit almost any residual, so that they must leave noise alone.
+    # Several laws together fit almost any residual: what they leave must be noise.
     if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
         certain = weighed.least_of(chosen) >= rules.certain
         return certain and leaves_coloured_noise(evidence, chosen, weighed)
@@ -58,13 +59,9 @@ def borne_out(evidence: Evidence, candidate: Candidate) -> bool:
 
     Those of a course in time are extrapolated, and say nothing against it.
     """
-    share = share_of(evidence, candidate).value
-    return in_time(candidate) or share >= evidence.rules.part
-
-
-def in_time(candidate: Candidate) -> bool:
-    """Return whether a candidate holds a course in time, which other samples do not follow."""
-    return not all(a.effect.transferable for a in candidate.fit.extended.attached)
+    if not transferable(candidate.fit.extended):
+        return True
+    return share_of(evidence, candidate).value >= evidence.rules.part
 
 
 def share_of(evidence: Evidence, part: Candidate) -> Share:

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dea.discrepancy.decision.adequacy import borne_out, in_time
+from dea.discrepancy.decision.adequacy import borne_out
 from dea.discrepancy.evidence.bootstrap import Gains, beaten
+from dea.discrepancy.evidence.certificate import transferable
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, families_of
 from dea.discrepancy.rules import Rules, misfit
@@ -62,7 +63,8 @@ def best_extension(
         # A course in time that leaves noise alone is right, though few blocks may show it, so that
         # it is extrapolated badly.
         left = evidence.problem.seen_rmse(before.residual)
-        complete = in_time(best) and rules.completes(best.rmse, left, floor)
+        in_time = not transferable(best.fit.extended)
+        complete = in_time and rules.completes(best.rmse, left, floor)
         if not complete and held_out.rmse(best.fit) >= held_out.rmse(before):
             continue
         if chosen is None:

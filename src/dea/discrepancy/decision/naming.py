@@ -114,7 +114,7 @@ def _stands_alone(
         if len(other.names) != len(surest.names) or other.effects == surest.effects:
             return False
         if len(surest.names) > 1:
-            return other.error <= rules.rival_margin * surest.error
+            return rules.nearly(other.error, surest.error)
         if not rules.as_good(other.error, surest.error, evidence.noise):
             return False
         predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))

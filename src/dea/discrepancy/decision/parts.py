@@ -46,8 +46,9 @@ def certain_part(
     def unrivalled(part: Candidate) -> bool:
         """Return whether no other set of as many effects has nearly the same error."""
         others = (c for c in finished if len(c.effects) == len(part.effects) > 1)
-        nearly = rules.rival_margin * part.error
-        return all(c.effects == part.effects or c.error > nearly for c in others)
+        return all(
+            c.effects == part.effects or not rules.nearly(c.error, part.error) for c in others
+        )
 
     def needed(part: Candidate, given: EffectSet = frozenset()) -> bool:
         further = part.effects - given

@@ -29,11 +29,12 @@ def rivals_of(
     """Return the candidates that explain the record as well: of another class, or of the same.
 
     Those with a similar error are compared with it on held-out residuals, since of two laws the
-    more flexible one fits better the blocks that it has seen. Several laws bend to the errors of
-    each other's, so that another set with nearly their error is a rival whatever it predicts.
+    more flexible one fits better the blocks that it has seen. Of several laws each
+    bends to the errors of the others, so that a set of another class with nearly their error is a
+    rival whatever it predicts.
     """
     held_out, rules = evidence.held_out, evidence.rules
-    nearly = rules.rival_margin * chosen.error if len(chosen.names) > 1 else 0.0
+    several = len(chosen.names) > 1 and not akin
     rivals = []
     known = {chosen.effects}
     for other in pool:
@@ -47,6 +48,6 @@ def rivals_of(
             residuals = held_out.residual(chosen.fit), held_out.residual(other.fit)
         _, low = beaten(*residuals, evidence.blocks, evidence.rng)
         as_good = rules.as_good(other.error, chosen.error, evidence.noise)
-        if low <= 0 or as_good or other.error <= nearly:
+        if low <= 0 or as_good or (several and rules.nearly(other.error, chosen.error)):
             rivals.append(other)
     return rivals
