@@ -687,6 +687,28 @@ def test_a_drift_as_small_as_the_white_noise_is_noise():
 
 
 @pytest.mark.parametrize(
+    ("size", "bent", "name", "none"),
+    [
+        (1.2, 0.0, "baseline_drift", True), (1.8, 0.0, "baseline_drift", False),
+        (1.4, 0.95, "baseline_drift", False), (1.2, 0.0, "gain_drift", False),
+    ],
+)  # fmt: skip
+def test_a_drift_alone_that_is_as_small_as_the_white_noise_is_noise(size, bent, name, none):
+    """Unless it is larger, the residual follows the input, or it is no drift of the reading."""
+    evidence, candidate = graded()
+    drift = candidate(1.0, name)
+    slow = lfilter([1.0], [1.0, -0.98], np.random.default_rng(8).standard_normal(1500))
+    left = drift.fit.residual + NOISE * np.sqrt(size**2 - 1.0 - bent**2) * slow / slow.std()
+    left += bent * NOISE * evidence.problem.u / evidence.problem.u.std()
+    nominal = replace(evidence.nominal, residual=left)
+    evidence = replace(evidence, rules=Rules(), nominal=nominal)
+    decided = Decision(Status.NAMED, drift)
+    found = without_small_drift(decided, evidence, [drift])
+    assert found.status is (Status.NONE if none else Status.NAMED)
+    assert (found.answer, found.reason) == ((None, Reason.COLOURED) if none else (drift, None))
+
+
+@pytest.mark.parametrize(
     "changed",
     [
         {"size": 1.7},  # it is larger than white noise

@@ -1,11 +1,13 @@
-"""A drift that is named beside other effects, and is as small as the white noise of the sensor."""
+"""A drift of the reading that is as small as the white noise of the sensor."""
 
 from collections.abc import Sequence
 
 from dea.discrepancy.decision.adequacy import beside_noise
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.rivals import rivals_of
+from dea.discrepancy.evidence.colour import is_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
 from dea.discrepancy.search.candidates import Candidate
 
@@ -16,21 +18,32 @@ def without_small_drift(
     """Leave the drift of the reading out of a whole answer, if it is coloured noise.
 
     It is no noise where it is more than that in any record, or where others explain the record
-    better without it. A drift that is named alone stays.
+    better without it. Of a drift alone nothing is left: the simulation leaves that noise.
     """
     if decision.status is not Status.NAMED or decision.chosen is None or not decision.whole:
         return decision
+    if all(a.effect.drifts_reading for a in decision.chosen.fit.extended.attached):
+        residual = evidence.nominal.residual
+        noise = _small(evidence, evidence.nominal) and is_coloured_noise(
+            evidence.problem, residual, evidence.blocks
+        )
+        return Decision(Status.NONE, None, reason=Reason.COLOURED) if noise else decision
     part = _without_drift(decision.chosen, pool)
     if part is None:
         return decision
-    residual, seen = part.fit.residual, evidence.problem.seen
-    most = evidence.rules.noise_like * evidence.floor
-    if any(rmse(residual[own], seen[own]) > most for own in part.fit.records):
+    if not _small(evidence, part.fit):
         return decision
     if not beside_noise(evidence, part):
         return decision
     akin = tuple(rivals_of(evidence, part, pool, akin=True))
     return Decision(Status.NAMED, part, akin, Reason.COLOURED)
+
+
+def _small(evidence: Evidence, fitted: Fit) -> bool:
+    """Return whether a fit leaves little more than the noise floor in every record."""
+    residual, seen = fitted.residual, evidence.problem.seen
+    most = evidence.rules.noise_like * evidence.floor
+    return all(rmse(residual[own], seen[own]) <= most for own in fitted.records)
 
 
 def _without_drift(chosen: Candidate, pool: Sequence[Candidate]) -> Candidate | None:
