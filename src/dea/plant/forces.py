@@ -24,8 +24,7 @@ from dea.plant.force_laws.contact import (
     stepped_stop,
 )
 from dea.plant.force_laws.damage import (
-    carry_crack,
-    carry_miner,
+    carry_swings,
     count_reversals,
     crack_loss,
     cycle_damage,
@@ -312,7 +311,7 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
         elif kind == AGEING:
             carry_age(c, m, v, dt)
         elif kind == CRACK:
-            carry_crack(c, m, y)
+            carry_swings(c, m, y, 0.0)
         elif kind == COLUMN:
             carry_column(c, m, y, v, dt)
         elif kind == TWINS:
@@ -326,6 +325,6 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
         elif kind == RUNNING_IN:
             m[0] += abs(v) * dt
         elif kind == MINER:
-            carry_miner(c, m, y)
+            carry_swings(c, m, y, c[3])
         elif kind == DENTED:
             m[0] = max(m[0], y - c[1])

@@ -71,12 +71,16 @@ def work_damage(c: Array, m: Array) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def carry_crack(c: Array, m: Array, y: float) -> None:
-    """Count half cycles in m[4], each as its share of the swing c[5] to the power c[6]."""
+def carry_swings(c: Array, m: Array, y: float, least: float) -> None:
+    """Count half cycles in m[4], each as its share of the swing c[5] to the power c[6].
+
+    Swings of a share up to ``least`` are not counted.
+    """
     before = m[0]
     count_reversals(c, m, y)
-    if m[0] > before:
-        m[4] += 0.5 * (2.0 * (m[0] - before)) ** c[6]
+    share = 2.0 * (m[0] - before)
+    if share > least:
+        m[4] += 0.5 * share ** c[6]
 
 
 @njit(cache=True, error_model="numpy")
@@ -93,16 +97,6 @@ def crack_loss(c: Array, m: Array) -> float:
     length += max(cycles - 1.0, 0.0) * fall / q * c[3] ** (1.0 + q)
     value: float = min(c[1] * (length - 1.0) / (c[3] - 1.0), 0.9)
     return value
-
-
-@njit(cache=True, error_model="numpy")
-def carry_miner(c: Array, m: Array, y: float) -> None:
-    """Count in m[4] as :func:`carry_crack` does, but no swing below a share c[3] of c[5]."""
-    before = m[0]
-    count_reversals(c, m, y)
-    share = 2.0 * (m[0] - before)
-    if share > c[3]:
-        m[4] += 0.5 * share ** c[6]
 
 
 @njit(cache=True, error_model="numpy")
