@@ -92,7 +92,7 @@ class Rules(Section):
     )
     predictable: Share = key("part of the error that a flexible model must leave")
     noise_like: Positive = key(
-        "residual up to which one that nothing reduces is noise, and beside effects a drift, too",
+        "residual up to which one that nothing reduces is noise, and a drift of the reading, too",
         unit="noise floors",
         default=1.5,
     )

@@ -36,7 +36,7 @@ class Rules:
         something else is missing.
     noise_like
         Residual, in noise floors, up to which a residual that no effect and no flexible model
-        reduces counts as noise, and up to which that of an effect may hold a drift of the reading.
+        reduces counts as noise, and up to which one may hold a drift of the reading that does.
     negligible
         Part of the noise floor below which the misfits of two candidates are not distinguished.
     near
@@ -50,8 +50,8 @@ class Rules:
     part
         Part of the held-out misfit that certain effects must remove to be named where something
         else remains, at the lower end of its interval, and a law that the evidence alone names by
-        its value; and part of what the others leave that each
-        of several effects must remove to be named with them.
+        its value; and part of what the others leave that each of several effects must remove to be
+        named with them.
     ahead
         Such effects must leave less misfit than any explanation without their family by this part.
     at_bound

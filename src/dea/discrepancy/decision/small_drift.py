@@ -23,17 +23,12 @@ def without_small_drift(
     if decision.status is not Status.NAMED or decision.chosen is None or not decision.whole:
         return decision
     if all(a.effect.drifts_reading for a in decision.chosen.fit.extended.attached):
-        residual = evidence.nominal.residual
-        noise = _small(evidence, evidence.nominal) and is_coloured_noise(
-            evidence.problem, residual, evidence.blocks
-        )
-        return Decision(Status.NONE, None, reason=Reason.COLOURED) if noise else decision
+        alone, blocks = evidence.nominal, evidence.blocks
+        if _small(evidence, alone) and is_coloured_noise(evidence.problem, alone.residual, blocks):
+            return Decision(Status.NONE, None, reason=Reason.COLOURED)
+        return decision
     part = _without_drift(decision.chosen, pool)
-    if part is None:
-        return decision
-    if not _small(evidence, part.fit):
-        return decision
-    if not beside_noise(evidence, part):
+    if part is None or not _small(evidence, part.fit) or not beside_noise(evidence, part):
         return decision
     akin = tuple(rivals_of(evidence, part, pool, akin=True))
     return Decision(Status.NAMED, part, akin, Reason.COLOURED)
@@ -47,10 +42,10 @@ def _small(evidence: Evidence, fitted: Fit) -> bool:
 
 
 def _without_drift(chosen: Candidate, pool: Sequence[Candidate]) -> Candidate | None:
-    """Return the other effects alone, if there are any and none of as many has a smaller error."""
+    """Return the other effects alone, if there is a drift and no others as many are better."""
     extended = chosen.fit.extended
     kept = {extended.label(a) for a in extended.attached if not a.effect.drifts_reading}
-    if not kept or kept == set(chosen.labels):
+    if kept == set(chosen.labels):
         return None
     as_many = (c for c in pool if c.finished and len(c.labels) == len(kept))
     best = min(as_many, key=lambda c: c.error, default=None)
