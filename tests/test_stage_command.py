@@ -1,3 +1,5 @@
+import json
+import os
 import subprocess
 import sys
 
@@ -75,3 +77,23 @@ run(stage, arguments=[])
 def test_what_a_stage_is_doing_is_in_its_log(capsys):
     run(lambda settings: tell("pairs, 3 of 9 done"), arguments=[])
     assert capsys.readouterr().err == "step: pairs, 3 of 9 done\n"
+
+
+def test_linear_algebra_uses_one_thread_in_every_stage():
+    """Snakemake gives the libraries of a job as many threads as its rule may have."""
+    script = """
+import importlib, json, sys
+import threadpoolctl
+importlib.import_module("dea.stages." + sys.argv[1])
+import numpy, scipy.linalg
+print(json.dumps([library["num_threads"] for library in threadpoolctl.threadpool_info()]))
+"""
+    four = {"OMP_NUM_THREADS": "4", "OPENBLAS_NUM_THREADS": "4"}
+    for name in ("diagnose", "resolve", "select"):
+        done = subprocess.run(
+            [sys.executable, "-c", script, name], env=os.environ | four, capture_output=True,
+            text=True, check=True,
+        )  # fmt: skip
+        threads = json.loads(done.stdout)
+        assert threads
+        assert set(threads) == {1}, name
