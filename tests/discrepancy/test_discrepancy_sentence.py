@@ -190,7 +190,8 @@ def test_a_rival_of_the_class_that_would_do_as_well_is_told():
 def test_a_part_is_certain_and_not_said_to_be_all(families, hint):
     part = found(Status.NAMED, "dead_zone", reason=Reason.REMAINS, whole=False, families=families)
     assert sentence(part) == (
-        f"Certain, but not all: {REMOVES}; {PROOF}. What remains is not named{hint}: {AFTER}. "
+        f"Certain part of the answer: {REMOVES}; {PROOF}. "
+        f"What remains is not named{hint}: {AFTER}. "
         f"Without it {BEFORE}."
     )
 
@@ -388,7 +389,7 @@ def test_parameters_of_laws_at_their_bounds_are_told(at_bounds, remark):
 def test_coloured_error_is_told_where_the_sentence_does_not_deny_it(left, accuracy, reason, told):
     noise = (
         "The best explanation leaves 0.02 mm (RMS) of coloured error beyond the white noise of "
-        "0.01 mm; `accuracy: 0.022` states both."
+        "0.01 mm; `accuracy: 0.022` in the simulation counts both as known error."
     )
     diagnosis = found(Status.NONE, reason=reason, left=left, accuracy=accuracy)
     assert remarks(diagnosis) == ((noise,) if told else ())
@@ -414,7 +415,7 @@ def test_no_sentence_says_that_nothing_and_that_something_is_missing(status, rea
                   left=0.03, effects={"dead_zone": 0.95}, families={"lag": 0.7})
         )  # fmt: skip
         nothing, something = "Nothing is missing" in text, "Something is missing" in text
-        part, rival = "but not all" in text, ", or sensor_lag" in text
+        part, rival = "part of the answer" in text, ", or sensor_lag" in text
         full = "removes" in text and not part
         assert nothing + something + part + rival + full == 1
         assert ("What remains is not named" in text) == part

@@ -113,7 +113,7 @@ def test_the_datasets_hold_every_input(late, tmp_path):
     assert certificate["law_1_along"].attrs["long_name"] == "right"
     assert np.array_equal(certificate["law_1_along"], certificate["input"].sel(signal="right"))
     assert localisation["input_2_low_before"].attrs["units"] == "A"
-    assert localisation["coherence_1_after"].attrs["long_name"] == "coherence of left and gap"
+    assert localisation["coherence_1_after"].attrs["long_name"] == "coherence of left and residual"
 
 
 @pytest.mark.slow
@@ -203,5 +203,5 @@ def test_a_record_of_other_inputs_is_refused(record, said):
 
 
 def test_the_design_of_further_records_is_of_one_input():
-    with pytest.raises(InputError, match="design of a further record is of one input"):
+    with pytest.raises(InputError, match="further records can be designed for one input only"):
         begun([recorded(samples=40)], simulation, Settings(), Options(), 1)

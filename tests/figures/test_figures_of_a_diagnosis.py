@@ -261,7 +261,7 @@ def test_effects_that_were_only_fitted_together_have_no_shares_of_their_own():
 
 def test_the_title_says_where_something_else_is_missing():
     figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict() | {"whole": False})
-    assert figure.get_suptitle() == "certain, but not all: dead zone"
+    assert figure.get_suptitle() == "certain part of the answer: dead zone"
 
 
 @pytest.mark.parametrize(

@@ -32,13 +32,15 @@ class Budget(Section):
     first_steps: Count = key("steps of every finished candidate", default=6)
     last_steps: Count = key("further steps of candidates near the leader", default=20)
     tolerance: Positive = key(
-        "part of the cost by which a step of such a fit must lower it for another one", default=1e-4
+        "relative fall of the cost below which a fit of a finished candidate ends", default=1e-4
     )
     near: Number = key("errors of the leader up to which a candidate is near it", default=2.5, ge=1)
     shakes: WholeNotNegative = key(
         "perturbed starts from which the best single effects are fitted again", default=4
     )
-    shake_above: Positive = key("residual above which they are", unit="noise floors", default=1.15)
+    shake_above: Positive = key(
+        "residual above which perturbed fits are made", unit="noise floors", default=1.15
+    )
     shake_size: Positive = key(
         "standard deviation of the perturbation", unit="prior spreads", default=0.5
     )
@@ -46,10 +48,10 @@ class Budget(Section):
         "times that the best pair gives up one of its effects for another", default=3
     )
     exchange_above: Positive = key(
-        "residual above which it does", unit="noise floors", default=1.05
+        "residual above which a pair is exchanged", unit="noise floors", default=1.05
     )
     exchange_misfit: Share = key(
-        "part of the best single effect's misfit up to which it does", default=0.8
+        "part of the best single effect's misfit up to which a pair is exchanged", default=0.8
     )
     exchange_gain: Share = key("factor by which an exchange must lower the error", default=0.9)
     restarted: WholeNotNegative = key(
@@ -58,13 +60,13 @@ class Budget(Section):
         default=8,
     )
     decimated: Count = key(
-        "record length to which a record is decimated at most, where it is sampled much faster "
-        "than it moves",
+        "length below which no record is decimated; one of twice that and more is, where it is "
+        "sampled much faster than it moves",
         unit="samples",
         default=5_000,
     )
     long_record: Count = key(
-        "record length above which most of this is halved",
+        "length of a record, before decimation, above which most of this is halved",
         unit="samples",
         default=30_000,
     )
@@ -77,22 +79,23 @@ class Rules(Section):
     clean: Positive = key(
         "residual up to which the record counts as explained", unit="noise floors"
     )
-    misfit: Share = key("part of the nominal misfit that may remain")
+    misfit: Share = key("part of the gap that may remain")
     grow: Positive = key(
         "residual above which a further effect is looked for; several effects may leave more if "
         "each is certain and it is coloured noise",
         unit="noise floors",
     )
-    room: Share = key("part of the nominal misfit that must be left for a further effect")
+    room: Share = key("part of the gap that must be left for a further effect")
     second: Share = key("part of the remaining misfit that a further effect must remove")
     rival_margin: Number = key(
-        "factor by which a beaten rival's misfit is larger, and the error of a set where several"
-        " effects are named",
+        "factor by which a rival's misfit must be larger for it to be beaten; for a set of several"
+        " effects, its error",
         ge=1,
     )
     predictable: Share = key("part of the error that a flexible model must leave")
     noise_like: Positive = key(
-        "residual up to which one that nothing reduces is noise, and a drift of the reading, too",
+        "residual up to which it counts as noise if nothing reduces it, and up to which a small"
+        " drift of the reading counts as noise",
         unit="noise floors",
         default=1.5,
     )
@@ -107,18 +110,16 @@ class Rules(Section):
         default=2.5,
         ge=1,
     )
-    law_error: Share = key(
-        "part of the nominal misfit that the law of a right effect may leave", default=0.05
-    )
+    law_error: Share = key("part of the gap that the law of a right effect may leave", default=0.05)
     certain: Share = key("presence from which an effect is certain", default=0.9)
     part: Share = key(
-        "part of the held-out misfit that certain effects must remove to be named where something"
-        " else remains, and a law that the evidence alone names; and of what the others leave that"
-        " each of several effects must remove",
+        "part of the held-out gap that a certain part must remove, and an effect that the evidence"
+        " alone names; also the part of what the others leave that each of several effects must"
+        " remove",
         default=0.5,
     )
     ahead: Share = key(
-        "part by which such effects must leave less misfit than any explanation without their"
+        "part by which a certain part must leave less misfit than any explanation without its"
         " family",
         default=0.35,
     )
@@ -126,13 +127,13 @@ class Rules(Section):
         "log-odds that a parameter at its bound costs the presence of its effect", default=3.0
     )
     likely: Share = key(
-        "presence from which the sentence calls an effect, or a family, likely; no other is named,"
-        " unless it leaves noise alone and its absence is not certain",
+        "presence from which the sentence calls an effect, or a family, likely; one with less is"
+        " named only if it leaves noise alone and its presence is more than 1 - ``certain``",
         default=0.6,
     )
     poor: Number = key(
-        "certified error, in what a complete simulation leaves, above which the sentence calls a"
-        " law too poor",
+        "certified error over that of a complete simulation, above which the sentence calls a law"
+        " too poor",
         default=1.3,
         ge=1,
     )

@@ -16,14 +16,14 @@ class Rules:
     clean
         Residual, in noise floors, up to which a record counts as explained.
     misfit
-        Part of the nominal misfit (RMS above the noise floor) that may remain.
+        Part of the gap (the misfit of the simulation alone) that may remain.
     grow
         A further effect is looked for if the residual exceeds this many noise floors, or the
         misfit exceeds what may remain. Several effects together may not leave more floors, unless
         each is certain and it is coloured noise.
     room
-        Part of the nominal misfit that must be left for a further effect, and twice that for one
-        of the same family: less is the error of a law that is only nearly right.
+        Part of the gap that must be left for a further effect, and twice that for one of the same
+        family: less is the error of a law that is only nearly right.
     second
         Part of the remaining misfit that a further effect must remove. A law that is only nearly
         right leaves a small structured residual, part of which almost any second law removes.
@@ -36,7 +36,7 @@ class Rules:
         something else is missing.
     noise_like
         Residual, in noise floors, up to which a residual that no effect and no flexible model
-        reduces counts as noise, and up to which one may hold a drift of the reading that does.
+        reduces counts as noise, and up to which a small drift of the reading counts as noise.
     negligible
         Part of the noise floor below which the misfits of two candidates are not distinguished.
     near
@@ -44,16 +44,15 @@ class Rules:
         blocks that neither was fitted to. One whose error on these is larger by more than this is
         no rival of a single effect with nearly all the weight.
     law_error
-        Part of the misfit of the simulation alone that the law of a right effect may leave.
+        Part of the gap that the law of a right effect may leave.
     certain
         Presence from which an effect, or a family of effects, is certain.
     part
-        Part of the held-out misfit that certain effects must remove to be named where something
-        else remains, at the lower end of its interval, and a law that the evidence alone names by
-        its value; and part of what the others leave that each of several effects must remove to be
-        named with them.
+        Part of the held-out gap that a certain part must remove, at the lower end of its interval,
+        and an effect that the evidence alone names, by its value; also the part of what the others
+        leave that each of several effects must remove to be named with them.
     ahead
-        Such effects must leave less misfit than any explanation without their family by this part.
+        Part by which a certain part must leave less misfit than any explanation without its family.
     at_bound
         Log-odds that a parameter at its bound costs the presence of its effect: it is often that of
         another effect's law.

@@ -115,7 +115,7 @@ def _title(verdict: Mapping[str, Any]) -> str:
     removed = ""
     if verdict.get("share"):
         removed = f", which removes {share(**verdict['share'])} of the gap"
-    status = verdict["status"] if verdict["whole"] else "certain, but not all"
+    status = verdict["status"] if verdict["whole"] else "certain part of the answer"
     return f"{status}: {names}{removed}"
 
 

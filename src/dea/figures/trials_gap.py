@@ -1,4 +1,4 @@
-"""Held-out errors of the blind trials before and after the verdict, in noise floors."""
+"""Certified errors of the blind trials before and after the verdict, in noise floors."""
 
 import numpy as np
 import xarray as xr
@@ -44,8 +44,8 @@ def trials_gap(scores: xr.Dataset) -> Figure:
     ax.axhline(_CLOSED, color=style.GREY, lw=0.6, ls="--")
     ax.set(xscale="log", yscale="log", xlim=tuple(ends), ylim=tuple(ends))
     ax.set(
-        xlabel="held-out error of the nominal simulation\n(noise floors)",
-        ylabel="held-out error after the verdict (noise floors)",
+        xlabel="certified error of the nominal simulation\n(noise floors)",
+        ylabel="certified error after the verdict (noise floors)",
     )
     for axis in (ax.xaxis, ax.yaxis):
         style.plain_log_ticks(axis)

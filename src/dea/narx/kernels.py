@@ -95,7 +95,7 @@ def bounded(
 
     ``u`` has the shape (inputs, samples, runs). Where ``every`` run has to keep within it, the
     first that does not ends all. The runs go on side by side, since each sample of a run waits for
-    the one before; of a run that has left the bound all that follows is from zero again.
+    the one before; a run that has left the bound goes on from zero and does not count as kept.
     """
     group, y_lags, u_lags, u_rows, start = structure
     _, samples, runs = u.shape

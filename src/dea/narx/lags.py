@@ -80,7 +80,7 @@ def select_lags(
     -------
     list of Compared
         The least error first. Models whose :meth:`~dea.NarxModel.stability` is not ``stable`` come
-        last; that of a model with a pole too slow for the record, ``slow``, is not.
+        last, those that are ``slow`` (a pole too slow for the record) included.
 
     Raises
     ------
@@ -132,9 +132,9 @@ def select_lags(
 def lag_choices(y: ArrayLike, *, even_in_input: bool = False) -> list[LagChoice]:
     """Return lags worth comparing for an output, shape (samples,).
 
-    The unit is the time until the autocorrelation of the output, or of its square where that is
-    earlier, is first least. Where a record is sampled faster than a fifth of it, neighbouring lags
-    say nearly the same, and lags further apart tell the terms from each other: S. A. Billings and
+    The unit is the lag at which the autocorrelation of the output, or of its square where that is
+    earlier, has its first minimum. Where a record is sampled faster than a fifth of it, terms of
+    neighbouring lags are nearly equal, and lags further apart distinguish them: S. A. Billings and
     L. A. Aguirre, Int. J. Bifurcation and Chaos 5 (1995) 1541-1556. So two or three lags of output
     and input alike are spaced by 1 to a fifth of it, in steps of the root of two.
 

@@ -131,7 +131,7 @@ class NarxModel:
         """
         if self.inputs > 1:
             raise InputError(
-                f"{purpose} is of models with one input, and this one has {self.inputs}",
+                f"{purpose} takes models with one input, and this one has {self.inputs}",
                 field="model",
                 remedy="Select a model of one input, the others held constant.",
             )

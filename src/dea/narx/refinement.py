@@ -301,9 +301,9 @@ class _FreeRunsFromFreeStarts:
         return covariance_of_free_runs(self._terms, x[:count], self.runs(x))[:count, :count]
 
     def told_apart(self, runs: Sequence[FreeRun]) -> tuple[Array, Array, Array]:
-        """Return the slope, that by the parameters less what starts and trends explain, and how.
+        """Return the slope, the part by the parameters that starts and trends leave, and how.
 
-        The latter is what starts and trends do as the parameters move, with the sign changed.
+        How: the coefficients of the regression of the former on the columns of starts and trends.
         """
         count = len(self._terms)
         slope = np.vstack([run.slope for run in runs])

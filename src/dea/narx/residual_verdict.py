@@ -134,8 +134,8 @@ def verdict(
     *first, final = shown
     what = f"{', '.join(first)} and {final}" if first else final
     return (
-        f"{size}; it is {colour}, and past values of {what} still explain some of what is new in"
-        f" it (p {_below(joint.min())})."
+        f"{size}; it is {colour}, and past values of {what} still explain part of its"
+        f" innovations (p {_below(joint.min())})."
     )
 
 

@@ -192,7 +192,7 @@ class StabilityTest:
     def held(self, terms: tuple[Term, ...], parameters: Array, every: bool = False) -> Bools:
         """Say of each hold whether it stays bounded. Gains at rest may exceed those recorded.
 
-        With ``every``, the first that does not ends all, which then count as it does.
+        With ``every``, the first that does not ends the test, and all count as unbounded.
         """
         return bounded(terms, parameters, self.holds, self._bound, every)
 

@@ -54,7 +54,8 @@ def begun(
     """
     if len(simulation.inputs) > 1:
         raise InputError(
-            f"the design of a further record is of one input, and it has {len(simulation.inputs)}",
+            "further records can be designed for one input only, and it has"
+            f" {len(simulation.inputs)}",
             file=simulation.source or f"simulation {simulation.name}",
             field="input_name",
             remedy="Diagnose its records together, under `records:` of the case",
@@ -126,9 +127,9 @@ def _not_offered(
 ) -> float:
     """Return the density that an explanation which is not offered gives a record, as a logarithm.
 
-    It predicts as any of those that are offered, by their probabilities, with any of these larger
-    ``errors``. Of this sum the terms of the leading one and of the one that predicted best are
-    taken, which are most of it. One that diverges on the record says nothing.
+    It predicts as one of those that are offered, weighted by their probabilities, with one of these
+    larger ``errors``. Of this sum only the terms of the likeliest one and of the one that predicted
+    best are taken, which are most of it. One that diverges on the record does not count.
     """
     before = known.posterior.log_now
     finite = [name for name, value in log_densities.items() if np.isfinite(value)]

@@ -52,8 +52,8 @@ a positive parameter. The last column tells what a fit does with the parameter:
 * known: no fit changes it, except that a ratio of one side to the other is fitted where the input
   has both signs, and that of falling to rising where it has one.
 
-A law whose *essential* parameter is at its lower bound does something else than the effect; where
-it serves as well there, its name is not given.
+A law whose *essential* parameter is at its lower bound is no longer the effect; where it fits as
+well there, the effect is not named.
 
 The second table of each law is of the points from which it is fitted. A parameter that is not in it
 starts from its prior.
@@ -75,7 +75,7 @@ def _section(effect: Effect) -> Iterator[str]:
     parameters, starts = effect.parameters(REFERENCE), effect.starts(REFERENCE)
     yield f"## {effect.name}\n"
     yield f"Symptom: {effect.symptom}.\n"
-    yield f"Port: {effect.port}. Kind: {effect.family}.\n"
+    yield f"Port: {effect.port}. Family: {effect.family}.\n"
     yield f"Law: {effect.citation}.\n"
     if effect.essential:
         yield f"Essential: `{effect.essential}`.\n"

@@ -171,7 +171,7 @@ class Simulation:
                 )
         if several and self.action is not None:
             raise self._error(
-                "an action is of one input, and there are several",
+                "an action supports one input only, and there are several",
                 "action",
                 "Leave it out",
             )

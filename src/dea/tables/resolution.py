@@ -35,8 +35,8 @@ def resolution(found: Mapping[str, xr.Dataset]) -> Table:
                             np.isfinite(part["probability"].values) & (part["rejected"].values == 0)
                         )
                     ),
-                    f"gap before ({unit})": float(part["gap_before"]),
-                    f"gap after ({unit})": float(part["gap_after"]),
+                    f"error before ({unit})": float(part["gap_before"]),
+                    f"error after ({unit})": float(part["gap_after"]),
                     "outcome": str(dataset.attrs["outcome"]) if last else "",
                 }
             )

@@ -22,7 +22,7 @@ WINDOWS_FAILED = (
     "{} windows of the record have no estimate: the free run diverges, or outputs are missing"
 )
 WINDOWS_FEW = (
-    "the record has {:.1f} windows without common samples: fewer than {} do not tell how far the "
+    "the record has {:.1f} windows that do not overlap: fewer than {} do not tell how far the "
     "parameters move within one; take a window of {} samples"
 )
 UNDETERMINED = (

@@ -28,7 +28,7 @@ _TREND = 2  # degree of the level within a window
 _STARTS = 4  # estimates of other windows that one may begin from
 _LONGEST = 4000  # samples of a window
 _QUARTERS = 4  # windows of a record, at least, whose curvature is judged
-SEPARATE = 8  # windows without common samples that tell how estimates scatter
+SEPARATE = 8  # windows that do not overlap, which tell how estimates scatter
 _ITERATIONS = 10
 _TOLERANCE = 1e-6  # of the squared error: a small part of a standard deviation
 
@@ -41,11 +41,11 @@ class WindowEstimates(NamedTuple):
     covariance: Array  # (windows, p, p)
     length: int
     failed: int  # windows without an estimate, which are left out
-    curvature: float  # median over windows without common samples
+    curvature: float  # median over windows that do not overlap
 
     @property
     def separate(self) -> float:
-        """How many windows without common samples the estimates span."""
+        """How many windows that do not overlap the estimates span."""
         return float((self.centre[-1] - self.centre[0]) / self.length + 1.0)
 
     def at(self, t: Array) -> tuple[Array, Array]:
@@ -73,7 +73,7 @@ class WindowEstimates(NamedTuple):
         share of the samples that the two have in common.
 
         Beyond the first and the last centre, the line through that estimate and the nearest one
-        without common samples is continued.
+        whose window does not overlap is continued.
         """
         last = self.centre.size - 1
         second = np.clip(np.searchsorted(self.centre, t), min(1, last), last)
@@ -173,7 +173,7 @@ class _Windowed:
         return fits
 
     def curvature(self, fits: list[FreeRunFit | None]) -> float:
-        """Return the median over windows without common samples."""
+        """Return the median over windows that do not overlap."""
         chosen = fits[:: self._overlap]
         return float(np.median([np.inf if fit is None else curvature(fit) for fit in chosen]))
 

@@ -40,7 +40,7 @@ def rest_of(evidence: Evidence, chosen: Candidate, weighed: Presence) -> Reason 
 def leaves_coloured_noise(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     """Return whether most of the gap is explained, and the rest is noise that follows nothing.
 
-    What a further effect surely explains is no noise.
+    It is not noise if explanations with a further effect are certain.
     """
     return beside_noise(evidence, chosen) and weighed.wider_than(chosen) < evidence.rules.certain
 

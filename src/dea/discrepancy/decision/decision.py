@@ -57,7 +57,7 @@ class Decision:
         return self.chosen if self.status in (Status.NAMED, Status.AMBIGUOUS) else None
 
     def noise(self, rules: Rules, floor: float) -> float:
-        """Return the error up to which an answer leaves noise: that which it is named beside."""
+        """Return the error up to which what an answer leaves is noise, coloured noise included."""
         if self.reason is Reason.COLOURED and self.answer is not None:
             floor = max(floor, self.answer.rmse)
         return rules.clean * floor

@@ -17,8 +17,8 @@ def without_small_drift(
 ) -> Decision:
     """Leave the drift of the reading out of a whole answer, if it is coloured noise.
 
-    It is no noise where it is more than that in any record, or where others explain the record
-    better without it. Of a drift alone nothing is left: the simulation leaves that noise.
+    It is kept if more than ``noise_like`` floors remain without it in any record, or if another set
+    of as many effects has a smaller error. A drift that is all of the answer becomes ``none``.
     """
     if decision.status is not Status.NAMED or decision.chosen is None or not decision.whole:
         return decision

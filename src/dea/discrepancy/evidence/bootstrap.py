@@ -34,7 +34,7 @@ def gains(
     null: float,
     rng: np.random.Generator,
 ) -> Gains:
-    """Compare residuals block by block; resample blocks in pairs, and bound all gains together.
+    """Compare residuals resampled with the same blocks, and bound all gains together.
 
     Percentile intervals hold for the whole catalogue at once (min-p, Westfall and Young 1993,
     section 2.3), each at the same level of its own distribution, so that an effect that helps in
@@ -57,7 +57,7 @@ def beaten(
 ) -> tuple[float, float]:
     """Return how much larger the rival's RMSE is (log ratio), and its lower 95 % bound.
 
-    Blocks are resampled in pairs, so that what both leave over cancels.
+    Both are resampled with the same blocks, so that what both leave over cancels.
     """
     a, b = energies(best, blocks), energies(rival, blocks)
     picks = rng.integers(0, len(blocks), (_PAIR_DRAWS, len(blocks)))

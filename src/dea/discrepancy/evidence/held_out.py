@@ -68,9 +68,9 @@ def folds(problem: Problem) -> list[np.ndarray]:
     """Return masks (n, bool) to which the contiguous seen blocks are dealt in turn.
 
     Neighbouring blocks that a period of the input spans are dealt together: a law that only
-    repeats what the other periods show would otherwise be predicted from them. Samples far beyond
-    the range of the output outside their fold are not held out: there a curve extrapolates, whether
-    it is right or not. Where this leaves fewer than three folds, all blocks are dealt.
+    repeats what the other periods show would otherwise be predicted from them. Samples whose output
+    lies far outside the outputs of the other folds are not held out: there a curve extrapolates,
+    whether it is right or not. Where this leaves fewer than three folds, all blocks are dealt.
     """
     blocks = runs(problem.seen)
     groups = _spanning(blocks, problem.period)

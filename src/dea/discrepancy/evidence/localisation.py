@@ -147,7 +147,7 @@ def localise(
         variables[f"{name}_probability"] = ((), probability[name], _label("1", f"chance, {name}"))
     overall = float(np.sqrt(energy.mean()))
     variables |= _coherence(problem, residual, where, signals)
-    variables["gap_rms"] = ((), overall, _label(unit, "RMS gap"))
+    variables["gap_rms"] = ((), overall, _label(unit, "RMS residual"))
     concentration = (
         _concentration(strongest, quantities[strongest], rms[strongest]) if strongest else None
     )
@@ -193,11 +193,11 @@ def _along(
     return {
         f"{name}_low": (name, edges[:-1], _label(own, f"{called}: lower end")),
         f"{name}_high": (name, edges[1:], _label(own, f"{called}: upper end")),
-        f"{name}_gap": (name, rms, _label(unit, f"RMS gap along {called}")),
+        f"{name}_gap": (name, rms, _label(unit, f"RMS residual along {called}")),
         f"{name}_null": (
             name,
             np.sqrt(np.quantile(null, 0.95, axis=0)),
-            _label(unit, f"RMS gap along {called} that chance exceeds in 5 %"),
+            _label(unit, f"RMS residual along {called} that chance exceeds in 5 %"),
         ),
     }
 
@@ -216,7 +216,7 @@ def _coherence(
             driving, residual[where], 1.0 / problem.interval, nperseg=segment
         )
         variables["frequency"] = ("frequency", frequency, _label("Hz", "frequency"))
-        meaning = _label("1", f"coherence of {called} and gap")
+        meaning = _label("1", f"coherence of {called} and residual")
         variables[name.replace("input", "coherence")] = ("frequency", coherent, meaning)
     return variables
 

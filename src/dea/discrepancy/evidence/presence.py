@@ -32,9 +32,9 @@ class Share:
 
 @dataclass(frozen=True)
 class Presence:
-    """The candidates that were weighed, best first, and their weights (k,), which sum to one.
+    """The candidates that were weighed, best first, and their weights (k,).
 
-    What is left to one is the weight of the simulation alone.
+    One minus their sum is the weight of the simulation alone.
     """
 
     candidates: tuple[Candidate, ...]
@@ -139,7 +139,7 @@ def log_prior(candidates: Sequence[Candidate], offered: int, at_bound: float) ->
 def log_volume(fitted: Fit, samples: np.ndarray, density: float) -> float:
     """Return the log of the part of its prior that a record leaves to a fit, by Laplace.
 
-    What bends to anything pays for it: each direction of the parameters that the ``samples`` (n,
+    A flexible law is penalised: each direction of the parameters that the ``samples`` (n,
     bool) determine, given an error of this ``density``, costs the log of the ratio of its prior and
     posterior deviations, besides the distance of the estimate from the prior. That distance counts
     as by Cauchy's distribution: a spread says what is usual, and a delay of twenty spreads is
@@ -161,7 +161,7 @@ def share_removed(
 ) -> Share:
     """Return the part of the misfit above the ``floor`` that an extension removes.
 
-    ``before`` and ``after`` (n,) are held-out residuals; blocks are resampled in pairs.
+    ``before`` and ``after`` (n,) are held-out residuals, resampled with the same blocks.
     """
     samples = np.array([block.stop - block.start for block in blocks])
     a, b = energies(before, blocks), energies(after, blocks)

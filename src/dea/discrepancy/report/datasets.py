@@ -50,13 +50,18 @@ def candidates_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             "gain_low": column(gained.low, "1", "lower end of the 95 % interval over all effects"),
             "gain_high": column(gained.high, "1", "upper end of the 95 % interval"),
             "share": column(
-                _shares_alone(diagnosis), "1", "part of the held-out misfit that it removes alone"
+                _shares_alone(diagnosis), "1", "part of the held-out gap that it removes alone"
             ),
             "error": column([c.error for c in singles], unit, "RMSE, charged for parameters"),
             "finished": column([c.finished for c in singles], "1", "whether fitted to the end"),
-            "visible": column([v.size for v in visible], "1", "signature left over the noise"),
+            "visible": column(
+                [v.size for v in visible],
+                "1",
+                "RMS change of the output that the simulation's parameters cannot absorb, over the"
+                " noise",
+            ),
             "independent": column(
-                [v.independent for v in visible], "1", "part of the signature left"
+                [v.independent for v in visible], "1", "part of the change that they cannot absorb"
             ),
             "null_gain": ((), gained.null, _attributes("1", "gain that chance exceeds in 5 %")),
             "set_error": (

@@ -24,9 +24,8 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
     ``spread`` (k,) is their standard deviation from fits to parts of the record. The larger of it
     and of what the cost gives counts (:func:`shortened`), where the autocorrelation of the residual
     takes part in the variance; correlations are those of the cost. The ``error`` of the law,
-    and that stated for the simulation, may be of one sign over the whole record: a law of another
-    form differs from this one by a shift of what defines both, such as a limit, more than by what
-    either leaves.
+    and that stated for the simulation, may be of one sign over the whole record, since another form
+    of the law shifts its defining parameter, such as a limit.
     """
     residual = fit.residual[problem.seen]
     of_one_sign = error.coloured**2 + fit.extended.simulation.accuracy**2

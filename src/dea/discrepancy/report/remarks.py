@@ -94,5 +94,6 @@ def _noise(found: "Diagnosis") -> str:
         return ""
     return (
         f"The best explanation leaves {error.left:.2g} {unit} (RMS) of coloured error beyond "
-        f"the white noise of {error.white:.2g} {unit}; `accuracy: {error.level:.2g}` states both."
+        f"the white noise of {error.white:.2g} {unit}; `accuracy: {error.level:.2g}` in the "
+        "simulation counts both as known error."
     )

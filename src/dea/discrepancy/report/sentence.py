@@ -96,7 +96,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
         return f"It is {laws}, or {rivals}: {proof}. {place}. {advice}."
     removed = f"{laws} {'removes' if alone else 'remove'} {_share(found)} of the gap"
     if not decision.whole:
-        return f"Certain, but not all: {removed}; {proof}. {_further(found)} {place}."
+        return f"Certain part of the answer: {removed}; {proof}. {_further(found)} {place}."
     doubt = f" In this record {rivals} of its class would do as well." if rivals else ""
     return f"{removed}: {proof}.{doubt}{_form(found)} {place}."
 

@@ -27,10 +27,10 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
     """Return a ``covariance`` (k, k) of a fit's coordinates with shorter principal deviations.
 
     Each is shortened until the cost at the ends of its 95 % interval, in units of the ``variance``
-    of the residual, is higher than that of the fit by a normal distribution's: a cut through the
-    cost, along which no other direction is fitted again. Coordinates stop at their bounds. Of both
-    sides the longer one counts, but none that the bounds close. What is sure is left as it is, and
-    so is a direction along which the cost is flatter than the parabola.
+    of the residual, exceeds that of the fit by as much as for a normal distribution: a cut through
+    the cost, along which no other direction is fitted again. Coordinates stop at their bounds. The
+    longer side counts; a side closed by bounds does not. A direction that is well determined is
+    left as it is, and so is one along which the cost is flatter than the parabola.
     """
     extended, centre = fit.extended, fit.coordinates
     low, high = extended.bounds

@@ -27,8 +27,8 @@ class Candidate:
     freedom
         Effective number of its parameters: what the record, and not their prior, determines.
     finished
-        Whether it was fitted to the end and may be named; otherwise it was only screened, or
-        explains the record as well where its law is another effect's.
+        Whether it was fitted to the end and may be named; otherwise it was only screened, or fits
+        as well with its essential parameter at its bound.
     """
 
     fit: Fit
@@ -55,8 +55,8 @@ class Candidate:
         """Parameters of the effects that the record would have beyond their bounds.
 
         Those that only shape a law, or belong to the start, do not count: many laws have bounds at
-        which one part of them vanishes. Nor does a part whose usual value is the bound, if the law
-        has another that is there.
+        which one part of them vanishes. Nor does a parameter whose prior mean is its bound, if
+        another one of the law has left its prior mean.
         """
         extended = self.fit.extended
         low, high = extended.bounds

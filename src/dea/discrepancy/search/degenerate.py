@@ -1,4 +1,4 @@
-"""Candidates that explain the record as well where their law is no longer the effect named."""
+"""Candidates that fit as well with their essential parameter at its bound."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ _STEPS = 8
 def unfinish_degenerate(
     problem: Problem, rounds: Sequence[Round], rules: Rules, floor: float, workers: int
 ) -> list[Round]:
-    """Return rounds in which no leading candidate bears the name of an effect for nothing.
+    """Return the rounds with such leading candidates marked as unfinished.
 
     A law with an essential parameter (:class:`dea.simulation.Effect`) is fitted again with it at
     its lower bound. A candidate that explains the record as well there counts as unfinished.

@@ -70,8 +70,8 @@ class Start(NamedTuple):
     Parameters
     ----------
     left
-        Sum of squares of a base's residual that neither its parameters nor the change of the
-        output that the law causes there, scaled to its best size, make up for by a linear step.
+        Sum of squares of a base's residual that remains after the best linear step of its
+        parameters and the best multiple of the change that the law causes there.
     """
 
     left: float

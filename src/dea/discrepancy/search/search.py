@@ -75,7 +75,7 @@ class Search:
     def _diverse(self, rounds: Sequence[Round]) -> list[Candidate]:
         """Return the leading candidates, and the first that acts elsewhere than any of them.
 
-        Alone a right effect may be beaten by several that bend the reading as two effects do.
+        Alone a right effect may rank behind several that distort the reading as two effects do.
         """
 
         def ports(candidate: Candidate) -> set[Port]:

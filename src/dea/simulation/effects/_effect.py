@@ -22,7 +22,7 @@ class Port(StrEnum):
 
 
 class Family(StrEnum):
-    """Kinds of physics; a record hardly distinguishes effects of the same kind."""
+    """Families of physics; a record hardly distinguishes effects of the same family."""
 
     THRESHOLD = "threshold"
     LIMIT = "limit"
@@ -71,7 +71,7 @@ class Effect:
     refine
         How many times finer than the simulation alone the law needs its steps.
     essential
-        The parameter at whose lower bound the law does something, but not this effect.
+        The parameter at whose lower bound the law is no longer this effect.
     """
 
     name: str

@@ -13,10 +13,10 @@ from dea.simulation.scales import Scales
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Charge the near part of the electrodes through a fast lag, the far part through both lags.
 
-    That is a ladder of two resistances and capacitances: without a near part a cascade, and from a
-    near part of the lags' ratio on what two lags in parallel are. Its charge at the start of the
-    record is unknown. An input of one sign may discharge it through another resistance than it
-    charges through. A device that its voltage v stretches has a differential capacity that grows
+    That is a ladder of two resistances and capacitances: without a near part a cascade, and with a
+    near part of at least the lags' ratio the same as two lags in parallel. Its charge at the start
+    of the record is unknown. An input of one sign may discharge it through another resistance than
+    it charges through. A device that its voltage v stretches has a differential capacity that grows
     with it: the lags are longer by exp(``growth`` v²), v in units of the largest input. With
     ``ringing`` r the near part is charged by (1 + r) u less r times the far charge: both lags are
     then those of a series circuit with an inductance, of equal ones with a damping ratio of
