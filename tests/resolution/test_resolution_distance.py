@@ -121,3 +121,10 @@ def test_an_explanation_without_probability_changes_no_judgement():
     u = np.repeat(np.random.default_rng(7).uniform(-1.0, 1.0, 12), 25)
     assert three.judged(u, "free").log_bound == pytest.approx(two.judged(u, "free").log_bound)
     assert set(three.judged(u, "free").closest) == {"sensor_lag", "transport_delay"}
+
+
+@pytest.mark.parametrize("duration", [21.3, 73.3, 81.1, 100.6])
+def test_fixed_forms_are_made_for_a_device_that_is_sampled_slowly(duration):
+    slow = replace(LIMITS, sampling_rate=1.0)
+    sizes = {u.size for _, u in fixed_forms(duration, slow, 1)}
+    assert sizes == {round(duration)}

@@ -54,6 +54,31 @@ def test_a_law_that_errs_on_a_scale_of_its_own_is_not_thought_much_less_likely(m
     assert 0.5 * (told - own) < 60.0
 
 
+@pytest.mark.parametrize("error", [Error(0.5, 0.4, 9.0), Error(0.3, 1.0, 30.0, 3.0)])
+def test_what_the_error_does_to_signals_is_what_its_covariance_does(error):
+    X = np.cumsum(np.random.default_rng(5).standard_normal((N, 3)), axis=0)
+    X *= np.hanning(N)[:, None]
+    found, exact = error.spread(X), X.T @ covariance(error) @ X
+    norms = np.sqrt(np.diag(exact))
+    np.testing.assert_allclose(found.T @ found, exact, atol=0.02 * np.outer(norms, norms).max())
+
+
+@pytest.mark.parametrize("factor", [2, 5])
+def test_a_decimated_record_tells_the_error_and_the_motion_of_a_whole_one(factor):
+    """Correlations and steps over the same time, in samples of either."""
+    coarse, n = Error(0.2, 0.4, 60.0, 12.0), 600
+    fine = coarse.at_rate(factor)
+    assert (fine.white, fine.coloured) == (0.2, 0.4)
+    for few, many in zip(coarse.memories, fine.memories, strict=True):
+        expected = coloured(few, n // factor)
+        np.testing.assert_allclose(coloured(many, n)[::factor, ::factor], expected, atol=3e-3)
+    y = np.cumsum(np.cumsum(np.random.default_rng(6).standard_normal(20_000)))
+    whole, decimated = Motion.of(y, apart=factor), Motion.of(y[::factor])
+    assert whole == pytest.approx(decimated, rel=0.01)
+    error = LawError(fine, decimated, 0.0, apart=factor)
+    assert error.on([y], [1.0], y).right.coloured == pytest.approx(0.4, rel=0.01)
+
+
 def test_white_noise_alone_is_scaled_alone():
     signal = np.random.default_rng(1).standard_normal((N, 2))
     whitened = Error(0.5, 0.0, 1.0).whitened(signal)

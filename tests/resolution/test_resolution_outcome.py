@@ -18,7 +18,7 @@ from dea.resolution import (
     resolution_dataset,
 )
 from dea.resolution.posterior import Posterior
-from dea.resolution.weighing import _explanations, _offered, _parts, learnt
+from dea.resolution.weighing import _explanations, _offered, _parts, _prior, learnt
 from dea.stages.resolve import said
 
 DRIFTING = "a+baseline_drift"
@@ -34,7 +34,7 @@ def knowledge(now, status="named", names=("a",), whole=True, reason=None):
         if name != ANOTHER
     }
     logs = dict.fromkeys(PRIOR, -np.inf) | {name: np.log(value) for name, value in now.items()}
-    posterior = Posterior(PRIOR, logs)
+    posterior = Posterior({name: np.log(value) for name, value in PRIOR.items()}, logs)
     return Knowledge((), diagnosis, explanations, posterior, None)
 
 
@@ -157,8 +157,18 @@ def test_what_leaves_more_than_a_right_explanation_is_no_hypothesis(
         presence=SimpleNamespace(candidates=(left("drift", drift), fault)),
         singles=SimpleNamespace(candidates=(hum, fault)),
     )  # fmt: skip
-    monkeypatch.setattr("dea.resolution.weighing.explained", lambda fitted, error: fitted)
-    assert set(_explanations(found, None)) == kept
+    monkeypatch.setattr("dea.resolution.weighing.explained", lambda fitted, *_: fitted)
+    monkeypatch.setattr("dea.resolution.weighing._error", lambda found: None)
+    assert set(_explanations(found)) == kept
+
+
+def test_what_is_dropped_leaves_the_probability_of_another_explanation_as_it_is():
+    prior = _prior({"none": 0.0, "a": 0.1, "dropped": 0.9}, ["none", "a"], 0.1)
+    assert prior == pytest.approx({"none": 0.09, "a": 0.81, ANOTHER: 0.1})
+    # All that was weighed is dropped.
+    assert _prior({"none": 0.0}, ["none", "a"], 0.1) == pytest.approx(
+        {"none": 0.45, "a": 0.45, ANOTHER: 0.1}
+    )
 
 
 def test_what_a_later_diagnosis_drops_is_no_new_hypothesis(monkeypatch):
@@ -173,8 +183,8 @@ def test_what_a_later_diagnosis_drops_is_no_new_hypothesis(monkeypatch):
         "_not_offered": lambda *arguments: 0.0,
         "_offered": lambda *arguments: (),
         "diagnose": lambda records, simulation, **options: known.diagnosis,
-        "_law_error": lambda found: SimpleNamespace(seen=None),
-        "_explanations": lambda found, error: fitted,
+        "_law_error": lambda found: None,
+        "_explanations": lambda found: fitted,
         "_shares": lambda found: {"a": 0.9, "new": 0.05, "dropped": 0.05},
     }
     for name, stub in stubs.items():

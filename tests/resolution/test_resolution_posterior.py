@@ -18,7 +18,9 @@ def test_probabilities_are_those_of_bayes():
     prior = {"a": 2.0, "b": 1.0, "c": 1.0}
     after = Posterior.of(prior).after({"a": np.log(0.1), "b": np.log(0.8), "c": -np.inf})
     assert after.now == pytest.approx({"a": 0.2, "b": 0.8, "c": 0.0})
-    assert after.prior == {"a": 0.5, "b": 0.25, "c": 0.25}
+    assert after.log_offered == pytest.approx(
+        {"a": np.log(0.5), "b": np.log(0.25), "c": np.log(0.25)}
+    )
     assert after.rejected(LEVEL) == {"c"}
 
 
@@ -40,8 +42,20 @@ def test_a_record_that_every_hypothesis_rules_out_is_refused():
 def test_new_hypotheses_take_their_share_from_another():
     before = Posterior.of({"a": 1.0, "another": 1.0}).after({"a": 0.0, "another": np.log(3.0)})
     found = before.with_new({"b": 0.4}, "another")
-    assert found.prior == pytest.approx({"a": 0.5, "another": 0.3, "b": 0.2})
     assert found.now == pytest.approx({"a": 0.25, "another": 0.45, "b": 0.3})
+    offered = {name: np.exp(value) for name, value in found.log_offered.items()}
+    assert offered == pytest.approx({"a": 0.5, "another": 0.3, "b": 0.3})
+
+
+def test_a_new_hypothesis_is_judged_by_later_records_alone():
+    """It takes its share of one that is nearly rejected, and e^-5 of a record later it is not."""
+    before = Posterior.of({"a": 0.6, "b": 0.3, "another": 0.1}).after(
+        {"a": 0.0, "b": -2.0, "another": -6.0}
+    )
+    found = before.with_new({"a+b": 0.5}, "another")
+    assert found.rejected(0.01) == {"another"}
+    assert found.after({"a": 0.0, "b": 0.0, "another": 0.0, "a+b": -4.0}).left(0.01) >= {"a+b"}
+    assert "a+b" in found.after({"a": 0.0, "b": 0.0, "another": 0.0, "a+b": -5.0}).rejected(0.01)
 
 
 @pytest.mark.parametrize("noise", [1.0, 0.7])

@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from made_devices import INTERVAL, NOISE, hidden
 from scipy.optimize import minimize
 
 from dea.discrepancy import Problem, Samples
+from dea.discrepancy.fit import fit
 from dea.resolution.error import Error
-from dea.resolution.explanation import Explanation
+from dea.resolution.explanation import Explanation, explained
 from dea.resolution.prediction import predicted
 from dea.simulation import prepared
 from made_carriage import CARRIAGE
@@ -59,3 +61,31 @@ def test_a_mean_that_runs_away_is_not_the_whole_belief(monkeypatch):
     assert np.isfinite(predicted(replace(explanation, mean=beyond), record, ERROR).log_density)
     monkeypatch.setattr(Problem, "residual", lambda *arguments: np.full(record.u.size, np.nan))
     assert predicted(explanation, record, ERROR).log_density == -np.inf
+
+
+@pytest.mark.parametrize("coloured", [0.0, 2.0])
+def test_the_belief_is_as_sure_as_fits_to_a_part_of_a_record_are(coloured):
+    """Estimates that take the noise for white, and see half of the samples, on 40 records."""
+    rng = np.random.default_rng(8)
+    u = np.repeat(rng.uniform(-1.0, 1.0, 40), 25)
+    extended = prepared(CARRIAGE, u, INTERVAL, 1e-5)
+    truth = np.zeros(extended.free.size)
+    simulated = extended.simulate(extended.values(truth), u, INTERVAL)
+    error = Error(NOISE, coloured * NOISE, 40.0, 4.0)
+    lags = np.abs(np.subtract.outer(np.arange(u.size), np.arange(u.size)))
+    poles = (error.memories - 1.0) / (error.memories + 1.0)
+    S = error.white**2 * np.eye(u.size)
+    S += error.coloured**2 * np.mean([pole**lags for pole in poles], axis=0)
+    root = np.linalg.cholesky(S)
+    seen = (np.arange(u.size) // 125) % 2 == 0
+    none = np.zeros(u.size, bool)
+    shared = ~extended.own_of_records
+    distances = []
+    for _ in range(40):
+        y = simulated + root @ rng.standard_normal(u.size)
+        problem = Problem(u, y, INTERVAL, seen, none, none, noise=NOISE)
+        found = explained(fit(problem, extended, truth), problem, error)
+        off = (found.mean - truth)[shared]
+        within = found.covariance[np.ix_(shared, shared)]
+        distances.append(off @ np.linalg.solve(within, off) / off.size)
+    assert np.mean(distances) == pytest.approx(1.0, abs=0.3)

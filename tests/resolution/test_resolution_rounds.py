@@ -118,10 +118,14 @@ def test_the_motion_in_several_records_does_not_count_the_jump_from_one_to_the_n
     extended = SimpleNamespace(lengths=(400, 400))
     nominal = Fit(extended, np.zeros(0), np.zeros(800), np.zeros((800, 0)), 0.0)
     diagnosis = SimpleNamespace(
-        problem=SimpleNamespace(y=y, seen_rmse=lambda residual: 0.2), nominal=nominal, floor=0.1,
+        problem=SimpleNamespace(y=y, seen_rmse=lambda residual: 0.2, decimation=3),
+        nominal=nominal, floor=0.1,
         error=SimpleNamespace(white=0.1, left=0.05, memory=4.0), rules=Rules(),
     )  # fmt: skip
-    motion = _law_error(diagnosis).motion
+    error = _law_error(diagnosis)
+    motion = error.motion
+    assert error.apart == 3
+    assert error.seen.memory >= 3 * 4.0
     assert motion.size == pytest.approx(np.std(y))
     assert motion.pace == pytest.approx(np.std(np.diff(wave)))
 

@@ -57,4 +57,4 @@ def test_a_row_for_each_round_says_what_is_left(found):
     assert list(rows["hypotheses left"]) == [3, 3, 1, 3]
     assert list(rows["likeliest"][:2]) == ["b", "viscoelastic_creep"]
     assert list(rows["outcome"]) == ["", "", "decided", "decided"]
-    assert rows["gap after (mm)"][2] == 0.002
+    assert rows["error after (mm)"][2] == 0.002

@@ -4,6 +4,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -286,6 +287,20 @@ def test_a_design_that_was_not_driven_obeys_the_limits_of_today(desk):
     # What has been driven is kept, whatever the limits are now.
     (own.place(1) / "record.nc").touch()
     np.testing.assert_array_equal(own.design(1, lambda: None).u, slow)
+
+
+def test_a_design_whose_making_was_ended_is_made_anew(desk, monkeypatch):
+    own = desk("dea1")
+    own.write_table = lambda path, u: put(own, 1, u)
+    fast, slow = np.array([0.0, 0.4, 0.0]), np.array([0.0, 0.1, 0.0])
+    own.design(1, lambda: Design(fast, -5.0, ("a", "b"), 3.0, "free"))
+    own.limits = replace(LIMITS, rate=10.0)
+    made = Design(slow, -4.0, ("a", "b"), 2.0, "free")
+    with monkeypatch.context() as ended:
+        ended.setattr("dea.resolution.kept._write_json", Mock(side_effect=KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            own.design(1, lambda: made)
+    np.testing.assert_array_equal(own.design(1, lambda: made).u, slow)
 
 
 def test_the_smaller_of_the_rates_that_are_given_holds(desk):

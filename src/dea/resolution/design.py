@@ -249,6 +249,9 @@ def fixed_forms(duration: float, limits: Limits, seed: int) -> Iterator[tuple[st
             if key == "band"
             else value
             if key == "levels"
+            # Whole samples, so that the first line is within the band.
+            else np.ceil(value * duration * limits.sampling_rate) / limits.sampling_rate
+            if key == "period"
             else value * duration
             for key, value in settings.items()
         }

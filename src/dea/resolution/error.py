@@ -60,6 +60,18 @@ class Error:
         result: np.ndarray = (cosines.T / scales).T
         return result
 
+    def spread(self, signals: np.ndarray) -> np.ndarray:
+        """Return S (n, m) with SᵀS = XᵀΩX, for signals X and the covariance Ω of the error."""
+        from scipy.fft import dct
+
+        cosines = dct(signals, axis=0, norm="ortho")
+        result: np.ndarray = cosines * self.deviations(signals.shape[0])[:, None]
+        return result
+
+    def at_rate(self, factor: int) -> "Error":
+        """Return the same error in a record that is sampled ``factor`` times as fast."""
+        return replace(self, memory=factor * self.memory, fastest=factor * self.fastest)
+
     def log_determinant(self, samples: int) -> float:
         """Return the logarithm of the determinant of its covariance over a record."""
         return 2.0 * float(np.sum(np.log(self.deviations(samples))))

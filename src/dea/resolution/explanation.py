@@ -78,18 +78,23 @@ def as_problem(record: Samples) -> Problem:
     return Problem(record.u, y, record.interval, measured, nothing, nothing, measured=measured)
 
 
-def explained(fitted: Fit, error: Error) -> Explanation:
+def explained(fitted: Fit, problem: Problem, error: Error) -> Explanation:
     """Return the explanation that a fit to one record, or several, amounts to.
 
-    The covariance is that of the curvature of the cost (Laplace), with this error of each record.
+    The fit takes the noise for white, and sees a part of the samples. With its Jacobian J there in
+    units of that noise, A = JᵀJ + I, and the covariance Ω of the ``error`` of each record in the
+    same units, the covariance of its coordinates is A⁻¹ (JᵀΩJ + I) A⁻¹ (White 1982, Econometrica
+    50:1, with the prior's share).
     """
     joint = fitted.extended
     alone = joint.alone
-    precision = np.eye(fitted.coordinates.size)
+    J = np.where(problem.seen[:, None], fitted.jacobian, 0.0) / problem.noise
+    curvature = J.T @ J + np.eye(fitted.coordinates.size)
+    scatter = np.eye(fitted.coordinates.size)
     for part in fitted.records:
-        J = error.whitened(fitted.jacobian[part])
-        precision += J.T @ J
-    joint_covariance = np.linalg.inv(precision)
+        spread = error.spread(J[part]) / problem.noise
+        scatter += spread.T @ spread
+    joint_covariance = np.linalg.solve(curvature, np.linalg.solve(curvature, scatter).T)
     own = joint.own_of_records
     places = {joint.names[i]: k for k, i in enumerate(joint.free) if not own[k]}
     kept = [k for k, i in enumerate(alone.free) if alone.names[i] in places]

@@ -49,6 +49,8 @@ class Kept:
         if made is None:
             return None
         table = file.with_name("excitation.csv")
+        # Else an end between the two writes leaves a design that is not that of its excitation.
+        file.unlink(missing_ok=True)
         self.write_table(table, made.u)
         said = asdict(made) | {
             "first_record": store.sha256(self.first),
@@ -79,7 +81,7 @@ class Kept:
         found.after.verdict.write(place / "verdict.json")
         posterior = {
             name: {
-                "prior": found.after.posterior.prior[name],
+                "offered": float(np.exp(found.after.posterior.log_offered[name])),
                 "before": found.before.posterior.now.get(name),
                 "log_density": found.log_densities.get(name),
                 "after": value,

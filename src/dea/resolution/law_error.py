@@ -19,9 +19,12 @@ class Motion(NamedTuple):
     pace: float
 
     @classmethod
-    def of(cls, *outputs: np.ndarray) -> Self:
-        """Return that in the outputs of one record or several, each (n,)."""
-        steps = [np.diff(y) for y in outputs]
+    def of(cls, *outputs: np.ndarray, apart: int = 1) -> Self:
+        """Return that in the outputs of one record or several, each (n,).
+
+        The pace is that between samples that are so many ``apart``.
+        """
+        steps = [y[apart:] - y[:-apart] for y in outputs]
         return cls(float(np.std(np.concatenate(outputs))), float(np.std(np.concatenate(steps))))
 
     def beyond(self, other: "Motion") -> float:
@@ -54,7 +57,7 @@ class LawError:
     seen
         Error on the records so far.
     motion
-        Motion in them.
+        Motion in them, between samples that are ``apart`` samples of a further one apart.
     share
         Part of what the effects do that a right law may leave.
     unexplained
@@ -69,6 +72,7 @@ class LawError:
     share: float
     unexplained: float = 0.0
     allowed: float = 0.0
+    apart: int = 1
 
     def on(
         self,
@@ -86,7 +90,9 @@ class LawError:
         gap = 0.0  # where the simulation alone diverges, it does not say what the effects do
         if np.isfinite(without).all():
             gap = float(np.sqrt(weights @ [np.mean((y - without) ** 2) for y in shown]))
-        factor = float(weights @ [Motion.of(y).beyond(self.motion) for y in shown])
+        factor = float(
+            weights @ [Motion.of(y, apart=self.apart).beyond(self.motion) for y in shown]
+        )
         grown = replace(self.seen, coloured=factor * self.seen.coloured)
         right = grown.at_least(self.share * gap)
         return Errors(right, self._beyond(right, factor * self.unexplained))

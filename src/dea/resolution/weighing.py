@@ -61,21 +61,9 @@ def begun(
             remedy="Diagnose its records together, under `records:` of the case",
         )
     found = diagnose(records, simulation, settings=settings, workers=workers)
-    error = _law_error(found)
-    explanations = _explanations(found, error.seen)
-    shares = _shares(found)
-    prior = {
-        name: (1.0 - options.another)
-        * ((1.0 - _EQUAL) * shares.get(name, 0.0) + _EQUAL / len(explanations))
-        for name in explanations
-    }
-    return Knowledge(
-        tuple(records),
-        found,
-        explanations,
-        Posterior.of(prior | {ANOTHER: options.another}),
-        error,
-    )
+    explanations = _explanations(found)
+    prior = _prior(_shares(found), list(explanations), options.another)
+    return Knowledge(tuple(records), found, explanations, Posterior.of(prior), _law_error(found))
 
 
 def learnt(
@@ -96,8 +84,7 @@ def learnt(
     records = (*known.records, record)
     offered = replace(settings, effects=_offered(known, posterior, settings, options))
     found = diagnose(records, simulation, settings=offered, workers=workers)
-    now = _law_error(found)
-    fitted = _explanations(found, now.seen)
+    fitted = _explanations(found)
     shares = _shares(found)
     new = {name: shares.get(name, 0.0) for name in fitted if name not in posterior.now}
     posterior = posterior.with_new(_parts(new), ANOTHER)
@@ -105,10 +92,22 @@ def learnt(
         name: each for name, each in fitted.items() if name in posterior.now
     }
     driven = known.driven + samples.u.size * samples.interval
-    after = Knowledge(records, found, explanations, posterior, now, driven)
+    after = Knowledge(records, found, explanations, posterior, _law_error(found), driven)
     outcome = after.outcome(options.level)
     withdrawn = outcome if outcome in WITHOUT_NAME else None
     return replace(after, withdrawn=withdrawn), log_densities
+
+
+def _prior(shares: Mapping[str, float], names: Sequence[str], another: float) -> dict[str, float]:
+    """Return the prior of explanations, those that were dropped left out, and of another one."""
+    total = sum(shares.get(name, 0.0) for name in names)
+    equal = _EQUAL if total > 0.0 else 1.0
+    weights = {name: shares.get(name, 0.0) / (total or 1.0) for name in names}
+    prior = {
+        name: (1.0 - another) * ((1.0 - equal) * weight + equal / len(names))
+        for name, weight in weights.items()
+    }
+    return prior | {ANOTHER: another}
 
 
 def _parts(shares: Mapping[str, float]) -> dict[str, float]:
@@ -160,7 +159,7 @@ def _offered(
     return tuple(sorted(effects)) or settings.effects
 
 
-def _explanations(found: Diagnosis, error: Error) -> dict[str, Explanation]:
+def _explanations(found: Diagnosis) -> dict[str, Explanation]:
     """Return the simulation alone and every candidate that may be right, by their names.
 
     These are those that the verdict speaks of, the candidates that were weighed, and every single
@@ -173,10 +172,11 @@ def _explanations(found: Diagnosis, error: Error) -> dict[str, Explanation]:
     most = found.rules.misfit * _unexplained(found)
     right = [c for c in (*spoken, *others) if misfit(c.rmse, found.floor) <= most]
     candidates = [*spoken, *right] if right else [*spoken, *others]
-    explanations = {NONE: explained(found.nominal, error)}
+    problem, error = found.problem, _error(found)
+    explanations = {NONE: explained(found.nominal, problem, error)}
     for candidate in candidates:
         if _name(candidate) not in explanations:
-            explanations[_name(candidate)] = explained(candidate.fit, error)
+            explanations[_name(candidate)] = explained(candidate.fit, problem, error)
     return explanations
 
 
@@ -191,19 +191,35 @@ def _shares(found: Diagnosis) -> dict[str, float]:
     return shares | {NONE: max(0.0, 1.0 - sum(shares.values()))}
 
 
-def _law_error(found: Diagnosis) -> LawError:
+def _motion(found: Diagnosis) -> Motion:
+    simulated = found.problem.y - found.nominal.residual
+    return Motion.of(*(simulated[samples] for samples in found.nominal.records))
+
+
+def _error(found: Diagnosis) -> Error:
     """Return the error of a right explanation: one that left more would not be called right.
 
-    It may be as slow as what the simulation alone leaves, and as fast as the device has moved.
+    It may be as slow as what the simulation alone leaves, and as fast as the device has moved, in
+    samples of the diagnosis.
     """
-    simulated = found.problem.y - found.nominal.residual
-    motion = Motion.of(*(simulated[samples] for samples in found.nominal.records))
-    unexplained = _unexplained(found)
-    left = min(found.error.left, found.rules.misfit * unexplained)
+    motion = _motion(found)
+    left = min(found.error.left, found.rules.misfit * _unexplained(found))
     fastest = max(motion.size / motion.pace, 1.0) if motion.pace else 1.0
     slowest = max(found.error.memory, memory_of(found.nominal.residual), fastest)
-    seen = Error(found.error.white, left, slowest, fastest)
-    return LawError(seen, motion, found.rules.law_error, unexplained, found.rules.misfit)
+    return Error(found.error.white, left, slowest, fastest)
+
+
+def _law_error(found: Diagnosis) -> LawError:
+    """Return that error in further records, which are not decimated."""
+    factor = found.problem.decimation
+    return LawError(
+        _error(found).at_rate(factor),
+        _motion(found),
+        found.rules.law_error,
+        _unexplained(found),
+        found.rules.misfit,
+        factor,
+    )
 
 
 def _unexplained(found: Diagnosis) -> float:
