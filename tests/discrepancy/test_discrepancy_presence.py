@@ -183,6 +183,7 @@ def test_a_model_error_is_what_the_best_leaves_or_what_laws_leave_anyway():
     before, best = np.full(100, 10.0), np.full(100, np.hypot(1.0, 0.8))
     assert model_error(before, best, 1.0, 0.05).coloured == pytest.approx(0.8)
     assert model_error(before, best, 1.0, 0.1).coloured == pytest.approx(0.1 * np.sqrt(99.0))
+    assert model_error(before, best, 1.0, 0.05, 3.0).coloured == 3.0
     assert ModelError(3.0, 4.0, 5.0, 10.0).level == 5.0
     assert ModelError(3.0, 2.0, 4.0, 10.0).density == 169.0
 
@@ -275,3 +276,13 @@ def test_a_period_is_held_out_whole():
         later = np.flatnonzero((np.arange(n) > first) & seen & ~mask)
         last = later[0] if later.size else n
         assert last - first >= 1000 - 50
+
+
+def test_an_accuracy_that_is_stated_makes_no_evidence_stronger():
+    """What is left has a memory of 95 samples, whether it is stated to be left or not."""
+    rng = np.random.default_rng(12)
+    slow = lfilter([1.0], [1.0, -0.979], rng.standard_normal(40_000))
+    left = 0.5 * slow / slow.std() + 0.1 * rng.standard_normal(slow.size)
+    silent = model_error(3.0 * left, left, 0.1, 0.05)
+    stated = model_error(3.0 * left, left, 0.1, 0.05, 0.5)
+    assert stated.density >= silent.density > 15.0

@@ -389,7 +389,7 @@ def test_parameters_of_laws_at_their_bounds_are_told(at_bounds, remark):
 def test_coloured_error_is_told_where_the_sentence_does_not_deny_it(left, accuracy, reason, told):
     noise = (
         "The best explanation leaves 0.02 mm (RMS) of coloured error beyond the white noise of "
-        "0.01 mm; `accuracy: 0.022` in the simulation counts both as known error."
+        "0.01 mm; `accuracy: 0.02` in the simulation counts it as known error."
     )
     diagnosis = found(Status.NONE, reason=reason, left=left, accuracy=accuracy)
     assert remarks(diagnosis) == ((noise,) if told else ())

@@ -115,7 +115,7 @@ def test_the_motion_in_several_records_does_not_count_the_jump_from_one_to_the_n
 
     wave = np.sin(np.arange(400) / 20)
     y = np.concatenate([wave, wave + 10.0])
-    extended = SimpleNamespace(lengths=(400, 400))
+    extended = SimpleNamespace(lengths=(400, 400), simulation=SimpleNamespace(accuracy=0.0))
     nominal = Fit(extended, np.zeros(0), np.zeros(800), np.zeros((800, 0)), 0.0)
     diagnosis = SimpleNamespace(
         problem=SimpleNamespace(y=y, seen_rmse=lambda residual: 0.2, decimation=3),

@@ -260,7 +260,11 @@ def _weighed(
         (nominal, *(c.fit for c in leading)), key=lambda f: evidence.problem.seen_rmse(f.residual)
     )
     error = model_error(
-        nominal.residual[seen], best.residual[seen], evidence.floor, rules.law_error
+        nominal.residual[seen],
+        best.residual[seen],
+        evidence.noise,
+        rules.law_error,
+        evidence.accuracy,
     )
     alone = log_volume(nominal, seen, error.density)
     volumes = np.array([log_volume(c.fit, seen, error.density) - alone for c in leading])

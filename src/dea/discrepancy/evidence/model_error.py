@@ -43,22 +43,27 @@ class ModelError:
         return self.white**2 + self.memory * self.coloured**2
 
 
-def model_error(before: np.ndarray, best: np.ndarray, noise: float, law_error: float) -> ModelError:
+def model_error(
+    before: np.ndarray, best: np.ndarray, noise: float, law_error: float, accuracy: float = 0.0
+) -> ModelError:
     """Return the model error of a record, from the residuals of the simulation and the best fit.
 
     Parameters
     ----------
     before, best : (n,)
-        Held-out residuals of the simulation alone and of the best explanation.
+        Residuals of the simulation alone and of the best explanation, at the samples seen.
     noise
         White level, which quantisation bounds from below.
     law_error
-        Part of the misfit of the simulation alone that a right effect's law leaves at least.
+        Part of the gap that a right effect's law leaves at least.
+    accuracy
+        Error that the simulation is stated to have with the effect in it, in the output's unit.
+        It is one of laws, and correlated like theirs.
     """
     left = misfit(_rms(best), noise)
     expected = law_error * misfit(_rms(before), noise)
     coloured = best if left > expected else before
-    return ModelError(noise, left, max(left, expected), _memory_beside(coloured, noise))
+    return ModelError(noise, left, max(left, expected, accuracy), _memory_beside(coloured, noise))
 
 
 def _memory_beside(residual: np.ndarray, noise: float) -> float:

@@ -23,13 +23,12 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
 
     ``spread`` (k,) is their standard deviation from fits to parts of the record. The larger of it
     and of what the cost gives counts (:func:`shortened`), where the autocorrelation of the residual
-    takes part in the variance; correlations are those of the cost. The ``error`` of the law,
-    and that stated for the simulation, may be of one sign over the whole record, since another form
-    of the law shifts its defining parameter, such as a limit.
+    takes part in the variance; correlations are those of the cost. The ``error`` of the law
+    may be of one sign over the whole record, since another form of the law shifts its defining
+    parameter, such as a limit.
     """
     residual = fit.residual[problem.seen]
-    of_one_sign = error.coloured**2 + fit.extended.simulation.accuracy**2
-    of_law = error.white**2 + residual.size * of_one_sign
+    of_law = error.white**2 + residual.size * error.coloured**2
     variance = max(float(np.mean(residual**2)) * memory_of(residual), of_law)
     covariance = shortened(problem, fit, fit.covariance(problem.seen, variance), variance)
     own = np.sqrt(np.diag(covariance))

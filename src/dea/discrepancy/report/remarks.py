@@ -90,10 +90,10 @@ def _noise(found: "Diagnosis") -> str:
         # The sentence says already that what is left is small.
         return ""
     stated = found.nominal.extended.simulation.accuracy
-    if error.left <= _COLOURED * error.white or error.level <= stated:
+    if error.left <= max(_COLOURED * error.white, stated):
         return ""
     return (
         f"The best explanation leaves {error.left:.2g} {unit} (RMS) of coloured error beyond "
-        f"the white noise of {error.white:.2g} {unit}; `accuracy: {error.level:.2g}` in the "
-        "simulation counts both as known error."
+        f"the white noise of {error.white:.2g} {unit}; `accuracy: {error.left:.2g}` in the "
+        "simulation counts it as known error."
     )
