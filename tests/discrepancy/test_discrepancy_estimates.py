@@ -137,13 +137,9 @@ def test_an_interval_holds_a_law_of_another_form_however_long_the_record_is(samp
     effect *= 4.0 / np.sqrt(np.mean(effect**2))
     noise = rng.standard_normal(samples)
     problem, fitted = fit_of(lambda x: noise - effect * (x[0] - 1.05), np.array([1.05]))
-    extended = fitted.extended
     error = ModelError(1.0, 0.0, 0.05 * 4.0, 30.0)
     [deviation] = uncertainty(problem, fitted, np.zeros(1), error).deviation
     assert deviation == pytest.approx(0.05, rel=0.05)
-    extended.simulation.accuracy = 0.2
-    [stated] = uncertainty(problem, fitted, np.zeros(1), error).deviation
-    assert stated == pytest.approx(np.sqrt(2.0) * 0.05, rel=0.05)
     spread = uncertainty(problem, fitted, np.array([0.2]), error)
     assert spread.deviation[0] == pytest.approx(0.2)
     assert spread.covariance[0, 0] == pytest.approx(0.04)

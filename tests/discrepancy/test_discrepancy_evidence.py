@@ -11,7 +11,7 @@ from scipy.stats import norm
 from dea.autoregression import fit_autoregression
 from dea.discrepancy.evidence.bootstrap import Gains, beaten, energies, gains
 from dea.discrepancy.evidence.confusion import confusion
-from dea.discrepancy.evidence.contributions import Contribution, Rung, contributions
+from dea.discrepancy.evidence.contributions import Contribution, Rung, contributions, ladder
 from dea.discrepancy.evidence.identifiability import visibility
 from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
@@ -417,10 +417,33 @@ def evidence_of(samples):
 
 def test_a_single_effect_contributes_what_it_gained_among_the_catalogue():
     rungs = [Rung(None, np.full(1000, 4.0)), Rung("b", np.full(1000, 2.0))]
-    singles = [SimpleNamespace(labels=(label,)) for label in "abc"]
+    singles = [SimpleNamespace(labels=(label,), finished=True, error=1.0) for label in "abc"]
     gained = Gains(np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.5, 2.0]), np.full(3, 9.0), 0.1)
     [found] = contributions(evidence_of(1000), rungs, attached("b"), singles, gained)
     assert found == Contribution(4.0, 2.0, 2.0, 1.5, 9.0)
+
+
+def single(label, finished, error, size):
+    return SimpleNamespace(labels=(label,), finished=finished, error=error, fit=size)
+
+
+def test_an_effect_that_was_screened_too_is_counted_once_as_it_was_finished():
+    singles = [
+        single("a", False, 1.9, 1.9),
+        single("a", True, 2.0, 2.0),
+        single("b", True, 3.0, 3.0),
+    ]
+    held_out = SimpleNamespace(residual=lambda size: np.full(1000, size))
+    evidence = SimpleNamespace(**vars(evidence_of(1000)), held_out=held_out)
+    final = SimpleNamespace(**vars(attached("a", "b")))
+    held_out.residual = lambda fitted: np.full(1000, 0.5 if fitted is final else fitted)
+    rungs = ladder(evidence, 4.0, final, singles)
+    assert [rung.label for rung in rungs] == [None, "a", "b"]
+    first, second = contributions(evidence, rungs, final, singles, None)
+    assert (first.before, first.after, second.before, second.after) == (4.0, 2.0, 2.0, 0.5)
+    gained = Gains(np.array([1.0, 2.0, 3.0]), np.zeros(3), np.full(3, 9.0), 0.1)
+    [alone] = contributions(evidence, rungs[:2], attached("a"), singles, gained)
+    assert alone.gain == 2.0
 
 
 def test_of_two_effects_each_contributes_the_step_that_it_makes():

@@ -282,6 +282,28 @@ def test_what_the_input_does_only_once_is_not_kept_for_proof():
     assert not elsewhere.certify[2900:3100].any()
 
 
+def test_a_gap_in_the_middle_is_not_what_is_kept_for_proof():
+    u = np.sin(0.7 * np.arange(6000) * INTERVAL)
+    known = np.ones(u.size, bool)
+    known[2580:3480] = False
+    found = split(u, INTERVAL, 0.1, known=known)
+    assert known[found.certify].mean() >= 0.5
+    # Where no place has more, the split is as it was.
+    few = split(u, INTERVAL, 0.1, known=np.zeros(u.size, bool))
+    assert np.array_equal(few.certify, split(u, INTERVAL, 0.1).certify)
+
+
+def test_the_warm_up_of_every_record_stays_unused():
+    u = np.zeros(1000)
+    used = np.ones(1000, bool)
+    used[:100] = used[600:640] = used[300:350] = False
+    problem = Problem(u, u, INTERVAL, used, ~np.ones(1000, bool), ~np.ones(1000, bool))
+    whole = problem.whole([slice(0, 600), slice(600, 1000)])
+    assert whole.seen.sum() == 1000 - 100 - 40
+    assert not whole.seen[:100].any()
+    assert not whole.seen[600:640].any()
+
+
 def judged_by(problem, extended, nominal_error=0.0, noise=0.0, accuracy=0.0):
     rng = np.random.default_rng(0)
     nominal = replace(

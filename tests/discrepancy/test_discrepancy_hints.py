@@ -184,3 +184,33 @@ def test_a_long_record_gets_half_of_the_fits():
     assert (decimated.starts, decimated.finished, decimated.beam, decimated.kept) == (2, 3, 1, 1)
     assert (decimated.screening, decimated.last_steps) == (4, 42)
     assert decimated.tolerance == budget.tolerance
+
+
+def test_no_hint_comes_from_certified_samples():
+    """A step and a line that the certified block alone shows."""
+    rng = np.random.default_rng(9)
+    seen = np.ones(SAMPLES, bool)
+    seen[1200:1800] = False
+    quiet = 0.05 * rng.standard_normal(SAMPLES)
+    shown = quiet + np.where(seen, 0.0, 5.0 * np.sin(2 * np.pi * 7.77 * T))
+    shown[1500:1800] += 3.0
+    u = rng.standard_normal(SAMPLES)
+    found = [
+        (
+            lines(problem, residual),
+            foreign_lines(problem, residual),
+            jumps(problem, residual, WHOLE),
+        )
+        for residual in (quiet, shown)
+        for problem in [recorded(u, np.sin(T) + residual, seen)]
+    ]
+    assert found[0] == found[1]
+
+
+def test_a_step_in_the_certified_block_is_looked_for_inside_it():
+    seen = np.ones(SAMPLES, bool)
+    seen[1200:1800] = False
+    noise = 0.01 * np.random.default_rng(9).standard_normal(SAMPLES)
+    residual = noise + (np.arange(SAMPLES) >= 1700)
+    found = jumps(recorded(np.zeros(SAMPLES), residual, seen), residual, WHOLE)
+    assert 1200 * INTERVAL < found[0] < 1800 * INTERVAL

@@ -1,11 +1,13 @@
 """Diagnoses of records in which samples are flagged, whatever these say."""
 
 import numpy as np
+import pytest
 from small_search import SEARCH
 from synthetic import record
 
 from dea.acquisition import Quality
 from dea.discrepancy import Settings, diagnose
+from dea.errors import InputError
 
 OFFERED = ("coulomb_friction", "gain_drift", "sensor_lag", "viscoelastic_creep")
 
@@ -22,3 +24,11 @@ def test_flagged_samples_change_no_name():
     found = diagnose(flagged, "dea_membrane", settings=settings)
     assert found.verdict.names == ("gain_drift",), found.verdict.sentence
     assert found.verdict.certified["rmse_after"] < 1.3 * found.floor
+
+
+def test_a_record_whose_output_is_known_too_seldom_is_refused_in_one_line():
+    whole = record([], duration=20.0, seed=3)
+    known = np.arange(whole.sizes["time"]) < 40
+    whole["displacement"] = whole["displacement"].where(known, np.nan)
+    with pytest.raises(InputError, match="missing in every block that could be used to certify on"):
+        diagnose(whole, "dea_membrane", settings=Settings(effects=OFFERED, budget=SEARCH))

@@ -123,7 +123,7 @@ def diagnose(
             remedy="Declare its force ports, or offer effects of other ports",
         )
     floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.size / 8, 64)))
-    floor = max(floor, quantisation(problem.y))
+    floor = max(floor, quantisation(problem.y[problem.known]))
     rounds = unfinish_degenerate(problem, rounds, rules, floor, workers)
     singles, pool = rounds[0].candidates, pool_of(rounds)
 

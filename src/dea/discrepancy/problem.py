@@ -1,5 +1,6 @@
 """A record to be explained: its signals, the roles of its samples, and its noise."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -112,12 +113,17 @@ class Problem(Samples):
         """Return the same record with only some ``samples`` (n, bool) for fits to see."""
         return replace(self, fit=self.fit & samples, select=self.select & samples)
 
-    def whole(self) -> "Problem":
-        """Return the same record with all samples for fits to see, but those before the first."""
+    @property
+    def known(self) -> np.ndarray:
+        """Samples whose output was measured, shape (n,)."""
+        return np.ones(self.size, bool) if self.measured is None else self.measured
+
+    def whole(self, records: Sequence[slice]) -> "Problem":
+        """Return it with all samples for fits to see, but those before the first of each record."""
         used = self.seen | self.certify
-        everything = np.arange(self.size) >= int(np.argmax(used))
-        if self.measured is not None:
-            everything &= self.measured
+        everything = self.known.copy()
+        for own in records:
+            everything[own.start : own.start + int(np.argmax(used[own]))] = False
         return replace(self, fit=everything, select=everything & False)
 
     def with_noise(self, noise: float) -> "Problem":

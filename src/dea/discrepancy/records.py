@@ -100,8 +100,8 @@ def prepare(
     Raises
     ------
     InputError
-        If there is no record, a record is too short for the split, or one is sampled otherwise
-        than the others.
+        If there is no record, a record is too short for the split or lacks its outputs there, or
+        one is sampled otherwise than the others.
     """
     joined = _joined(records)
     factor = decimation_of(records, settings.budget.decimated)
@@ -122,7 +122,13 @@ def prepare(
     if slowest is None:
         slowest = slowest_time(extended, u)
     splits = [
-        split(each.u, interval, slowest, min(settings.warm_up, 0.02 * each.size * interval))
+        split(
+            each.u,
+            interval,
+            slowest,
+            min(settings.warm_up, 0.02 * each.size * interval),
+            ~np.isnan(each.y),
+        )
         for each in records
     ]
     parts = Split(
@@ -131,6 +137,13 @@ def prepare(
         np.concatenate([each.certify for each in splits]) & seen,
         max(each.spacing for each in splits),
     )
+    for role, mask in (("fit to", parts.fit | parts.select), ("certify on", parts.certify)):
+        if not mask.any():
+            raise InputError(
+                f"it is missing in every block that could be used to {role}",
+                field="output",
+                remedy="Diagnose a part of the record in which it is known",
+            )
     problem = Problem(
         u,
         y,

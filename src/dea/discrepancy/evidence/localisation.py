@@ -172,6 +172,7 @@ def _probability(measured: dict[str, np.ndarray], null: dict[str, np.ndarray]) -
 def _concentration(name: str, binned: _Binned, rms: np.ndarray) -> Concentration:
     number = int(np.argmax(rms))
     low, high = binned.edges[number : number + 2]
+    counts = np.delete(np.bincount(binned.label, minlength=binned.bins), number)
     others = np.delete(rms, number)
     return Concentration(
         along=name,
@@ -180,7 +181,7 @@ def _concentration(name: str, binned: _Binned, rms: np.ndarray) -> Concentration
         high=float(high),
         unit=binned.quantity.unit,
         inside=float(rms[number]),
-        elsewhere=float(np.sqrt(np.mean(np.square(others)))),
+        elsewhere=float(np.sqrt(np.square(others) @ counts / max(counts.sum(), 1))),
         kind=binned.quantity.kind,
         of=binned.quantity.of,
     )

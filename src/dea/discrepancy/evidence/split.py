@@ -1,7 +1,8 @@
 """Split a record into contiguous blocks: to fit on, to choose by, and to certify on, once."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +17,8 @@ _PATTERNS = ((18, 3.0, 3.0), (8, 1.5, 1.0), (3, 0.75, 1.0))
 _SPACING_IN_TIME_CONSTANTS = 3.0
 # Part of the input's range by which the certified block may go beyond the others.
 _BEYOND = 0.02
+# Part of its outputs that may be missing.
+_MISSING = 0.5
 
 
 @dataclass(frozen=True)
@@ -43,10 +46,17 @@ def runs(mask: np.ndarray) -> list[slice]:
     return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) -> Split:
+def split(
+    u: np.ndarray,
+    interval: float,
+    slowest: float,
+    warm_up: float = 0.0,
+    known: np.ndarray | None = None,
+) -> Split:
     """Split a record of input ``u`` (n,) with spacings of three of the ``slowest`` times (s).
 
-    Several inputs are columns.
+    Several inputs are columns. Where outputs are missing, half of those of the certified block are
+    ``known`` (n, bool), if they are at any place.
 
     The certified block lies inside the record, so that a drift is interpolated in it, and as near
     the middle as possible without its input leaving the range of the other blocks: there, no
@@ -64,11 +74,7 @@ def split(u: np.ndarray, interval: float, slowest: float, warm_up: float = 0.0) 
         if usable / (count + certified) * min(1.0, certified) < max(in_spacings * spacing, 10):
             continue
         candidates = _placed(size, skipped, spacing, usable, count, certified)
-        inputs = by_input(u)
-        return min(
-            candidates,
-            key=lambda found: max(max(_beyond(each, found) for each in inputs) - _BEYOND, 0.0),
-        )
+        return min(candidates, key=partial(_unfit, by_input(u), known))
     needed = shortest_record(spacing, skipped) * interval
     raise InputError(
         f"the record holds {size * interval:g} s; with a slowest time constant of "
@@ -99,6 +105,15 @@ def _placed(
             masks[role][round(position) : round(position + length)] = True
             position += length + spacing
         yield Split(**masks, spacing=spacing)
+
+
+def _unfit(
+    inputs: Iterable[np.ndarray], known: np.ndarray | None, found: Split
+) -> tuple[float, float]:
+    """Return how far too many certified outputs are missing, and how far the input is beyond."""
+    missing = 0.0 if known is None else 1.0 - float(known[found.certify].mean())
+    beyond = max(_beyond(each, found) for each in inputs)
+    return max(missing - _MISSING, 0.0), max(beyond - _BEYOND, 0.0)
 
 
 def _beyond(u: np.ndarray, found: Split) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
+from dea.missing import filled
 
 _LINES = 2
 _JUMPS = 3
@@ -19,7 +20,7 @@ def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
 
     Of several inputs the one with most power at a frequency counts there.
     """
-    frequency, power = _spectrum(residual, problem.interval)
+    frequency, power = _spectrum(_seen(problem, residual), problem.interval)
     driving = []
     for each in by_input(problem.u):
         drive = _spectrum(each, problem.interval)[1]
@@ -41,10 +42,18 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """
     if not problem.period:
         return lines(problem, residual)
-    frequency, power = _spectrum(residual, problem.interval)
+    frequency, power = _spectrum(_seen(problem, residual), problem.interval)
     orders = frequency * problem.period * problem.interval
     harmonic = np.abs(orders - np.round(orders)) <= _BESIDE * orders[1]
     return tuple(_peaks(frequency, power, power, harmonic))
+
+
+def _seen(problem: Problem, residual: np.ndarray) -> np.ndarray:
+    """Return the residual without its certified samples, over which it is interpolated.
+
+    A frequency or an instant is often determined by its start alone.
+    """
+    return filled(np.where(problem.certify, np.nan, residual))[0]
 
 
 def _spectrum(signal: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
@@ -84,10 +93,10 @@ def jumps(problem: Problem, residual: np.ndarray, records: Sequence[slice]) -> t
     They count from the start of the record that each is found in. Cumulative sums find them (Page
     1954); a coarse grid over the longest record catches what they miss.
     """
-    simulated = problem.y - residual
+    simulated, seen = problem.y - residual, _seen(problem, residual)
     found: list[float] = []
     for own in records:
-        left, driven = residual[own], simulated[own] - simulated[own].mean()
+        left, driven = seen[own], simulated[own] - simulated[own].mean()
         for weighted in (left, left * driven):
             n = weighted.size
             k = np.arange(1, n)

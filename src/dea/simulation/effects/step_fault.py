@@ -28,7 +28,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the instant, the steps of gain, offset and scale, and how long they take."""
     dt, duration = scales.interval, scales.duration
     low, high = 0.5 * dt, 0.05 * duration
-    # The instant may lie in a block that is held out, where a fit cannot see it.
+    # The instant may lie in a block that is left out, where a fit cannot see it.
     likeliest = scales.jumps[0] if scales.jumps else 0.5 * duration
     return (
         Parameter(
