@@ -144,3 +144,12 @@ def test_a_sample_that_is_asked_for_twice_has_the_same_covariance_twice():
         smooth(Phi, y, **asked, at=np.array(at)).covariance for at in ([0, 7], [0, 0, 0, 7, 7])
     )
     np.testing.assert_array_equal(twice, once[[0, 0, 0, 1, 1]])
+
+
+def test_outputs_that_are_missing_in_step_with_the_thinning_leave_the_others():
+    Phi, _, y = random_walk(9, 20_000, np.array([1e-4]))
+    known = {"theta_0": np.zeros(1), "prior_variance": 1.0, "thinning": 10}
+    gappy = y.copy()
+    gappy[::10] = np.nan
+    shifted = fit_noise_ratio(Phi[1:], y[1:], **known)
+    np.testing.assert_array_equal(fit_noise_ratio(Phi, gappy, **known), shifted)

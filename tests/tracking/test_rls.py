@@ -174,3 +174,21 @@ def test_settings_out_of_range_are_refused(setting):
     with pytest.raises(InputError) as caught:
         recursive_least_squares(np.ones((3, 1)), np.ones(3), **setting)
     assert caught.value.field in setting
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5])
+@pytest.mark.parametrize("forgetting", [1.0, 0.995])
+def test_an_equation_that_is_missing_is_left_out(share, forgetting):
+    """Estimates and variances are those of the other equations alone, their ages kept."""
+    Phi, y, rng = problem(5, 4000, 3)
+    missing = rng.random(y.size) < share
+    found = recursive_least_squares(Phi, np.where(missing, np.nan, y), forgetting=forgetting)
+    assert np.array_equal(np.isnan(found.innovation), missing)
+    weight = np.where(missing, 0.0, forgetting ** np.arange(y.size - 1, -1, -1.0))
+    prior = np.sqrt(forgetting**y.size) * np.eye(3)
+    rows = np.vstack([np.sqrt(weight)[:, None] * Phi, prior])
+    right = np.concatenate([np.sqrt(weight) * y, np.zeros(3)])
+    theta, squares = np.linalg.lstsq(rows, right, rcond=None)[:2]
+    np.testing.assert_allclose(found.theta[-1], theta, rtol=1e-9)
+    variance = squares[0] / weight.sum() * np.diag(np.linalg.inv(rows.T @ rows))
+    np.testing.assert_allclose(found.variance[-1], variance, rtol=1e-9)

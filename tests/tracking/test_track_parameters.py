@@ -254,6 +254,7 @@ def test_a_free_run_that_diverges_is_infinite_and_nothing_worse():
         ({"forgetting": 1.5}, "forgetting"),
         ({"delta": -1.0}, "delta"),
         ({"method": "kalman", "thinning": 0}, "thinning"),
+        ({"instants": 0}, "instants"),
         ({"method": "kalman", "forgetting": 0.99}, "forgetting"),
         ({"method": "output_error", "leakage": 0.0}, "leakage"),
         ({"thinning": 10}, "thinning"),

@@ -81,10 +81,7 @@ def step(
         predicted += theta[j] * product / scale[j]
     innovation = np.nan
     if complete:
-        if not known:  # an equation with a missing output says 0 = 0, as in the batch
-            phi[:] = 0.0
-        found = update(state, phi, y if known else 0.0, forgetting, leakage, target)
-        innovation = found if known else np.nan
+        innovation = update(state, phi, y if known else np.nan, forgetting, leakage, target)
     for k in range(inputs.size - 1, 0, -1):
         inputs[k], measured[k], filled[k] = inputs[k - 1], measured[k - 1], filled[k - 1]
     inputs[0], measured[0] = u, y

@@ -71,7 +71,7 @@ def recursive_least_squares(
     Parameters
     ----------
     Phi, y
-        Regressors (n, p) and outputs (n,).
+        Regressors (n, p) and outputs (n,). The equation of an output that is NaN is left out.
     forgetting
         lambda in (0, 1]; the memory is 1/(1 - lambda) samples.
     leakage
@@ -231,10 +231,13 @@ def _invert_root(U: Array, V: Array) -> None:
 def update(
     state: RlsState, phi: Array, y: float, forgetting: float, leakage: float, target: Array
 ) -> float:
-    """Pass one sample through the recursion, in place; return its prediction error."""
+    """Pass one sample through the recursion, in place; return its prediction error.
+
+    The equation of an output that is NaN is left out: its prediction error is NaN, too.
+    """
     U, z, V, theta, sums, row = state
     p = z.size
-    fade, pull = np.sqrt(forgetting), np.sqrt(leakage)
+    fade, pull, known = np.sqrt(forgetting), np.sqrt(leakage), np.isfinite(y)
     innovation, right = y, y
     for i in range(p):
         innovation -= phi[i] * theta[i]
@@ -250,10 +253,11 @@ def update(
             row[:] = 0.0
             row[i] = pull
             squares += _rotate_in(U, z, row, 0.0) ** 2
-    for i in range(p):  # P_n^-1 = P*_n^-1 + phi phi^T: (14)-(16)
-        row[i] = phi[i]
-    squares += _rotate_in(U, z, row, right) ** 2
-    sums[0], sums[1] = squares, forgetting * sums[1] + 1.0
+    if known:
+        for i in range(p):  # P_n^-1 = P*_n^-1 + phi phi^T: (14)-(16)
+            row[i] = phi[i]
+        squares += _rotate_in(U, z, row, right) ** 2
+    sums[0], sums[1] = squares, forgetting * sums[1] + (1.0 if known else 0.0)
 
     _invert_root(U, V)  # P_n = V^T V
     for i in range(p):

@@ -150,17 +150,16 @@ def _recursive(
     method: str,
     settings: dict[str, Any],
 ) -> TrackerEstimate:
-    """Track by recursive least squares; an equation with a missing output says 0 = 0."""
+    """Track by recursive least squares, without the equations that a missing output enters."""
     Phi, target = _equations(model, signals)
     there = np.isfinite(target)
     scale = root_mean_square(Phi)
-    Phi, target = np.where(there[:, None], Phi / scale, 0.0), np.where(there, target, 0.0)
+    Phi = np.where(there[:, None], Phi / scale, 0.0)
     centre = model.parameters * scale
     found = recursive_least_squares(Phi, target, theta_0=centre, **settings)
     known = model.covariance is not None
     own = np.zeros((scale.size, scale.size)) if model.covariance is None else model.covariance
-    missing = np.where(there, target, np.nan)
-    ratio = fit_common_ratio(Phi, missing, theta_0=centre, prior_variance=1.0, thinning=_THINNING)
+    ratio = fit_common_ratio(Phi, target, theta_0=centre, prior_variance=1.0, thinning=_THINNING)
     covariance = recursion_covariance(
         Phi,
         found,
@@ -169,15 +168,14 @@ def _recursive(
         walk=np.full(scale.size, ratio * np.var(found.innovation[there])),
         **settings,
     )
-    innovation = np.where(there, found.innovation, np.nan)
-    withheld = reason_to_withhold(innovation, Phi, missing)
+    withheld = reason_to_withhold(found.innovation, Phi, target)
     if settings["leakage"] and not known:
         withheld = withheld or TARGET_UNKNOWN
     withheld = withheld or _undetermined(model, signals)
     return TrackerEstimate(
         found.theta / scale,
         np.sqrt(found.variance) / scale,
-        innovation,
+        found.innovation,
         covariance / np.outer(scale, scale),
         method,
         withheld,
@@ -287,8 +285,9 @@ def _settings(method: str, **given: Any) -> dict[str, Any]:
     chosen = known | {name: given[name] for name in known if given[name] is not None}
     if not chosen.get("delta", 1.0) > 0.0:
         raise InputError(f"it is {chosen['delta']}", field="delta", remedy="It is more than zero")
-    if chosen.get("thinning", 1) < 1:
-        raise InputError(f"it is {chosen['thinning']}", field="thinning", remedy="It is 1 or more")
+    for name in {"thinning", "instants"} & chosen.keys():
+        if chosen[name] < 1:
+            raise InputError(f"it is {chosen[name]}", field=name, remedy="It is 1 or more")
     return chosen
 
 
