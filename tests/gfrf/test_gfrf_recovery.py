@@ -36,3 +36,10 @@ def test_a_model_without_a_rest_is_infinitely_wrong(plants):
     bursting = NarxModel.from_terms({"1": 1.0, "y(t-1)": 1.2, "y(t-1)^2": 0.5, "u(t-1)": 1.0})
     score = score_recovery(plants["DEA2"], bursting, smooth_input(), 50, 1.0)
     assert score["nmse"] == score["h1_error"] == score["h2_error"] == np.inf
+
+
+def test_a_linear_plant_that_is_recovered_has_no_error_of_second_order():
+    linear = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.0})
+    assert score_recovery(linear, linear, smooth_input(), 50, 1.0)["h2_error"] == 0.0
+    bent = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.0, "u(t-1)^2": 0.2})
+    assert score_recovery(linear, bent, smooth_input(), 50, 1.0)["h2_error"] == np.inf

@@ -131,3 +131,22 @@ def test_realisations_with_other_lines_are_refused():
     u[1] += np.cos(2 * np.pi * 5 * np.arange(SAMPLES) / SAMPLES)
     with pytest.raises(InputError, match="different lines"):
         best_linear(Periods(u, u, 0.0))
+
+
+@pytest.mark.parametrize(("periods", "order"), [(2, 3), (3, 2), (4, 0)])
+def test_the_noise_is_the_scatter_of_repeated_experiments_at_every_line(periods, order):
+    """Of a linear system, whose scatter between realisations is noise alone."""
+    rng = np.random.default_rng(21)
+    response, noise, total = [], [], []
+    for _ in range(500):
+        u = multisines(rng, 4, periods)
+        y = filtered(u, low_pass(0.7)) + 0.1 * rng.standard_normal(u.shape)
+        if order:
+            y += np.linspace(0, 2, u[0].size).reshape(u[0].shape)
+        found = best_linear(Periods(u, y, 0.0), order)
+        response.append(found.response)
+        noise.append(found.noise)
+        total.append(found.total)
+    scatter = np.var(response, axis=0)
+    np.testing.assert_allclose(np.mean(noise, axis=0), scatter, rtol=0.2)
+    np.testing.assert_allclose(np.mean(total, axis=0), scatter, rtol=0.2)

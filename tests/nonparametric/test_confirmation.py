@@ -81,6 +81,17 @@ def test_the_response_is_the_models_h1_and_even_lines_are_its_h2(found):
         assert (np.abs(wrong.ratio - 1) > wrong.radius)[strong].all()
 
 
+def test_no_line_is_looked_for_beyond_half_the_sampling_rate(found):
+    """Sums of two lines in a band up to half the harmonics reach beyond the last one."""
+    each = found[0]
+    last = each.output.shape[1] - 1
+    short = each._replace(
+        lines=each.lines[each.lines <= last // 2 + 2], output=each.output[:, : last // 2 + 3]
+    )
+    _, H2 = responses(short.lines)
+    assert intermodulation(short, H2, last // 2 + 2).lines.max() <= last // 2 + 2
+
+
 def test_predicted_even_lines_are_the_sums_over_all_pairs(found):
     each = found[0]
     _, H2 = responses(each.lines)

@@ -61,5 +61,7 @@ def _difference(
         frequency_response(model, order, frequencies, sampling_rate, allow_missing=True)
         for model in (plant, found)
     )
-    error = np.linalg.norm(actual - expected) / np.linalg.norm(expected)
-    return float(error) if np.isfinite(error) else np.inf
+    error, size = np.linalg.norm(actual - expected), np.linalg.norm(expected)
+    if error == 0.0:
+        return 0.0  # of two linear models, whose responses of higher order vanish, too
+    return float(error / size) if size and np.isfinite(error / size) else np.inf

@@ -20,6 +20,7 @@ Lines = NDArray[np.int64]
 
 _EXCITED = 1e-2  # of the largest input amplitude; quantisation of the input stays far below
 _CONFIDENCE = 0.95
+_SHOWN = 1e-6  # part of the noise that must show in the differences between periods
 
 
 class BestLinear(NamedTuple):
@@ -35,7 +36,7 @@ class BestLinear(NamedTuple):
     realisations: int
     input: Complex  # (realisations, harmonics) two-sided Fourier coefficients, from harmonic 0 on
     output: Complex  # (realisations, harmonics) without drift
-    output_noise: Array  # (realisations, harmonics) variance of output by noise
+    output_noise: Array  # (realisations, harmonics) variance of output by noise, NaN if unknown
 
     @property
     def distortion(self) -> Array:
@@ -92,7 +93,8 @@ def best_linear(periods: Periods, drift: int = 3) -> BestLinear:
     lines = np.flatnonzero(excited[0])
     spectra = np.fft.rfft(np.stack([without_drift(each, drift) for each in y])) / samples
     output = spectra.mean(axis=1)
-    output_noise = np.var(spectra, axis=1, ddof=1) / spectra.shape[1]
+    told, of_mean = _noise_shares(y.shape[1], samples, drift)
+    output_noise = np.var(spectra, axis=1, ddof=1) / told * of_mean
     gains = output[:, lines] / spectrum_u[:, lines]
     count = gains.shape[0]
     noise = np.mean(output_noise[:, lines] / amplitude[:, lines] ** 2, axis=0) / count
@@ -110,9 +112,35 @@ def without_drift(y: Array, order: int) -> Array:
     """
     if order == 0:
         return y
-    basis = legendre.legvander(np.linspace(-1.0, 1.0, y.size), order)[:, 1:]
-    basis = basis.reshape(*y.shape, order)
+    basis = _polynomials(y.shape[0], y.shape[1], order)
     coefficients = np.linalg.lstsq(
         (basis - basis.mean(axis=0)).reshape(-1, order), (y - y.mean(axis=0)).ravel(), rcond=None
     )[0]
     return np.asarray(y - basis @ coefficients)
+
+
+def _polynomials(periods: int, samples: int, order: int) -> Array:
+    """Return Legendre polynomials over all periods, shape (periods, samples, order)."""
+    time = np.linspace(-1.0, 1.0, periods * samples)
+    basis = np.asarray(legendre.legvander(time, order)[:, 1:], dtype=np.float64)
+    return basis.reshape(periods, samples, order)
+
+
+def _noise_shares(periods: int, samples: int, order: int) -> tuple[Array, Array]:
+    """Return what the drift that is estimated makes of white noise at each harmonic.
+
+    The first is the part of its variance that the differences between periods still show, since
+    the drift follows them, NaN where it follows them altogether; the second the variance of the
+    mean of the periods, to which the error of the drift adds, over that of one.
+    """
+    if order == 0:
+        return np.ones(1), np.full(1, 1.0 / periods)
+    basis = _polynomials(periods, samples, order)
+    mean = basis.mean(axis=0)
+    U, sizes, V = np.linalg.svd((basis - mean).reshape(-1, order), full_matrices=False)
+    free = sizes > 1e-10 * sizes[0]
+    followed = np.fft.rfft(U[:, free].reshape(periods, samples, -1), axis=1)
+    told = 1.0 - np.sum(np.abs(followed) ** 2, axis=(0, 2)) / ((periods - 1) * samples)
+    told = np.where(told > _SHOWN, told, np.nan)
+    error = np.fft.rfft(mean @ V[free].T / sizes[free], axis=0)
+    return told, 1.0 / periods + np.sum(np.abs(error) ** 2, axis=1) / samples

@@ -51,7 +51,8 @@ def intermodulation(found: BestLinear, H2: Complex, highest: int) -> Intermodula
     contribution = H2 * spectrum[:, :, None] * spectrum[:, None, :]
     sums = lines[:, None] + lines[None, :]
     inside = (np.abs(lines) <= highest)[:, None] & (np.abs(lines) <= highest)[None, :]
-    even = np.unique(sums[(sums > 0) & (sums <= 2 * highest)])
+    largest = min(2 * highest, found.output.shape[1] - 1)
+    even = np.unique(sums[(sums > 0) & (sums <= largest)])
     predicted = np.stack([contribution[:, sums == s].sum(axis=-1) for s in even], axis=-1)
     within = np.stack([(contribution * inside)[:, sums == s].sum(axis=-1) for s in even], axis=-1)
     power = np.sum(np.abs(predicted) ** 2, axis=0)
