@@ -87,7 +87,7 @@ def minimise(
         model = objective.linearise(point, iteration, exact) if np.isfinite(point.cost) else None
         if model is None:
             break
-        gain = 0.0
+        gain, begun = 0.0, now
         for _ in range(damping.tries):
             if now >= damping.most:
                 break
@@ -99,5 +99,8 @@ def minimise(
             now *= 10.0
         if gain <= tolerance * model.cost and model.exact:
             break
+        if not gain:
+            # What failed was the model, not the length of its steps.
+            now = begun
         exact = gain <= tolerance * model.cost
     return point
