@@ -4,10 +4,21 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import control
 import dea
-from dea.control import Follower, Gains, OnlineTracker, inverse_input, linearise, tune_feedback
+from dea.control import (
+    Follower,
+    Gains,
+    OnlineTracker,
+    RunIn,
+    Task,
+    inverse_input,
+    linearise,
+    tune_feedback,
+)
+from dea.control.design import FromStart
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
 from dea.narx import NarxModel, Scaling, estimate, refine
@@ -164,6 +175,30 @@ def test_the_inverse_of_the_tracked_model_follows_better_than_feedback_alone(ide
         _, y = closed_loop(PLANT, reference, follower(gains), feedforward, noise=1e-4)
         errors[name] = np.sqrt(np.mean((y - reference)[200:] ** 2)) / stroke
     assert errors["inverse"] < 0.3 * errors["alone"], errors
+
+
+@pytest.mark.parametrize("filter_time", [0.0, 0.3])
+def test_away_from_the_limits_the_follower_is_the_controller_that_was_tuned(filter_time):
+    """Its answer to any error is the inverse transform of C(z)."""
+    gains = Gains(0.2, 1.5, RATE, filter_time)
+    error = np.random.default_rng(5).standard_normal(400)
+    own = Follower(gains, -1e6, 1e6, 1e9, start=0.0)
+    found = [own.step(each, 0.0, 0.0) for each in error]
+    lag, step = filter_time * RATE, 1.0 / (RATE * gains.integral_time)
+    numerator = 0.2 * np.array([1.0 + step, -1.0])
+    expected = lfilter(numerator, np.convolve([1.0, -1.0], [1.0 + lag, -lag]), error)
+    np.testing.assert_allclose(found, expected, atol=1e-9)
+
+
+def test_a_drive_begins_with_the_first_reading_after_the_hold():
+    """Readings are lost from the end of the hold on."""
+    run_in = RunIn(4, 5)
+    task = Task(np.full(40, 1.0), 1.0, 2.4, run_in, (LOWEST, HIGHEST))
+    own = FromStart(Follower(Gains(0.1, 1.0, RATE), LOWEST, HIGHEST, 1e3, start=2.4), task)
+    inputs = [own(np.nan if 4 <= k < 7 else 0.5) for k in range(40)]
+    assert inputs[:7] == [2.4] * 7
+    assert np.isfinite(inputs).all()
+    assert inputs[-1] > 2.4
 
 
 def test_a_sensor_that_drops_out_leaves_the_feedforward():

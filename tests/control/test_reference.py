@@ -55,3 +55,12 @@ def test_minutes_apart_have_no_reach():
     y = np.repeat([0.0, 1.0], 3000)
     with pytest.raises(InputError, match="no range in common"):
         reach_of(y, RATE, (0.0, 1.0))
+
+
+def test_a_minute_without_a_reading_does_not_count():
+    y = np.tile(np.linspace(0.0, 1.0, round(60 * RATE)), 4)
+    gappy = y.copy()
+    gappy[round(60 * RATE) : round(120 * RATE)] = np.nan
+    assert reach_of(gappy, RATE, (0.0, 1.0)) == reach_of(y, RATE, (0.0, 1.0))
+    with pytest.raises(InputError, match="it has no reading"):
+        reach_of(np.full(y.size, np.nan), RATE, (0.0, 1.0))

@@ -203,9 +203,9 @@ class FromStart:
         """Return the input of the next sample, given the output of the last."""
         k, hold = self._sample, self._task.run_in.hold
         self._sample += 1
-        if k < hold:
+        if k < hold or not (self.reference.size or np.isfinite(measured)):
             return self._task.start
-        if k == hold:
+        if not self.reference.size:
             self.reference = self._task.run_in.approached(self._task.reference, measured)
         return self._follower.step(self.reference[k - 1], measured, self._task.start)
 

@@ -142,6 +142,7 @@ class Follower:
     rate: float
     start: float
     _integral: float = field(default=0.0, init=False)
+    _filtered: float = field(default=0.0, init=False)
     _last: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -169,8 +170,12 @@ class Follower:
         feedforward
             Input that a model has for the reference.
         """
-        error = reference - measured if np.isfinite(measured) else 0.0
         K, T = self.gains.proportional, 1.0 / self.gains.sampling_rate
+        error = 0.0
+        if np.isfinite(measured):
+            new = 1.0 / (1.0 + self.gains.filter_time / T)
+            self._filtered = new * (reference - measured) + (1.0 - new) * self._filtered
+            error = self._filtered
         growth = K * T / self.gains.integral_time * error
         reach = self.rate * T
         low, high = max(self.lowest, self._last - reach), min(self.highest, self._last + reach)

@@ -40,6 +40,11 @@ def reach_of(y: Array, sampling_rate: float, shares: tuple[float, float]) -> Rea
     """
     length = min(round(STRETCH * sampling_rate), y.size)
     rows = y[: y.size // length * length].reshape(-1, length)
+    rows = rows[np.isfinite(rows).any(axis=1)]
+    if not rows.size:
+        raise InputError(
+            "it has no reading", field="y", remedy="Take a record whose output is known."
+        )
     low, high = np.nanmin(rows, axis=1).max(), np.nanmax(rows, axis=1).min()
     if not low < high:
         raise InputError(
