@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from dea.errors import InputError
-from dea.narx import Scaling, estimate, regressor_matrix
+from dea.narx import Scaling, estimate, regressor_matrix, select_terms
 from dea.narx.checks import as_record
 from dea.narx.estimation import least_squares, scaling_of
 from dea.narx.held_out import held_out_error
@@ -13,6 +14,7 @@ from dea.narx.model import NarxModel
 from dea.narx.simulation import simulate, simulate_varying
 from dea.narx.trace import gain
 from dea.narx.validation import Windows, validate
+from dea.store import Record
 from dea.terms import Term
 
 MODEL = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-2)": 0.3})
@@ -123,3 +125,19 @@ def test_windows_use_the_whole_record_and_no_more(windows, before, fits):
     else:
         with pytest.raises(InputError, match="windows"):
             validate({"model": MODEL}, u, y, 10.0, chosen)
+
+
+def test_a_stretch_of_a_record_may_be_at_rest():
+    """A hold between two samples that are missing, and a decay from a state that was driven to."""
+    terms = NarxModel.from_terms({"y(t-1)": 0.0, "u(t-1)": 0.0}).terms
+    u = np.repeat(np.random.default_rng(3).standard_normal(30), 40)
+    y = lfilter([0.0, 0.3], [1.0, -0.7], u)
+    u_rest, decay = np.zeros(60), 0.7 ** np.arange(60)
+    parameters = estimate(terms, [u, u_rest], [y, decay], scaling=None).parameters
+    np.testing.assert_allclose(parameters, [0.7, 0.3], atol=1e-6)
+    gappy = y.copy()
+    gappy[[202, 238]] = np.nan
+    found = select_terms(Record.of(u, gappy, 10.0), y_lags=1, u_lags=1, degree=1)
+    assert {str(term) for term in found.terms} >= {"y(t-1)", "u(t-1)"}
+    with pytest.raises(InputError, match="it is constant at 0"):
+        estimate(terms, [u_rest, u_rest], [decay, decay], scaling=None)

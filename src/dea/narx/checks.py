@@ -1,5 +1,7 @@
 """Checks of signals before anything is estimated from them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -98,8 +100,23 @@ def as_record(
     Raises
     ------
     InputError
-        As :func:`as_signal`; also if lengths differ, if fewer than ``terms`` samples remain after
-        the first ``lag``, if the output is constant, or if every input is.
+        As :func:`as_pair`; also if the output is constant, or if every input is.
+    """
+    inputs, outputs = as_pair(u, y, lag, terms, missing=missing)
+    check_variation([inputs], [outputs])
+    return inputs, outputs
+
+
+def as_pair(
+    u: ArrayLike, y: ArrayLike, lag: int = 0, terms: int = 0, *, missing: bool = False
+) -> tuple[Array, Array]:
+    """Return input and output as equally long signals, which may be constant.
+
+    Raises
+    ------
+    InputError
+        As :func:`as_signal`; also if lengths differ, or if fewer than ``terms`` samples remain
+        after the first ``lag``.
     """
     inputs, outputs = as_input(u), as_signal(y, "y", missing=missing)
     samples = inputs.shape[0]
@@ -116,7 +133,19 @@ def as_record(
             field="u",
             remedy="Use a longer record, smaller lags or fewer terms.",
         )
-    for name, signal in (("u", inputs), ("y", outputs)):
+    return inputs, outputs
+
+
+def check_variation(inputs: Sequence[Array], outputs: Sequence[Array]) -> None:
+    """Check that the output and an input of one or several records vary, all taken together.
+
+    Raises
+    ------
+    InputError
+        If they do not, or if no output is known.
+    """
+    for name, signals in (("u", inputs), ("y", outputs)):
+        signal = np.concatenate(signals)
         there = signal[np.isfinite(signal)] if signal.ndim == 1 else signal
         if not there.size:
             raise InputError("every sample is missing", field=name, remedy="Record it again.")
@@ -126,4 +155,3 @@ def as_record(
                 field=name,
                 remedy="A model can only be identified from signals that vary.",
             )
-    return inputs, outputs

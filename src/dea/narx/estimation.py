@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.inputs import by_input, input_count
-from dea.narx.checks import Array, as_record
+from dea.narx.checks import Array, as_pair, check_variation
 from dea.narx.model import NarxModel
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
@@ -132,9 +132,7 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
             field="u",
             remedy="Give as many records of the one as of the other.",
         )
-    records = [
-        as_record(one, other, lag, terms) for one, other in zip(inputs, outputs, strict=True)
-    ]
+    records = [as_pair(one, other, lag, terms) for one, other in zip(inputs, outputs, strict=True)]
     counts = sorted({input_count(u) for u, _ in records})
     if len(counts) > 1:
         raise InputError(
@@ -142,6 +140,7 @@ def as_segments(u: Signals, y: Signals, lag: int = 0, terms: int = 0) -> list[Se
             field="u",
             remedy="Give records of the same inputs.",
         )
+    check_variation(*zip(*records, strict=True))
     return records
 
 
