@@ -1,0 +1,160 @@
+"""What a person is told about an output, and does to it."""
+
+import os
+import re
+import time
+from datetime import datetime
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from made_device import ECHO, module
+from memory_link import MemoryLink
+
+from dea.acquisition import AcquisitionSettings, by_hand, duty, latch
+from dea.acquisition.duty import Duty, Order, Phase
+from dea.progress import heard_by
+
+
+@pytest.fixture
+def device(monkeypatch):
+    """A module that reads 1.5 V."""
+    monkeypatch.setattr(by_hand, "Link", lambda device, _: MemoryLink(device, applied_output=1500))
+    return module(limits=(0, 10), applied_output=ECHO)
+
+
+def asked(device):
+    """Return what was asked of the guardian of a device."""
+    content = duty.duty_file(device).read_bytes()
+    return Order(content[9])
+
+
+def test_an_output_that_nobody_has_driven_is_read(device):
+    assert by_hand.status(device).splitlines() == [
+        "nothing was driven since this machine started",
+        "the output reads 1.5 V",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("phase", "alive", "after"),
+    [
+        (Phase.CHECKING, "checks the device", "checks the device"),
+        (Phase.DRIVING, "drives", "was killed before it had shown zero"),
+        (Phase.TO_ZERO, "ramps to zero", "was killed before it had shown zero"),
+        (Phase.ALARM, "ALARM: cannot show that the output is at zero", "was killed before it had"),
+        (Phase.AT_ZERO, "has shown that the output is at zero", "has shown that the output"),
+        (Phase.DISMISSED, "was dismissed before zero was shown", "was dismissed before zero"),
+    ],
+)
+def test_a_guardian_is_named_with_what_it_does_and_last_asked_for(device, phase, alive, after):
+    with Duty(device) as guardian:
+        before = time.time()
+        guardian.put(phase, 2.25)
+        [told] = by_hand.status(device).splitlines()
+    found = re.fullmatch(rf"guardian {os.getpid()} (.*); asked for 2.25 V \((.*)\)", told)
+    assert found[1] == alive
+    assert abs(datetime.fromisoformat(found[2]).timestamp() - before) <= 2.0
+    told, reading = by_hand.status(device).splitlines()
+    assert told.startswith(f"guardian {os.getpid()} {after}")
+    assert reading == "the output reads 1.5 V"
+
+
+def test_the_trip_is_told_with_its_time_and_before_the_reading(device):
+    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    _, tripped, reading = by_hand.status(device).splitlines()
+    assert re.fullmatch(r"tripped at \d{4}-.*Z: the door is open", tripped)
+    assert reading == "the output reads 1.5 V"
+
+
+def test_an_output_without_a_read_back_is_told_as_such(device):
+    assert by_hand.status(module()).splitlines()[-1] == "the output has no read-back"
+
+
+def test_the_connection_is_closed_though_the_reading_fails(device, monkeypatch):
+    closed = []
+    link = SimpleNamespace(close=lambda: closed.append(True))
+    monkeypatch.setattr(by_hand, "Link", lambda *_: link)
+
+    def fail(_):
+        raise OSError("unplugged")
+
+    monkeypatch.setattr(by_hand, "Output", fail)
+    with pytest.raises(OSError, match="unplugged"):
+        by_hand.status(device)
+    assert closed == [True]
+
+
+def test_a_guardian_that_raises_its_alarm_is_dismissed_until_it_goes(device, monkeypatch):
+    with Duty(device) as guardian:
+        guardian.put(Phase.ALARM, 3.0)
+        orders = []
+
+        def wait(seconds):
+            assert 0.0 < seconds < 0.5
+            orders.append(asked(device))
+            guardian.clear_order()
+            if len(orders) == 3:
+                guardian.put(Phase.DISMISSED, 3.0)
+
+        monkeypatch.setattr(by_hand.time, "sleep", wait)
+        by_hand.dismiss(device)
+        assert orders == [Order.DISMISS] * 3
+        monkeypatch.undo()
+
+
+@pytest.mark.parametrize("phase", [phase for phase in Phase if phase != Phase.ALARM])
+def test_a_guardian_without_an_alarm_is_not_dismissed(device, phase):
+    with Duty(device) as guardian:
+        guardian.put(phase, 3.0)
+        by_hand.dismiss(device)
+        assert asked(device) == Order.NONE
+
+
+def test_an_alarm_whose_guardian_is_gone_is_not_dismissed(device):
+    with Duty(device) as guardian:
+        guardian.put(Phase.ALARM, 3.0)
+    by_hand.dismiss(device)
+    assert asked(device) == Order.NONE
+
+
+def test_zero_is_asked_of_the_guardian_until_it_ends_and_then_shown(device, monkeypatch):
+    orders, jobs, told = [], [], []
+
+    class Recorder:
+        evidence = "0 V for 1 s"
+
+        def __init__(self, job, log, stop):
+            jobs.append(job)
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+        def await_zero(self):
+            told.append("awaited")
+
+    guardian = Duty(device).__enter__()
+    guardian.put(Phase.DRIVING, 4.0)
+
+    def wait(seconds):
+        assert 0.1 < seconds < 1.5
+        orders.append(asked(device))
+        guardian.clear_order()
+        if len(orders) == 2:
+            guardian.__exit__(None, None, None)
+
+    monkeypatch.setattr(by_hand.time, "sleep", wait)
+    monkeypatch.setattr(by_hand, "Recorder", Recorder)
+    with heard_by(told.append):
+        assert by_hand.zero(device, AcquisitionSettings()) == "0 V for 1 s"
+    monkeypatch.undo()
+    assert orders == [Order.ZERO] * 2
+    assert [each.startswith(f"module: guardian {os.getpid()} drives; ") for each in told] == [
+        True, True, False,
+    ]  # fmt: skip
+    [job] = jobs
+    assert (job.reset, job.token) == (False, 0)
+    np.testing.assert_array_equal(job.counts, [])
