@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from dea.errors import InputError
 from dea.narx import Scaling, estimate, regressor_matrix, select_terms
-from dea.narx.checks import as_record
+from dea.narx.checks import as_input, as_record, as_signal, check_inputs
 from dea.narx.estimation import least_squares, scaling_of
 from dea.narx.held_out import held_out_error
 from dea.narx.metrics import fpe
@@ -141,3 +141,102 @@ def test_a_stretch_of_a_record_may_be_at_rest():
     assert {str(term) for term in found.terms} >= {"y(t-1)", "u(t-1)"}
     with pytest.raises(InputError, match="it is constant at 0"):
         estimate(terms, [u_rest, u_rest], [decay, decay], scaling=None)
+
+
+def test_a_signal_is_refused_by_its_dimensions_and_by_its_first_bad_sample():
+    for values, words in (
+        (np.ones((3, 2)), "y: it has 2 dimensions"),
+        ([1.0, 2.0, np.nan, 4.0, np.inf], "y: 2 of 5 samples are not numbers, .* at sample 2"),
+        ([1.0, "two"], "y: it holds no numbers"),
+    ):
+        with pytest.raises(InputError, match=words):
+            as_signal(values, "y")
+    found = as_signal([1.0, np.nan, 3.0], "y", missing=True)
+    np.testing.assert_array_equal(found, [1.0, np.nan, 3.0])
+    with pytest.raises(InputError, match="1 of 3 samples are not numbers, the first at sample 2"):
+        as_signal([1.0, np.nan, -np.inf], "y", missing=True)
+
+
+def test_one_column_is_one_input_and_several_lie_column_by_column():
+    np.testing.assert_array_equal(as_input(np.arange(3.0)[:, None]), [0.0, 1.0, 2.0])
+    several = np.arange(8.0).reshape(4, 2)
+    found = as_input(several)
+    np.testing.assert_array_equal(found, several)
+    assert found.flags.f_contiguous
+    assert as_signal(several[:, 1], "y").flags.c_contiguous
+    with pytest.raises(InputError, match="u: it has 3 dimensions"):
+        as_input(np.ones((2, 2, 1)))
+
+
+def test_a_bad_sample_of_several_inputs_is_named_with_its_input():
+    several = np.zeros((6, 3))
+    several[4, 0] = several[3, 2] = several[3, 1] = np.nan
+    with pytest.raises(InputError, match=r"3 of 18 samples .* at sample 3 of input 2"):
+        as_input(several)
+    several = np.zeros((6, 2))
+    several[0, 0] = np.inf
+    with pytest.raises(InputError, match=r"1 of 12 samples .* at sample 0 of input 1"):
+        as_input(several)
+
+
+@pytest.mark.parametrize(
+    ("numbered", "inputs", "words"),
+    [
+        (None, 1, None),  # terms without an input
+        (None, 3, None),
+        (0, 1, None),
+        (1, 1, None),
+        (2, 2, None),
+        (2, 3, None),
+        (0, 2, "2 inputs for a model whose terms name a single input, u"),
+        (2, 1, "one input for a model whose terms name inputs up to u2"),
+        (3, 2, "2 inputs for a model whose terms name inputs up to u3"),
+    ],
+)
+def test_a_model_takes_no_fewer_inputs_than_its_terms_name(numbered, inputs, words):
+    u = np.zeros((5, inputs)) if inputs > 1 else np.zeros(5)
+    if words is None:
+        check_inputs(numbered, u)
+    else:
+        with pytest.raises(InputError, match=words):
+            check_inputs(numbered, u)
+
+
+def test_signals_of_other_lengths_are_no_record():
+    u, y = record(9)
+    with pytest.raises(InputError, match="y: it has 8 samples and u has 9"):
+        as_record(u, y[:8])
+    several = np.column_stack([u, u])
+    found, _ = as_record(several, y)
+    np.testing.assert_array_equal(found, several)
+
+
+def test_a_record_needs_an_equation_though_no_terms_are_counted():
+    u, y = record(4)
+    assert as_record(u, y, 3)[0].size == 4
+    with pytest.raises(InputError, match="4 samples leave 0 equations after a lag of 4"):
+        as_record(u, y, 4)
+
+
+@pytest.mark.parametrize(
+    ("signal", "values", "words"),
+    [
+        ("u", [2.5] * 6, "u: it is constant at 2.5"),
+        ("y", [2.5] * 6, "y: it is constant at 2.5"),
+        ("y", [np.nan, 2.5, np.nan, 2.5, 2.5, np.nan], "y: it is constant at 2.5"),
+        ("y", [np.nan] * 6, "y: every sample is missing"),
+        ("u", [[2.0, 3.0]] * 6, "u: it is constant at 2, 3"),
+    ],
+)
+def test_a_signal_that_does_not_vary_is_refused(signal, values, words):
+    signals = dict(zip("uy", record(6), strict=True)) | {signal: np.array(values)}
+    with pytest.raises(InputError, match=words):
+        as_record(**signals, missing=True)
+
+
+def test_one_input_that_varies_is_enough():
+    u, y = record(6)
+    for several in (np.column_stack([u, np.ones(6)]), np.column_stack([np.ones(6), u])):
+        np.testing.assert_array_equal(as_record(several, y)[0], several)
+    with pytest.raises(InputError, match="y: 1 of 6 samples are not numbers"):
+        as_record(u, np.where(np.arange(6) == 2, np.nan, y))
