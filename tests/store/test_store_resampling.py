@@ -118,3 +118,50 @@ def test_times_closer_than_the_samples_are_missing_but_those_of_a_sample():
     found = resample(time, *straight(time), 0.2)
     np.testing.assert_allclose(found.time, 0.2 * np.arange(48), atol=1e-12)
     np.testing.assert_array_equal(np.flatnonzero(~found.missing), np.arange(0, 48, 5))
+
+
+@pytest.mark.parametrize(("samples", "interval"), [(1251, 1.0), (1252, 1.00004)])
+def test_four_digits_are_kept_that_move_the_last_sample_by_a_twentieth_at_most(samples, interval):
+    """They move it by 0.00004 for each sample after the first."""
+    time = 3.0 + 1.00004 * np.arange(samples)
+    assert usual_interval(time) == pytest.approx(interval, rel=1e-9)
+
+
+def test_every_sample_counts_as_a_step_of_its_own_however_short():
+    time = np.arange(60.0)
+    time[31:] -= 0.7
+    slope = np.polyfit(np.arange(60), time, 1)[0]
+    assert usual_interval(time) == pytest.approx(float(f"{slope:.4g}"), rel=1e-9)
+
+
+@pytest.mark.parametrize("start", [0.0, -50.0, 1e4])
+def test_the_usual_interval_is_the_slope_over_the_steps_wherever_time_starts(start):
+    steps = np.delete(np.arange(40.0), [7, 8, 20])
+    time = 0.1 * steps + np.random.default_rng(8).uniform(-0.01, 0.01, steps.size)
+    slope = np.polyfit(steps, time, 1)[0]
+    assert usual_interval(start + time) == pytest.approx(slope, rel=1e-3)
+
+
+def test_of_several_times_that_fall_back_the_first_is_named():
+    with pytest.raises(InputError, match="sample 2 is at 0 s, the one before it at 1 s"):
+        resample(np.array([0.0, 1.0, 0.0, 3.0, 2.0]), np.arange(5.0), np.arange(5.0), 1.0)
+
+
+def test_neighbours_may_be_as_far_apart_and_one_sample_as_far_off_as_is_allowed():
+    """At an interval of 5 s neighbours may be 8 s apart, one sample 1.25 s off."""
+    time = np.r_[0.0:41.0:5.0, 48.0, 53.0:94.0:5.0]
+    assert not resample(time, *straight(time), 5.0).missing.any()
+    time = np.r_[0.0:41.0:5.0, 56.25, 60.0:101.0:5.0]
+    found = resample(time, *straight(time), 5.0)
+    np.testing.assert_array_equal(found.time[found.missing], [45.0, 50.0])
+
+
+@pytest.mark.parametrize(("signal", "lost"), [("time", 30), ("u", 40), ("y", 50)])
+def test_a_value_missing_from_any_column_leaves_its_sample_out(signal, lost):
+    columns = {"time": np.arange(80.0)}
+    columns["u"] = np.stack(straight(columns["time"]), axis=1)
+    columns["y"] = straight(columns["time"])[1]
+    columns[signal][(lost, 1) if signal == "u" else lost] = np.nan
+    found = resample(*columns.values(), 1.0)
+    np.testing.assert_array_equal(np.flatnonzero(found.missing), [lost])
+    np.testing.assert_allclose(found.u, np.stack(straight(found.time), axis=1))

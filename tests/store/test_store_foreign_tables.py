@@ -1,0 +1,348 @@
+"""What foreign files say: times, units, numbers and words, in files written by hand."""
+
+import netCDF4
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+from scipy.io import savemat
+
+from dea.errors import InputError
+from dea.store.foreign_files import read_foreign, time_factor
+from dea.store.foreign_files.clock import is_clock, seconds
+from dea.store.foreign_files.table import from_columns, name_and_units, plain_units
+
+
+def read(folder, text, name="mine.csv", encoding="utf-8"):
+    (folder / name).write_bytes(text.encode(encoding))
+    return read_foreign(folder / name)
+
+
+# Times
+
+
+@pytest.mark.parametrize(
+    ("text", "clock"),
+    [
+        ("0:00:01", True), ("123:59:59,25", True), ("23:59:59.", True), ("1234:00:00", False),
+        ("12:34", False), ("12:34:56:7", False), ("x 12:34:56", False),
+        ("2024-01-31", True), ("31.12.2023 10:00", True), ("1/2/24T5", True), ("2024.01", False),
+        ("12.5", False), ("20240131", False), ("1-2-20245", False), ("12345-01-01", False),
+    ],
+)  # fmt: skip
+def test_what_looks_like_a_time(text, clock):
+    assert is_clock(text) is clock
+
+
+@pytest.mark.parametrize(
+    ("stamps", "elapsed"),
+    [
+        (["01:00:00", "14:00:00"], [0, 13 * 3600]),
+        (["22:00:00", "09:59:59", "22:00:00", "09:59:58"], [0, 43199, 86400, 129598]),
+        (["12:59:59", "13:00:01", "02:00:00"], [0, 2, -39599]),  # set back by less than half a day
+        (["0:01:02,5", "1:02:03.75"], [0, 3661.25]),
+        ([None, "10:00:00", " ", "10:00:07", None], [np.nan, 0, np.nan, 7, np.nan]),
+        (["2024-01-01"], [0]),
+        (["2024-03-31T01:59:59+01:00", "2024-03-31T03:00:01+02:00"], [0, 2]),
+        (["2024-03-31T01:59:59,5", None, "2024-03-31T02:00:00"], [0, np.nan, 0.5]),
+        ([None, "2024-03-31 02:00", "2024-03-31 02:01"], [np.nan, 0, 60]),
+        (["12/01/2024 10:00:00", "01/02/2024 10:00:00"], [0, 20 * 86400]),  # day before month
+        (["01/30/2024 10:00:00.5", "02/01/2024 10:00:00.75"], [0, 2 * 86400 + 0.25]),
+        (["30/01/2024 10:00:00.5", "01/02/2024 10:00:00.75"], [0, 2 * 86400 + 0.25]),
+        (["30.01.2024 10:00:00,25", "30.01.2024 10:00:01,75"], [0, 1.5]),
+        (["30.01.2024 10:00", "30.01.2024 10:02"], [0, 120]),
+        (["1/31/2024 11:59:59 AM", "1/31/2024 12:00:01 PM"], [0, 2]),
+        (["start", "2024-01-01", "2024-01-02"], None),
+        (["2024-01-01", "2024-01-02", "end"], None),
+        (["2024-01-02", "2024-01-01"], None),
+        (["", None], None),
+        (["10:00:00", "later"], None),
+    ],
+)
+def test_times_are_seconds_since_the_first_entry(stamps, elapsed):
+    found = seconds(pd.Series(stamps, dtype=object))
+    if elapsed is None:
+        assert found is None
+    else:
+        np.testing.assert_allclose(found, elapsed, rtol=0, atol=1e-6)
+
+
+def test_dates_of_pandas_are_seconds_too():
+    stamps = np.array(["NaT", "2024-01-01T00:00:01", "2024-01-02T00:00:00.5", "NaT"], "M8[ms]")
+    dates = pd.Series(stamps)
+    np.testing.assert_allclose(seconds(dates), [np.nan, 0.0, 86399.5, np.nan])
+    assert from_columns(["when [h]"], [dates]).units == {"when": "s"}
+
+
+# Units and headings
+
+
+@pytest.mark.parametrize(
+    ("text", "units", "factor"),
+    [
+        ("s", "s", 1.0), ("sec", "s", 1.0), (" [Seconds] ", "s", 1.0), ("( secs )", "s", 1.0),
+        ("seconds since 2024-01-01", "s", 1.0), ("second", "s", 1.0),
+        ("ms", "ms", 1e-3), ("msec", "ms", 1e-3), ("Milliseconds", "ms", 1e-3),
+        ("us", "us", 1e-6), ("µs", "us", 1e-6), ("μs", "us", 1e-6), ("usec", "us", 1e-6),
+        ("ns", "ns", 1e-9), ("min", "min", 60.0), ("minutes", "min", 60.0),
+        ("h", "h", 3600.0), ("hr", "h", 3600.0), ("hours", "h", 3600.0),
+        ("Volt", "V", None), ("volts", "V", None), ("kV", "kV", None), ("µm", "um", None),
+        ("μV", "uV", None), ("-", "1", None), ("", "1", None), ("mm", "mm", None),
+    ],
+)  # fmt: skip
+def test_units_have_one_spelling_and_those_of_time_a_factor(text, units, factor):
+    assert plain_units(text) == units
+    assert time_factor(units) == factor
+
+
+@pytest.mark.parametrize(
+    ("heading", "parts"),
+    [
+        (" u ", ("u", None)), ("u [V]", ("u", "V")), ("drive voltage(kV)", ("drive voltage", "kV")),
+        ("u []", ("u", "1")), ("[V]", ("[V]", None)), ("y (left) [mm]", ("y (left)", "mm")),
+        ("u [V] raw", ("u [V] raw", None)),
+    ],
+)  # fmt: skip
+def test_a_heading_may_end_with_units_in_brackets(heading, parts):
+    assert name_and_units(heading) == parts
+
+
+def columns(**values):
+    return from_columns(values.keys(), [pd.Series(each) for each in values.values()])
+
+
+def test_names_that_units_alone_tell_apart_keep_them():
+    found = from_columns(["u [V]", "u [A]", "y [mm]"], [pd.Series([1.0, 2.0])] * 3)
+    assert found.units == {"u [V]": "V", "u [A]": "A", "y": "mm"}
+    with pytest.raises(InputError, match=r"two columns are called 'y \[mm\]'"):
+        from_columns(["u [V]", "y [mm]", "y [mm]"], [pd.Series([1.0, 2.0])] * 3)
+
+
+def test_units_of_the_heading_count_before_those_below_it_and_a_time_is_in_seconds():
+    stamps = pd.Series(["10:00:00", "10:00:01"])
+    numbers = pd.Series([1.0, 2.0])
+    found = from_columns(
+        ["u [V]", "y", "z", "t [h]"], [numbers, numbers, numbers, stamps], ["A", "mm", None, "min"]
+    )
+    assert found.units == {"u": "V", "y": "mm", "t": "s"}
+
+
+def test_a_constant_is_one_number_in_the_first_of_several_rows():
+    found = columns(
+        u=[1.0, 2.0, 3.0], rate=[50.0, np.nan, np.nan], late=[np.nan, 7.0, np.nan], two=[1, 2, None]
+    )
+    assert found.constants == {"rate": 50.0}
+    assert list(found.columns) == ["u", "late", "two"]
+    assert columns(u=[1.0, 2.0], rate=[50.0, np.nan]).constants == {"rate": 50.0}
+    assert columns(u=[4.0]).constants == {}
+    np.testing.assert_array_equal(columns(u=[4.0]).columns["u"], [4.0])
+
+
+def test_a_column_is_of_numbers_where_more_than_half_of_its_entries_are():
+    found = columns(half=["1", "a", "2", "b"], most=["1", "2", "a", None, None])
+    assert list(found.columns) == ["most"]
+    np.testing.assert_array_equal(found.columns["most"], [1.0, 2.0, np.nan, np.nan, np.nan])
+    assert found.words == {"most": "row 3: 'a'"}
+
+
+def test_the_first_word_among_numbers_is_told_and_marks_of_missing_ones_are_none():
+    marks = ["", "NaN", " n/a ", "null", "None", "-", "--", "inf", "-Inf", "NA"]
+    numbers = [str(k) for k in range(12)]
+    found = columns(u=[*numbers, *marks], y=[*numbers, *marks[:8], " Err ", "Off"])
+    assert found.words == {"y": "row 21: 'Err'"}
+    assert not np.isfinite(found.columns["u"][12:]).any()
+
+
+def test_with_a_decimal_comma_a_point_is_no_decimal():
+    found = from_columns(["u"], [pd.Series(["1,5", "2", "3,25", "4.5", 6.5])], decimal=",")
+    np.testing.assert_array_equal(found.columns["u"], [1.5, 2.0, 3.25, np.nan, 6.5])
+    assert found.words == {"u": "row 4: '4.5'"}
+
+
+def test_a_word_is_refused_only_in_a_column_that_is_used(tmp_path):
+    found = columns(u=["1", "2", "x"], y=["1", "2", "3"])
+    found.refuse_words(["y"], tmp_path)
+    with pytest.raises(InputError, match="column 'u': row 3: 'x' is not a number"):
+        found.refuse_words(["y", "u"], tmp_path)
+
+
+# Text
+
+
+@pytest.mark.parametrize("separator", ["\t", ";", ",", "|", " "])
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_a_separator_and_a_decimal_mark_are_told_apart(separator, decimal, tmp_path):
+    if separator == decimal:
+        return
+    rows = [separator.join(f"{v:.3f}".replace(".", decimal) for v in (k / 8, -k, 1e3 * k))
+            for k in range(9)]  # fmt: skip
+    found = read(tmp_path, "\n".join([separator.join("abc"), *rows]))
+    np.testing.assert_array_equal(found.columns["a"], np.arange(9) / 8)
+    np.testing.assert_array_equal(found.columns["b"], -np.arange(9.0))
+    np.testing.assert_array_equal(found.columns["c"], 1e3 * np.arange(9))
+
+
+@pytest.mark.parametrize("mark", ["#", "%", "//", "!"])
+def test_headings_may_be_the_last_comment_before_the_table(mark, tmp_path):
+    lines = [f"{mark} made in 2024", f" {mark}{mark} u, y ", "1,2", f"{mark} pause, here", "3,x4",
+             "5,6", "7,8"]  # fmt: skip
+    found = read(tmp_path, "\n".join(lines))
+    np.testing.assert_array_equal(found.columns["u"], [1.0, 3.0, 5.0, 7.0])
+    assert found.words == {"y": "line 5: 'x4'"}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_units_are_read_in_any_encoding(encoding, tmp_path):
+    found = read(tmp_path, "u [V];y [µm]\n" + "1;2\n" * 4, encoding=encoding)
+    assert found.units == {"u": "V", "y": "um"}
+
+
+@pytest.mark.parametrize("length", [12, 13])
+def test_units_below_the_headings_are_no_longer_than_twelve_characters(length, tmp_path):
+    long = "m" * length
+    found = read(tmp_path, f"u,y\nV,{long}\n" + "1,2\n2,3\n")
+    if length == 12:
+        assert found.units == {"u": "V", "y": long}
+    else:
+        assert (found.units, list(found.columns)) == ({}, ["V", long])
+
+
+def test_a_heading_that_is_missing_is_the_number_of_its_column(tmp_path):
+    found = read(tmp_path, "t,,y\n" + "1,2,3\n2,3,4\n")
+    assert list(found.columns) == ["t", "column 2", "y"]
+
+
+def test_numbers_may_begin_late_and_rows_before_them_are_as_wide_as_they_like(tmp_path):
+    above = [f"remark {k} of the rig, 1, 2, 3" for k in range(150)]
+    rows = [f"{k},{k / 4},{-k}" for k in range(300)]
+    found = read(tmp_path, "\n".join([*above, "t,u,y", *rows]))
+    assert list(found.columns) == ["t", "u", "y"]
+    np.testing.assert_array_equal(found.columns["y"], -np.arange(300.0))
+
+
+def test_fields_may_be_quoted_and_powers_of_ten_written(tmp_path):
+    found = read(tmp_path, '"u, drive","y"\n"1.5e-3", +.5\n-2E2,"3."\n7,8\n')
+    np.testing.assert_array_equal(found.columns["u, drive"], [1.5e-3, -200.0, 7.0])
+    np.testing.assert_array_equal(found.columns["y"], [0.5, 3.0, 8.0])
+
+
+def test_a_row_is_one_of_the_table_where_more_than_half_of_it_is_numbers_or_missing(tmp_path):
+    found = read(tmp_path, "a,b,c,d\n1,,-,x\n1,2,3,x\n4,5,6,y\n")
+    np.testing.assert_array_equal(found.columns["a"], [1.0, 1.0, 4.0])
+    assert list(found.columns) == ["a", "b", "c"]
+    found = read(tmp_path, "a,b,c,d\n1,2,x,y\n1,2,3,x\n4,5,6,y\n7,8,9,y\n")
+    np.testing.assert_array_equal(found.columns["a"], [1.0, 4.0, 7.0])
+
+
+def test_one_number_beside_missing_ones_makes_a_row(tmp_path):
+    found = read(tmp_path, "u,y,z\n" + "".join(f"{k},-,-\n" for k in range(4)))
+    np.testing.assert_array_equal(found.columns["u"], np.arange(4.0))
+
+
+@pytest.mark.parametrize("above", [[], ["rig"], ["rig", "Model, X"], ["a, b", "c, d"]])
+def test_of_several_comments_the_last_one_holds_the_headings(above, tmp_path):
+    lines = [f"# {each}" for each in (*above, "u, y")]
+    assert list(read(tmp_path, "\n".join([*lines, "1,2", "3,4"])).columns) == ["u", "y"]
+
+
+@pytest.mark.parametrize("text", ["", "u\n1\n2\n3\n", "x,y,z,1\n" * 6, "x,-,y\n" * 6])
+def test_lines_without_two_numbers_are_no_table(text, tmp_path):
+    with pytest.raises(InputError, match="no line of it holds two numbers"):
+        read(tmp_path, text)
+
+
+# Other programs
+
+
+@pytest.mark.parametrize("units", [None, ("s", "volts", None)])
+def test_a_spreadsheet_names_a_word_by_its_row(units, tmp_path):
+    book = openpyxl.Workbook()
+    rows = [["t", "u", "y"], *([units] if units else [])]
+    rows += [[0.5, 1, 2], [1.5, 3, "Err"], [2.5, 5, 6], [3.5, 7, 8]]
+    for row in rows:
+        book.active.append(row)
+    book.save(tmp_path / "mine.xlsx")
+    found = read_foreign(tmp_path / "mine.xlsx")
+    np.testing.assert_array_equal(found.columns["t"], [0.5, 1.5, 2.5, 3.5])
+    np.testing.assert_array_equal(found.columns["y"], [2.0, np.nan, 6.0, 8.0])
+    assert found.words == {"y": f"row {4 if units else 3}: 'Err'"}
+    assert found.units == ({"t": "s", "u": "V", "y": "1"} if units else {})
+
+
+def test_a_spreadsheet_of_headings_alone_holds_no_samples(tmp_path):
+    book = openpyxl.Workbook()
+    book.active.append(["t", "u"])
+    book.save(tmp_path / "mine.xlsx")
+    assert not any(each.size for each in read_foreign(tmp_path / "mine.xlsx").columns.values())
+
+
+def test_an_index_with_a_name_is_a_column_of_a_parquet_file(tmp_path, monkeypatch):
+    frame = pd.DataFrame({"u": [1.0, 2.0, 4.0]}, index=[0.5, 1.0, 1.5])
+    monkeypatch.setattr(pd, "read_parquet", lambda _: frame)
+    assert list(read_foreign(tmp_path / "mine.parquet").columns) == ["u"]
+    monkeypatch.setattr(pd, "read_parquet", lambda _: frame.rename_axis("t [ms]"))
+    found = read_foreign(tmp_path / "mine.parquet")
+    np.testing.assert_array_equal(found.columns["t"], [0.5, 1.0, 1.5])
+    assert found.units == {"t": "ms"}
+
+
+def test_netcdf_holds_vectors_and_lone_numbers_and_times_stay_numbers(tmp_path):
+    with netCDF4.Dataset(tmp_path / "mine.nc", "w") as file:
+        file.createDimension("n", 3)
+        file.createDimension("m", 2)
+        for name, kind, dimensions, value in (
+            ("t", "f8", ("n",), [0.0, 1.0, 2.0]), ("u", "i4", ("n",), [3, 4, 5]),
+            ("image", "f8", ("n", "m"), np.zeros((3, 2))), ("rate", "f8", (), 50.0),
+        ):  # fmt: skip
+            file.createVariable(name, kind, dimensions)[...] = value
+        file["t"].units = "seconds since 2024-01-01"
+        file["rate"].units = "Hz"
+        file.createVariable("who", str, ())[...] = "me"
+    found = read_foreign(tmp_path / "mine.nc")
+    assert list(found.columns) == ["t", "u"]
+    np.testing.assert_array_equal(found.columns["t"], [0.0, 1.0, 2.0])
+    assert found.columns["u"].dtype == float
+    assert found.units == {"t": "s"}
+    assert found.constants == {"rate": 50.0}
+
+
+def test_a_matlab_file_holds_rows_columns_matrices_and_structures(tmp_path):
+    values = {
+        "row": np.array([[1, 2, 3]]), "column": np.array([[4.0], [5.0]]), "Ts": 0.5, "who": "me",
+        "tall": np.arange(6.0).reshape(3, 2), "wide": np.arange(6.0).reshape(2, 3),
+        "square": np.arange(4.0).reshape(2, 2), "cube": np.zeros((2, 2, 2)),
+        "rig": {"deep": {"u": np.array([7.0, 8.0])}, "rate": 50},
+    }  # fmt: skip
+    savemat(tmp_path / "mine.mat", values)
+    found = read_foreign(tmp_path / "mine.mat")
+    expected = {
+        "row": [1, 2, 3], "column": [4, 5], "tall_1": [0, 2, 4], "tall_2": [1, 3, 5],
+        "wide_1": [0, 1, 2], "wide_2": [3, 4, 5], "rig.deep.u": [7, 8],
+    }  # fmt: skip
+    assert {name: found.columns[name].tolist() for name in expected} == expected
+    assert set(found.columns) - set(expected) == {"square_1", "square_2"}
+    assert found.constants == {"Ts": 0.5, "rig.rate": 50.0}
+
+
+@pytest.mark.parametrize("ending", ["CSV", "Txt", "dat", "asc", "lvm", "tsv"])
+def test_the_ending_may_be_written_in_capitals(ending, tmp_path):
+    assert list(read(tmp_path, "u,y\n1,2\n3,4\n", f"mine.{ending}").columns) == ["u", "y"]
+
+
+def test_a_missing_package_and_a_newer_kind_are_told_with_what_to_do(tmp_path, monkeypatch):
+    for error, words, remedy in (
+        (ImportError("no", name="fastparquet"), "fastparquet is needed to read .parquet", "pip "),
+        (NotImplementedError("HDF"), r"it is a newer kind of .parquet \(HDF\)", "'-v7'"),
+        (OSError("torn"), r"cannot be read as .parquet \(torn\)", "Repair it"),
+    ):
+
+        def refuse(_, error=error):
+            raise error
+
+        monkeypatch.setitem(read_foreign.__globals__["FORMATS"], ".parquet", refuse)
+        with pytest.raises(InputError, match=words) as caught:
+            read_foreign(tmp_path / "mine.parquet")
+        assert remedy in caught.value.remedy
+        assert caught.value.file == tmp_path / "mine.parquet"
+    with pytest.raises(InputError, match="cannot read a file without an ending"):
+        read_foreign(tmp_path / "mine")
