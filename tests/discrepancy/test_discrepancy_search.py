@@ -1009,3 +1009,59 @@ def test_the_best_single_effects_are_fitted_from_perturbed_starts_too(
     assert len(starts) == refits
     for each in starts[1:]:
         np.testing.assert_array_equal(each != start.coordinates, extended.of_laws)
+
+
+def tried(error, *labels):
+    return SimpleNamespace(error=error, labels=labels, finished=True)
+
+
+def scripted(errors, opened=True, **budget):
+    """A search whose pairs have the ``errors``, one exchange after the other, and what it does."""
+    extended, exchanged = [], []
+
+    class Scripted(Search):
+        @property
+        def singles(self):
+            found = [tried(20.0 + k, label) for k, label in enumerate("abc")]
+            return SimpleNamespace(candidates=found)
+
+        def _extended(self, candidates):
+            extended.append([c.labels for c in candidates])
+            return [SimpleNamespace(candidates=[tried(errors[0], "a", "c")])]
+
+        def _open(self, grown):
+            return opened
+
+        def _exchanged(self, pair):
+            exchanged.append(pair.error)
+            pair = tried(errors[len(exchanged)], f"x{len(exchanged)}", "c")
+            return [SimpleNamespace(candidates=[pair])]
+
+    return Scripted(None, [], [], Budget(**budget), Rules()), extended, exchanged
+
+
+@pytest.mark.parametrize(
+    ("errors", "expected"),
+    [
+        ([10.0, 8.9, 8.5, 0.0], [10.0, 8.9]),
+        ([10.0, 9.0, 8.9], [10.0, 9.0]),  # a tenth less is enough for another one
+        ([10.0, 8.9, 8.0, 7.0, 0.0], [10.0, 8.9, 8.0]),  # three are all
+        ([10.0, 11.0, 0.0], [10.0]),
+    ],
+)
+def test_a_pair_is_exchanged_again_while_that_lowers_its_error_by_a_tenth(errors, expected):
+    search, extended, exchanged = scripted(errors, exchanges=3, exchange_gain=0.9)
+    grown = search._pairs_from([tried(20.0, "a"), tried(21.0, "b")])
+    assert exchanged == expected
+    best = min(c.error for each in grown for c in each.candidates)
+    assert best == min(errors[: len(expected) + 1])
+    # The partner that the best pair has found is extended too.
+    assert extended == [[("a",), ("b",)], [("c",)]]
+
+
+@pytest.mark.parametrize(("exchanges", "opened"), [(0, True), (3, False)])
+def test_no_pair_is_exchanged_where_none_may_be_or_none_is_worth_it(exchanges, opened):
+    search, extended, exchanged = scripted([10.0], opened, exchanges=exchanges)
+    [found] = search._pairs_from([tried(20.0, "a")])
+    assert found.candidates[0].error == 10.0
+    assert (extended, exchanged) == ([[("a",)]], [])

@@ -1,0 +1,235 @@
+"""The level of white noise in a residual, and whether it is coloured noise alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.signal import lfilter, periodogram
+from scipy.stats import kurtosis, norm
+
+from dea.discrepancy.evidence.colour import is_coloured_noise, predictable
+from dea.discrepancy.evidence.noise import quantisation, white_level
+from dea.discrepancy.problem import Problem
+
+PIECE = 64  # samples whose levels are compared
+
+
+def level_of(power):
+    """Return the deviation of white noise with this median of its periodogram."""
+    return np.sqrt(np.median(power) / np.log(2.0))
+
+
+def upper_half(residual):
+    """Return SciPy's periodogram above half the band, without the last line."""
+    t = np.arange(residual.size)
+    left = residual - np.polyval(np.polyfit(t, residual, 2), t)
+    power = periodogram(left, window=np.hanning(left.size), detrend=False)[1] / 2.0
+    return power[power.size // 2 : -1]
+
+
+# White noise
+
+
+@pytest.mark.parametrize("samples", [24, 25, 200, 701])
+def test_the_level_of_one_block_is_that_of_its_periodogram(samples):
+    residual = 3.0 * np.random.default_rng(samples).standard_normal(samples)
+    power = upper_half(residual)
+    low, high = power[: power.size // 2], power[power.size // 2 :]
+    levels = level_of(low), level_of(high)
+    alike = max(levels) ** 2 < 1.5 * min(levels) ** 2
+    expected = level_of(power) if alike else min(levels)
+    assert white_level(residual, [slice(0, samples)]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_trend_up_to_a_parabola_is_no_noise():
+    rng = np.random.default_rng(1)
+    noise, t = rng.standard_normal(600), np.arange(600.0)
+    blocks = [slice(0, 300), slice(300, 600)]
+    parabola, cubic = 1e9 * (t / 600 - 0.4) ** 2, 1e10 * (t / 600 - 0.4) ** 3
+    level = white_level(noise, blocks)
+    assert white_level(noise + parabola, blocks) == pytest.approx(level, rel=1e-4)
+    assert white_level(noise + cubic, blocks) > 2.0 * level
+
+
+@pytest.mark.parametrize(("ratio", "alike"), [(1.35, True), (1.65, False)])
+@pytest.mark.parametrize("upper", [True, False])
+def test_of_two_quarter_bands_the_lower_one_counts_where_one_is_larger_by_half(ratio, alike, upper):
+    n = 20_000
+    spectrum = np.fft.rfft(np.random.default_rng(2).standard_normal(n))
+    above = np.fft.rfftfreq(n) > 0.375
+    spectrum[above == upper] *= np.sqrt(ratio)
+    found = white_level(np.fft.irfft(spectrum, n), [slice(0, n)]) ** 2
+    both = brentq(lambda m: np.exp(-m) + np.exp(-m / ratio) - 1.0, 0.1, 3.0) / np.log(2.0)
+    assert found == pytest.approx(both if alike else 1.0, rel=0.04)
+
+
+@pytest.mark.parametrize(("quiet", "found"), [(0.2, 0.2), (0.45, 0.725)])
+def test_the_quietest_quarter_counts_where_it_is_below_half_of_the_whole(quiet, found):
+    """Halves of power ``quiet`` and 1 have a whole of the mean; a quarter is half of the quiet."""
+    rng = np.random.default_rng(3)
+    residual = rng.standard_normal(400 * PIECE)
+    residual[: residual.size // 2] *= np.sqrt(quiet)
+    level = white_level(residual, [slice(0, residual.size)]) ** 2
+    assert level == pytest.approx(found, rel=0.08)
+
+
+@pytest.mark.parametrize(("samples", "several"), [(12 * PIECE, True), (12 * PIECE - 1, False)])
+def test_twelve_pieces_tell_whether_noise_varies_with_time(samples, several):
+    residual = np.random.default_rng(4).standard_normal(12 * PIECE)
+    residual[: 6 * PIECE] *= 0.1
+    found = white_level(residual, [slice(0, samples)])
+    pieces = [level_of(upper_half(part)) ** 2 for part in residual.reshape(12, PIECE)]
+    if several:
+        assert found == pytest.approx(np.sqrt(np.quantile(pieces, 0.25)), rel=1e-9)
+    else:
+        assert 0.5 < found < 1.0
+
+
+def test_pieces_lie_within_blocks():
+    """Twelve blocks of one piece, and what lies between them."""
+    rng = np.random.default_rng(5)
+    residual = rng.standard_normal((12, 100))
+    residual[:6] *= 0.1
+    residual[:, PIECE:] = 1e3
+    blocks = [slice(start, start + PIECE) for start in range(0, 1200, 100)]
+    pieces = [level_of(upper_half(part[:PIECE])) ** 2 for part in residual]
+    found = white_level(residual.ravel(), blocks)
+    assert found == pytest.approx(np.sqrt(np.quantile(pieces, 0.25)), rel=1e-9)
+
+
+def test_of_a_block_that_is_not_finite_the_pieces_that_are_count():
+    """The second of two blocks is quiet, and one of its 13 pieces is not finite."""
+    residual = np.random.default_rng(13).standard_normal((26, PIECE))
+    residual[13:] *= 0.1
+    residual[20, 5] = np.nan
+    half = 13 * PIECE
+    pieces = [level_of(upper_half(part)) ** 2 for part in np.delete(residual, 20, axis=0)]
+    found = white_level(residual.ravel(), [slice(0, half), slice(half, 2 * half)])
+    assert found == pytest.approx(np.sqrt(np.quantile(pieces, 0.25)), rel=1e-9)
+
+
+def test_what_is_not_finite_is_left_out():
+    residual = np.random.default_rng(6).standard_normal(600)
+    residual[420] = np.inf
+    blocks = [slice(0, 200), slice(200, 400), slice(400, 600)]
+    assert white_level(residual, blocks) == white_level(residual, blocks[:2])
+    finite = np.delete(residual, 420)
+    assert white_level(residual, blocks[2:]) == pytest.approx(np.std(finite))
+
+
+def test_a_block_of_24_samples_counts():
+    rng = np.random.default_rng(7)
+    residual = np.concatenate([rng.standard_normal(60), 100.0 * rng.standard_normal(24)])
+    blocks = [slice(0, 60), slice(60, 84)]
+    assert white_level(residual, blocks) != white_level(residual, blocks[:1])
+    assert white_level(residual, blocks[1:]) != np.std(residual)
+
+
+# Rounding
+
+
+def test_differences_of_floating_point_are_no_steps():
+    y = 0.1 * np.array([-20.0, 3.0, 7.0, 8.0, 12.0])
+    noisy = np.concatenate([y, y * (1.0 + 1e-15), y - 1e-12])
+    assert quantisation(noisy) == pytest.approx(0.1 / np.sqrt(12.0), rel=1e-9)
+    assert quantisation(np.array([0.0, 1e-6, 1.0])) == pytest.approx(1e-6 / np.sqrt(12.0))
+
+
+# Coloured noise
+
+
+N, BLOCK = 2500, 50
+BLOCKS = [slice(k, k + BLOCK) for k in range(0, N, BLOCK)]
+
+
+def record_of(u, residual):
+    halves = np.arange(N) // 125 % 2 == 0
+    y = residual + lfilter([0.2], [1.0, -0.8], np.atleast_2d(u.T)[0])
+    return Problem(u, y, 0.02, halves, ~halves, np.zeros(N, bool))
+
+
+def shuffled(values, levels=1.0):
+    """The same values in every block, in an order of its own, times the block's level."""
+    rng = np.random.default_rng(8)
+    rows = [rng.permutation(values) for _ in BLOCKS]
+    return (np.array(rows) * np.broadcast_to(levels, len(BLOCKS))[:, None]).ravel()
+
+
+def is_noise(residual, blocks=BLOCKS):
+    u = np.random.default_rng(9).standard_normal(N)
+    return is_coloured_noise(record_of(u, residual), residual, blocks)
+
+
+@pytest.mark.parametrize(("excess", "noise"), [(-1.0, True), (0.92, True), (1.08, False)])
+def test_noise_has_an_excess_kurtosis_of_no_more_than_one(excess, noise):
+    quantiles = norm.ppf((np.arange(BLOCK) + 0.5) / BLOCK)
+
+    def stretched(power):
+        return np.sign(quantiles) * np.abs(quantiles) ** power
+
+    power = brentq(lambda p: kurtosis(stretched(p)) - excess, 0.3, 3.0)
+    residual = shuffled(stretched(power))
+    assert kurtosis(residual) == pytest.approx(excess)
+    assert is_noise(residual) is noise
+
+
+@pytest.mark.parametrize(("spread", "noise"), [(0.33, True), (0.37, False)])
+def test_noise_has_levels_that_spread_by_a_third(spread, noise):
+    """The logarithms of the levels of the blocks deviate by ``spread``."""
+    levels = np.exp(spread * (-1.0) ** np.arange(len(BLOCKS)))
+    assert is_noise(shuffled(np.linspace(-1.0, 1.0, BLOCK), levels)) is noise
+
+
+def test_two_blocks_tell_whether_noise_is_as_large_everywhere():
+    residual = shuffled(np.linspace(-1.0, 1.0, BLOCK))
+    halves = [slice(0, N // 2), slice(N // 2, N)]
+    assert is_noise(residual, halves) is True
+    assert is_noise(residual, halves[:1]) is False
+
+
+def hidden(share, offset=0.0):
+    """White noise, and a window of the input's past with so large a share of its power."""
+    u = np.random.default_rng(10).standard_normal(N)
+    past = lfilter(np.r_[np.zeros(20), np.hanning(100)], [1.0], u)
+    past *= np.sqrt(share) / past.std()
+    noise = np.sqrt(1.0 - share) * shuffled(np.linspace(-np.sqrt(3.0), np.sqrt(3.0), BLOCK))
+    residual = past + noise + offset
+    return record_of(u, residual), residual
+
+
+@pytest.mark.parametrize("share", [0.4, 0.75])
+def test_what_follows_the_inputs_past_is_predicted_whatever_the_lags(share):
+    problem, residual = hidden(share)
+    assert predictable(problem, residual) == pytest.approx(1.0 - np.sqrt(1.0 - share), abs=0.04)
+
+
+@pytest.mark.parametrize(("share", "noise"), [(0.3, True), (0.45, False)])
+def test_a_fifth_of_coloured_noise_may_be_predicted_or_what_is_allowed(share, noise):
+    problem, residual = hidden(share)
+    part = predictable(problem, residual)
+    assert (part <= 0.2) is noise
+    for most, allowed in ((0.2, noise), (part, True), (part - 1e-9, False)):
+        assert is_coloured_noise(problem, residual, BLOCKS, most) is allowed
+    assert is_coloured_noise(problem, residual, BLOCKS) is noise
+
+
+def test_offsets_of_input_and_residual_predict_nothing():
+    whole = predictable(*hidden(0.75))
+    problem, residual = hidden(0.75, offset=0.4)
+    far = replace(problem, u=problem.u + 30.0)
+    assert predictable(far, residual) == pytest.approx(whole, abs=1e-6)
+
+
+def test_the_past_of_every_input_counts():
+    problem, residual = hidden(0.75)
+    u = np.column_stack([np.random.default_rng(11).standard_normal(N), problem.u])
+    assert predictable(replace(problem, u=u), residual) == pytest.approx(0.5, abs=0.05)
+
+
+@pytest.mark.parametrize(("lag", "found"), [(5, True), (124, True), (130, False)])
+def test_the_past_reaches_from_now_back_to_a_twentieth_of_the_record(lag, found):
+    u = np.random.default_rng(12).standard_normal(N)
+    residual = u + np.concatenate([np.zeros(lag), u[: N - lag]])
+    part = predictable(record_of(u, residual), residual)
+    assert part > 0.9 if found else part < 0.5
