@@ -106,11 +106,12 @@ def test_a_wiper_divides_its_track_in_proportion_to_the_resistance(share, size):
 
 
 @pytest.mark.parametrize("share", SHARES)
-def test_the_amplifier_slews_and_rings_as_another_integrator_says(share):
-    made, defining, draws = drawn("ringing_amplifier", 1.0, share)
-    rate = SPAN / TIME
+@pytest.mark.parametrize("size", [1.0, 2.0])
+def test_the_amplifier_slews_and_rings_as_another_integrator_says(share, size):
+    made, defining, draws = drawn("ringing_amplifier", size, share)
+    rate = SPAN / (size * TIME)
     assert defining == {"rate": pytest.approx(rate)}
-    angular = 2.0 * np.pi / (draws.at(0.1, 0.3) * TIME)
+    angular = 2.0 * np.pi / (draws.at(0.1, 0.3) * size * TIME)
     damping = draws.at(0.3, 0.6)
 
     def follow(t, s):
@@ -124,7 +125,7 @@ def test_the_amplifier_slews_and_rings_as_another_integrator_says(share):
     np.testing.assert_allclose(passed, expected, atol=0.03 * SPAN)
     assert passed.max() > HIGH + 1e-3 * SPAN
     # Far below its rate it is the linear lag, whose overshoot its damping states.
-    made = drawn("ringing_amplifier", 1.0, share)[0]
+    made = drawn("ringing_amplifier", size, share)[0]
     small = through(made, np.repeat([0.0, 1e-3], [1, 2000])) / 1e-3
     over = np.exp(-np.pi * damping / np.sqrt(1.0 - damping**2))
     assert small.max() - 1.0 == pytest.approx(over, abs=0.1)
