@@ -57,6 +57,8 @@ def test_a_reading_is_sent_when_it_is_wrong_by_more_than_a_threshold(size):
         sent += wrong[0]
         expected[sent:] = U[sent]
     np.testing.assert_array_equal(through(made, U), expected)
+    just = np.array([0.0, size * TRAVEL])
+    np.testing.assert_array_equal(through(drawn("send_on_delta", size, 0.3)[0], just), 0.0)
 
 
 @pytest.mark.parametrize("share", SHARES)
