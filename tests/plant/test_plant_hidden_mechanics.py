@@ -144,11 +144,12 @@ def test_smaller_swings_count_as_their_share_and_ripples_not_at_all():
     np.testing.assert_allclose(counted, [9.75, 0.5 * 9.75, 0.11 * 9.25, 0.0], atol=1e-6)
 
 
-def of_narrow_band(order, swing):
-    """Return the mean of a power of the swings of a narrow band of noise, whose mean is given."""
+def of_narrow_band(order, swing, limit=0.0):
+    """Return the mean of a power of a narrow band's swings above a limit, from their mean."""
     probabilities = (np.arange(200_000) + 0.5) / 200_000
     rayleigh = np.sqrt(-2.0 * np.log(probabilities))
-    return np.mean((swing * rayleigh / np.sqrt(0.5 * np.pi)) ** order)
+    swings = swing * rayleigh / np.sqrt(0.5 * np.pi)
+    return np.mean(np.where(swings > limit, swings, 0.0) ** order)
 
 
 @EACH
@@ -168,6 +169,18 @@ def test_a_crack_grows_by_paris_law_as_fast_as_the_band_makes_it(share, path_len
     ).y[0]  # fmt: skip
     found = -(resist(made, path) / (K * path))[np.arange(2 * turns) * 60 + 30]
     np.testing.assert_allclose(found, 0.2 * (grown - 1.0) / (longer - 1.0), rtol=5e-3, atol=1e-9)
+
+
+@EACH
+@pytest.mark.parametrize("path_length", [150.0, 250.0, 400.0])
+def test_swings_above_the_limit_take_their_size_over_the_band(share, path_length):
+    made, draws = form("endurance_limit", 0.1, share, UNEVEN._replace(path=path_length))
+    order, limit = draws.at(3.0, 6.0), draws.at(0.15, 0.35)
+    each = min(of_narrow_band(order, path_length / (2.0 * CYCLES * TRAVEL), limit), 1.0)
+    path = sweep(*[TOP, BOTTOM] * 3, start=BOTTOM, points=60)
+    found = -(resist(made, path) / (K * path))[np.arange(6) * 60 + 30]
+    lost = np.minimum(0.1 * 0.5 * np.arange(6) / (CYCLES * each), 0.9)
+    np.testing.assert_allclose(found, lost, rtol=2e-3, atol=1e-12)
 
 
 @EACH
