@@ -250,3 +250,5 @@ def test_the_oscillation_obeys_van_der_pol_s_equation(share):
     np.testing.assert_allclose(found, expected, atol=0.03)
     rises = np.flatnonzero((wave[:-1] < 0.0) & (wave[1:] >= 0.0))
     assert np.diff(rises).mean() * SUBSTEP == pytest.approx(1.0 / frequency, rel=0.01)
+    first = (1.0 - share % 1.0) / frequency
+    assert rises[rises > 0][0] * SUBSTEP == pytest.approx(first, abs=0.01 / frequency)

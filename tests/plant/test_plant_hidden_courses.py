@@ -183,6 +183,14 @@ def capacitor_ripple(size, d):
     return np.where(jump, np.nan, U + size * SPAN * (1.0 - 2.0 * place))
 
 
+def chopped_supply(size, d):
+    duty, place = d.at(0.3, 0.7), (frequency(d) * T + d.share) % 1.0
+    jump = np.minimum(np.minimum(place, 1.0 - place), np.abs(place - duty)) < 1e-6
+    # On a mean of nothing: above by what is off, below by what is on.
+    pulses = 2.0 * size * SPAN * np.where(place < duty, 1.0 - duty, -duty)
+    return np.where(jump, np.nan, U + pulses)
+
+
 def gear_meshing(size, d):
     turning = np.sin(2.0 * np.pi * frequency(d) * d.at(0.05, 0.2) * T + phase(d))
     return U + size * TRAVEL * (1.0 + d.at(0.4, 1.0) * turning) * np.sin(
@@ -212,8 +220,8 @@ def rectified_sine(size, d):
     "law",
     [
         abrupt_gain, settling_gain, biased_sensor, biased_command, clearing_electrode,
-        lost_effectiveness, machine_harmonics, supply_ripple, capacitor_ripple, gear_meshing,
-        oil_whirl, beating_machines, rectified_sine,
+        lost_effectiveness, machine_harmonics, supply_ripple, capacitor_ripple,
+        chopped_supply, gear_meshing, oil_whirl, beating_machines, rectified_sine,
     ],
     ids=lambda law: law.__name__,
 )  # fmt: skip
@@ -229,7 +237,8 @@ def test_a_fault_or_a_wave_is_as_the_law_says(law, share, size):
     key, value = ("time", moment) if "time" in defining else ("frequency", frequency)
     assert defining == {key: pytest.approx(value(draws))}
     unread = {"abrupt_gain", "settling_gain", "biased_command", "clearing_electrode",
-              "lost_effectiveness", "supply_ripple", "capacitor_ripple"}  # fmt: skip
+              "lost_effectiveness", "supply_ripple", "capacitor_ripple",
+              "chopped_supply"}  # fmt: skip
     assert made.output is (law.__name__ not in unread)
 
 
