@@ -312,3 +312,32 @@ def test_twin_masses_move_side_by_side(share):
     assert at_start(made, REST, 2.0) == pytest.approx(2.0 * quick)
     felt = held(made, REST + 5.0, 6.0)[: times.size]
     np.testing.assert_allclose(felt, expected, atol=0.01 * np.abs(expected).max())
+
+
+@EACH
+def test_a_carried_mass_is_damped_against_the_one_that_carries_it(share):
+    slow = UNEVEN._replace(time=3.5)
+    made, defining, draws = drawn("masses_in_series", 0.3, share, slow)
+    frequency, damping = draws.at(0.6, 1.6) / slow.time, draws.at(0.02, 0.06)
+    assert defining == {"frequency": pytest.approx(frequency)}
+    spring, carried, pace = 0.3 * K, draws.at(0.1, 0.5), draws.at(0.8, 1.6)
+    # In units of the first mass on its spring; then its time is as the lower frequency says.
+    stiff = np.array([[1.0 + carried * pace, -carried * pace], [-pace, pace]])
+    unit = 2.0 * np.pi * frequency / np.sqrt(np.linalg.eigvals(stiff).real.min())
+    mass = spring / unit**2
+    dashpot = 2.0 * damping * mass * unit
+    between = 2.0 * damping * carried * mass * unit * np.sqrt(pace)
+    assert at_start(made, REST, 2.0) == pytest.approx(2.0 * dashpot)
+    place = REST + 5.0
+
+    def move(t, s):
+        pull = carried * pace * spring * (s[0] - s[2]) + between * (s[1] - s[3])
+        push = spring * (place - s[0]) - dashpot * s[1]
+        return [s[1], (push - pull) / mass, s[3], pull / (carried * mass)]
+
+    solved = solve_ivp(move, (0.0, 6.0), [REST, 0.0, REST, 0.0], rtol=1e-9, dense_output=True)
+    times = np.arange(1, 6000) * SUBSTEP
+    s = solved.sol(times)
+    expected = spring * (place - s[0]) - dashpot * s[1]
+    felt = held(made, place, 6.0)[: times.size]
+    np.testing.assert_allclose(felt, expected, atol=0.01 * spring * 5.0)
