@@ -45,10 +45,12 @@ def test_every_sample_is_in_its_place(serve_bench, tmp_path, read_write_multiple
 class Module:
     """A link to a plain module: its displacement counts the writes; ``holds`` holds one up."""
 
-    def __init__(self, clock, *, holds=None, loses=None, reads=1.0, index=False, jumps=None):
+    def __init__(
+        self, clock, *, holds=None, loses=None, reads=1.0, index=False, jumps=None, output=None
+    ):
         registers = {
             "output": {"address": 0, "range": [0, 10], "limits": [0, 4], "unit": "V",
-                       "access": "read_write"},
+                       "access": "read_write"} | (output or {}),
             "displacement": {"address": 5, "unit": "mm"},
         } | ({"device_index": {"address": 6}} if index else {})  # fmt: skip
         self.device = described(registers, sampling_rate=1 / PERIOD)
@@ -98,12 +100,12 @@ COUNTS = np.append(np.arange(0, 5001, 100), 5000 + 40 * np.arange(50))
 LARGEST_STEP = 100
 
 
-def test_the_sample_behind_its_deadline_is_flagged_and_no_other(clock):
+def test_a_sample_that_is_written_late_is_flagged_and_the_one_behind_its_deadline(clock):
     module = Module(clock, holds={9: 0.03})  # which makes sample 10 late by half a period
     (_, _, requested, _, _, quality, *_), failure = driven(module, COUNTS)
     assert failure is None
-    assert np.flatnonzero(quality).tolist() == [10]
-    assert quality[10] == Quality.LATE
+    assert np.flatnonzero(quality).tolist() == [9, 10]
+    assert (quality[9:11] == Quality.LATE).all()
     assert np.array_equal(requested, COUNTS)
 
 
@@ -114,7 +116,7 @@ def test_samples_whose_time_has_passed_are_left_out_and_never_sent_in_a_burst(cl
     lost = np.flatnonzero(quality & Quality.LOST)
     assert lost.tolist() == list(range(10, 16))
     behind = np.flatnonzero(quality == Quality.LATE)
-    assert behind[0] == 16
+    assert behind[:2].tolist() == [9, 16]
     assert np.array_equal(position, np.arange(COUNTS.size))
     assert np.array_equal(index, position)
     assert np.array_equal(requested, COUNTS)
@@ -133,7 +135,7 @@ def test_only_what_follows_samples_left_out_is_approached(clock):
     blocks = list(drive(panel, sequence, Laws(panel), late_after=0.005, tolerance=0.05))
     assert [count for _, count in module.written] == COUNTS.tolist()
     quality = np.concatenate([block.quality for block in blocks])
-    assert np.flatnonzero(quality).tolist() == [10]
+    assert np.flatnonzero(quality).tolist() == [9, 10]
 
 
 def test_a_device_that_counts_its_samples_gets_them_all_and_later(clock):
@@ -201,3 +203,14 @@ def test_every_sample_has_the_times_of_its_write_and_its_reading(clock):
     write_time, read_time = samples[6], samples[7]
     assert write_time == pytest.approx(PERIOD * (1 + np.arange(COUNTS.size)))
     assert read_time[9] - write_time[9] == pytest.approx(0.012)
+
+
+def test_zero_volts_of_a_bipolar_module_is_where_the_approach_begins(clock):
+    """Its count 0 is -10 V, and the first deadlines have passed."""
+    module = Module(clock, holds={0: 0.15}, output={"range": [-10, 10], "limits": [0, 4]})
+    zero = 32768
+    counts = zero + np.append(np.arange(100, 5001, 100), np.full(30, 5000))
+    panel = Panel(module)
+    list(drive(panel, Planned(counts, zero), Laws(panel), late_after=0.005, tolerance=0.05))
+    written = np.array([count for _, count in module.written])
+    assert np.abs(np.diff(written, prepend=zero)).max() <= LARGEST_STEP

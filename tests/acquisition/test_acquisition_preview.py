@@ -3,10 +3,11 @@
 import re
 
 import numpy as np
+import pytest
 from made_device import OUTPUT, STEP, described
 
 from dea.acquisition.preview import preview
-from dea.acquisition.voltage_plan import OutputPlan
+from dea.acquisition.voltage_plan import OutputPlan, plan_sequence
 
 # 100 samples a second, up to 2 V in steps of 0.5 V.
 PLAN = OutputPlan(np.array([500, 1000, 1500, 2000, 1500, 1200, 700, 200, 0]), 2, 4)
@@ -40,3 +41,15 @@ def test_without_a_film_neither_field_nor_charge_is_told():
     assert told(amplifier_gain=800.0).keys() == {
         "duration", "output", "largest rate", "high voltage",
     }  # fmt: skip
+
+
+def test_a_drive_begins_at_zero_volts_and_not_at_the_count_zero():
+    """Count 0 of a module over both signs is its lowest voltage."""
+    output = {"address": 0, "range": [-10, 10], "limits": [0, 4], "unit": "V", "access": "write"}
+    device = described({"output": output}, sampling_rate=50, safety={"max_rate": 25.0})
+    plan = plan_sequence(device, np.linspace(0.4, 2.0, 5), ramp_rate=20.0)
+    found = dict(re.split("  +", line, maxsplit=1) for line in preview(device, plan).splitlines())
+    lowest, highest = re.match(r"(\S+) to (\S+) V", found["output"]).groups()
+    assert abs(float(lowest)) < 1e-3
+    assert float(highest) == pytest.approx(2.0, abs=1e-3)
+    assert float(found["largest rate"].split()[0]) < 25.0

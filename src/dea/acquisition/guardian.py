@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from threading import Thread
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -162,6 +163,8 @@ class Guardian:
             # A read-back that has been found wrong is a trip where there is a safety model.
             laws = (TripError, ReadBackError) if self.device.safety else TripError
             trip = error if isinstance(error, laws) else None
+            # Not after zero alone, which may take hours; nor may a disk that hangs delay zero.
+            Thread(target=self._latch, args=(trip,), daemon=True).start()
         else:
             trip = None
         self._end_at_zero(self._requested(), trip)
@@ -226,7 +229,7 @@ class Guardian:
     def _sequence(self) -> polled.DrivenCounts:
         job = self.job
         if not job.asked:
-            return Planned(job.counts)
+            return Planned(job.counts, self.output.zero)
         plan = OutputPlan(job.counts, job.counts.size, job.asked)
         return Asked(self.device, plan, job.longest_step, self._ask, self._answer)
 
@@ -312,6 +315,8 @@ class Guardian:
                 failing = failing or time.monotonic()
                 if time.monotonic() - failing >= self.job.settings.reconnect_time:
                     self._raise_alarm(error)
+                    with suppress(Exception):  # which is what is left to do
+                        self.output.laws.disarm()
                     if self.duty.order == Order.DISMISS or self.device.virtual:
                         self._latch(trip or way.trip)
                         self.duty.put(Phase.DISMISSED, way.volts)

@@ -15,7 +15,7 @@ from dea.acquisition.rows import Rows
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
 from dea.acquisition.schedule import Schedule
 from dea.errors import DeviceError
-from dea.modbus import to_physical
+from dea.modbus import to_counts, to_physical
 
 START = 1  # command
 
@@ -70,7 +70,7 @@ def drive(
     poll.learn()
     echo = Echo(panel, poll.echo, tolerance) if poll.echo else None
     schedule = Schedule(panel, sequence.size, sequence.longest_step) if paced else None
-    number, expected, last = 0, None, 0
+    number, expected, last = 0, None, int(to_counts(panel.device["output"], 0.0))
     try:
         while number < sequence.size:
             count = sequence.count(number)
@@ -98,6 +98,12 @@ def drive(
                     raise _broken(what, number, expected, count, max(more, 1))
                 rows.hold(number - 1, range(expected, index), last)
             if schedule:
+                # An exchange that was held up was carried out at some time until its reply. Where
+                # the device counts its samples, it says itself which one that was.
+                answered = time.monotonic() - panel.link.log.started
+                late = lateness + answered - begun > max(schedule.period, late_after)
+                if late and not schedule.counted:
+                    flag |= Quality.LATE
                 schedule.written(sent)
             if panel.device.safety is not None:
                 volts = float(to_physical(panel.device["output"], sent))

@@ -8,7 +8,7 @@ from dea.modbus import Device, to_physical
 
 def preview(device: Device, plan: OutputPlan) -> str:
     """Return lines on the voltage, its rate and, where the description allows, charge and field."""
-    volts = to_physical(device["output"], np.append(0, plan.counts))
+    volts = np.append(0.0, to_physical(device["output"], plan.counts))
     rate = np.abs(np.diff(volts)).max() * device.sampling_rate
     seconds = plan.counts.size / device.sampling_rate
     lines = [

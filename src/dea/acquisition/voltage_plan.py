@@ -9,11 +9,11 @@ from dea.modbus import Device, limit_counts, representable, to_counts, to_physic
 
 
 class Planned:
-    """The counts of a polled drive that are all known beforehand."""
+    """The counts of a polled drive that are all known beforehand, from that of ``zero`` on."""
 
-    def __init__(self, counts: np.ndarray) -> None:
+    def __init__(self, counts: np.ndarray, zero: int = 0) -> None:
         self._counts, self.size = counts.tolist(), counts.size
-        self.longest_step = int(np.abs(np.diff(counts, prepend=0)).max())
+        self.longest_step = int(np.abs(np.diff(counts, prepend=zero)).max())
 
     def count(self, number: int) -> int:
         """Return the count of a sample."""
@@ -60,7 +60,7 @@ def _refuse_too_fast(device: Device, plan: OutputPlan) -> None:
     allowed = device.safety.max_rate if device.safety else None
     if allowed is None:
         return
-    played = to_physical(device["output"], np.append(0, plan.counts))
+    played = np.append(0.0, to_physical(device["output"], plan.counts))
     rates = np.abs(np.diff(played)) * device.sampling_rate
     one_count = abs(device["output"].scale) * device.sampling_rate
     if rates.max() > allowed + one_count:
