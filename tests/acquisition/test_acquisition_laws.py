@@ -1,5 +1,6 @@
 """The safety model: what trips, what a trip does, and who may drive after it."""
 
+import threading
 import time
 from contextlib import suppress
 from dataclasses import replace
@@ -264,3 +265,26 @@ def test_the_first_check_is_due_at_once_and_the_next_after_the_interval(clock):
     assert not laws.due()
     clock.sleep(0.2 * laws.interval)
     assert laws.due()
+
+
+def test_a_trip_is_latched_before_zero_has_been_shown(module, tmp_path):
+    """A guardian that dies on the way must not take the trip with it."""
+    target = replace(described(module), quarantine=3.0)
+    module.read_back = lambda count: count + 983 * (count > 6000)
+    latched = []
+
+    def look():
+        while not (latch.latch_file(target).exists() or ended.is_set()):
+            time.sleep(0.01)
+        latched.append(time.monotonic())
+
+    ended = threading.Event()
+    looking = threading.Thread(target=look)
+    looking.start()
+    with pytest.raises(TripError):
+        acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS)
+    shown = time.monotonic()
+    ended.set()
+    looking.join()
+    assert shown - latched[0] > 2.0
+    latch.acknowledge(target, "A. Person")

@@ -197,3 +197,48 @@ def test_the_way_to_zero_ends_at_once_where_nothing_was_ever_asked_for(clock):
     to_zero(link, 0.0)
     assert {count for _, count in link.written} == {0}
     assert clock.now == pytest.approx(link.device.quarantine, abs=0.2)
+
+
+def test_an_output_that_stays_driven_ends_the_attempt_and_not_the_quarantine_alone(clock):
+    link = ModuleLink(device(**CASES["echo"]), clock)
+    link.read = lambda address, count, table: [9000] * count
+    way = WayToZero(Output(link), ramp_rate=RAMP_RATE, requested=0.0)
+    with pytest.raises(ZeroNotVerifiedError, match="though zero is written again and again"):
+        way()
+    assert clock.now < 4.0 * link.device.quarantine
+
+
+@pytest.mark.parametrize(("reads", "shown"), [(0, True), (9000, False)])
+def test_a_read_back_that_has_disagreed_may_have_been_right(clock, reads, shown):
+    """A device that acknowledges every write and holds its output looks the same."""
+    link = ModuleLink(device(**CASES["echo"]), clock)
+    link.read = lambda address, count, table: [reads] * count
+    output = Output(link)
+    output.trusted = False
+    way = WayToZero(output, ramp_rate=RAMP_RATE, requested=3.0)
+    if shown:
+        assert way() == ZeroEvidence.UNTRUSTED
+    else:
+        with pytest.raises(ZeroNotVerifiedError, match="which has disagreed"):
+            way()
+        assert link.written[-1][1] == 0
+
+
+def test_a_sign_of_life_that_is_not_answered_does_not_keep_the_output_up(clock):
+    """Its time-outs together last longer than its period."""
+    alive = {"address": 4, "access": "write"}
+    safety = {"heartbeat": {"name": "alive", "period": 0.5}}
+    target = described({"output": SPANNED | {"access": "write"}, "alive": alive}, safety=safety)
+    link = ModuleLink(target, clock)
+    plain = link.write
+
+    def write(address, words, table="holding", *, retry=True):
+        if address == 4:
+            clock.sleep(2.0)
+            raise LinkError("no reply")
+        plain(address, words, table, retry=retry)
+
+    link.write = write
+    WayToZero(Output(link), ramp_rate=RAMP_RATE, requested=3.0)()
+    assert link.written[-1][1] == 0
+    assert clock.now < 10.0

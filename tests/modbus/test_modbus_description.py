@@ -65,6 +65,8 @@ def setter(*path_and_value):
         (setter("sampling_rate", 0), "sampling_rate", "above 0 Hz"),
         (setter("registers", {}), "registers", "at least"),
         (setter("registers", "output", "type", "uint12"), "registers.output.type", "uint16"),
+        (setter("registers", "command", {"address": 98, "access": "write"}), "registers.state",
+         "missing beside a register command"),
         (setter("registers", "output", "limits", [4, 0]), "registers.output.limits", "cross"),
         (setter("registers", "output", "limits", [4]), "registers.output.limits", "low, high"),
         (setter("registers", "output", "limits", [0, 11]), "registers.output.limits",

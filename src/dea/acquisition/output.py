@@ -90,10 +90,11 @@ class Output:
 
     def applied(self) -> float | None:
         """Read-back of the output, V, or None where the device has none that is right."""
-        for name in ("applied_output", "output") if self.trusted else ():
-            if name in self.panel and self.device[name].access != "write":
-                return float(to_physical(self.device[name], self.panel.confirmed(name)))
-        return None
+        return self._read_back() if self.trusted else None
+
+    def disputed(self) -> float:
+        """What a read-back that has been found wrong says of the output, V; 0 at zero."""
+        return 0.0 if self.trusted else self._beyond(self._read_back() or 0.0)
 
     @property
     def readable(self) -> bool:
@@ -111,7 +112,16 @@ class Output:
         """
         if monitored := self.laws.monitored():
             return monitored
-        applied = self.applied() or 0.0
+        return self._beyond(self.applied() or 0.0)
+
+    def _read_back(self) -> float | None:
+        for name in ("applied_output", "output"):
+            if name in self.panel and self.device[name].access != "write":
+                return float(to_physical(self.device[name], self.panel.confirmed(name)))
+        return None
+
+    def _beyond(self, applied: float) -> float:
+        """Return a read-back, V, or 0 where it is no further from it than it may be."""
         echo = self.device.registers.get("applied_output", self.device["output"])
         allowed = max(abs(self.device["output"].scale), echo.tolerance)
         return applied if abs(applied) > allowed else 0.0

@@ -12,6 +12,7 @@ import struct
 import threading
 import zlib
 from collections.abc import Mapping
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -70,8 +71,10 @@ class PartialFile:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        # What has ended the drive says more than a disk that fails, too: a voltage may be left on.
+        with suppress(OSError) if kind else nullcontext():
+            self.close()
 
     def close(self) -> None:
         """Wait until everything is on the disk; raises OSError if that failed, or lasts."""

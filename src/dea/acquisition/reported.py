@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.zero import ZeroNotVerifiedError
@@ -19,15 +19,21 @@ def reported() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        _say(f"error: {error}")
         raise SystemExit(2) from None
     except ZeroNotVerifiedError as error:
         told = "A guardian goes on trying: see `python -m dea.acquisition status`."
-        print(f"DANGER: {error} {told}", file=sys.stderr)
+        _say(f"DANGER: {error} {told}")
         raise SystemExit(3) from None
     except (DeviceError, OSError) as error:
-        print(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]), file=sys.stderr)
+        _say(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]))
         raise SystemExit(1) from None
     except Interrupted as signal:
-        print(f"ended by {signal}; the output is at zero", file=sys.stderr)
+        _say(f"ended by {signal}; the output is at zero")
         raise SystemExit(130) from None
+
+
+def _say(text: str) -> None:
+    # The exit status is to tell even where nobody reads the terminal any more.
+    with suppress(OSError):
+        print(text, file=sys.stderr, flush=True)

@@ -17,8 +17,9 @@ from dea.modbus import to_counts
 IDLE = 0  # state
 STOP = 2  # command
 LONGEST_STEP = 0.2  # s of ramp in one write, however long the last one is past
-LOOKS = 3  # that may fail: no register that is silent holds up a ramp for longer
+LOOKS = 3  # that may fail, and beats: no register that is silent holds up a ramp for longer
 HOLDING_PAUSE = 0.1  # s between the writes of zero during the quarantine
+QUARANTINES = 3  # that one attempt lasts at most
 
 
 class ZeroNotVerifiedError(DeviceError):
@@ -56,6 +57,7 @@ class WayToZero:
         self._written = time.monotonic()
         self.trip: TripError | None = None
         self._looks = LOOKS if self.device.safety else 0
+        self._beats = LOOKS
 
     def __call__(self) -> ZeroEvidence:
         """Ramp to zero, keep it there for the quarantine, and say what shows it.
@@ -82,7 +84,7 @@ class WayToZero:
         limits = self.device["output"].limits or (0.0, 0.0)
         deadline = time.monotonic() + 2 * max(map(abs, limits)) / self.ramp_rate + 2
         while self.panel.confirmed("state") not in (IDLE, TRIPPED):
-            self.output.laws.beat()
+            self._beat()
             self._look()
             if time.monotonic() > deadline:
                 raise ZeroNotVerifiedError("the device does not end its ramp to zero")
@@ -92,15 +94,24 @@ class WayToZero:
     def _ramp(self) -> None:
         """Write ever lower voltages, no faster in time than the ramp's rate."""
         while self.volts:
-            self.output.laws.beat()
             passed = min(time.monotonic() - self._written, LONGEST_STEP)
             left = max(abs(self.volts) - self.ramp_rate * passed, 0.0)
             target = math.copysign(left, self.volts) if left else 0.0
             self.panel.set("output", int(to_counts(self.device["output"], target)))
             self.volts, self._written = target, time.monotonic()
+            self._beat()
             self._look()
             time.sleep(1 / self.device.sampling_rate)
         self.panel.set("output", self.output.zero)
+
+    def _beat(self) -> None:
+        """Give the sign of life; one that is not answered does not keep the output up."""
+        if not self._beats:
+            return
+        try:
+            self.output.laws.beat()
+        except (LinkError, DeviceRefusedError):
+            self._beats -= 1
 
     def _look(self) -> None:
         """Note a trip while there still is voltage; nothing that is read here ends the ramp."""
@@ -117,20 +128,31 @@ class WayToZero:
         """Hold zero until no write can be on its way any more.
 
         A gateway may carry out a write long after its reply was given up. Zero is written again and
-        again, and the time begins anew when something else is read.
+        again, and the time begins anew when something else is read, but not for ever.
         """
-        end = time.monotonic() + self.device.quarantine
+        quarantine = self.device.quarantine
+        begun = time.monotonic()
+        end = begun + quarantine
         while time.monotonic() < end:
             time.sleep(HOLDING_PAUSE)
-            self.output.laws.beat()
             if "command" not in self.device:
                 self.panel.set("output", self.output.zero)
-            if self.output.driven():
-                end = time.monotonic() + self.device.quarantine
+            self._beat()
+            if driven := self.output.driven():
+                end = time.monotonic() + quarantine
+                if end > begun + QUARANTINES * quarantine:
+                    raise ZeroNotVerifiedError(
+                        f"the output reads {driven:g} V though zero is written again and again"
+                    )
 
     def _verify(self) -> None:
         if driven := self.output.driven():
             raise ZeroNotVerifiedError(f"the output reads {driven:g} V after the ramp to zero")
+        # A read-back that disagreed may have been right: the device may not have done as it said.
+        if self.output.laws.safety.monitor is None and (read := self.output.disputed()):
+            raise ZeroNotVerifiedError(
+                f"the read-back, which has disagreed with what was written, reads {read:g} V"
+            )
 
     def _evidence(self) -> ZeroEvidence:
         if self.output.laws.safety.monitor is not None:

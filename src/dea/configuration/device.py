@@ -231,6 +231,13 @@ class DeviceDescription(Section):
                     f"{register.count} values of type {register.type}",
                     "Give the address of the one value; describe its neighbours apart.",
                 )
+        if "command" in self.registers and "state" not in self.registers:
+            raise refuse(
+                "registers.state",
+                "missing beside a register command",
+                "Describe it too, since it shows when a commanded stop is at zero; or give the "
+                "register command another name, and the output is ramped by writes.",
+            )
         output = self.registers.get("output")
         if output and output.type not in INTEGERS:
             raise refuse(
