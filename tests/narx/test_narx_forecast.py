@@ -80,3 +80,18 @@ def test_a_plan_that_does_not_fit_is_refused(record, change):
     model, u, y = record
     with pytest.raises(InputError, match="forecast"):
         forecast_errors({"narx": model}, u, y, 10.0, ForecastPlan(**{**vars(PLAN), **change}))
+
+
+def test_a_forecast_knows_nothing_of_what_follows_its_origin(record):
+    """Outputs are missing before it, and in another record the future lies far away."""
+    model, u, y = record
+    plan = ForecastPlan(start=60.0, every=100.0, window=50.0, horizons=(0.2,))
+    gappy = y.copy()
+    gappy[590:600] = np.nan
+    later = gappy.copy()
+    later[600:] += 5.0
+    for measured in (gappy, later):
+        found = forecast_errors({"narx": model}, u, measured, 10.0, plan)["error"]
+        last = found.sel(forecaster="last value").item()
+        assert last == pytest.approx(rmse(np.full(2, y[589]), measured[600:602]))
+    assert found.sel(forecaster="narx").item() == pytest.approx(5.0, abs=0.6)

@@ -82,28 +82,30 @@ def forecast_errors(
         If the record is too short for a window, or a horizon holds no sample.
     """
     inputs, recorded = as_record(u, y, missing=True)
-    outputs, seen = filled(recorded)
+    seen = np.isfinite(recorded)
     window, *reaches = (round(t * sampling_rate) for t in (plan.window, *plan.horizons))
     origins = np.arange(
         round(plan.start * sampling_rate),
-        outputs.size - max(reaches) + 1,
+        recorded.size - max(reaches) + 1,
         max(round(plan.every * sampling_rate), 1),
     )
     if not origins.size or origins[0] < window or any(b <= a for a, b in pairwise([0, *reaches])):
         raise InputError(
             f"no forecast over {plan.horizons} s fits a record of"
-            f" {outputs.size / sampling_rate:g} s from {plan.start:g} s on with"
+            f" {recorded.size / sampling_rate:g} s from {plan.start:g} s on with"
             f" {plan.window:g} s before",
             field="forecast",
             remedy="Give ascending horizons of a sample or more, and start after the window.",
         )
     errors = np.empty((len(models) + 1, len(reaches), origins.size))
+    # What is missing before an origin is not to be interpolated from what follows it.
+    pasts = [filled(recorded[:origin])[0] for origin in origins]
     for row, model in enumerate(models.values()):
-        for column, forecast in enumerate(_forecasts(model, inputs, outputs, seen, origins,
+        for column, forecast in enumerate(_forecasts(model, inputs, pasts, seen, origins,
                                                      window, max(reaches))):  # fmt: skip
             errors[row, :, column] = _errors(forecast, recorded[origins[column] :], reaches)
     for column, origin in enumerate(origins):
-        held = np.full(max(reaches), outputs[origin - 1])
+        held = np.full(max(reaches), pasts[column][-1])
         errors[-1, :, column] = _errors(held, recorded[origin:], reaches)
     return xr.Dataset(
         {
@@ -141,24 +143,27 @@ def forecast_errors(
 def _forecasts(
     model: NarxModel,
     u: Array,
-    y: Array,
+    pasts: Sequence[Array],
     seen: NDArray[np.bool_],
     origins: NDArray[np.int64],
     window: int,
     reach: int,
 ) -> list[Array]:
-    """Return the free run of ``reach`` samples from each origin, in physical units."""
+    """Return the free run of ``reach`` samples from each origin, in physical units.
+
+    ``pasts`` are the outputs (origin,) before each.
+    """
     terms = model.terms if Term() in model.terms else (Term(), *model.terms)
     fitted = NarxModel(terms, np.zeros(len(terms)), model.scaling)
     lag = fitted.max_lag
     runs = []
-    for origin in origins:
-        [past] = normalised([(u[:origin], y[:origin])], model.scaling)
+    for origin, y in zip(origins, pasts, strict=True):
+        [past] = normalised([(u[:origin], y)], model.scaling)
         good = stretches(seen, slice(origin - window, origin), lag, len(terms))
         segments = [(past[0][part], past[1][part]) for part in good]
         fitted = fitted.with_parameters(_estimate(terms, fitted.parameters, past, segments))
         ahead = slice(origin - lag, origin + reach)
-        runs.append(fitted.simulate(u[ahead], y[origin - lag : origin])[lag:])
+        runs.append(fitted.simulate(u[ahead], y[y.size - lag :])[lag:])
     return runs
 
 
