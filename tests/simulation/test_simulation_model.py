@@ -19,6 +19,7 @@ from dea.simulation import (
     ExtendedSimulation,
     ForcePort,
     Parameter,
+    SensorFilter,
     Simulation,
     State,
     catalogue,
@@ -560,3 +561,13 @@ def test_what_numba_says_in_one_line_leaves_the_problem_as_it_is(tmp_path):
     explained = _explained(error, tmp_path / "own.py")
     assert explained.problem == "it cannot be compiled"
     assert (explained.file, explained.field) == (tmp_path / "own.py", "derivative")
+
+
+@pytest.mark.parametrize("change", [{"name": "mine"}, {"sensor_filter": SensorFilter(40.0)}])
+def test_a_simulation_that_could_not_be_loaded_is_not_saved(tmp_path, change):
+    own = replace(load_simulation("mass_spring_damper"), **change)
+    extended = prepared(own, np.sin(np.arange(200) * DT), DT, 1e-6)
+    path = tmp_path / "extended.yaml"
+    with pytest.raises(InputError, match="made or changed in memory"):
+        save_extended(extended, extended.values(np.zeros(extended.free.size)), DT, path)
+    assert not path.exists()

@@ -14,18 +14,33 @@ from dea.simulation.extended import ExtendedSimulation
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.scales import Scales
+from dea.simulation.simulation import Simulation
 
 
 def save_extended(
     extended: ExtendedSimulation, values: np.ndarray, interval: float, path: str | Path
 ) -> None:
-    """Write the simulation, its effects and all parameter values as YAML."""
+    """Write the simulation, its effects and all parameter values as YAML.
+
+    Raises
+    ------
+    InputError
+        If the simulation is neither of a file nor, unchanged, one that comes with the library.
+    """
     import yaml
 
     from dea.store import atomic
 
+    own = extended.simulation
+    if not own.source and not _comes_with_the_library(own):
+        raise InputError(
+            f"the simulation {own.name} was made or changed in memory, and could not be loaded",
+            file=path,
+            field="simulation",
+            remedy="Define it in a Python file, and load it by its path.",
+        )
     content = {
-        "simulation": extended.simulation.source or extended.simulation.name,
+        "simulation": own.source or own.name,
         "hold": extended.simulation.input_interpolation,
         "interval": float(interval),
         "substeps": extended.substeps,
@@ -50,6 +65,16 @@ def save_extended(
     }
     with atomic(Path(path)) as partial:
         partial.write_text(yaml.safe_dump(content, sort_keys=False))
+
+
+def _comes_with_the_library(simulation: Simulation) -> bool:
+    try:
+        own = load_simulation(simulation.name)
+    except InputError:
+        return False
+    # What the input does between samples is saved.
+    alike = replace(own, input_interpolation=simulation.input_interpolation)
+    return bool(alike == simulation)
 
 
 def load_extended(path: str | Path) -> tuple[ExtendedSimulation, np.ndarray, float]:
