@@ -908,3 +908,13 @@ def test_an_empty_slot_does_nothing():
     assert no_force(1.0, 1.0, memory, np.zeros(3)) == 0.0
     assert (memory == np.arange(MEMORY)).all()
     assert SLOTS >= 2
+
+
+@pytest.mark.parametrize("effect", ["dead_zone", "input_saturation"])
+def test_a_negative_input_has_the_starts_of_its_mirror_image(effect):
+    positive = replace(SCALES, u_low=1.0, u_high=5.0)
+    mirrored = replace(SCALES, u_low=-5.0, u_high=-1.0)
+    resting = replace(SCALES, u_low=-0.9, u_high=0.0)
+    starts = catalogue()[effect].starts
+    assert starts(mirrored) == starts(positive)
+    assert all(0.0 < start[0] < 0.9 for start in starts(resting))

@@ -59,7 +59,8 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return thresholds through the range of the input, with both kinds of gate, or a drop."""
-    low, high, peak = max(scales.u_low, 0.0), scales.u_high, scales.u_peak
+    peak = high = scales.u_peak
+    low = max(scales.u_low, -scales.u_high, 0.0)
 
     def zone(part: float, gate: float = 0.0, drop: float = 0.0) -> tuple[float, ...]:
         threshold = low + part * (high - low)

@@ -63,7 +63,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return limits in the upper half of the input's range."""
     return tuple(
-        (scales.u_high - part * scales.u_span, sharpness, 0.0, 1.0, 0.0)
+        (scales.u_peak - part * scales.u_span, sharpness, 0.0, 1.0, 0.0)
         for part, sharpness in ((0.07, 60.0), (0.2, 30.0), (0.35, 8.0), (0.1, 3.0))
     )
 
