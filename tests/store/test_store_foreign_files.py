@@ -102,6 +102,12 @@ def test_netcdf_gives_units(tmp_path):
     assert read_foreign(tmp_path / "m.nc").units == {"u": "V"}
 
 
+def test_text_beside_the_signals_of_a_netcdf_file_is_left_out(tmp_path):
+    names = xr.Dataset({"channel": ("c", ["first", "second"]), "u": ("t", U)})
+    names.to_netcdf(tmp_path / "m.nc")
+    assert list(read_foreign(tmp_path / "m.nc").columns) == ["u"]
+
+
 def test_a_spreadsheet_may_have_a_line_of_units(tmp_path):
     frame = pd.DataFrame({"t": ["s", *T], "u": ["V", *U], "y": ["mm", *Y]})
     frame.to_excel(tmp_path / "m.xlsx", index=False)

@@ -74,7 +74,11 @@ def _read_parquet(file: Path) -> ForeignTable:
 def _read_netcdf(file: Path) -> ForeignTable:
     with xr.open_dataset(file, decode_times=False) as dataset:
         variables = {str(name): each for name, each in dataset.load().variables.items()}
-    vectors = {name: each for name, each in variables.items() if each.ndim == 1}
+    vectors = {
+        name: each
+        for name, each in variables.items()
+        if each.ndim == 1 and np.issubdtype(each.dtype, np.number)
+    }
     return ForeignTable(
         {name: each.values.astype(float) for name, each in vectors.items()},
         {n: plain_units(v.attrs["units"]) for n, v in vectors.items() if "units" in v.attrs},
