@@ -134,3 +134,12 @@ def test_a_smoothed_step_rises_within_its_width_and_alike_on_both_sides(width):
     assert rise[-1] == pytest.approx(1.0)
     assert np.all(np.diff(rise) > 0.0)
     np.testing.assert_allclose(rise + rise[::-1], 1.0)
+
+
+@pytest.mark.parametrize("kind", ["gaussian", "bursts", "multisine", "binary"])
+@pytest.mark.parametrize("settings", [{}, {"band": 0.0}])
+def test_a_band_is_within_half_the_sampling_rate_and_positive_whoever_gives_it(kind, settings):
+    rate = 50.0 if settings else 1.5
+    with pytest.raises(InputError) as caught:
+        design(kind, duration=100.0, sampling_rate=rate, low=0.0, high=1.0, seed=1, **settings)
+    assert caught.value.field == "band"

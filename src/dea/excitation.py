@@ -193,11 +193,11 @@ def design(
         raise InputError(
             f"there is no excitation {kind!r}", field="kind", remedy=f"Use {', '.join(KINDS)}."
         )
-    own = [
-        name
+    own = {
+        name: parameter.default
         for name, parameter in inspect.signature(KINDS[kind]).parameters.items()
         if parameter.kind is inspect.Parameter.KEYWORD_ONLY
-    ]
+    }
     for name in settings:
         if name not in own:
             raise InputError(
@@ -211,8 +211,11 @@ def design(
     _require(np.isfinite([low, high]).all() and low < high, "low", f"{low} is not below {high}")
     samples = round(duration * sampling_rate)
     _require(samples >= 2, "duration", "holds fewer than two samples")
-    band = settings.get("band", 0.0)
-    _require(band < 0.5 * sampling_rate, "band", f"{band} Hz is not below half the sampling rate")
+    if "band" in own:
+        band = settings.get("band", own["band"])
+        _require(band > 0.0, "band", "is not a positive number")
+        half = 0.5 * sampling_rate
+        _require(band < half, "band", f"{band} Hz is not below half the sampling rate")
     span = Span(generator(seed, "signals", kind), samples, sampling_rate, low, high)
     signal = KINDS[kind](span, **settings)
     # Rounding may carry a sample beyond the end of the range.
