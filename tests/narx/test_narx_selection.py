@@ -301,3 +301,9 @@ def test_an_even_search_finds_a_rectified_systems_terms_and_no_odd_one():
     assert all(len(term.u_lags) % 2 == 0 for term in found.terms)
     np.testing.assert_allclose(found.simulate(-u, y), found.simulate(u, y), rtol=1e-12)
     np.testing.assert_allclose(found.simulate(u, y), y, rtol=1e-6)
+
+
+def test_a_record_whose_thirds_are_no_longer_than_a_lag_is_refused_in_words():
+    u, y = np.random.default_rng(0).standard_normal((2, 20))
+    with pytest.raises(InputError, match="no longer than the largest lag, 10"):
+        select_terms(u, y, y_lags=[10], u_lags=[10], degree=1)

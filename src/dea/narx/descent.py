@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dea.errors import InputError
 from dea.narx.candidate_models import CandidateModels, Segment, Subset
 from dea.narx.checks import Array
 from dea.narx.exchange import Exchange, FittedStructure, JointFit, System
@@ -194,6 +195,14 @@ def _without(
             for part in (slice(0, first), slice(last, y.size))
             if y[part].size > lag
         ]
+    if not kept or not any(y.size > lag for _, y in left_out):
+        samples = sum(y.size for _, y in segments)
+        raise InputError(
+            f"a third of its {samples} samples is no longer than the largest lag, {lag}, so that"
+            " no threshold can be chosen",
+            field="u",
+            remedy="Use a longer record or smaller lags, or search=Refined(threshold).",
+        )
     return kept, left_out
 
 
