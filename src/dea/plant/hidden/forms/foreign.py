@@ -206,7 +206,7 @@ def unsteady_supply(size: float, conditions: Conditions, rng: Generator) -> Buil
 
 @njit(cache=True)
 def _spikes(c: Array, m: Array, y: Array) -> None:
-    """c holds (start, height) of every spike, m the time and the next one; one lasts 5 ms."""
+    """c holds (start, height) of every spike, and how long one lasts; m the time and the next."""
     count = c.shape[0] // 2
     for k in range(y.shape[0]):
         while m[1] < count and c[2 * int(m[1])] + c[-1] < m[0]:
