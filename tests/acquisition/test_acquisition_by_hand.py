@@ -11,7 +11,7 @@ import pytest
 from made_device import ECHO, module
 from memory_link import MemoryLink
 
-from dea.acquisition import AcquisitionSettings, by_hand, duty, latch
+from dea.acquisition import AcquisitionSettings, LinkError, by_hand, duty, latch
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.progress import heard_by
 
@@ -158,3 +158,25 @@ def test_zero_is_asked_of_the_guardian_until_it_ends_and_then_shown(device, monk
     [job] = jobs
     assert (job.reset, job.token) == (False, 0)
     np.testing.assert_array_equal(job.counts, [])
+
+
+def test_a_device_that_is_off_hides_neither_guardian_nor_trip(device, monkeypatch):
+    """As it is after an emergency stop."""
+
+    def silent(_):
+        raise LinkError("no reply from 10.0.0.7")
+
+    monkeypatch.setattr(by_hand.Output, "applied", silent)
+    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    with Duty(device) as guardian:
+        guardian.put(Phase.DRIVING, 3.0)
+    killed, tripped, reading = by_hand.status(device).splitlines()
+    assert "was killed before it had shown zero; asked for 3 V" in killed
+    assert "the door is open" in tripped
+    assert reading == "the output cannot be read: no reply from 10.0.0.7"
+
+
+def test_an_output_that_was_dismissed_has_not_been_taken_to_zero(device):
+    with Duty(device) as guardian:
+        guardian.put(Phase.DISMISSED, 3.0)
+    assert duty.look(duty.duty_file(device)).abandoned

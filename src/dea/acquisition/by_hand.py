@@ -12,6 +12,7 @@ from dea.acquisition.output import Output
 from dea.acquisition.recorder import Recorder
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.settings import AcquisitionSettings
+from dea.errors import DeviceError, InputError
 from dea.modbus import Device
 from dea.progress import tell
 
@@ -33,14 +34,20 @@ def status(device: Device) -> str:
     if (tripped := trip(device)) is not None:
         lines.append(f"tripped at {tripped['time']}: {tripped['reason']}")
     if not notice.alive:
-        link = Link(device, BY_HAND)
-        try:
-            applied = Output(link).applied()
-        finally:
-            link.close()
-        reading = "has no read-back" if applied is None else f"reads {applied:g} V"
-        lines.append(f"the output {reading}")
+        lines.append(f"the output {_reading(device)}")
     return "\n".join(lines)
+
+
+def _reading(device: Device) -> str:
+    """Say what the output reads; a device that is off must not hide what is known besides."""
+    link = Link(device, BY_HAND)
+    try:
+        applied = Output(link).applied()
+    except (DeviceError, InputError) as error:
+        return f"cannot be read: {error}"
+    finally:
+        link.close()
+    return "has no read-back" if applied is None else f"reads {applied:g} V"
 
 
 def zero(device: Device, settings: AcquisitionSettings) -> str:
@@ -81,7 +88,7 @@ def dismiss(device: Device) -> None:
 
 def _guardian(notice: Notice) -> str:
     doing = _DOING[notice.phase]
-    if notice.abandoned:
+    if notice.abandoned and notice.phase != Phase.DISMISSED:
         doing = "was killed before it had shown zero"
     if notice.phase == Phase.NEVER:
         return doing

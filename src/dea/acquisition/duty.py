@@ -43,7 +43,8 @@ class Order(IntEnum):
     DISMISS = 2
 
 
-DANGEROUS = (Phase.DRIVING, Phase.TO_ZERO, Phase.ALARM)
+# One that was dismissed, too: the amplifier was switched off, and the module may hold its voltage.
+DANGEROUS = (Phase.DRIVING, Phase.TO_ZERO, Phase.ALARM, Phase.DISMISSED)
 
 
 class Notice(NamedTuple):

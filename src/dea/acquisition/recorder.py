@@ -16,6 +16,8 @@ from dea.acquisition.zero import ZeroNotVerifiedError
 from dea.errors import DeviceError
 
 BEAT = 0.05  # s between two messages that say what is kept
+GUARDIANS = 8  # that may end before zero is shown, one after the other
+PAUSE = 0.2  # s longer before each of them
 
 
 class GuardianLostError(DeviceError):
@@ -89,6 +91,7 @@ class Recorder:
             Where the guardian has raised its alarm; it goes on trying.
         """
         self.check, self.answer = lambda: None, None
+        lost = 0
         if not self._zero:
             self._say("stop", str(error) or type(error).__name__)
         while not self._zero:
@@ -97,12 +100,28 @@ class Recorder:
                     if kind == "samples" and keep is not None:
                         with suppress(OSError):  # of the disk: the way to zero comes first
                             keep(content[0])
-            except GuardianLostError:
-                self._hire(self.job._replace(counts=self.job.counts[:0]))
+            except GuardianLostError as error:
+                lost += 1
+                self._replace_guardian(lost, error)
             except ZeroNotVerifiedError:
                 raise
             except DeviceError:
                 pass  # what ended the drive first is what the user is told
+
+    def _replace_guardian(self, lost: int, error: GuardianLostError) -> None:
+        """Hire another guardian, who only takes the output to zero, after so many were lost."""
+        cause: Exception = error
+        if lost <= GUARDIANS:
+            time.sleep(PAUSE * (lost - 1))
+            try:
+                self._hire(self.job._replace(counts=self.job.counts[:0]))
+                return
+            except OSError as refused:
+                cause = refused
+        self._zero = True
+        raise ZeroNotVerifiedError(
+            f"no guardian can take the output to zero ({cause}): switch the amplifier off"
+        )
 
     def _hire(self, job: DriveJob) -> None:
         self.wire = launch()
