@@ -87,7 +87,7 @@ class Task:
             whole = replace(self.settings.budget, long_record=self.seen.size)
             settings = replace(self.settings, budget=whole)
             problem, _, bare = prepare([self.seen], self.simulation, settings)
-            return problem.whole(), bare
+            return problem.whole([slice(0, problem.size)]), bare
 
         found: tuple[Problem, ExtendedSimulation] = self.shared.once("problem", made)
         return found
