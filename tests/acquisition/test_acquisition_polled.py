@@ -90,7 +90,8 @@ def driven(module, counts, late_after=0.005):
     blocks, failure = [], None
     try:
         panel = Panel(module)
-        blocks += drive(panel, Planned(counts), Laws(panel), late_after=late_after, tolerance=0.05)
+        sequence = Planned(counts, panel.zero)
+        blocks += drive(panel, sequence, Laws(panel), late_after=late_after, tolerance=0.05)
     except (BrokenRecordError, ReadBackError) as error:
         failure = error
     return [np.concatenate(column) for column in zip(*blocks, strict=True)], failure
@@ -129,7 +130,7 @@ def test_samples_whose_time_has_passed_are_left_out_and_never_sent_in_a_burst(cl
 def test_only_what_follows_samples_left_out_is_approached(clock):
     """The ramp to the start of a loop may be faster than what the loop may ask for."""
     module = Module(clock, holds={9: 0.03})  # late, by less than a period
-    sequence = Planned(COUNTS)
+    sequence = Planned(COUNTS, 0)
     sequence.longest_step = LARGEST_STEP // 10
     panel = Panel(module)
     blocks = list(drive(panel, sequence, Laws(panel), late_after=0.005, tolerance=0.05))

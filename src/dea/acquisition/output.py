@@ -5,7 +5,7 @@ from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.verify import answering_as_described, open_described, verify_device
 from dea.errors import InputError
-from dea.modbus import to_counts, to_physical
+from dea.modbus import to_physical
 
 TRIPPED = 3  # state
 RESET = 3  # command
@@ -34,7 +34,6 @@ class Output:
     def __init__(self, link: Link, *, reset: bool = False, token: int = 1) -> None:
         self.panel, self.link, self.device = Panel(link), link, link.device
         self.reset = reset
-        self.zero = int(to_counts(self.device["output"], 0.0))
         self._token, self.trusted = token, True
         self.laws = Laws(self.panel)
 

@@ -2,7 +2,7 @@
 
 from dea.acquisition.retrying_link import Link, LinkError
 from dea.errors import InputError
-from dea.modbus import Value, decode, encode
+from dea.modbus import Value, decode, encode, to_counts
 
 CONFIRMATIONS = 20  # readings at most until two in a row agree
 
@@ -16,6 +16,11 @@ class Panel:
     def __init__(self, link: Link) -> None:
         self.link, self.device = link, link.device
         self.last_output: int | None = None
+
+    @property
+    def zero(self) -> int:
+        """Count of the output at zero volts, which is not zero on a module over both signs."""
+        return int(to_counts(self.device["output"], 0.0))
 
     def __contains__(self, name: str) -> bool:
         return name in self.device

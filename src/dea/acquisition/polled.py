@@ -15,7 +15,7 @@ from dea.acquisition.rows import Rows
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
 from dea.acquisition.schedule import Schedule
 from dea.errors import DeviceError
-from dea.modbus import to_counts, to_physical
+from dea.modbus import to_physical
 
 START = 1  # command
 
@@ -70,7 +70,7 @@ def drive(
     poll.learn()
     echo = Echo(panel, poll.echo, tolerance) if poll.echo else None
     schedule = Schedule(panel, sequence.size, sequence.longest_step) if paced else None
-    number, expected, last = 0, None, int(to_counts(panel.device["output"], 0.0))
+    number, expected, last = 0, None, panel.zero
     try:
         while number < sequence.size:
             count = sequence.count(number)

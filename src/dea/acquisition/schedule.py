@@ -4,7 +4,6 @@ import time
 
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import LONGEST_SLEEP
-from dea.modbus import to_counts
 
 APART = 0.25  # periods between a reply and the next write at least
 LONGEST_PAUSE, PERIODS = 1.0, 5  # s, or periods if that is longer, that a hold-up may last
@@ -19,7 +18,7 @@ class Schedule:
         self.longest_pause = max(LONGEST_PAUSE, PERIODS * self.period)
         self.longest_step = longest_step
         self.start = time.monotonic() + self.period
-        self._last = int(to_counts(panel.device["output"], 0.0))
+        self._last = panel.zero
         self._done, self._behind = self.start - self.period, False
 
     def wait(self, number: int) -> float:

@@ -11,7 +11,7 @@ from dea.modbus import Device, limit_counts, representable, to_counts, to_physic
 class Planned:
     """The counts of a polled drive that are all known beforehand, from that of ``zero`` on."""
 
-    def __init__(self, counts: np.ndarray, zero: int = 0) -> None:
+    def __init__(self, counts: np.ndarray, zero: int) -> None:
         self._counts, self.size = counts.tolist(), counts.size
         self.longest_step = int(np.abs(np.diff(counts, prepend=zero)).max())
 

@@ -102,7 +102,7 @@ class WayToZero:
             self._beat()
             self._look()
             time.sleep(1 / self.device.sampling_rate)
-        self.panel.set("output", self.output.zero)
+        self.panel.set("output", self.panel.zero)
 
     def _beat(self) -> None:
         """Give the sign of life; one that is not answered does not keep the output up."""
@@ -136,7 +136,7 @@ class WayToZero:
         while time.monotonic() < end:
             time.sleep(HOLDING_PAUSE)
             if "command" not in self.device:
-                self.panel.set("output", self.output.zero)
+                self.panel.set("output", self.panel.zero)
             self._beat()
             if driven := self.output.driven():
                 end = time.monotonic() + quarantine
