@@ -131,6 +131,7 @@ class Guardian:
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
+        self._latching: Thread | None = None
 
     def asked(self, number: int, _frame: object) -> None:
         """Note a signal that asks for zero; the next check acts on it."""
@@ -162,12 +163,8 @@ class Guardian:
             self.output.trusted = not isinstance(error, ReadBackError)
             # A read-back that has been found wrong is a trip where there is a safety model.
             laws = (TripError, ReadBackError) if self.device.safety else TripError
-            trip = error if isinstance(error, laws) else None
-            # Not after zero alone, which may take hours; nor may a disk that hangs delay zero.
-            Thread(target=self._latch, args=(trip,), daemon=True).start()
-        else:
-            trip = None
-        self._end_at_zero(self._requested(), trip)
+            self._begin_latch(error if isinstance(error, laws) else None)
+        self._end_at_zero(self._requested())
 
     def _last_known(self) -> float:
         """Return what the guardian before asked for last, V, or else what the device says."""
@@ -229,7 +226,7 @@ class Guardian:
     def _sequence(self) -> polled.DrivenCounts:
         job = self.job
         if not job.asked:
-            return Planned(job.counts, self.output.zero)
+            return Planned(job.counts, self.output.panel.zero)
         plan = OutputPlan(job.counts, job.counts.size, job.asked)
         return Asked(self.device, plan, job.longest_step, self._ask, self._answer)
 
@@ -290,8 +287,8 @@ class Guardian:
         last = self.output.panel.last_output
         return 0.0 if last is None else float(to_physical(self.device["output"], last))
 
-    def _end_at_zero(self, requested: float, trip: Exception | None = None) -> None:
-        """Take the output to zero, whatever fails and however long it takes; latch a trip."""
+    def _end_at_zero(self, requested: float) -> None:
+        """Take the output to zero, whatever fails and however long it takes."""
         self.link.check = None
         # Each attempt is short: what repeats them is the loop below.
         retries = min(self.job.settings.retries, ZERO_RETRIES)
@@ -313,24 +310,34 @@ class Guardian:
                 break
             except Exception as error:  # only zero, or a person's order to dismiss, ends this loop
                 failing = failing or time.monotonic()
+                self._begin_latch(way.trip)
                 if time.monotonic() - failing >= self.job.settings.reconnect_time:
                     self._raise_alarm(error)
                     with suppress(Exception):  # which is what is left to do
                         self.output.laws.disarm()
                     if self.duty.order == Order.DISMISS or self.device.virtual:
-                        self._latch(trip or way.trip)
+                        self._end_latch()
                         self.duty.put(Phase.DISMISSED, way.volts)
                         return
             time.sleep(RETRY)
-        self._latch(trip or way.trip)
+        self._begin_latch(way.trip)
+        self._end_latch()
         self.duty.put(Phase.AT_ZERO, 0.0)
         self.link.on_connect = None
         self.link.close()
         self.wire.post("zero", str(evidence), self.link.log.cut())
 
-    def _latch(self, trip: Exception | None) -> None:
-        if trip is None:
-            return
+    def _begin_latch(self, trip: Exception | None) -> None:
+        """Latch the first trip, as it happens: zero may take hours, and a disk may hang."""
+        if trip is not None and self._latching is None:
+            self._latching = Thread(target=self._latch, args=(trip,), daemon=True)
+            self._latching.start()
+
+    def _end_latch(self) -> None:
+        if self._latching is not None:
+            self._latching.join()
+
+    def _latch(self, trip: Exception) -> None:
         try:
             latch(self.job.latch, self.device.name, str(trip))
         except OSError as error:

@@ -157,7 +157,9 @@ class Recorder:
             self._zero, self.evidence = True, content[0]
         elif kind == "alarm":
             self._zero = True  # the guardian is left to it
-            raise ZeroNotVerifiedError(content[0])
+            raise ZeroNotVerifiedError(
+                f"{content[0]} A guardian goes on trying: see `python -m dea.acquisition status`."
+            )
         elif kind == "refused":
             self._zero = True
             raise unpacked(content[0])

@@ -22,8 +22,7 @@ def reported() -> Iterator[None]:
         _say(f"error: {error}")
         raise SystemExit(2) from None
     except ZeroNotVerifiedError as error:
-        told = "A guardian goes on trying: see `python -m dea.acquisition status`."
-        _say(f"DANGER: {error} {told}")
+        _say(f"DANGER: {error}")
         raise SystemExit(3) from None
     except (DeviceError, OSError) as error:
         _say(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]))
