@@ -423,25 +423,20 @@ def test_a_single_effect_contributes_what_it_gained_among_the_catalogue():
     assert found == Contribution(4.0, 2.0, 2.0, 1.5, 9.0)
 
 
-def single(label, finished, error, size):
-    return SimpleNamespace(labels=(label,), finished=finished, error=error, fit=size)
-
-
-def test_an_effect_that_was_screened_too_is_counted_once_as_it_was_finished():
+def test_of_two_effects_the_first_contributes_what_it_did_alone():
     singles = [
-        single("a", False, 1.9, 1.9),
-        single("a", True, 2.0, 2.0),
-        single("b", True, 3.0, 3.0),
+        SimpleNamespace(labels=(label,), fit=size) for label, size in (("a", 2.0), ("b", 3.0))
     ]
-    held_out = SimpleNamespace(residual=lambda size: np.full(1000, size))
+    final = attached("a", "b")
+    held_out = SimpleNamespace(
+        residual=lambda fitted: np.full(1000, 0.5 if fitted is final else fitted)
+    )
     evidence = SimpleNamespace(**vars(evidence_of(1000)), held_out=held_out)
-    final = SimpleNamespace(**vars(attached("a", "b")))
-    held_out.residual = lambda fitted: np.full(1000, 0.5 if fitted is final else fitted)
     rungs = ladder(evidence, 4.0, final, singles)
     assert [rung.label for rung in rungs] == [None, "a", "b"]
     first, second = contributions(evidence, rungs, final, singles, None)
     assert (first.before, first.after, second.before, second.after) == (4.0, 2.0, 2.0, 0.5)
-    gained = Gains(np.array([1.0, 2.0, 3.0]), np.zeros(3), np.full(3, 9.0), 0.1)
+    gained = Gains(np.array([2.0, 3.0]), np.zeros(2), np.full(2, 9.0), 0.1)
     [alone] = contributions(evidence, rungs[:2], attached("a"), singles, gained)
     assert alone.gain == 2.0
 

@@ -1065,3 +1065,31 @@ def test_no_pair_is_exchanged_where_none_may_be_or_none_is_worth_it(exchanges, o
     [found] = search._pairs_from([tried(20.0, "a")])
     assert found.candidates[0].error == 10.0
     assert (extended, exchanged) == ([[("a",)]], [])
+
+
+def test_an_effect_that_was_screened_and_is_fitted_again_counts_once_as_it_was_finished(
+    monkeypatch,
+):
+    """What was screened may even have the smaller error, with a charge for fewer steps."""
+
+    def single(label, finished, error):
+        return SimpleNamespace(labels=(label,), finished=finished, error=error)
+
+    again = {"a": single("a", True, 2.0), "b": single("b", True, 2.5)}
+    pair = SimpleNamespace(names=("a", "b"), fit=["b", "a"])
+    monkeypatch.setattr("dea.discrepancy.search.search.without", lambda problem, fitted, i: (
+        SimpleNamespace(stable=True, label=fitted[i])
+    ))  # fmt: skip
+    monkeypatch.setattr(
+        "dea.discrepancy.search.search.fitted_again", lambda problem, start, budget: start.label
+    )
+    monkeypatch.setattr("dea.discrepancy.search.search.judged", lambda problem, label: again[label])
+    screened = [single("a", False, 1.9), single("b", True, 3.0), single("c", False, 4.0)]
+    search = SimpleNamespace(
+        problem=None, budget=None, singles=Round(None, tuple(screened)),
+        _leading=lambda rounds: [pair],
+    )  # fmt: skip
+    found = Search._reduced(search, [Round(None)]).candidates
+    assert [(c.labels[0], c.finished, c.error) for c in found] == [
+        ("a", True, 2.0), ("b", True, 2.5), ("c", False, 4.0),
+    ]  # fmt: skip

@@ -39,16 +39,10 @@ def ladder(
     rungs: list[tuple[str | None, Fit]] = [(None, nominal)]
     if len(labels) > 1:
         alone = (labels[0],)
-        found = [c for c in singles if c.labels == alone]
-        rungs += [(labels[0], min(found, key=_rank).fit)] if found else []
+        rungs += [(labels[0], c.fit) for c in singles if c.labels == alone]
     if labels:
         rungs.append((labels[-1], final))
     return [Rung(label, evidence.held_out.residual(fit)) for label, fit in rungs]
-
-
-def _rank(candidate: Candidate) -> tuple[bool, float]:
-    """Return what is least for the fit of an effect that was finished, and is best."""
-    return not candidate.finished, candidate.error
 
 
 def contributions(
@@ -68,9 +62,8 @@ def contributions(
         last = min(index + 1, len(rungs) - 1)
         before, after = (rung.residual for rung in rungs[last - 1 : last + 1])
         if len(attached) == 1:
-            alone = (final.extended.label(effect),)
-            same = [k for k, c in enumerate(singles) if c.labels == alone]
-            found, at = gained, min(same, key=lambda k: _rank(singles[k]))
+            labels = [c.labels for c in singles]
+            found, at = gained, labels.index((final.extended.label(effect),))
         else:
             found, at = gains(before, [after], evidence.blocks, 0.0, evidence.rng), 0
         seen = evidence.problem.seen

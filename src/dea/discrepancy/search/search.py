@@ -126,7 +126,10 @@ class Search:
         candidates = best_of_each_set(
             [*self.singles.candidates, *(judged(self.problem, each) for each in again)]
         )
-        return replace(self.singles, candidates=tuple(candidates))
+        # One that was screened alone is finished now.
+        finished = {c.labels for c in candidates if c.finished}
+        kept = (c for c in candidates if c.finished or c.labels not in finished)
+        return replace(self.singles, candidates=tuple(kept))
 
     def _restarted(self, rounds: Sequence[Round]) -> list[Round]:
         """Return the rounds with the leading candidates fitted once more, unless noise is left.

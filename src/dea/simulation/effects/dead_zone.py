@@ -59,13 +59,12 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return thresholds through the range of the input, with both kinds of gate, or a drop."""
-    peak = high = scales.u_peak
-    low = max(scales.u_low, -scales.u_high, 0.0)
+    low, peak = max(scales.u_low, -scales.u_high, 0.0), scales.u_peak
 
     def zone(part: float, gate: float = 0.0, drop: float = 0.0) -> tuple[float, ...]:
-        threshold = low + part * (high - low)
+        threshold = low + part * (peak - low)
         # The largest input passes unchanged, as in the fitted simulation.
-        slope = high / (high - (1.0 - drop) * threshold)
+        slope = peak / (peak - (1.0 - drop) * threshold)
         return (threshold, 0.04 * peak, gate, 1.0, slope, 1.0, 0.0, 0.01 * peak, peak, drop)
 
     zones = (zone(part) for part in (0.05, 0.15, 0.25, 0.37, 0.5))
