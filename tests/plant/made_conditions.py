@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 from numba import njit
+from scipy.integrate import solve_ivp
 
 from dea.plant import forces
 from dea.plant.film import SUBSTEP
@@ -42,6 +43,13 @@ def resist(law, path, seconds_each=SUBSTEP):
 def held(law, y, seconds):
     """Return the force after each sub-step at a place held from the start."""
     return _along(forces.stack([law]), np.full(round(seconds / SUBSTEP), float(y)), 1)
+
+
+def integrated(move, start, seconds, **accuracy):
+    """Return the states after each sub-step, (states, steps), as another integrator has them."""
+    times = np.arange(1, round(seconds / SUBSTEP)) * SUBSTEP
+    exact = {"rtol": 1e-9, "atol": 1e-9} | accuracy
+    return solve_ivp(move, (0.0, seconds), start, dense_output=True, **exact).sol(times)
 
 
 @njit(cache=True)

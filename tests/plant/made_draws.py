@@ -80,6 +80,13 @@ def drawn(form, size, share, conditions=UNEVEN, seed=0):
     return law, defining, draws.anew()
 
 
+def form(name, size, share, conditions=UNEVEN):
+    """Return the law of a form that reports no defining value, and the draws anew."""
+    law, defining, draws = drawn(name, size, share, conditions)
+    assert not defining
+    return law, draws
+
+
 def command(samples=5000, conditions=UNEVEN, seed=5):
     """Return a smooth command within its range, and now and then held for a while."""
     t = np.arange(samples) * SUBSTEP

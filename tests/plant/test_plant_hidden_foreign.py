@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from made_conditions import held, through
-from made_draws import SHARES, UNEVEN, command, drawn
+from made_draws import SHARES, UNEVEN, command, drawn, form
 from scipy.integrate import solve_ivp
 from scipy.signal import find_peaks, lfilter
 
@@ -19,6 +19,20 @@ WITHIN = UNEVEN.duration > T
 WAVE = LOW + SPAN * (0.5 - 0.7 * np.cos(2.0 * np.pi * 0.9 * T))
 
 
+def of_command(name, size, share, conditions=UNEVEN):
+    """Return the law of a form that acts on the command, and its draws."""
+    made, draws = form(name, size, share, conditions)
+    assert not made.output
+    return made, draws
+
+
+def of_reading(name, size, share, conditions=UNEVEN):
+    """Return the law of a form that acts on the reading, and its draws."""
+    made, draws = form(name, size, share, conditions)
+    assert made.output
+    return made, draws
+
+
 def factor(change):
     """Return the factor on a command whose square gains a share, or keeps at least 0.05."""
     return np.maximum(1.0 + change, 0.05) ** 0.5
@@ -27,9 +41,7 @@ def factor(change):
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.4, 1.3])
 def test_the_temperature_follows_the_squared_command(share, size):
-    made, defining, draws = drawn("thermal_feedback", size, share)
-    assert not made.output
-    assert not defining
+    made, draws = of_command("thermal_feedback", size, share)
     change = size if share < 0.5 else -min(size, 0.9)
     kept = SUBSTEP / (draws.at(8.0, 30.0) * TIME)
     hot = 1.4 * U
@@ -46,9 +58,7 @@ def test_the_gain_of_a_hot_command_falls_to_a_twentieth_and_no_further():
 
 @pytest.mark.parametrize("size", [0.03, 0.2, 0.6])
 def test_a_reading_is_sent_when_it_is_wrong_by_more_than_a_threshold(size):
-    made, defining, _ = drawn("send_on_delta", size, 0.3)
-    assert made.output
-    assert not defining
+    made, _ = of_reading("send_on_delta", size, 0.3)
     expected, sent = np.full(U.size, U[0]), 0
     while True:
         wrong = np.flatnonzero(np.abs(U[sent:] - U[sent]) > size * TRAVEL)
@@ -64,9 +74,7 @@ def test_a_reading_is_sent_when_it_is_wrong_by_more_than_a_threshold(size):
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.3, 1.4])
 def test_the_contact_is_bad_between_every_other_two_moments(share, size):
-    made, defining, draws = drawn("telegraph_contact", size, share)
-    assert not made.output
-    assert not defining
+    made, draws = of_command("telegraph_contact", size, share)
     moments = np.cumsum(draws.exponential(draws.at(1.0, 6.0) * TIME, 200))
     expected = U.copy()
     for start, end in zip(moments[::2], moments[1::2], strict=True):
@@ -79,20 +87,17 @@ def test_the_contact_is_bad_between_every_other_two_moments(share, size):
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.02, 0.73])
 def test_a_command_is_late_in_proportion_to_itself(share, size):
-    made, defining, draws = drawn("input_dependent_delay", size, share)
-    assert not made.output
-    assert not defining
+    made, draws = of_command("input_dependent_delay", size, share)
     late = size * TIME * draws.at(0.9, 1.1) * np.clip((WAVE - LOW) / SPAN, 0.0, 1.0) / SUBSTEP
     came = np.arange(T.size) - np.floor(late + 1e-12).astype(int)
     np.testing.assert_array_equal(through(made, WAVE), WAVE[np.maximum(came, 0)])
 
 
-@pytest.mark.parametrize("form", ["held_readings", "lost_commands"])
+@pytest.mark.parametrize("name", ["held_readings", "lost_commands"])
 @pytest.mark.parametrize("share", SHARES)
-def test_what_came_last_is_held_over_a_gap(form, share):
-    made, defining, draws = drawn(form, 0.4, share)
-    assert made.output is (form == "held_readings")
-    assert not defining
+def test_what_came_last_is_held_over_a_gap(name, share):
+    made, draws = form(name, 0.4, share)
+    assert made.output is (name == "held_readings")
     lengths = draws.exponential([draws.at(2.0, 8.0) * TIME, 0.4 * TIME], (50, 2))
     moments = np.cumsum(lengths.ravel())
     expected = WAVE.copy()
@@ -116,9 +121,7 @@ def test_gaps_go_on_to_the_end_of_the_record():
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.3, 0.9])
 def test_the_supply_modulates_with_two_sines(share, size):
-    made, defining, draws = drawn("modulated_gain", size, share)
-    assert not made.output
-    assert not defining
+    made, draws = of_command("modulated_gain", size, share)
     angle = 2.0 * np.pi * 10.0 ** draws.at(-0.5, 0.7) / TIME * T + draws.at(0.0, 6.28)
     expected = U * factor(size * (np.sin(angle) + draws.at(0.0, 0.4) * np.sin(2.0 * angle)))
     np.testing.assert_allclose(through(made, U), expected, rtol=1e-6)
@@ -127,9 +130,7 @@ def test_the_supply_modulates_with_two_sines(share, size):
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.3, 1.4])
 def test_the_gain_is_that_of_the_last_peak(share, size):
-    made, defining, _ = drawn("peak_memory", size, share)
-    assert not made.output
-    assert not defining
+    made, _ = of_command("peak_memory", size, share)
     change = size if share < 0.5 else -min(size, 0.9)
     # A peak is one as soon as the command falls; before the first, the command's start is.
     for signal in (U, U[::-1], WAVE + 0.4 * np.sin(23.0 * T)):
@@ -145,9 +146,7 @@ def test_the_gain_is_that_of_the_last_peak(share, size):
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.05, 0.4])
 def test_a_command_is_rounded_to_the_nearest_level(share, size):
-    made, defining, _ = drawn("coarse_commands", size, share)
-    assert not made.output
-    assert not defining
+    made, _ = of_command("coarse_commands", size, share)
     levels = LOW + size * SPAN * (np.arange(-30, 60) + share)
     nearest = levels[np.abs(WAVE[:, None] - levels).argmin(axis=1)]
     np.testing.assert_allclose(through(made, WAVE), nearest, atol=1e-9)
@@ -155,9 +154,7 @@ def test_a_command_is_rounded_to_the_nearest_level(share, size):
 
 @pytest.mark.parametrize("share", SHARES)
 def test_the_supply_s_noise_is_a_table_with_straight_pieces_that_repeats(share):
-    made, defining, draws = drawn("unsteady_supply", 0.3, share)
-    assert not made.output
-    assert not defining
+    made, draws = of_command("unsteady_supply", 0.3, share)
     kept = np.exp(-0.02 / draws.at(0.2, 1.5))
     raw = draws.standard_normal(2 + int(1.2 * UNEVEN.duration / (0.02 * TIME)))
     raw[1:] *= np.sqrt(1.0 - kept**2)
@@ -170,9 +167,7 @@ def test_the_supply_s_noise_is_a_table_with_straight_pieces_that_repeats(share):
 
 @pytest.mark.parametrize("share", SHARES)
 def test_a_spike_lasts_a_hundredth_of_a_band_period(share):
-    made, defining, draws = drawn("outliers", 0.3, share)
-    assert made.output
-    assert not defining
+    made, draws = of_reading("outliers", 0.3, share)
     length = 0.01 * TIME
     every = draws.at(15.0, 40.0) * length
     starts = np.cumsum(draws.exponential(every, 2 + int(2.0 * UNEVEN.duration / every)))
@@ -192,9 +187,7 @@ def test_a_spike_lasts_a_hundredth_of_a_band_period(share):
 def test_the_unmeasured_input_is_lorenz_s(share, size):
     """Compared while two solutions of a chaotic system stay close to each other."""
     slow = UNEVEN._replace(time=7.0)
-    made, defining, draws = drawn("unmeasured_input", size, share, slow)
-    assert not made.output
-    assert not defining
+    made, draws = of_command("unmeasured_input", size, share, slow)
     pace = draws.at(0.3, 1.5) / slow.time
 
     def flow(t, s):
@@ -213,9 +206,7 @@ def test_the_unmeasured_input_is_lorenz_s(share, size):
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.3, 0.9])
 def test_the_gain_follows_the_direction_with_a_lag(share, size):
-    made, defining, draws = drawn("direction_gain", size, share)
-    assert not made.output
-    assert not defining
+    made, draws = of_command("direction_gain", size, share)
     for signal in (U, U[::-1], WAVE):
         turned = np.sign(np.diff(signal, prepend=signal[0]))
         moved = np.maximum.accumulate(np.where(turned != 0.0, np.arange(signal.size), 0))
@@ -229,9 +220,7 @@ def test_the_gain_follows_the_direction_with_a_lag(share, size):
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.03, 1.37])
 def test_the_clock_is_later_and_later_and_then_stays_late(share, size):
-    made, defining, draws = drawn("drifting_clock", size, share)
-    assert not made.output
-    assert not defining
+    made, draws = of_command("drifting_clock", size, share)
     over = np.minimum(T / UNEVEN.duration, 1.0) ** draws.at(0.7, 2.0)
     came = np.arange(T.size) - np.floor(size * TIME * over / SUBSTEP + 1e-12).astype(int)
     passed = through(made, WAVE)
@@ -242,9 +231,7 @@ def test_the_clock_is_later_and_later_and_then_stays_late(share, size):
 
 @pytest.mark.parametrize(("time", "hold"), [(0.35, 7), (0.01, 1)])
 def test_speckle_is_held_for_a_while_and_its_table_repeats(time, hold):
-    made, defining, draws = drawn("speckle", 0.3, 0.3, UNEVEN._replace(time=time))
-    assert made.output
-    assert not defining
+    made, draws = of_reading("speckle", 0.3, 0.3, UNEVEN._replace(time=time))
     noise = np.tile(np.repeat(draws.standard_normal(20_000), hold), 2)[:150_000]
     y = BOTTOM + np.linspace(-1.0, TRAVEL, noise.size)
     expected = y + 0.3 * (y - BOTTOM) * noise

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from made_conditions import held, resist, sweep
-from made_draws import SHARES, UNEVEN, drawn
+from made_conditions import held, integrated, resist, sweep
+from made_draws import SHARES, UNEVEN, drawn, form
 from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.special import erf
 from scipy.stats import norm
@@ -15,13 +15,6 @@ K, TRAVEL, TIME, REST = UNEVEN.stiffness, UNEVEN.travel, UNEVEN.time, UNEVEN.res
 BOTTOM, TOP, CYCLES = UNEVEN.bottom, UNEVEN.top, UNEVEN.cycles
 EACH = pytest.mark.parametrize("share", SHARES)
 D = np.linspace(-0.2, 1.0, 2401)  # in travels above the bottom
-
-
-def form(name, size, share, conditions=UNEVEN):
-    """Return a form's law, which has no defining value, and its draws."""
-    made, defining, draws = drawn(name, size, share, conditions)
-    assert not defining
-    return made, draws
 
 
 def fung(d, draws):
@@ -247,11 +240,9 @@ def test_a_second_mass_moves_as_another_integrator_says(name, share):
         force = pull(place - s[0]) - (1.0 - grounded) * dashpot * s[1]
         return [s[1], (force - grounded * dashpot * s[1]) / mass]
 
-    solved = solve_ivp(move, (0.0, 6.0), [REST, 0.0], rtol=1e-9, atol=1e-9, dense_output=True)
-    times = np.arange(1, 6000) * SUBSTEP
-    y, v = solved.sol(times)
+    y, v = integrated(move, [REST, 0.0], 6.0)
     expected = pull(place - y) - (1.0 - grounded) * dashpot * v
-    felt = held(made, place, 6.0)[: times.size]
+    felt = held(made, place, 6.0)[:-1]
     np.testing.assert_allclose(felt, expected, atol=5e-3 * np.abs(expected).max())
 
 
@@ -278,11 +269,9 @@ def test_the_column_of_liquid_moves_as_another_integrator_says(share):
     def move(t, s):
         return [s[1], (spring * (place - s[0]) + resistance(-s[1])) / mass]
 
-    solved = solve_ivp(move, (0.0, 6.0), [REST, 0.0], rtol=1e-9, atol=1e-9, dense_output=True)
-    times = np.arange(1, 6000) * SUBSTEP
-    y, v = solved.sol(times)
+    y, v = integrated(move, [REST, 0.0], 6.0)
     expected = spring * (place - y) + resistance(-v)
-    felt = held(made, place, 6.0)[: times.size]
+    felt = held(made, place, 6.0)[:-1]
     np.testing.assert_allclose(felt, expected, atol=5e-3 * spring * 5.0)
 
 
@@ -310,7 +299,7 @@ def test_twin_masses_move_side_by_side(share):
         expected = expected + spring * stretch + dashpot * speed
         quick += dashpot
     assert at_start(made, REST, 2.0) == pytest.approx(2.0 * quick)
-    felt = held(made, REST + 5.0, 6.0)[: times.size]
+    felt = held(made, REST + 5.0, 6.0)[:-1]
     np.testing.assert_allclose(felt, expected, atol=0.01 * np.abs(expected).max())
 
 
@@ -335,9 +324,7 @@ def test_a_carried_mass_is_damped_against_the_one_that_carries_it(share):
         push = spring * (place - s[0]) - dashpot * s[1]
         return [s[1], (push - pull) / mass, s[3], pull / (carried * mass)]
 
-    solved = solve_ivp(move, (0.0, 6.0), [REST, 0.0, REST, 0.0], rtol=1e-9, dense_output=True)
-    times = np.arange(1, 6000) * SUBSTEP
-    s = solved.sol(times)
+    s = integrated(move, [REST, 0.0, REST, 0.0], 6.0)
     expected = spring * (place - s[0]) - dashpot * s[1]
-    felt = held(made, place, 6.0)[: times.size]
+    felt = held(made, place, 6.0)[:-1]
     np.testing.assert_allclose(felt, expected, atol=0.01 * spring * 5.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from made_conditions import built, held, resist, sweep
-from made_draws import SHARES, UNEVEN, drawn
+from made_draws import SHARES, UNEVEN, drawn, form
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
@@ -16,13 +16,6 @@ PATH = REST + 3.0 + 4.0 * np.sin(2.0 * np.pi * 1.3 * T) + np.where(T > 1.7, 2.0,
 # Of a spectrum, in band periods: three a decade from 0.03 on.
 DECADES = 0.03 * 10.0 ** (np.arange(18) / 3.0)
 EACH = pytest.mark.parametrize("share", SHARES)
-
-
-def form(name, size, share):
-    """Return a form's law, which has no defining value, and its draws."""
-    made, defining, draws = drawn(name, size, share)
-    assert not defining
-    return made, draws
 
 
 def relaxed(response, time):
