@@ -131,7 +131,7 @@ def fit_noise_ratio(
         highest=highest,
     )
     # A parameter takes `thinning` steps between the samples that are used.
-    Phi, y = _thinned(Phi, y, thinning)
+    Phi, y = thinned(Phi, y, thinning)
     p, count = Phi.shape[1], y.size
 
     def cost(log_q: Array) -> tuple[float, Array]:
@@ -152,7 +152,7 @@ def fit_noise_ratio(
     return ratios
 
 
-def _thinned(Phi: Array, y: Array, thinning: int) -> tuple[Array, Array]:
+def thinned(Phi: Array, y: Array, thinning: int) -> tuple[Array, Array]:
     """Return every ``thinning``-th equation, from the one on at which most outputs are known."""
     known = [np.count_nonzero(np.isfinite(y[first::thinning])) for first in range(thinning)]
     chosen = slice(int(np.argmax(known)), None, thinning)
@@ -175,7 +175,7 @@ def fit_common_ratio(
     """
     from scipy.optimize import minimize_scalar
 
-    Phi, y = _thinned(Phi, y, thinning)
+    Phi, y = thinned(Phi, y, thinning)
 
     def cost(log_q: float) -> float:
         arrays = _arrays(Phi, y, np.full(Phi.shape[1], np.exp(log_q)), theta_0, prior_variance)

@@ -124,14 +124,15 @@ def _smooth_whitened(
     """Smooth around ``start`` with the noise that its free run leaves made white."""
     best, settled, lag = start, False, model.max_lag
     run, error = free_run(model, best.theta, u, y)
-    largest = _LARGEST_RISE * error
+    largest, given = _LARGEST_RISE * error, walk
     for iteration in range(_WHITENINGS):
         if iteration < _NOISE_FITS:
             left = FreeRun(u, run, y - run, np.empty((0, 0)))
             (feedback,), noise = noise_model(model.terms, lead_in(best.theta, lag), [left])
         in_equation = bool(np.any(feedback))
         psi, z = _linearised(model, best.theta, u, y, run, in_equation)
-        found = walk.smooth(whiten(noise, psi), whiten(noise, z), model.parameters, at)
+        psi, z = whiten(noise, psi), whiten(noise, z)
+        found = walk.smooth(psi, z, model.parameters, at)
         found_run, found_error = free_run(model, found.theta, u, y)
         if not found_error < largest:
             break
@@ -142,6 +143,8 @@ def _smooth_whitened(
             walk = replace(walk, noise_ratio=found.noise_ratio)
         elif iteration >= _NOISE_FITS and close:
             settled = True
+            covariance = given.covariance(psi, z, model.parameters, found, at)
+            best = found._replace(covariance=covariance)
             break
     return Tracked(best, moved or best is not start, settled)
 

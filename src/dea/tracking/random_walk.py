@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.tracking.kalman import NOWHERE, Smoothed, fit_noise_ratio, smooth
+from dea.tracking.unknown_ratios import covariance_with_unknown_ratios
 
 Array = NDArray[np.float64]
 
@@ -55,6 +56,29 @@ class RandomWalk:
             variance=found.variance / scale**2,
             covariance=found.covariance / np.outer(scale, scale),
         )
+
+    def covariance(
+        self, Phi: Array, y: Array, theta_0: Array, found: Smoothed, at: NDArray[np.int64]
+    ) -> Array:
+        """Return the covariances (k, p, p) of what ``smooth`` found, at the same samples ``at``.
+
+        Where it fitted the ratios, they hold what these leave open.
+        """
+        if self.noise_ratio is not None or not at.size:
+            return found.covariance
+        scale = root_mean_square(Phi)
+        both = np.outer(scale, scale)
+        scaled = found._replace(theta=found.theta * scale, covariance=found.covariance * both)
+        covariance = covariance_with_unknown_ratios(
+            Phi / scale,
+            y,
+            scaled,
+            theta_0=theta_0 * scale,
+            prior_variance=self.prior_variance,
+            thinning=self.thinning,
+            at=at,
+        )
+        return covariance / both
 
 
 def root_mean_square(Phi: Array) -> Array:

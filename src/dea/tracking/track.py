@@ -215,11 +215,14 @@ def _smoothed(
         else:
             estimator, withheld = names[best], NOT_MOVED.format(_NAMES[names[best]])
     withheld = withheld or _undetermined(model, signals)
+    covariance = smoothed.covariance
+    if smoothed is by_prediction and not withheld:
+        covariance = walk.covariance(Phi, target, model.parameters, smoothed, at)
     return TrackerEstimate(
         smoothed.theta,
         np.sqrt(np.maximum(smoothed.variance, 0.0)),
         smoothed.innovation,
-        smoothed.covariance,
+        covariance,
         estimator,
         withheld,
         smoothed.noise_ratio,

@@ -1,0 +1,73 @@
+"""The covariance of smoothed parameters whose noise ratios are not known but estimated.
+
+The ratios of largest likelihood are taken for known by the smoother. A record tells little of them:
+the most likely one is often zero where the parameter does walk (the pile-up of N. Shephard and
+A. C. Harvey, J. Time Ser. Anal. 11, 1990), and intervals that rest on it are too narrow. With a
+ratio q_j unknown, the law of total variance adds
+
+    E[C(q_j)] - C(q) + E[(theta(q_j) - theta(q)) (theta(q_j) - theta(q))^T]
+
+over its posterior, the others at their estimates (J. D. Hamilton, J. Econometrics 33, 1986). The
+standard deviation of a step has a uniform prior (A. Gelman, Bayesian Analysis 1, 2006).
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dea.tracking.kalman import HIGHEST_RATIO, Smoothed, log_likelihood, smooth, thinned
+
+Array = NDArray[np.float64]
+
+_NODES = 12  # ratios of a parameter that its posterior is taken over
+_LEAST = 0.01  # share of the posterior of a ratio that is followed
+
+
+def covariance_with_unknown_ratios(
+    Phi: Array,
+    y: Array,
+    found: Smoothed,
+    *,
+    theta_0: Array,
+    prior_variance: float,
+    thinning: int,
+    at: NDArray[np.int64],
+) -> Array:
+    """Return the covariances (k, p, p) at the samples ``at`` with what each ratio leaves open.
+
+    Parameters
+    ----------
+    Phi, y
+        Regressors (n, p), of a root mean square of one, and outputs (n,), NaN where missing.
+    found
+        The estimate with the ratios of largest likelihood, its covariance at ``at``.
+    theta_0, prior_variance, thinning
+        As in :func:`dea.tracking.kalman.smooth` and :func:`dea.tracking.kalman.fit_noise_ratio`.
+    """
+    prior: dict[str, Any] = {"theta_0": theta_0, "prior_variance": prior_variance}
+    # With a smaller one a parameter walks less in the record than the record can tell.
+    edges = np.geomspace(1.0 / max(y.size, 100) ** 2, HIGHEST_RATIO, _NODES + 1)
+    nodes, prior_mass = np.sqrt(edges[:-1] * edges[1:]), np.diff(np.sqrt(edges))
+    few = thinned(Phi, y, thinning)
+    covariance: Array = found.covariance.copy()
+    for ratios in _varied(found.noise_ratio, nodes):
+        log_weight = np.array([log_likelihood(*few, thinning * q, **prior)[0] for q in ratios])
+        weight = np.exp(log_weight - log_weight.max()) * prior_mass
+        weight /= weight.sum()
+        for k in np.flatnonzero(weight > _LEAST):
+            other = smooth(Phi, y, ratios[k], at=at, **prior)
+            moved = (other.theta - found.theta)[at]
+            spread = moved[:, :, None] * moved[:, None, :]
+            covariance += weight[k] * (other.covariance - found.covariance + spread)
+    return covariance
+
+
+def _varied(noise_ratio: Array, nodes: Array) -> list[Array]:
+    """Return for each parameter the ratios (nodes, p) with its own at every node."""
+    varied = []
+    for j in range(noise_ratio.size):
+        ratios = np.tile(noise_ratio, (nodes.size, 1))
+        ratios[:, j] = nodes
+        varied.append(ratios)
+    return varied
