@@ -8,12 +8,25 @@ from pathlib import Path
 
 @contextmanager
 def atomic(path: str | Path) -> Iterator[Path]:
-    """Yield a temporary path beside ``path`` that takes its name only if the block succeeds."""
+    """Yield a temporary path beside ``path`` that takes its name only if the block succeeds.
+
+    The file is on the disk then: what it was made from may be removed.
+    """
     final = Path(path)
     final.parent.mkdir(parents=True, exist_ok=True)
     partial = final.with_name(f".{final.name}.{os.getpid()}.partial")
     try:
         yield partial
+        _sync(partial)
         os.replace(partial, final)
+        _sync(final.parent)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def _sync(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,4 +1,6 @@
 import json
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,6 +83,27 @@ def test_a_failed_write_leaves_the_old_file_alone(tmp_path):
         interrupted()
     assert path.read_text() == "old"
     assert [file.name for file in tmp_path.iterdir()] == ["result.txt"]
+
+
+def test_a_file_is_on_the_disk_before_it_takes_its_name(tmp_path, monkeypatch):
+    """What it was made from may be removed then."""
+    done, path = [], tmp_path / "result.txt"
+    sync, rename = os.fsync, os.replace
+
+    def fsync(handle):
+        done.append(Path(f"/proc/self/fd/{handle}").resolve().name)
+        sync(handle)
+
+    def replace(old, new):
+        done.append("renamed")
+        rename(old, new)
+
+    monkeypatch.setattr("os.fsync", fsync)
+    monkeypatch.setattr("os.replace", replace)
+    with store.atomic(path) as partial:
+        partial.write_text("whole")
+    assert done == [partial.name, "renamed", tmp_path.name]
+    assert path.read_text() == "whole"
 
 
 def test_wrong_units_and_dimensions_name_file_field_and_remedy(tmp_path):
