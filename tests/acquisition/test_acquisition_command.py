@@ -14,7 +14,7 @@ from plain_module import PlainModule
 from rich.console import Console
 
 from dea import store
-from dea.acquisition import latch
+from dea.acquisition import AcquisitionSettings, by_hand, latch, watched
 from dea.acquisition.__main__ import _plain, main
 from dea.acquisition.display import SHOWN, Display, health
 from dea.acquisition.link_log import LinkLog
@@ -60,6 +60,34 @@ def test_drive_writes_a_record_and_its_link(serve_bench, tmp_path, capfd, option
     assert "samples" in shown
     assert "no errors" in shown
     assert ("output in V" in shown) == bool(options)
+
+
+def test_a_record_keeps_the_description_that_the_device_was_driven_with(
+    serve_bench, tmp_path, monkeypatch
+):
+    bench, output, edited = serve_bench(), tmp_path / "record.nc", tmp_path / "device.yaml"
+    edited.write_text(DEVICE.read_text())
+    acquired = watched.acquire
+
+    def edit_meanwhile(*given, **named):
+        found = acquired(*given, **named)
+        edited.write_text(DEVICE.read_text() + "\n# edited\n")
+        return found
+
+    monkeypatch.setattr(watched, "acquire", edit_meanwhile)
+    drive(bench, output, "--device", str(edited))
+    for file in (output, tmp_path / "record_link.nc"):
+        attributes = store.read(file).attrs
+        assert attributes["device_description"] == DEVICE.read_text()
+    assert store.read(output).attrs["sha256_device"] == store.sha256(DEVICE)
+
+
+def test_zero_is_reached_no_faster_than_the_safety_model_allows(tmp_path):
+    description = yaml.safe_load((ROOT / "config/devices/analogue_module.yaml").read_text())
+    file = tmp_path / "device.yaml"
+    file.write_text(yaml.safe_dump(description | {"safety": {"max_rate": 2.0}}))
+    with pytest.raises(InputError, match=r"by 5 V/s, and 2 V/s are allowed"):
+        by_hand.zero(read_device(file), AcquisitionSettings(ramp_rate=5.0))
 
 
 def test_check_prints_what_the_device_says(serve_bench, capsys):

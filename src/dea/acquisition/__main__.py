@@ -157,9 +157,9 @@ def rescue(options: argparse.Namespace) -> None:
     """Write what a crashed or broken acquisition had already recorded."""
     _refuse_existing(options.output)
     device, found = read_device(options.device), recover(options.partial)
-    if not found.notes or not found.samples.position.size:
+    heading = next((note for note in found.notes if "device" in note), None)
+    if heading is None or not found.samples.position.size:
         raise InputError("holds no samples", file=options.partial)
-    heading = found.notes[0]
     if heading["device"] != device.name:
         raise InputError(
             f"was recorded from {heading['device']!r}, and the description is of {device.name!r}",
@@ -177,6 +177,7 @@ def rescue(options: argparse.Namespace) -> None:
         + "".join(f"; {reason}" for reason in reasons)
     )
     record.attrs["notes"] = json.dumps(found.notes, sort_keys=True)
+    record.attrs["device_description"] = device.described
     _write_record(record, options, f"Rescued record of {device.name}")
 
 
@@ -188,10 +189,10 @@ def _refuse_existing(*files: Path, remedy: str = "Give another --output.") -> No
 
 def _write_record(record: xr.Dataset, options: argparse.Namespace, title: str) -> None:
     store.write(
-        record.assign_attrs(contract="record", device_description=options.device.read_text()),
+        record.assign_attrs(contract="record"),
         options.output,
         title=title,
-        inputs={"device": options.device},
+        inputs={"device": record.attrs["device_description"].encode()},
     )
 
 

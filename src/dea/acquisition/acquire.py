@@ -123,7 +123,10 @@ def acquire(
     record = record_dataset(device, samples, plan.lead, plan.length)
     if settings.armed_by:
         record.attrs["armed_by"] = settings.armed_by
-    return AcquiredRecord(record, link_dataset(log, samples))
+    # As it was when the device was driven: the file may have been edited since.
+    described = {"device_description": device.described}
+    link = link_dataset(log, samples)
+    return AcquiredRecord(record.assign_attrs(described), link.assign_attrs(described))
 
 
 def _attempt(

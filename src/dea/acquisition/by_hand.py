@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from dea.acquisition.duty import Notice, Order, Phase, duty_file, look, order
+from dea.acquisition.duty import Notice, Order, Phase, duty_file, end, look, order
 from dea.acquisition.guardian import DriveJob
 from dea.acquisition.latch import latch_file, trip
 from dea.acquisition.link_log import LinkLog
@@ -15,6 +15,8 @@ from dea.acquisition.settings import AcquisitionSettings
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device
 from dea.progress import tell
+
+SILENT = 3.0  # s without a sign of life that are worth a word
 
 _DOING = {
     Phase.NEVER: "nothing was driven since this machine started",
@@ -53,19 +55,25 @@ def _reading(device: Device) -> str:
 def zero(device: Device, settings: AcquisitionSettings) -> str:
     """Take an output to zero, whoever drives it on this machine; return what shows it.
 
-    What its guardian does meanwhile is told as progress.
+    What its guardian does meanwhile is told as progress. One that gives no sign of life is killed,
+    and followed by another.
 
     Raises
     ------
     ZeroNotVerifiedError
         Where it cannot be shown yet; a guardian goes on trying.
     InputError
-        Where another master owns the outputs.
+        Where another master owns the outputs, the ramp is faster than the safety model allows, or
+        a guardian that gives no sign of life is another user's.
     """
+    _refuse_too_fast(device, settings.ramp_rate)
     path = duty_file(device)
-    while look(path).alive:
+    while (notice := look(path)).alive:
         order(path, Order.ZERO)
-        tell(f"{device.name}: {_guardian(look(path))}")
+        tell(f"{device.name}: {_guardian(notice)}")
+        if notice.silent > settings.stall_time + 2 * settings.timeout:
+            tell(f"{device.name}: guardian {notice.process} is killed and replaced")
+            end(notice.process)
         time.sleep(1.0)
     log = LinkLog()
     nothing = np.zeros(0, np.int64)
@@ -86,6 +94,18 @@ def dismiss(device: Device) -> None:
         time.sleep(0.1)
 
 
+def _refuse_too_fast(device: Device, ramp_rate: float) -> None:
+    allowed = device.safety.max_rate if device.safety else None
+    if allowed is not None and ramp_rate > allowed:
+        raise InputError(
+            f"the ramp is to change the output by {ramp_rate:g} V/s, and {allowed:g} V/s are "
+            "allowed",
+            file=device.source,
+            field="safety.max_rate",
+            remedy="Give a slower ramp_rate.",
+        )
+
+
 def _guardian(notice: Notice) -> str:
     doing = _DOING[notice.phase]
     if notice.abandoned and notice.phase != Phase.DISMISSED:
@@ -93,4 +113,6 @@ def _guardian(notice: Notice) -> str:
     if notice.phase == Phase.NEVER:
         return doing
     since = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(notice.changed))
+    if notice.silent > SILENT:
+        doing += f", but has given no sign of life for {notice.silent:.0f} s: `zero` replaces it"
     return f"guardian {notice.process} {doing}; asked for {notice.requested:g} V ({since})"

@@ -1,5 +1,6 @@
 """A device from the YAML file that describes it."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ def read_device(path: str | Path) -> Device:
     """
     path = Path(path)
     content = read_yaml(path, what="the device description", example="one of config/devices/*.yaml")
-    return parse_device(content, source=path)
+    return replace(parse_device(content, source=path), described=path.read_bytes().decode())
 
 
 def parse_device(content: Any, source: Path | None = None) -> Device:

@@ -81,8 +81,8 @@ class Device:
     ``read_write_multiple`` says whether it answers function code 23. ``quarantine`` is how long
     zero is held and watched before it is believed. ``virtual`` says that the device is a process
     started for the purpose, whose film ends with it. ``safety`` is what must hold while there is
-    high voltage. ``source`` is the file the description came
-    from, for messages.
+    high voltage. ``source`` is the file the description came from, for messages, and ``described``
+    its text as it was read.
     """
 
     name: str
@@ -99,6 +99,7 @@ class Device:
     virtual: bool = False
     safety: Safety | None = None
     source: Path | None = None
+    described: str = ""
 
     def __getitem__(self, name: str) -> Register:
         """Return the register called ``name``; raise InputError where the device has none."""

@@ -117,12 +117,11 @@ def write(
     ``settings`` are those of :func:`excitation`; ``inputs`` hold the description, ``device``.
     """
     for contract, dataset in (("link", acquired.link), ("record", acquired.record)):
-        description = inputs["device"].read_text()
         store.write(
-            dataset.assign_attrs(contract=contract, device_description=description),
+            dataset.assign_attrs(contract=contract),
             files[contract],
             title=f"{contract.capitalize()} of {settings['system']}: {settings['excitation_name']}",
-            inputs=inputs,
+            inputs={**inputs, "device": dataset.attrs["device_description"].encode()},
             settings=settings,
             seed=settings["seed"],
         )

@@ -25,7 +25,7 @@ def write(
     path: str | Path,
     *,
     title: str,
-    inputs: Mapping[str, str | Path] | None = None,
+    inputs: Mapping[str, str | Path | bytes] | None = None,
     settings: Mapping[str, Any] | None = None,
     seed: int | None = None,
 ) -> None:
@@ -34,7 +34,8 @@ def write(
     Parameters
     ----------
     inputs
-        Files the dataset was made from; their SHA-256 is stored.
+        Files the dataset was made from, or what they held where they may have changed since; their
+        SHA-256 is stored.
     settings, seed
         The resolved config leaves and the seed that shaped it.
 
@@ -62,7 +63,9 @@ def write(
     if job := current_job():
         attributes["job"] = job
     for name, file in (inputs or {}).items():
-        attributes[f"sha256_{name}"] = sha256(file)
+        attributes[f"sha256_{name}"] = (
+            hashlib.sha256(file).hexdigest() if isinstance(file, bytes) else sha256(file)
+        )
     whole = dataset.assign_attrs({**dataset.attrs, **attributes})
     encoding = {
         name: {"zlib": True, "complevel": 1, "shuffle": True}
