@@ -19,8 +19,11 @@ def block(start, size):
     )
 
 
+REPEATED = 1, 2, 4  # blocks after which the note on the file follows again
+
+
 def write(path, sizes):
-    """Write blocks of these sizes; return the file's length after each frame."""
+    """Write blocks of these sizes; return where the first note and each block end."""
     ends, start = [], 0
     for n in range(len(sizes) + 1):
         path.unlink(missing_ok=True)
@@ -30,7 +33,8 @@ def write(path, sizes):
             start += size
         file.close()
         ends.append(path.stat().st_size)
-    return ends
+    note = ends[0] - len(HEADING)
+    return [end - note * (n in REPEATED) for n, end in enumerate(ends)]
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +65,8 @@ def test_a_crash_at_any_byte_leaves_everything_up_to_that_block(written, data):
     blocks = sum(end <= cut for end in ends[1:])
     assert found.samples.position.size == sum(sizes[:blocks])
     assert np.array_equal(found.samples.displacement, block(0, sum(sizes[:blocks])).displacement)
-    assert found.damaged == (cut not in [len(HEADING), *ends])
+    note = ends[0] - len(HEADING)
+    assert found.damaged == (cut not in [len(HEADING), *ends, *(ends[n] + note for n in REPEATED)])
 
 
 @given(st.data())
@@ -76,15 +81,25 @@ def test_a_damaged_byte_loses_the_block_it_is_in_and_alters_nothing(written, dat
     found = recover(torn)
     starts = np.cumsum([0, *sizes])
     damaged = next((i for i, end in enumerate(ends[1:]) if place < end), None)
-    if place < ends[0]:  # the heading, or the note
+    note = ends[0] - len(HEADING)
+    if place < ends[0] or any(ends[n] <= place < ends[n] + note for n in REPEATED):
         damaged = None
-        assert found.notes == ([{"lead": 3}] if place < len(HEADING) else [])
+    assert found.notes == [{"lead": 3}]
     intact = [
         np.arange(starts[i], starts[i + 1]) for i in range(len(sizes)) if i != damaged
     ]  # fmt: skip
     assert found.damaged == 1
     assert np.array_equal(found.samples.position, np.concatenate(intact))
     assert np.array_equal(found.samples.applied, np.concatenate(intact) % 3)
+
+
+def test_samples_can_be_placed_where_the_beginning_of_the_file_is_lost(written):
+    path, sizes, ends = written
+    lost = path.with_name("beginning.partial")
+    lost.write_bytes(bytes(ends[0]) + path.read_bytes()[ends[0] :])
+    found = recover(lost)
+    assert found.notes == [{"lead": 3}]
+    assert found.samples.position.size == sum(sizes)
 
 
 def test_a_mark_within_a_note_begins_no_entry(tmp_path):

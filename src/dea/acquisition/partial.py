@@ -46,6 +46,7 @@ class PartialFile:
         self._waiting = bytearray(HEADING)
         self._changed = threading.Condition()
         self._closing = False
+        self._heading, self._blocks = note, 0
         self._failure: OSError | None = None
         self._given = self._kept = 0  # samples
         # A daemon: a disk that hangs must not keep the program from ending.
@@ -58,11 +59,18 @@ class PartialFile:
         self._append(_NOTE + json.dumps(content, sort_keys=True).encode())
 
     def samples(self, samples: DrivenSamples) -> None:
-        """Append samples."""
+        """Append samples.
+
+        What the file is of follows again after 1, 2, 4, 8, … of these: without it, samples of a
+        file whose beginning is damaged could not be placed.
+        """
         rows = np.empty(samples.device_index.size, _ROW)
         for name, column in zip(DrivenSamples._fields, samples, strict=True):
             rows[name] = column
         self._append(_SAMPLES + rows.tobytes(), rows.size)
+        self._blocks += 1
+        if self._blocks.bit_count() == 1:
+            self.note(self._heading)
 
     def kept(self) -> int:
         """Return the number of samples that are on the disk."""
@@ -153,7 +161,7 @@ def set_aside(path: Path) -> None:
 
 
 class Recovered(NamedTuple):
-    """What a partial file holds.
+    """What a partial file holds; a note that is there several times counts once.
 
     ``damaged`` counts the stretches of bytes that belong to no intact entry, the end of a file that
     was cut short among them.
@@ -183,7 +191,8 @@ def recover(path: Path) -> Recovered:
             file=path,
             remedy="Name the file that ends in .partial beside the record.",
         )
-    notes = [json.loads(payload[1:]) for payload in payloads if payload[:1] == _NOTE]
+    noted = dict.fromkeys(payload[1:] for payload in payloads if payload[:1] == _NOTE)
+    notes = [json.loads(each) for each in noted]
     blocks = [np.frombuffer(payload[1:], _ROW) for payload in payloads if payload[:1] == _SAMPLES]
     rows = np.concatenate(blocks) if blocks else np.empty(0, _ROW)
     samples = DrivenSamples(*(rows[name].copy() for name in DrivenSamples._fields))
