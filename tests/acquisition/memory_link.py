@@ -36,10 +36,14 @@ class Clock:
     """Stands in for the module :mod:`time`."""
 
     def __init__(self):
-        self.now = 0.0
+        self.now = self.suspended = 0.0
 
     def monotonic(self):
         return self.now
+
+    def clock_gettime(self, _):
+        """Return the time with what the computer was suspended for."""
+        return self.now + self.suspended
 
     def sleep(self, seconds):
         self.now += seconds

@@ -46,8 +46,9 @@ class Module:
     """A link to a plain module: its displacement counts the writes; ``holds`` holds one up."""
 
     def __init__(
-        self, clock, *, holds=None, loses=None, reads=1.0, index=False, jumps=None, output=None
-    ):
+        self, clock, *, holds=None, loses=None, reads=1.0, index=False, jumps=None, output=None,
+        suspends=None,
+    ):  # fmt: skip
         registers = {
             "output": {"address": 0, "range": [0, 10], "limits": [0, 4], "unit": "V",
                        "access": "read_write"} | (output or {}),
@@ -56,12 +57,14 @@ class Module:
         self.device = described(registers, sampling_rate=1 / PERIOD)
         self.clock, self.holds, self.loses, self.reads = clock, holds or {}, loses, reads
         self.log, self.check, self.written, self.settings = LinkLog(), None, [], POLLED
+        self.suspends = suspends or {}  # s for which the computer sleeps after a write
         self.jumps = jumps or {}  # samples that the device has measured by itself before a write
 
     def write(self, address, words, table="holding", *, retry=True):
         assert not retry, "a polled write must not be repeated"
         self.clock.sleep(self.holds.get(len(self.written), 0.0))
         self.written.append((self.clock.now, *words))
+        self.clock.suspended += self.suspends.get(len(self.written), 0.0)
         if len(self.written) == self.loses:
             raise LinkError("no reply")
 
@@ -99,6 +102,15 @@ def driven(module, counts, late_after=0.005):
 
 COUNTS = np.append(np.arange(0, 5001, 100), 5000 + 40 * np.arange(50))
 LARGEST_STEP = 100
+
+
+def test_a_computer_that_was_suspended_ends_the_drive(clock):
+    """The device held its output meanwhile: what it measured is in nobody's record."""
+    module = Module(clock, suspends={30: 600.0})
+    _, failure = driven(module, COUNTS)
+    assert isinstance(failure, BrokenRecordError)
+    assert "held up for 600.0 s" in str(failure)
+    assert len(module.written) == 30
 
 
 def test_a_sample_that_is_written_late_is_flagged_and_the_one_behind_its_deadline(clock):

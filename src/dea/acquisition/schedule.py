@@ -1,4 +1,7 @@
-"""When the samples of a polled device are due, and what becomes of those whose time has passed."""
+"""When the samples of a polled device are due, and what becomes of those whose time has passed.
+
+Its clock goes on while the computer is suspended, as the device does: a suspension is a hold-up.
+"""
 
 import time
 
@@ -9,6 +12,14 @@ APART = 0.25  # periods between a reply and the next write at least
 LONGEST_PAUSE, PERIODS = 1.0, 5  # s, or periods if that is longer, that a hold-up may last
 
 
+# That of Linux which counts a suspension; elsewhere the one that there is.
+_CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+
+
+def _now() -> float:
+    return time.clock_gettime(_CLOCK)
+
+
 class Schedule:
     """The deadlines of samples, and what becomes of those that pass."""
 
@@ -17,7 +28,7 @@ class Schedule:
         self.total, self.counted = samples, "device_index" in panel
         self.longest_pause = max(LONGEST_PAUSE, PERIODS * self.period)
         self.longest_step = longest_step
-        self.start = time.monotonic() + self.period
+        self.start = _now() + self.period
         self._last = panel.zero
         self._done, self._behind = self.start - self.period, False
 
@@ -29,12 +40,12 @@ class Schedule:
         """
         deadline = self.start + number * self.period
         begin = max(deadline, self._done + APART * self.period)
-        while (early := begin - time.monotonic()) > 0:
+        while (early := begin - _now()) > 0:
             if early > LONGEST_SLEEP:
                 self.link.rest(early - LONGEST_SLEEP / 2)
             else:
                 time.sleep(early)
-        lateness = time.monotonic() - deadline
+        lateness = _now() - deadline
         self.link.log.jitter.append(lateness)
         return lateness
 
@@ -51,7 +62,7 @@ class Schedule:
 
     def written(self, count: int) -> None:
         """Note what has been written, and answered now."""
-        self._last, self._done = count, time.monotonic()
+        self._last, self._done = count, _now()
 
     def missed(self, number: int, lateness: float) -> int:
         """Return how many samples from ``number`` on are left out since their time has passed."""
