@@ -15,6 +15,7 @@ from dea.acquisition import (
     AcquisitionSettings,
     BrokenRecordError,
     Interrupted,
+    Interruption,
     ZeroNotVerifiedError,
     acquire,
     by_hand,
@@ -202,6 +203,8 @@ def test_an_exception_ends_at_zero(serve_bench, partial, mode):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_at_zero(serve_bench, partial, number):
     bench = serve_bench()
+    # Where these tests run with nohup, SIGHUP would stay ignored.
+    handler = signal.signal(number, signal.default_int_handler)
     before = signal.getsignal(number)
     kill = when_driven(bench, lambda: os.kill(os.getpid(), number))
     with pytest.raises(Interrupted, match=number.name):
@@ -209,6 +212,19 @@ def test_a_signal_ends_at_zero(serve_bench, partial, number):
     assert bench.applied.max() > 5000
     assert bench.player.applied == 0
     assert signal.getsignal(number) == before
+    signal.signal(number, handler)
+
+
+def test_a_program_that_was_started_with_nohup_outlives_its_terminal():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with Interruption() as interruption:
+            os.kill(os.getpid(), signal.SIGHUP)
+            interruption.check()
+            assert signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
+            assert signal.getsignal(signal.SIGTERM) != signal.SIG_DFL
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 def test_a_second_signal_does_not_stop_the_way_to_zero(serve_bench, partial):

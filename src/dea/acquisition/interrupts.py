@@ -14,6 +14,8 @@ class Interrupted(KeyboardInterrupt):
 class Interruption:
     """Notes SIGINT, SIGTERM and SIGHUP while entered, and raises on request only.
 
+    SIGHUP stays ignored where it is: the program was started with ``nohup``.
+
     An exception from a signal handler could interrupt any instruction, also of the ramp to zero
     volts. Therefore :meth:`check` raises it, between exchanges and while waiting, and the ramp to
     zero does not call :meth:`check`. A signal after the last check is raised on leaving.
@@ -30,7 +32,11 @@ class Interruption:
 
     def __enter__(self) -> Self:
         try:
-            self._before = {number: signal.signal(number, self._note) for number in SIGNALS}
+            self._before = {
+                number: signal.signal(number, self._note)
+                for number in SIGNALS
+                if (number, signal.getsignal(number)) != (signal.SIGHUP, signal.SIG_IGN)
+            }
         except ValueError:
             # Signal handlers can be set in the main thread only.
             self._before = {}
