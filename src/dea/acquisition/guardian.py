@@ -8,6 +8,7 @@ alarm meanwhile.
 """
 
 import math
+import os
 import signal
 import socket
 import time
@@ -40,6 +41,7 @@ from dea.acquisition.retrying_link import (
 )
 from dea.acquisition.samples import DrivenSamples
 from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.shared_file import SharedLock
 from dea.acquisition.voltage_plan import OutputPlan, Planned
 from dea.acquisition.wire import Wire, packed
 from dea.acquisition.zero import WayToZero, ZeroEvidence
@@ -52,6 +54,7 @@ COUNTERS = ("clamped", "underruns", "overruns", "refused_blocks")
 ANSWER_TIME = 1.0  # s that a controller may take for one sample
 WAITING = 0.05  # s between two signs of life before the recorder begins
 RETRY = 0.1  # s between two attempts to reach zero
+KEEPING = 1.0  # s between two looks at the files of its locks
 ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
 # Signals that would by default end or stop the process; it ignores them.
 DEAF = (
@@ -98,9 +101,10 @@ def guard(wire: Wire) -> None:
         signal.signal(number, guardian.asked)
     for number in DEAF:
         signal.signal(number, signal.SIG_IGN)
+    wire.post("hired", os.getpid())
     try:
-        with endpoint_lock(job.device), Duty(job.device) as duty:
-            guardian.serve(duty)
+        with endpoint_lock(job.device) as lock, Duty(job.device) as duty:
+            guardian.serve(lock, duty)
     except InputError as error:
         wire.post("refused", packed(error))
     _deliver(wire, job.settings.stall_time)
@@ -127,7 +131,7 @@ class Guardian:
         self.alarm = Alarm(job.device.name)
         self._signal: str | None = None
         self._begun = False
-        self._looked = self._heard = time.monotonic()
+        self._looked = self._heard = self._locked = time.monotonic()
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
@@ -137,9 +141,9 @@ class Guardian:
         """Note a signal that asks for zero; the next check acts on it."""
         self._signal = signal.Signals(number).name
 
-    def serve(self, duty: Duty) -> None:
+    def serve(self, lock: SharedLock, duty: Duty) -> None:
         """Drive the job's counts, then take the output to zero."""
-        self.duty = duty
+        self.lock, self.duty = lock, duty
         duty.token = self.job.token or duty.token
         self.output = Output(self.link, reset=self.job.reset, token=duty.token or 1)
         if not self.job.counts.size:
@@ -270,6 +274,8 @@ class Guardian:
         self._looked = now
         self.duty.put(Phase.DRIVING, self._requested())
         self._listen()
+        if not self._keep_locks():
+            raise StoppedError("another program has taken the output over")
         if self.wire.closed:
             raise StoppedError("the recorder has died")
         if self._signal is not None:
@@ -282,6 +288,13 @@ class Guardian:
         if now - oldest > self.job.settings.stall_time:
             raise StoppedError(f"the recorder is {now - oldest:.1f} s behind: it, or its disk")
 
+    def _keep_locks(self) -> bool:
+        """Return whether the output is this guardian's, whoever removes the files that say so."""
+        if time.monotonic() - self._locked < KEEPING:
+            return True
+        self._locked = time.monotonic()
+        return self.lock.keep() and self.duty.keep()
+
     def _requested(self) -> float:
         """Return the voltage asked for last."""
         last = self.output.panel.last_output
@@ -289,15 +302,20 @@ class Guardian:
 
     def _end_at_zero(self, requested: float) -> None:
         """Take the output to zero, whatever fails and however long it takes."""
-        self.link.check = None
         # Each attempt is short: what repeats them is the loop below.
         retries = min(self.job.settings.retries, ZERO_RETRIES)
         self.link.settings = LinkSettings(self.job.settings.timeout, retries, 0.0)
         self.link.on_connect = self.output.reclaim
         way = WayToZero(self.output, ramp_rate=self.job.settings.ramp_rate, requested=requested)
         failing: float | None = None
-        while True:
+
+        def alive() -> None:
             self.duty.put(Phase.ALARM if failing else Phase.TO_ZERO, way.volts)
+            self._keep_locks()
+
+        self.link.check = alive
+        while True:
+            alive()
             try:
                 evidence = way()
                 break
@@ -320,9 +338,10 @@ class Guardian:
                         self.duty.put(Phase.DISMISSED, way.volts)
                         return
             time.sleep(RETRY)
+        self.link.check = None
+        self.duty.put(Phase.AT_ZERO, 0.0)
         self._begin_latch(way.trip)
         self._end_latch()
-        self.duty.put(Phase.AT_ZERO, 0.0)
         self.link.on_connect = None
         self.link.close()
         self.wire.post("zero", str(evidence), self.link.log.cut())

@@ -22,12 +22,12 @@ _lock = threading.Lock()
 _nursery: tuple[int, subprocess.Popen[bytes], socket.socket] | None = None
 
 
-def launch() -> Wire:
-    """Start a guardian and return the way to it."""
+def launch(*, anew: bool = False) -> Wire:
+    """Start a guardian and return the way to it; ``anew`` from a nursery that is new, too."""
     ours, theirs = socket.socketpair()
     with _lock, theirs:
         try:
-            _ask(_control(), theirs)
+            _ask(_control(anew=anew), theirs)
         except OSError:  # the nursery was killed just now
             _ask(_control(anew=True), theirs)
     return Wire(ours)
@@ -70,6 +70,8 @@ def _control(*, anew: bool = False) -> socket.socket:
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             )  # fmt: skip
         if _nursery is not None:
+            if _nursery[0] == os.getpid():
+                _nursery[1].kill()
             with suppress(OSError):
                 _nursery[2].close()
         _nursery = os.getpid(), process, ours

@@ -7,6 +7,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
+from dea.acquisition.duty import duty_file, end, glance
 from dea.acquisition.guardian import DriveJob
 from dea.acquisition.launch import launch
 from dea.acquisition.link_log import LinkLog
@@ -18,10 +19,12 @@ from dea.errors import DeviceError
 BEAT = 0.05  # s between two messages that say what is kept
 GUARDIANS = 8  # that may end before zero is shown, one after the other
 PAUSE = 0.2  # s longer before each of them
+HIRING = 60.0  # s until a guardian reports, whatever has to be loaded for it
+LONGEST_LOOK = 0.5  # s of silence between two looks: more is time in which this process stood still
 
 
 class GuardianLostError(DeviceError):
-    """The guardian's process has ended before it had shown zero."""
+    """The guardian's process has ended, or does nothing, before it had shown zero."""
 
 
 class Recorder:
@@ -44,6 +47,7 @@ class Recorder:
         self.evidence = ""
         self._zero = False  # whether nothing is left to be taken to zero
         self._beat = 0.0
+        self._notice = duty_file(job.device)
         self._inbox: deque[tuple[Any, ...]] = deque()  # a reader may stop in mid-batch
         self._hire(job)
 
@@ -114,7 +118,8 @@ class Recorder:
         if lost <= GUARDIANS:
             time.sleep(PAUSE * (lost - 1))
             try:
-                self._hire(self.job._replace(counts=self.job.counts[:0]))
+                never_came = self._guardian is None
+                self._hire(self.job._replace(counts=self.job.counts[:0]), anew=never_came)
                 return
             except OSError as refused:
                 cause = refused
@@ -123,8 +128,11 @@ class Recorder:
             f"no guardian can take the output to zero ({cause}): switch the amplifier off"
         )
 
-    def _hire(self, job: DriveJob) -> None:
-        self.wire = launch()
+    def _hire(self, job: DriveJob, *, anew: bool = False) -> None:
+        self._guardian: int | None = None  # its process
+        self._how_lost = "was killed"
+        self._last_sign, self._silence, self._looked = 0.0, 0.0, time.monotonic()
+        self.wire = launch(anew=anew)
         self.wire.post(job)
 
     def _say(self, *message: Any) -> None:
@@ -135,6 +143,7 @@ class Recorder:
         """Yield messages until zero is shown; meanwhile say what is kept."""
         while not self._zero:
             self.check()
+            self._watch()
             if not self._inbox:
                 self._inbox.extend(self.wire.take())
             if self._inbox:
@@ -142,13 +151,36 @@ class Recorder:
                 self._heed(*message)
                 yield message
             elif self.wire.closed:
-                raise GuardianLostError("the guardian's process was killed")
+                raise GuardianLostError(f"the guardian's process {self._how_lost}")
             else:
                 self.wire.wait(BEAT)
             if time.monotonic() - self._beat > BEAT:
                 self._say("kept", self.kept())
 
+    def _watch(self) -> None:
+        """End a guardian that gives no sign of life, as one that was stopped; another follows it.
+
+        Time in which this process did not look does not count: both may have stood still.
+        """
+        now = time.monotonic()
+        self._silence += min(now - self._looked, LONGEST_LOOK)
+        self._looked = now
+        if self._guardian is None:
+            if self._silence > HIRING:
+                self.wire.close()
+                raise GuardianLostError("no guardian has begun")
+            return
+        notice = glance(self._notice, self._guardian)
+        if notice is None or not notice.silent or notice.beat != self._last_sign:
+            self._silence, self._last_sign = 0.0, notice.beat if notice else 0.0
+        elif self._silence > self.job.settings.stall_time + 2 * self.job.settings.timeout:
+            self._how_lost = f"was killed: it gave no sign of life for {notice.silent:.0f} s"
+            end(self._guardian)
+            self._silence = 0.0
+
     def _heed(self, kind: str, *content: Any) -> None:
+        if kind == "hired":
+            self._guardian, self._silence = content[0], 0.0
         if kind == "ask" and self.answer is not None:
             self.wire.post("count", self.answer(content[0]))
         if kind in ("samples", "broken", "zero"):

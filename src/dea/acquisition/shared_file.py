@@ -1,9 +1,11 @@
 """Files by which programs on this machine share a device, whoever runs them."""
 
+import fcntl
 import os
 import re
 import socket
 from pathlib import Path
+from typing import Self
 
 from dea.modbus import Device
 
@@ -33,6 +35,71 @@ def endpoint(device: Device) -> str:
             host = device.host
         place = f"{host}:{device.port}"
     return f"{place} unit {device.unit_id}"
+
+
+class SharedLock:
+    """The lock on a shared file, kept even where the file is removed.
+
+    What is in memory may be removed while a process still uses it, as when its user logs out
+    (RemoveIPC of systemd-logind). A lock on a file without a name keeps nobody out.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.handle = -1
+
+    def take(self) -> bool:
+        """Lock the file that has the name; return whether it was free."""
+        while True:
+            handle = open_shared(self.path)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                os.close(handle)
+                return False
+            before, self.handle = self.handle, handle
+            if self._named():
+                if before >= 0:
+                    os.close(before)
+                return True
+            self.handle = before
+            os.close(handle)
+
+    def keep(self) -> bool:
+        """Take the lock again where its file was removed; return whether nobody else has it.
+
+        Where no file can be made, as where its folder is gone, nobody else can have one either.
+        """
+        try:
+            return self._named() or self.take()
+        except OSError:
+            return True
+
+    def holder(self) -> str:
+        """Return what the holder has written into the file."""
+        return self.path.read_bytes()[:100].decode(errors="replace").strip()
+
+    def write(self, text: str) -> None:
+        """Write what others are told of the holder."""
+        os.truncate(self.handle, 0)
+        os.pwrite(self.handle, text.encode(), 0)
+
+    def close(self) -> None:
+        """Give the lock back."""
+        os.close(self.handle)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.handle >= 0:
+            self.close()
+
+    def _named(self) -> bool:
+        try:
+            return os.path.samestat(os.fstat(self.handle), os.stat(self.path))
+        except FileNotFoundError:
+            return False
 
 
 def open_shared(path: Path) -> int:
