@@ -1,10 +1,17 @@
 import math
 
+import numpy as np
 import pytest
 
 from dea.errors import InputError
 from dea.narx import candidate_terms, linear_terms
 from dea.terms import Term, max_lag
+
+
+def test_lags_may_be_whole_numbers_of_numpy():
+    expected = candidate_terms(2, [1, 3], 2)
+    assert candidate_terms(np.int64(2), np.array([1, 3]), 2) == expected
+    assert candidate_terms(2, np.int64(1), 2) == candidate_terms(2, 1, 2)
 
 
 @pytest.mark.parametrize(("y_lags", "u_lags", "degree"), [(3, 3, 3), (1, 0, 2), (5, 2, 4)])

@@ -5,11 +5,14 @@ from itertools import combinations_with_replacement
 from numbers import Integral
 from typing import cast
 
+import numpy as np
+
 from dea.errors import InputError
 from dea.terms import Term
 
 Lags = int | Sequence[int]
 InputLags = Lags | Sequence[Sequence[int]]
+_WHOLE = int, np.integer
 
 
 def candidate_terms(
@@ -62,7 +65,7 @@ def input_lag_lists(u_lags: InputLags, inputs: int) -> list[list[int]]:
     InputError
         Where lags are listed for another number of inputs.
     """
-    if isinstance(u_lags, int) or not any(isinstance(each, Sequence) for each in u_lags):
+    if isinstance(u_lags, _WHOLE) or not any(isinstance(each, Sequence) for each in u_lags):
         return [lag_list(cast(Lags, u_lags), "u_lags")] * inputs
     if len(u_lags) != inputs or not all(isinstance(each, Sequence) for each in u_lags):
         raise InputError(
@@ -75,10 +78,10 @@ def input_lag_lists(u_lags: InputLags, inputs: int) -> list[list[int]]:
 
 def lag_list(lags: Lags, field: str) -> list[int]:
     """Return the lags themselves where a largest lag may stand for 1 to it."""
-    if isinstance(lags, int):
+    if isinstance(lags, _WHOLE):
         if lags < 0:
             raise InputError(f"a lag of {lags}", field=field, remedy="Lags are 0 or more.")
-        return list(range(1, lags + 1))
+        return list(range(1, int(lags) + 1))
     if not all(isinstance(lag, Integral) for lag in lags):
         raise InputError(
             f"{lags}", field=field, remedy="Give the largest lag, or a list of whole numbers."
