@@ -52,6 +52,9 @@ def test_what_looks_like_a_time(text, clock):
         (["30.01.2024 10:00:00,25", "30.01.2024 10:00:01,75"], [0, 1.5]),
         (["30.01.2024 10:00", "30.01.2024 10:02"], [0, 120]),
         (["1/31/2024 11:59:59 AM", "1/31/2024 12:00:01 PM"], [0, 2]),
+        (["03/04/2024 23:59:59", "03/05/2024 00:00:00"], [0.0, 1.0]),
+        (["03/04/2024 23:59:59", "04/04/2024 00:00:01"], [0.0, 2.0]),
+        (["03/04/2024 10:00:00"], [0.0]),
         (["start", "2024-01-01", "2024-01-02"], None),
         (["2024-01-01", "2024-01-02", "end"], None),
         (["2024-01-02", "2024-01-01"], None),
@@ -224,6 +227,14 @@ def test_fields_may_be_quoted_and_powers_of_ten_written(tmp_path):
     found = read(tmp_path, '"u, drive","y"\n"1.5e-3", +.5\n-2E2,"3."\n7,8\n')
     np.testing.assert_array_equal(found.columns["u, drive"], [1.5e-3, -200.0, 7.0])
     np.testing.assert_array_equal(found.columns["y"], [0.5, 3.0, 8.0])
+
+
+def test_powers_of_ten_may_be_those_of_fortran(tmp_path):
+    found = read(tmp_path, "u,y\n1.5D-3,1d2\n-2.D0,3\n7,8D+01\n")
+    np.testing.assert_array_equal(found.columns["u"], [1.5e-3, -2.0, 7.0])
+    np.testing.assert_array_equal(found.columns["y"], [100.0, 3.0, 80.0])
+    found = read(tmp_path, "u;y\n1,5D-3;1\n2;3\n", "comma.csv")
+    np.testing.assert_array_equal(found.columns["u"], [1.5e-3, 2.0])
 
 
 def test_a_row_is_one_of_the_table_where_more_than_half_of_it_is_numbers_or_missing(tmp_path):

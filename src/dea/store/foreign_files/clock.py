@@ -22,7 +22,9 @@ def is_clock(text: str) -> bool:
 def seconds(column: pd.Series) -> NDArray[np.float64] | None:
     """Return seconds since the first entry, NaN where there is none; None where it is no time.
 
-    A time of day that falls back has passed midnight.
+    A time of day that falls back has passed midnight. Of a date that may begin with the day or with
+    the month that reading is taken whose longest step is shorter: days follow each other, not
+    months.
     """
     if pd.api.types.is_datetime64_any_dtype(column):
         return _since_first(column)
@@ -34,11 +36,15 @@ def seconds(column: pd.Series) -> NDArray[np.float64] | None:
         return _of_day(column.astype(str).str.strip(), column.notna().to_numpy())
     if not is_clock(given.iloc[0]):
         return None
+    readings = []
     for form in _FORMATS:
         read = pd.to_datetime(given.str.replace(",", "."), format=form, errors="coerce", utc=True)
         if read.notna().all() and read.is_monotonic_increasing:
-            return _since_first(read.reindex(column.index))
-    return None
+            readings.append(read)
+    if not readings:
+        return None
+    likeliest = min(readings, key=lambda read: read.diff().max())
+    return _since_first(likeliest.reindex(column.index))
 
 
 def _since_first(times: pd.Series) -> NDArray[np.float64]:

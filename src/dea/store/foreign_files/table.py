@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 # What instruments write where there is no number.
 MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "inf", "-inf")
 _HEADING = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<units>[^\])]*)[\])]$")
+_FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d+\s*$)")
 _SPELLINGS = {
     "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms",
     "milliseconds": "ms", "µs": "us", "μs": "us", "usec": "us", "minute": "min", "minutes": "min",
@@ -152,7 +153,7 @@ def _numbers(series: pd.Series, decimal: str) -> tuple[Array | None, bool]:
         return seconds(series), True
     if pd.api.types.is_numeric_dtype(series):
         return series.to_numpy(float), False
-    plain = series if decimal == "." else series.map(lambda cell: _pointed(cell, decimal))
+    plain = series.map(lambda cell: _pointed(cell, decimal))
     read = pd.to_numeric(plain, errors="coerce").to_numpy(float)
     given = series.notna().to_numpy()
     if given.any() and np.isfinite(read)[given].mean() > _NUMERIC:
@@ -162,8 +163,14 @@ def _numbers(series: pd.Series, decimal: str) -> tuple[Array | None, bool]:
 
 
 def _pointed(cell: object, decimal: str) -> object:
-    """Return a number that is written with another mark as one with a point."""
+    """Return a number that is written with another mark as one with a point.
+
+    A power of ten may be written with D, as by Fortran.
+    """
     if not isinstance(cell, str):
+        return cell
+    cell = _FORTRAN.sub("e", cell)
+    if decimal == ".":
         return cell
     return None if "." in cell else cell.replace(decimal, ".")
 
