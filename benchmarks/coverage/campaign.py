@@ -44,7 +44,6 @@ class Settings:
     cores: int = 1
     plants: Sequence[str] = ("DEA1", "DEA3", "DEA5", "wei_billings", "two_poles")
     drifting: Sequence[str] = ("DEA2", "two_poles")
-    share_drifting: int = 5  # one in so many of ``count``
 
 
 @dataclass(frozen=True)
@@ -57,23 +56,20 @@ class Counted:
     reason: str  # one of those given
 
 
-def cells(settings: Settings) -> list[tuple[Cell, int]]:
-    """Return every cell and its number of records."""
+def cells(settings: Settings) -> list[Cell]:
+    """Return every cell."""
     still = itertools.product(settings.plants, INPUTS, NOISES, ESTIMATES)
     moving = itertools.product(settings.drifting, INPUTS, NOISES, TRACKERS, DRIFTS)
-    fewer = max(1, settings.count // settings.share_drifting)
-    return [(Cell(*cell), settings.count) for cell in still] + [
-        (Cell(*cell), fewer) for cell in moving
-    ]
+    return [Cell(*cell) for cell in itertools.chain(still, moving)]
 
 
 def run(settings: Settings) -> list[Counted]:
     """Judge every cell; the result does not depend on the number of cores."""
     wanted = cells(settings)
     jobs = [
-        (cell, range(first, min(first + BATCH, count)))
-        for cell, count in wanted
-        for first in range(0, count, BATCH)
+        (cell, range(first, min(first + BATCH, settings.count)))
+        for cell in wanted
+        for first in range(0, settings.count, BATCH)
     ]
     arguments = [(cell, numbers, settings.samples, settings.seed) for cell, numbers in jobs]
     with ExitStack() as stack:
@@ -83,7 +79,7 @@ def run(settings: Settings) -> list[Counted]:
             pool = stack.enter_context(ProcessPoolExecutor(settings.cores))
             batches = pool.map(_batch, arguments)
         done = list(progress.track(batches, total=len(jobs), description="batches of records"))
-    found: dict[Cell, list[Judged]] = {cell: [] for cell, _ in wanted}
+    found: dict[Cell, list[Judged]] = {cell: [] for cell in wanted}
     for (cell, _), judged in zip(jobs, done, strict=True):
         found[cell] += judged
     return [_count(cell, judged) for cell, judged in found.items()]
