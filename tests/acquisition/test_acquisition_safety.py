@@ -15,11 +15,11 @@ from dea.acquisition import (
     AcquisitionSettings,
     BrokenRecordError,
     Interrupted,
-    Interruption,
     ZeroNotVerifiedError,
     acquire,
     by_hand,
 )
+from dea.acquisition.interrupts import Interruption
 from dea.errors import InputError
 from dea.modbus import encode
 
