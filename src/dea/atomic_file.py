@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 
@@ -19,7 +19,8 @@ def atomic(path: str | Path) -> Iterator[Path]:
         yield partial
         _sync(partial)
         os.replace(partial, final)
-        _sync(final.parent)
+        with suppress(OSError):  # some file systems sync no folders
+            _sync(final.parent)
     finally:
         partial.unlink(missing_ok=True)
 

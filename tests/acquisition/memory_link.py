@@ -1,5 +1,6 @@
 """A link to registers in memory, and a clock that passes only while somebody sleeps."""
 
+from dea.acquisition import zero
 from dea.modbus import encode
 
 
@@ -16,6 +17,9 @@ class MemoryLink:
             n for n, r in self.device.registers.items() if (r.address, r.table) == (address, table)
         ]
         return name
+
+    def rest(self, seconds):
+        zero.time.sleep(seconds)  # of whatever clock stands in for it
 
     def read(self, address, count, table):
         name = self._name(address, table)

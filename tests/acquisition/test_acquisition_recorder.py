@@ -1,5 +1,7 @@
 """A recorder whose guardians end one after another."""
 
+import subprocess
+import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +11,8 @@ from made_device import module
 from dea.acquisition import AcquisitionSettings, ZeroNotVerifiedError, recorder
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.recorder import GUARDIANS, Recorder
+from dea.acquisition.wire import packed
+from dea.errors import InputError
 
 
 class Ended:
@@ -29,13 +33,14 @@ class Ended:
         pass
 
 
+class Job(SimpleNamespace):
+    def _replace(self, **changes):
+        return Job(**{**vars(self), **changes})
+
+
 @pytest.fixture
 def job():
-    made = SimpleNamespace(
-        counts=np.ones(5), device=module(limits=(0, 10)), settings=AcquisitionSettings()
-    )
-    made._replace = lambda counts: made
-    return made
+    return Job(counts=np.ones(5), device=module(limits=(0, 10)), settings=AcquisitionSettings())
 
 
 def test_guardians_that_cannot_start_end_in_an_alarm_and_not_in_silence(job, monkeypatch):
@@ -73,6 +78,64 @@ class Mute(Ended):
         self.closed = True
 
 
+class Refusing(Mute):
+    """The wire to a guardian that refuses its job."""
+
+    def __init__(self, *messages):
+        super().__init__()
+        self.messages = list(messages)
+
+    def take(self):
+        taken, self.messages = self.messages, []
+        return taken
+
+
+def test_a_replacement_that_is_refused_is_followed_by_another(job, monkeypatch):
+    refusal = ("refused", packed(InputError("another acquisition drives the output")))
+    wires = [Ended(), *(Refusing(refusal) for _ in range(3)), Refusing(("zero", "at zero", None))]
+    monkeypatch.setattr(recorder, "launch", lambda **_: wires.pop(0))
+    monkeypatch.setattr(recorder, "PAUSE", 0.0)
+    monkeypatch.setattr(LinkLog, "add", lambda self, other: None)
+    followed = Recorder(job, LinkLog(), lambda: None)
+    followed.end(None)
+    assert followed.evidence == "at zero"
+    assert not wires
+
+
+def test_the_last_guardian_is_left_to_try_though_it_is_silent(job, monkeypatch):
+    job.settings = AcquisitionSettings(stall_time=0.02, timeout=0.01)
+    processes, wires = [], []
+
+    def launch(**_):
+        process = subprocess.Popen(["sleep", "60"])
+        processes.append(process)
+        wires.append(Following(process))
+        return wires[-1]
+
+    class Following(Refusing):
+        def __init__(self, process):
+            super().__init__(("hired", process.pid))
+            self.process = process
+
+        def take(self):
+            self.closed = self.process.poll() is not None
+            return super().take()
+
+        def wait(self, seconds):
+            time.sleep(0.005)
+
+    monkeypatch.setattr(recorder, "launch", launch)
+    monkeypatch.setattr(recorder, "PAUSE", 0.0)
+    try:
+        with pytest.raises(ZeroNotVerifiedError, match=r"no sign of life .* switch the amplifier"):
+            Recorder(job, LinkLog(), lambda: None).end(None)
+        assert [process.poll() for process in processes] == [-9, -9, None]
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
 def test_a_guardian_that_never_reports_is_replaced_by_one_from_a_new_nursery(job, monkeypatch):
     """As where the nursery has been stopped."""
     asked = []
@@ -83,6 +146,7 @@ def test_a_guardian_that_never_reports_is_replaced_by_one_from_a_new_nursery(job
 
     monkeypatch.setattr(recorder, "launch", launch)
     monkeypatch.setattr(recorder, "HIRING", 0.02)
+    monkeypatch.setattr(recorder, "HIRING_AGAIN", 0.02)
     monkeypatch.setattr(recorder, "PAUSE", 0.0)
     with pytest.raises(ZeroNotVerifiedError, match="no guardian has begun"):
         Recorder(job, LinkLog(), lambda: None).end(None)

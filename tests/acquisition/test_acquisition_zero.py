@@ -105,6 +105,9 @@ class ModuleLink:
         (self.count,) = words
         self.written.append((self.clock.now, self.count))
 
+    def rest(self, seconds):
+        self.clock.sleep(seconds)
+
     def close(self):
         pass
 

@@ -1,6 +1,7 @@
 """What a person does to an output: look at it, take it to zero, dismiss its guardian."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from dea.modbus import Device
 from dea.progress import tell
 
 SILENT = 3.0  # s without a sign of life that are worth a word
+LONGER = 3.0  # s that this waits longer for one than the guardian's recorder does
 
 _DOING = {
     Phase.NEVER: "nothing was driven since this machine started",
@@ -56,24 +58,26 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     """Take an output to zero, whoever drives it on this machine; return what shows it.
 
     What its guardian does meanwhile is told as progress. One that gives no sign of life is killed,
-    and followed by another.
+    and followed by another. The ramp is no faster than the safety model allows.
 
     Raises
     ------
     ZeroNotVerifiedError
         Where it cannot be shown yet; a guardian goes on trying.
     InputError
-        Where another master owns the outputs, the ramp is faster than the safety model allows, or
-        a guardian that gives no sign of life is another user's.
+        Where another master owns the outputs, or a guardian that gives no sign of life is another
+        user's.
     """
-    _refuse_too_fast(device, settings.ramp_rate)
+    allowed = device.safety.max_rate if device.safety else None
+    if allowed is not None and settings.ramp_rate > allowed:
+        tell(f"{device.name}: the ramp is one of {allowed:g} V/s, as safety.max_rate allows")
+        settings = replace(settings, ramp_rate=allowed)
     path = duty_file(device)
     while (notice := look(path)).alive:
         order(path, Order.ZERO)
         tell(f"{device.name}: {_guardian(notice)}")
-        if notice.silent > settings.stall_time + 2 * settings.timeout:
-            tell(f"{device.name}: guardian {notice.process} is killed and replaced")
-            end(notice.process)
+        if _given_up(notice) and end(path):
+            tell(f"{device.name}: guardian {notice.process} was killed, another follows")
         time.sleep(1.0)
     log = LinkLog()
     nothing = np.zeros(0, np.int64)
@@ -89,21 +93,16 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
 def dismiss(device: Device) -> None:
     """End a guardian that raises its alarm: somebody has switched the amplifier off."""
     path = duty_file(device)
-    while look(path).alive and look(path).phase == Phase.ALARM:
+    while (notice := look(path)).alive and notice.phase == Phase.ALARM:
         order(path, Order.DISMISS)
+        if _given_up(notice):
+            end(path)
         time.sleep(0.1)
 
 
-def _refuse_too_fast(device: Device, ramp_rate: float) -> None:
-    allowed = device.safety.max_rate if device.safety else None
-    if allowed is not None and ramp_rate > allowed:
-        raise InputError(
-            f"the ramp is to change the output by {ramp_rate:g} V/s, and {allowed:g} V/s are "
-            "allowed",
-            file=device.source,
-            field="safety.max_rate",
-            remedy="Give a slower ramp_rate.",
-        )
+def _given_up(notice: Notice) -> bool:
+    """Whether a guardian's recorder, which looks too, would have replaced it by now."""
+    return notice.silent > notice.patience + LONGER
 
 
 def _guardian(notice: Notice) -> str:

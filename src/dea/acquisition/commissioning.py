@@ -65,6 +65,8 @@ def commission(
     partial.unlink()
     report: dict[str, Any] = {"device": device.name, "time": utc_now()}
     report |= {"armed_by": settings.armed_by, "read_together": together}
+    # As the device was driven: the file may have been edited since.
+    report["description_sha256"] = sha256(device.described.encode()).hexdigest()
     report |= {"highest": float(stairs[-1])} | _learnt(acquired.record, acquired.link, hold)
     if "watchdog_time" in device and "watchdog_latched" in device:
         report["watchdog"] = _trip_watchdog(device, np.repeat(stairs, hold), partial, polled)
@@ -190,7 +192,7 @@ def write_report(description: Path, report: Mapping[str, Any]) -> Path:
         Where a check has failed; the report is written all the same.
     """
     path = report_file(description)
-    content = {**report, "description_sha256": _hash(description)}
+    content = {"description_sha256": sha256(description.read_bytes()).hexdigest(), **report}
     with atomic(path) as partial:
         partial.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n")
     for field, why in _failed(report):
@@ -211,7 +213,7 @@ def refuse_uncommissioned(device: Device, description: Path) -> None:
     path = report_file(description)
     report = _read_report(path) if path.exists() else {}
     known = report.get("description_sha256")
-    if known != _hash(description):
+    if known != sha256(device.described.encode()).hexdigest():
         raise InputError(
             "changed since it was commissioned" if report else "not commissioned",
             file=description,
@@ -241,7 +243,3 @@ def _failed(report: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     gain = report.get("read_back_gain", 1.0)
     if not FOLLOWS[0] <= gain <= FOLLOWS[1]:
         yield "read_back_gain", f"the applied output reads {gain:.3g} times what was asked for"
-
-
-def _hash(description: Path) -> str:
-    return sha256(description.read_bytes()).hexdigest()

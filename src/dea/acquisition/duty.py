@@ -1,27 +1,29 @@
-"""Who guards an output, and the voltage last asked for: readable while it runs and after a crash.
+"""Who guards an output, and what was last asked for: readable while it runs and after a crash.
 
 The file's lock is held as long as the guardian lives; there is one for each output of each device
 on this machine (:mod:`dea.acquisition.shared_file`).
 """
 
-import fcntl
 import mmap
 import os
-import signal
 import struct
 import time
+from contextlib import suppress
 from enum import IntEnum
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from dea.acquisition.shared_file import SharedLock, open_shared, shared_file
-from dea.errors import InputError
-from dea.modbus import Device
+import numpy as np
 
-# Process, phase, order, token, requested V, time of the last change since the epoch and by the
-# monotonic clock.
-_LAYOUT = struct.Struct("<qBBIddd")
+from dea.acquisition.process import Process
+from dea.acquisition.shared_file import GLANCE, SharedLock, is_locked, open_shared, shared_file
+from dea.errors import InputError
+from dea.modbus import Device, representable, to_counts, to_physical
+
+# Process, phase, order, token, requested V, time of the last change since the epoch, the same by
+# the monotonic clock, requested counts, s without a sign of life that mean that something is wrong.
+_LAYOUT = struct.Struct("<qBBIdddqd")
 _ORDER = struct.calcsize("<qB")
 
 
@@ -47,15 +49,15 @@ class Order(IntEnum):
 
 # One that was dismissed, too: the amplifier was switched off, and the module may hold its voltage.
 DANGEROUS = (Phase.DRIVING, Phase.TO_ZERO, Phase.ALARM, Phase.DISMISSED)
-# In these it changes its notice all the time, at the least between two requests.
-ACTIVE = (Phase.DRIVING, Phase.TO_ZERO, Phase.ALARM)
 
 
 class Notice(NamedTuple):
     """The state of an output: its guardian's process, whether it lives, what it last asked for.
 
-    ``token`` is what it claimed the device with; ``requested`` in V; ``changed`` in s since the
-    epoch; ``beat`` the same time by the monotonic clock.
+    ``token`` is what it claimed the device with; ``requested`` in V, as the description said that
+    it was driven with, and ``counts`` the same as it was written; ``changed`` in s since the epoch;
+    ``beat`` the same time by the monotonic clock; ``patience`` s without a sign of life are more
+    than a guardian at work needs.
     """
 
     process: int
@@ -65,11 +67,13 @@ class Notice(NamedTuple):
     requested: float
     changed: float
     beat: float
+    counts: int
+    patience: float
 
     @property
     def silent(self) -> float:
-        """For how many s a guardian that must be active has given no sign of life."""
-        return time.monotonic() - self.beat if self.alive and self.phase in ACTIVE else 0.0
+        """For how many s a guardian that lives has given no sign of life."""
+        return max(time.monotonic() - self.beat, 0.0) if self.alive else 0.0
 
     @property
     def abandoned(self) -> bool:
@@ -77,8 +81,18 @@ class Notice(NamedTuple):
         return not self.alive and self.phase in DANGEROUS
 
 
+_NOBODY = Notice(0, False, Phase.NEVER, 0, 0.0, 0.0, 0.0, 0, 0.0)
+
+
 class Duty:
     """The right to guard an output: the lock on its file, and what the file says.
+
+    Parameters
+    ----------
+    waits
+        For how many s one that has the duty may take to end.
+    patience
+        What the file says of it, see :class:`Notice`.
 
     Raises
     ------
@@ -86,12 +100,13 @@ class Duty:
         On entry, where another guardian is on duty.
     """
 
-    def __init__(self, device: Device) -> None:
-        self.device = device
+    def __init__(self, device: Device, *, waits: float = GLANCE, patience: float = 0.0) -> None:
+        self.device, self._waits, self._patience = device, waits, patience
         self._lock = SharedLock(duty_file(device))
+        self._last = Phase.CHECKING, 0.0
 
     def __enter__(self) -> Self:
-        if not self._lock.take():
+        if not self._lock.take(self._waits):
             raise InputError(
                 "another acquisition on this machine drives the output",
                 file=self.device.source,
@@ -102,7 +117,7 @@ class Duty:
         self.before = _notice(self._map[:], alive=False)
         self.token = self.before.token
         phase = self.before.phase if self.before.abandoned else Phase.CHECKING
-        self.put(phase, self.before.requested)
+        self.put(phase, self.left)
         return self
 
     def __exit__(
@@ -111,16 +126,15 @@ class Duty:
         self._map.close()
         self._lock.close()
 
-    def keep(self) -> bool:
-        """Make the file anew where it was removed; return whether nobody else has the duty."""
-        before, said = self._lock.handle, self._map[:]
-        if not self._lock.keep():
-            return False
-        if self._lock.handle != before:
-            self._map.close()
-            self._map = _mapped(self._lock.handle)
-            self._map[:] = said
-        return True
+    @property
+    def left(self) -> float:
+        """What the guardian before asked for last, V, within the limits of this description.
+
+        Another description may give the same counts another voltage.
+        """
+        output = self.device["output"]
+        low, high = output.limits or representable(output)
+        return float(np.clip(to_physical(output, self.before.counts), low, high))
 
     @property
     def order(self) -> Order:
@@ -129,32 +143,49 @@ class Duty:
 
     def put(self, phase: Phase, requested: float) -> None:
         """Note the phase and the voltage asked for, V."""
+        self._last = phase, requested
+        output = self.device["output"]
+        count = int(to_counts(output, np.clip(requested, *representable(output))))
         times = time.time(), time.monotonic()
         asked = self._map[_ORDER]
-        _LAYOUT.pack_into(self._map, 0, os.getpid(), phase, asked, self.token, requested, *times)
+        _LAYOUT.pack_into(
+            self._map, 0, os.getpid(), phase, asked, self.token, requested, *times, count,
+            self._patience,
+        )  # fmt: skip
+
+    def beat(self) -> None:
+        """Give a sign of life."""
+        self.put(*self._last)
 
     def clear_order(self) -> None:
         """Forget what was asked of an earlier guardian."""
         self._map[_ORDER] = Order.NONE
 
+    def keep(self) -> bool:
+        """Make the file anew where it was removed; return whether nobody else has the duty."""
+        before = self._lock.handle
+        if not self._lock.keep():
+            return False
+        if self._lock.handle != before:
+            with suppress(OSError):  # of a host without memory: the old one is written on
+                new = _mapped(self._lock.handle)
+                new[:] = self._map[:]
+                self._map.close()
+                self._map = new
+        return True
+
 
 def look(path: Path) -> Notice:
     """Return what the file of an output (:func:`duty_file`) says."""
-    if not path.exists():
-        return Notice(0, False, Phase.NEVER, 0, 0.0, 0.0, 0.0)
-    return _notice(path.read_bytes(), alive=_locked(path))
-
-
-def glance(path: Path, process: int) -> Notice | None:
-    """Return what the file says, without its lock, if it is of the guardian ``process``.
-
-    None where the file is not there, or is another's.
-    """
     try:
-        notice = _notice(path.read_bytes(), alive=True)
-    except (OSError, struct.error):
-        return None
-    return notice if notice.process == process else None
+        before = path.read_bytes()
+        alive = is_locked(path)
+        after = path.read_bytes()
+    except FileNotFoundError:
+        return _NOBODY
+    # Of another guardian that has come meanwhile nothing is told yet.
+    same = _notice(before, alive=alive).process == _notice(after, alive=alive).process
+    return _notice(after, alive=alive) if same else look(path)
 
 
 def order(path: Path, asked: Order) -> None:
@@ -165,28 +196,52 @@ def order(path: Path, asked: Order) -> None:
     os.close(handle)
 
 
-def end(process: int) -> None:
-    """Kill a guardian that gives no sign of life; somebody else takes the output to zero then.
+def end(path: Path) -> bool:
+    """Kill the guardian that has this file and gives no sign of life; return whether it did.
+
+    Whoever calls this takes the output to zero.
 
     Raises
     ------
     InputError
         Where it is another user's.
     """
+    notice = look(path)
+    if not notice.alive:
+        return False
     try:
-        os.kill(process, signal.SIGKILL)
+        process = Process(notice.process)
     except ProcessLookupError:
-        pass
+        return False
+    try:
+        # The number may be another process's by now.
+        if not _has_open(notice.process, path) or look(path).beat != notice.beat:
+            return False
+        process.kill()
     except PermissionError:
         raise InputError(
-            f"the guardian, process {process}, gives no sign of life and is another user's",
-            remedy=f"End it with `sudo kill -KILL {process}`, then take the output to zero.",
+            f"the guardian, process {notice.process}, gives no sign of life and is another user's",
+            remedy=f"End it with `sudo kill -KILL {notice.process}`, then repeat this.",
         ) from None
+    finally:
+        process.close()
+    return True
 
 
 def duty_file(device: Device) -> Path:
     """Return the file of an output: one for each endpoint, unit and register."""
     return shared_file(device, "duty", str(device["output"].address))
+
+
+def _has_open(process: int, path: Path) -> bool:
+    folder = Path(f"/proc/{process}/fd")
+    if not folder.exists():  # a system without /proc, or it has ended
+        return not folder.parents[1].exists()
+    for handle in folder.iterdir():
+        with suppress(FileNotFoundError):
+            if os.path.samestat(handle.stat(), path.stat()):
+                return True
+    return False
 
 
 def _mapped(handle: int) -> mmap.mmap:
@@ -195,17 +250,9 @@ def _mapped(handle: int) -> mmap.mmap:
     return mmap.mmap(handle, _LAYOUT.size)
 
 
-def _locked(path: Path) -> bool:
-    handle = open_shared(path)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    finally:
-        os.close(handle)
-    return False
-
-
 def _notice(data: bytes, *, alive: bool) -> Notice:
-    process, phase, _, token, requested, changed, beat = _LAYOUT.unpack_from(data)
-    return Notice(process, alive, Phase(phase), token, requested, changed, beat)
+    whole = data[: _LAYOUT.size].ljust(_LAYOUT.size, b"\0")
+    process, phase, _, token, requested, changed, beat, count, patience = _LAYOUT.unpack(whole)
+    return Notice(
+        process, alive, Phase(phase), token, requested, changed, beat, count, patience
+    )  # fmt: skip

@@ -4,14 +4,16 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from dea.acquisition.shared_file import SharedLock, endpoint, shared_file
+from dea.acquisition.shared_file import GLANCE, SharedLock, endpoint, shared_file
 from dea.errors import InputError
 from dea.modbus import Device
 
 
 @contextmanager
-def endpoint_lock(device: Device) -> Iterator[SharedLock]:
+def endpoint_lock(device: Device, patience: float = GLANCE) -> Iterator[SharedLock]:
     """Keep other programs of this project from driving ``device`` until the block ends.
+
+    One that has it is given ``patience`` s to end.
 
     The lock goes with the process that holds it, however it ends. Where its file may be removed
     meanwhile, ``keep`` of it is called from time to time.
@@ -22,7 +24,7 @@ def endpoint_lock(device: Device) -> Iterator[SharedLock]:
         If another process drives the device; the message names it.
     """
     with SharedLock(shared_file(device, "lock")) as lock:
-        if not lock.take():
+        if not lock.take(patience):
             holder = lock.holder()
             raise InputError(
                 f"{endpoint(device)} is driven by another program on this computer"

@@ -13,7 +13,7 @@ import signal
 import socket
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from threading import Thread
@@ -41,7 +41,7 @@ from dea.acquisition.retrying_link import (
 )
 from dea.acquisition.samples import DrivenSamples
 from dea.acquisition.settings import AcquisitionSettings
-from dea.acquisition.shared_file import SharedLock
+from dea.acquisition.shared_file import GLANCE, SharedLock
 from dea.acquisition.voltage_plan import OutputPlan, Planned
 from dea.acquisition.wire import Wire, packed
 from dea.acquisition.zero import WayToZero, ZeroEvidence
@@ -55,6 +55,9 @@ ANSWER_TIME = 1.0  # s that a controller may take for one sample
 WAITING = 0.05  # s between two signs of life before the recorder begins
 RETRY = 0.1  # s between two attempts to reach zero
 KEEPING = 1.0  # s between two looks at the files of its locks
+BEAT = 0.5  # s between two signs of life
+# s for which one that only takes the output to zero waits for a guardian that ends.
+TAKING_OVER = 5.0
 ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
 # Signals that would by default end or stop the process; it ignores them.
 DEAF = (
@@ -102,8 +105,13 @@ def guard(wire: Wire) -> None:
     for number in DEAF:
         signal.signal(number, signal.SIG_IGN)
     wire.post("hired", os.getpid())
+    waits = GLANCE if job.counts.size else TAKING_OVER
+    patience = job.settings.patience
     try:
-        with endpoint_lock(job.device) as lock, Duty(job.device) as duty:
+        with (
+            endpoint_lock(job.device, waits) as lock,
+            Duty(job.device, waits=waits, patience=patience) as duty,
+        ):
             guardian.serve(lock, duty)
     except InputError as error:
         wire.post("refused", packed(error))
@@ -131,7 +139,7 @@ class Guardian:
         self.alarm = Alarm(job.device.name)
         self._signal: str | None = None
         self._begun = False
-        self._looked = self._heard = self._locked = time.monotonic()
+        self._looked = self._heard = self._locked = self._told = time.monotonic()
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
@@ -144,6 +152,7 @@ class Guardian:
     def serve(self, lock: SharedLock, duty: Duty) -> None:
         """Drive the job's counts, then take the output to zero."""
         self.lock, self.duty = lock, duty
+        self.link.check = self._alive
         duty.token = self.job.token or duty.token
         self.output = Output(self.link, reset=self.job.reset, token=duty.token or 1)
         if not self.job.counts.size:
@@ -173,7 +182,7 @@ class Guardian:
     def _last_known(self) -> float:
         """Return what the guardian before asked for last, V, or else what the device says."""
         if self.duty.before.abandoned:
-            return self.duty.before.requested
+            return self.duty.left
         try:
             return self.output.applied() or 0.0
         except Exception:  # whatever failed: the way to zero tries again until it is there
@@ -273,6 +282,7 @@ class Guardian:
             return
         self._looked = now
         self.duty.put(Phase.DRIVING, self._requested())
+        self._tell()
         self._listen()
         if not self._keep_locks():
             raise StoppedError("another program has taken the output over")
@@ -287,6 +297,17 @@ class Guardian:
         oldest = min(self._heard, self._posted[0][1]) if self._posted else self._heard
         if now - oldest > self.job.settings.stall_time:
             raise StoppedError(f"the recorder is {now - oldest:.1f} s behind: it, or its disk")
+
+    def _alive(self) -> None:
+        """Give a sign of life, to the recorder and to whoever looks at the notice."""
+        self.duty.beat()
+        self._tell()
+        self._keep_locks()
+
+    def _tell(self) -> None:
+        if time.monotonic() - self._told > BEAT:
+            self._told = time.monotonic()
+            self.wire.post("beat")
 
     def _keep_locks(self) -> bool:
         """Return whether the output is this guardian's, whoever removes the files that say so."""
@@ -311,12 +332,12 @@ class Guardian:
 
         def alive() -> None:
             self.duty.put(Phase.ALARM if failing else Phase.TO_ZERO, way.volts)
-            self._keep_locks()
+            self._alive()
 
         self.link.check = alive
         while True:
-            alive()
             try:
+                alive()
                 evidence = way()
                 break
             except TakenError as error:
@@ -334,14 +355,14 @@ class Guardian:
                     with suppress(Exception):  # which is what is left to do
                         self.output.laws.disarm()
                     if self.duty.order == Order.DISMISS or self.device.virtual:
-                        self._end_latch()
+                        self._end_latch(alive)
                         self.duty.put(Phase.DISMISSED, way.volts)
                         return
             time.sleep(RETRY)
+        self._begin_latch(way.trip)
+        self._end_latch(alive)
         self.link.check = None
         self.duty.put(Phase.AT_ZERO, 0.0)
-        self._begin_latch(way.trip)
-        self._end_latch()
         self.link.on_connect = None
         self.link.close()
         self.wire.post("zero", str(evidence), self.link.log.cut())
@@ -352,9 +373,11 @@ class Guardian:
             self._latching = Thread(target=self._latch, args=(trip,), daemon=True)
             self._latching.start()
 
-    def _end_latch(self) -> None:
-        if self._latching is not None:
-            self._latching.join()
+    def _end_latch(self, alive: Callable[[], None]) -> None:
+        """Wait for the disk, and call ``alive`` meanwhile."""
+        while self._latching is not None and self._latching.is_alive():
+            alive()
+            self._latching.join(RETRY)
 
     def _latch(self, trip: Exception) -> None:
         try:

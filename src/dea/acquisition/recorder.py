@@ -7,11 +7,13 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
-from dea.acquisition.duty import duty_file, end, glance
 from dea.acquisition.guardian import DriveJob
 from dea.acquisition.launch import launch
 from dea.acquisition.link_log import LinkLog
+from dea.acquisition.output import TakenError
+from dea.acquisition.process import Process
 from dea.acquisition.samples import DrivenSamples
+from dea.acquisition.transport import at_address
 from dea.acquisition.wire import unpacked
 from dea.acquisition.zero import ZeroNotVerifiedError
 from dea.errors import DeviceError
@@ -19,7 +21,10 @@ from dea.errors import DeviceError
 BEAT = 0.05  # s between two messages that say what is kept
 GUARDIANS = 8  # that may end before zero is shown, one after the other
 PAUSE = 0.2  # s longer before each of them
-HIRING = 60.0  # s until a guardian reports, whatever has to be loaded for it
+# s until a guardian reports, whatever has to be loaded for it: the first, before there is voltage,
+# and those that follow it.
+HIRING, HIRING_AGAIN = 60.0, 20.0
+KILLS = 2  # of guardians that give no sign of life; then the alarm, and the last is left to try
 LONGEST_LOOK = 0.5  # s of silence between two looks: more is time in which this process stood still
 
 
@@ -41,15 +46,17 @@ class Recorder:
     """
 
     def __init__(self, job: DriveJob, log: LinkLog, check: Callable[[], None]) -> None:
-        self.job, self.log, self.check = job, log, check
+        # A look-up of names may take longer than anybody waits for a sign of life.
+        self.job = job._replace(device=at_address(job.device))
+        self.log, self.check = log, check
         self.kept: Callable[[], int] = lambda: 0
         self.answer: Callable[[float], int] | None = None  # of a closed loop
         self.evidence = ""
         self._zero = False  # whether nothing is left to be taken to zero
         self._beat = 0.0
-        self._notice = duty_file(job.device)
+        self._kills = 0
         self._inbox: deque[tuple[Any, ...]] = deque()  # a reader may stop in mid-batch
-        self._hire(job)
+        self._hire(self.job)
 
     def __enter__(self) -> Self:
         return self
@@ -61,6 +68,8 @@ class Recorder:
             self.end(error)
         finally:
             self.wire.close()
+            if self._guardian is not None:
+                self._guardian.close()
         if isinstance(error, DeviceError | OSError) and self.evidence:
             error.add_note(f"The output is at zero: {self.evidence}.")
 
@@ -115,10 +124,12 @@ class Recorder:
     def _replace_guardian(self, lost: int, error: GuardianLostError) -> None:
         """Hire another guardian, who only takes the output to zero, after so many were lost."""
         cause: Exception = error
+        never_came = self._guardian is None
+        if self._guardian is not None:
+            self._guardian.close()
         if lost <= GUARDIANS:
             time.sleep(PAUSE * (lost - 1))
             try:
-                never_came = self._guardian is None
                 self._hire(self.job._replace(counts=self.job.counts[:0]), anew=never_came)
                 return
             except OSError as refused:
@@ -129,9 +140,10 @@ class Recorder:
         )
 
     def _hire(self, job: DriveJob, *, anew: bool = False) -> None:
-        self._guardian: int | None = None  # its process
-        self._how_lost = "was killed"
-        self._last_sign, self._silence, self._looked = 0.0, 0.0, time.monotonic()
+        self._replacement = not job.counts.size and self.job.counts.size > 0
+        self._guardian: Process | None = None
+        self._killed = False
+        self._silence, self._looked = 0.0, time.monotonic()
         self.wire = launch(anew=anew)
         self.wire.post(job)
 
@@ -151,14 +163,15 @@ class Recorder:
                 self._heed(*message)
                 yield message
             elif self.wire.closed:
-                raise GuardianLostError(f"the guardian's process {self._how_lost}")
+                how = " gave no sign of life and" if self._killed else "'s process"
+                raise GuardianLostError(f"the guardian{how} was killed")
             else:
                 self.wire.wait(BEAT)
             if time.monotonic() - self._beat > BEAT:
                 self._say("kept", self.kept())
 
     def _watch(self) -> None:
-        """End a guardian that gives no sign of life, as one that was stopped; another follows it.
+        """Kill a guardian that gives no sign of life, as one that was stopped; another follows it.
 
         Time in which this process did not look does not count: both may have stood still.
         """
@@ -166,21 +179,25 @@ class Recorder:
         self._silence += min(now - self._looked, LONGEST_LOOK)
         self._looked = now
         if self._guardian is None:
-            if self._silence > HIRING:
+            if self._silence > (HIRING_AGAIN if self._replacement else HIRING):
                 self.wire.close()
                 raise GuardianLostError("no guardian has begun")
-            return
-        notice = glance(self._notice, self._guardian)
-        if notice is None or not notice.silent or notice.beat != self._last_sign:
-            self._silence, self._last_sign = 0.0, notice.beat if notice else 0.0
-        elif self._silence > self.job.settings.stall_time + 2 * self.job.settings.timeout:
-            self._how_lost = f"was killed: it gave no sign of life for {notice.silent:.0f} s"
-            end(self._guardian)
-            self._silence = 0.0
+        elif self._silence > self.job.settings.patience:
+            if self._killed or self._kills == KILLS:
+                self._zero = True
+                raise ZeroNotVerifiedError(
+                    f"the guardian has given no sign of life for {self._silence:.0f} s: switch the "
+                    "amplifier off"
+                )
+            self._killed, self._silence = True, 0.0
+            self._kills += 1
+            self._guardian.kill()
 
     def _heed(self, kind: str, *content: Any) -> None:
+        self._silence = 0.0
         if kind == "hired":
-            self._guardian, self._silence = content[0], 0.0
+            with suppress(ProcessLookupError):  # it has ended already
+                self._guardian = Process(content[0])
         if kind == "ask" and self.answer is not None:
             self.wire.post("count", self.answer(content[0]))
         if kind in ("samples", "broken", "zero"):
@@ -193,7 +210,10 @@ class Recorder:
                 f"{content[0]} A guardian goes on trying: see `python -m dea.acquisition status`."
             )
         elif kind == "refused":
+            refusal = unpacked(content[0])
+            if self._replacement and not isinstance(refusal, TakenError):
+                raise GuardianLostError(f"a guardian could not take over: {refusal}")
             self._zero = True
-            raise unpacked(content[0])
+            raise refusal
         elif kind == "broken":
             raise unpacked(content[0])

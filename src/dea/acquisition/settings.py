@@ -30,6 +30,14 @@ class AcquisitionSettings:
     read_back_tolerance: float = 0.05  # of the span of the output's limits
     paced: bool = True
 
+    @property
+    def patience(self) -> float:
+        """S without a sign of life of a guardian that are more than one at work needs.
+
+        It gives one before each request, which may connect first, with TLS too.
+        """
+        return self.stall_time + 3 * self.timeout
+
     @classmethod
     def from_mapping(cls, values: Mapping[str, Any]) -> Self:
         """Check settings read from a file; raises InputError for a misspelt key or bad value."""

@@ -4,6 +4,7 @@ import fcntl
 import os
 import re
 import socket
+import time
 from pathlib import Path
 from typing import Self
 
@@ -13,6 +14,8 @@ from dea.modbus import Device
 # programs set as they like: all who share a device must find the same file.
 FOLDERS = Path("/dev/shm"), Path("/tmp")
 OWN_FOLDER = "DEA_DUTY"  # instead of these
+# s for which a lock may be held by somebody who only looks whether it is, and between attempts.
+GLANCE, AGAIN = 0.1, 0.02
 
 
 def shared_file(device: Device, kind: str, detail: str = "", folder: Path | None = None) -> Path:
@@ -47,23 +50,23 @@ class SharedLock:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.handle = -1
+        self._text = b""
 
-    def take(self) -> bool:
-        """Lock the file that has the name; return whether it was free."""
+    def take(self, patience: float = GLANCE) -> bool:
+        """Lock the file that has the name; return whether it was free within ``patience`` s."""
+        end = time.monotonic() + patience
         while True:
             handle = open_shared(self.path)
-            try:
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                os.close(handle)
-                return False
-            before, self.handle = self.handle, handle
-            if self._named():
+            free = _locked(handle, fcntl.LOCK_EX)
+            if free and _named(handle, self.path):
+                before, self.handle = self.handle, handle
                 if before >= 0:
                     os.close(before)
                 return True
-            self.handle = before
             os.close(handle)
+            if not free and time.monotonic() > end:
+                return False
+            time.sleep(0.0 if free else AGAIN)
 
     def keep(self) -> bool:
         """Take the lock again where its file was removed; return whether nobody else has it.
@@ -71,7 +74,12 @@ class SharedLock:
         Where no file can be made, as where its folder is gone, nobody else can have one either.
         """
         try:
-            return self._named() or self.take()
+            if _named(self.handle, self.path):
+                return True
+            taken = self.take()
+            if self._text:
+                self.write(self._text.decode())
+            return taken
         except OSError:
             return True
 
@@ -81,8 +89,9 @@ class SharedLock:
 
     def write(self, text: str) -> None:
         """Write what others are told of the holder."""
+        self._text = text.encode()
         os.truncate(self.handle, 0)
-        os.pwrite(self.handle, text.encode(), 0)
+        os.pwrite(self.handle, self._text, 0)
 
     def close(self) -> None:
         """Give the lock back."""
@@ -95,11 +104,30 @@ class SharedLock:
         if self.handle >= 0:
             self.close()
 
-    def _named(self) -> bool:
-        try:
-            return os.path.samestat(os.fstat(self.handle), os.stat(self.path))
-        except FileNotFoundError:
-            return False
+
+def is_locked(path: Path) -> bool:
+    """Return whether some process has the lock on a file."""
+    handle = open_shared(path)
+    try:
+        return not _locked(handle, fcntl.LOCK_SH)  # two that look do not meet
+    finally:
+        os.close(handle)
+
+
+def _locked(handle: int, kind: int) -> bool:
+    try:
+        fcntl.flock(handle, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def _named(handle: int, path: Path) -> bool:
+    """Return whether an open file still has its name."""
+    try:
+        return os.path.samestat(os.fstat(handle), os.stat(path))
+    except FileNotFoundError:
+        return False
 
 
 def open_shared(path: Path) -> int:

@@ -2,6 +2,7 @@
 
 import socket
 import ssl
+from dataclasses import replace
 
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient, ModbusTlsClient
 from pymodbus.framer import FramerType
@@ -41,6 +42,18 @@ def connect(device: Device, timeout: float) -> Client:
     if not client.connect():
         raise OSError(_why_not(device))
     return client
+
+
+def at_address(device: Device) -> Device:
+    """Return a device with the address of its host, so that no name is looked up again."""
+    if device.serial is not None:
+        return device
+    try:
+        address = socket.gethostbyname(device.host)
+    except OSError:  # the connection will say so
+        return device
+    tls = replace(device.tls, server_name=device.tls.server_name or device.host)
+    return replace(device, host=address, tls=tls)
 
 
 def _why_not(device: Device) -> str:

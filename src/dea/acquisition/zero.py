@@ -101,7 +101,7 @@ class WayToZero:
             self.volts, self._written = target, time.monotonic()
             self._beat()
             self._look()
-            time.sleep(1 / self.device.sampling_rate)
+            self.output.link.rest(min(1 / self.device.sampling_rate, LONGEST_STEP))
         self.panel.set("output", self.panel.zero)
 
     def _beat(self) -> None:
@@ -134,7 +134,7 @@ class WayToZero:
         begun = time.monotonic()
         end = begun + quarantine
         while time.monotonic() < end:
-            time.sleep(HOLDING_PAUSE)
+            self.output.link.rest(HOLDING_PAUSE)
             if "command" not in self.device:
                 self.panel.set("output", self.panel.zero)
             self._beat()

@@ -25,7 +25,12 @@ class _Loader(yaml.CSafeLoader):
 
 
 def read_yaml(path: str | Path, *, what: str, example: str) -> Any:
-    """Return the content of a YAML file.
+    """Return the content of a YAML file; see :func:`read_text_and_yaml`."""
+    return read_text_and_yaml(path, what=what, example=example)[1]
+
+
+def read_text_and_yaml(path: str | Path, *, what: str, example: str) -> tuple[str, Any]:
+    """Return the text of a YAML file, its line ends as they are, and what it says.
 
     Parameters
     ----------
@@ -38,7 +43,8 @@ def read_yaml(path: str | Path, *, what: str, example: str) -> Any:
         If it cannot be read, is not valid YAML, or gives a key twice.
     """
     try:
-        return yaml.load(Path(path).read_text(encoding="utf-8"), _Loader)  # a safe loader
+        text = Path(path).read_bytes().decode("utf-8")
+        return text, yaml.load(text, _Loader)  # a safe loader
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{what} cannot be read: {error}",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from dea.configuration import device as described
-from dea.configuration.files import read_yaml
+from dea.configuration.files import read_text_and_yaml
 from dea.configuration.problems import validated
 from dea.modbus.device import Device, Register, Serial, Tls
 
@@ -22,8 +22,10 @@ def read_device(path: str | Path) -> Device:
         type, overlapping registers, crossing limits, a unit id or address out of range.
     """
     path = Path(path)
-    content = read_yaml(path, what="the device description", example="one of config/devices/*.yaml")
-    return replace(parse_device(content, source=path), described=path.read_bytes().decode())
+    text, content = read_text_and_yaml(
+        path, what="the device description", example="one of config/devices/*.yaml"
+    )
+    return replace(parse_device(content, source=path), described=text)
 
 
 def parse_device(content: Any, source: Path | None = None) -> Device:
