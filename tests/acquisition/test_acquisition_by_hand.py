@@ -3,6 +3,7 @@
 import os
 import re
 import time
+from dataclasses import replace
 from datetime import datetime
 from types import SimpleNamespace
 
@@ -13,7 +14,8 @@ from memory_link import MemoryLink
 
 from dea.acquisition import AcquisitionSettings, LinkError, by_hand, duty, latch
 from dea.acquisition.duty import Duty, Order, Phase
-from dea.progress import heard_by
+from dea.configuration.safety import Safety
+from dea.progress import heard_by, tell
 
 
 @pytest.fixture
@@ -118,14 +120,16 @@ def test_an_alarm_whose_guardian_is_gone_is_not_dismissed(device):
     assert asked(device) == Order.NONE
 
 
-def test_zero_is_asked_of_the_guardian_until_it_ends_and_then_shown(device, monkeypatch):
-    orders, jobs, told = [], [], []
+@pytest.fixture
+def jobs(monkeypatch):
+    """The jobs that recorders are given, which show zero at once."""
+    given = []
 
     class Recorder:
         evidence = "0 V for 1 s"
 
-        def __init__(self, job, log, stop):
-            jobs.append(job)
+        def __init__(self, job, *_):
+            given.append(job)
 
         def __enter__(self):
             return self
@@ -134,8 +138,25 @@ def test_zero_is_asked_of_the_guardian_until_it_ends_and_then_shown(device, monk
             pass
 
         def await_zero(self):
-            told.append("awaited")
+            tell("awaited")
 
+    monkeypatch.setattr(by_hand, "Recorder", Recorder)
+    return given
+
+
+def test_zero_is_reached_no_faster_than_the_safety_model_allows(device, jobs):
+    told, slow = [], replace(device, safety=Safety(max_rate=2.0))
+    with heard_by(told.append):
+        by_hand.zero(slow, AcquisitionSettings(ramp_rate=5.0))
+        by_hand.zero(slow, AcquisitionSettings(ramp_rate=1.5))
+    assert [job.settings.ramp_rate for job in jobs] == [2.0, 1.5]
+    warning, *others = told
+    assert "2 V/s, as safety.max_rate allows" in warning
+    assert others == ["awaited"] * 2
+
+
+def test_zero_is_asked_of_the_guardian_until_it_ends_and_then_shown(device, jobs, monkeypatch):
+    orders, told = [], []
     guardian = Duty(device).__enter__()
     guardian.put(Phase.DRIVING, 4.0)
 
@@ -147,7 +168,6 @@ def test_zero_is_asked_of_the_guardian_until_it_ends_and_then_shown(device, monk
             guardian.__exit__(None, None, None)
 
     monkeypatch.setattr(by_hand.time, "sleep", wait)
-    monkeypatch.setattr(by_hand, "Recorder", Recorder)
     with heard_by(told.append):
         assert by_hand.zero(device, AcquisitionSettings()) == "0 V for 1 s"
     monkeypatch.undo()

@@ -14,7 +14,7 @@ from plain_module import PlainModule
 from rich.console import Console
 
 from dea import store
-from dea.acquisition import AcquisitionSettings, by_hand, latch, watched
+from dea.acquisition import latch, watched
 from dea.acquisition.__main__ import _plain, main
 from dea.acquisition.display import SHOWN, Display, health
 from dea.acquisition.link_log import LinkLog
@@ -25,7 +25,6 @@ from dea.bench.__main__ import main as serve
 from dea.configuration.bench import read_bench
 from dea.errors import InputError
 from dea.modbus import read_device
-from dea.progress import heard_by
 from dea.stages.acquire import acquire
 from dea.stages.driving import excitation
 
@@ -81,36 +80,6 @@ def test_a_record_keeps_the_description_that_the_device_was_driven_with(
         attributes = store.read(file).attrs
         assert attributes["device_description"] == DEVICE.read_text()
     assert store.read(output).attrs["sha256_device"] == store.sha256(DEVICE)
-
-
-def test_zero_is_reached_no_faster_than_the_safety_model_allows(tmp_path, monkeypatch):
-    description = yaml.safe_load((ROOT / "config/devices/analogue_module.yaml").read_text())
-    file = tmp_path / "device.yaml"
-    file.write_text(yaml.safe_dump(description | {"safety": {"max_rate": 2.0}}))
-    jobs, told = [], []
-
-    class Recorder:
-        evidence = "zero"
-
-        def __init__(self, job, *_):
-            jobs.append(job)
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            pass
-
-        def await_zero(self):
-            pass
-
-    monkeypatch.setattr(by_hand, "Recorder", Recorder)
-    with heard_by(told.append):
-        by_hand.zero(read_device(file), AcquisitionSettings(ramp_rate=5.0))
-        by_hand.zero(read_device(file), AcquisitionSettings(ramp_rate=1.5))
-    assert [job.settings.ramp_rate for job in jobs] == [2.0, 1.5]
-    assert len(told) == 1
-    assert "2 V/s, as safety.max_rate allows" in told[0]
 
 
 def test_check_prints_what_the_device_says(serve_bench, capsys):
