@@ -390,6 +390,11 @@ def test_the_dictionary_holds_what_its_names_say():
         np.testing.assert_allclose(told[f"{symbol}^2"], signal**2)
         np.testing.assert_allclose(told[f"{symbol}^3"], signal**3)
     np.testing.assert_allclose(told["u y"], own["u"] * own["y"])
+    rate = told["y'"]
+    moving = np.abs(rate) > 0.2
+    np.testing.assert_allclose(told["sign(y')"][moving], np.sign(rate[moving]), atol=2e-3)
+    np.testing.assert_allclose(told["|y'|"], np.abs(rate))
+    np.testing.assert_allclose(told["y'|y'|"], rate * np.abs(rate))
     delayed = [name for name in names if name.startswith("lag(")]
     lagging = {"u": own["u"], "u^2": own["u"] ** 2, "y^2": own["y"] ** 2}
     assert {name[len("lag(") :].split(",")[0] for name in delayed} == lagging.keys()

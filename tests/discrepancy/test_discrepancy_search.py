@@ -24,6 +24,7 @@ from dea.discrepancy.fit import Fit, at, fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search import rounds as search_rounds
+from dea.discrepancy.search import screening
 from dea.discrepancy.search.budget import Budget
 from dea.discrepancy.search.candidates import Candidate, judged
 from dea.discrepancy.search.degenerate import unfinish_degenerate
@@ -84,6 +85,13 @@ def test_a_disturbance_promises_most_at_its_frequency_whatever_its_phase(phase):
     best, *_ = promising(shaken, [base], Offer(effect, told), 2)
     frequency = best.extended.names.index("periodic_disturbance.frequency")
     assert best.extended.values(best.coordinates)[frequency] == pytest.approx(1.3)
+
+
+def test_a_start_that_changes_nothing_promises_nothing():
+    problem, extended = hidden()
+    base = Base.of(problem, fit(problem, extended, np.zeros(extended.free.size)))
+    start = screening._promised(problem, base, base.fit.extended, np.empty(0))
+    assert start.left == base.left @ base.left
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -180,3 +180,12 @@ def test_devices_vary_by_no_more_than_the_spread_of_each_parameter():
         spread = DEVICES[trial.device].spread
         assert set(trial.factors) == set(spread)
         assert all(abs(np.log(trial.factors[name])) <= most for name, most in spread.items())
+
+
+@pytest.mark.parametrize(
+    ("trials", "use"),
+    [("tuning", Use.TUNING), ("ambiguous_tuning", Use.TUNING), ("reporting", Use.REPORTING),
+     ("ambiguous", Use.REPORTING)],
+)  # fmt: skip
+def test_a_set_hides_forms_of_its_own_use(trials, use):
+    assert Use.of_set(trials) == use
