@@ -165,6 +165,15 @@ def test_samples_overwritten_before_they_are_read_are_counted(length):
     assert device.ring.run(0, 50).index == length - 300
 
 
+def test_what_was_measured_before_the_start_is_missed_by_nobody():
+    device = player(fifo_length=2000)
+    device.advance(1000)
+    device.start()
+    device.load(1, [1] * 350)
+    device.drain()
+    assert device.overruns == 50
+
+
 def test_start_is_refused_after_a_trip_until_reset():
     device = player()
     device.start()

@@ -315,3 +315,25 @@ def test_random_frames_neither_crash_nor_wedge_it(bench, open_socket):
         connection.close()
     assert alive(open_socket)
     assert not any(bench.plant.applied)
+
+
+def test_an_exception_to_function_code_23_says_that_nothing_was_written(bench):
+    master = Master(bench, token=7)
+    master.set("command", 1)
+    master.set("output", 5000)
+    before = master.get("sample_index")
+    reply = master.client.readwrite_registers(
+        read_address=60_000, read_count=1, write_address=master.device["output"].address,
+        values=[6000],
+    )  # fmt: skip
+    assert reply.exception_code == 2
+    assert master.get("applied_output") == 5000
+    assert master.get("sample_index") == before
+
+
+def test_a_polled_master_misses_nothing_that_it_has_read(bench):
+    master = Master(bench, token=7)
+    master.set("command", 1)
+    for count in range(1000, 1000 + 40 * 250, 40):
+        master.set("output", min(count, 9000))
+    assert master.get("overruns") == 0

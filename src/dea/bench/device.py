@@ -72,8 +72,7 @@ class BenchDevice:
 
     def read(self, session: Session, address: int, count: int) -> list[int]:
         """Registers ``address`` to ``address + count - 1``; gaps in the map read as zero."""
-        if address + count > self._end:
-            raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+        self.refuse_beyond(address, count)
         start = address - self._reply.address
         if start >= 0 and start + count <= self._reply.size:
             return self._answer(session)[start : start + count]
@@ -86,6 +85,11 @@ class BenchDevice:
             skip = address + len(words) - register.address
             words += self._words(session, register)[skip:]
         return words[:count]
+
+    def refuse_beyond(self, address: int, count: int) -> None:
+        """Refuse to read registers beyond the end of the map."""
+        if address + count > self._end:
+            raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
 
     def write(self, session: Session, address: int, words: Sequence[int]) -> None:
         """Write whole registers: a block of samples, or one command, claim or output value."""
@@ -183,6 +187,8 @@ class BenchDevice:
         # A polled write triggers one sample. Where the next write is late, the device's own clock
         # continues with the output held.
         self.player.advance(1)
+        # What it measured is in its registers, from which a polled master reads it.
+        self.player.collected = self.player.ring.end
         self._due = time.monotonic() + TRIGGER_PATIENCE * self.period
 
     def _write_block(self, session: Session, words: Sequence[int]) -> None:

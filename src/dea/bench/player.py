@@ -130,6 +130,8 @@ class Player:
         if self.state != PlayerState.IDLE or self.watchdog.latched or self.applied != self.zero:
             return False
         self.state, self.requested, self._polled = PlayerState.RUNNING, self.zero, False
+        # Nobody misses what was measured before.
+        self.collected = max(self.collected, self.ring.end)
         return True
 
     def stop(self) -> None:
