@@ -20,9 +20,9 @@ Array = NDArray[np.float64]
 
 _LONGEST = 4000  # samples of a segment, which overlap by half
 _SEGMENTS = 8  # without common samples, at least
-# Hann segments that overlap by half are correlated: so many of them count as one independent one
-# (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70).
-_ALIKE = 11.0 / 9.0
+# Segments that overlap by half are correlated, with Hann's window by 1/6: so many of them count as
+# one independent one (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70).
+_ALIKE = 1.0 + 2.0 / 6.0**2
 _CHANCE = 0.01  # with which noise alone is taken for an error, at a frequency
 _RESOLVED = 2.0  # periods in a segment
 
