@@ -94,6 +94,7 @@ def test_the_passage_stays_between_excitation_and_multisine():
         ({"times": [20.0, 40.0]}, "times"),
         ({"times": [110.0]}, "times"),
         ({"lowest": 0.3}, "lowest"),
+        ({"settle": 0.9}, "settle"),
         ({"highest": 25.0}, "highest"),
     ],
 )

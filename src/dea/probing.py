@@ -95,6 +95,10 @@ class Probing:
         period = sampling_rate / self.lowest
         if abs(period - round(period)) > 1e-6 * period:
             raise _refused("lowest", f"its period is {period:g} samples, not a whole number")
+        if self.settle < PASSAGE:
+            raise _refused(
+                "settle", f"{self.settle:g} s are shorter than the passage of {PASSAGE:g} s into it"
+            )
         if not self.highest < 0.5 * sampling_rate:
             raise _refused("highest", f"{self.highest:g} Hz is not below half the sampling rate")
         lines, rng = self.lines(seed), generator(seed, "probing", "phases")

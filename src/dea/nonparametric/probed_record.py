@@ -50,6 +50,8 @@ def best_linear_approximation(
         realisations hold fewer than two whole periods.
     """
     content = record if isinstance(record, xr.Dataset) else read_record(record)
+    units = signals(content)
+    u_units = units.unit_of_one_input("A measured response")
     length = content.attrs.get("probing_period", None) if period is None else period
     if length is None:
         raise InputError(
@@ -65,12 +67,11 @@ def best_linear_approximation(
             field="probing",
             remedy="Take a record with one multisine design.",
         )
-    units = signals(content)
     return labelled(
         found,
         np.array([stretch.time for stretch in stretches]),
         float(length),
-        (units.unit_of_one_input("A measured response"), units.y_units),
+        (u_units, units.y_units),
     )
 
 
