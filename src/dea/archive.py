@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from dea.atomic_file import atomic
 from dea.errors import InputError
 
 ROOT = Path("records")
@@ -151,7 +152,8 @@ def seal(folder: Path, content: Mapping[str, Any]) -> Path:
     files = sorted(path for path in folder.iterdir() if path.is_file())
     digests = {path.name: _sha256(path) for path in files}
     text = json.dumps({**content, "files": digests}, indent=1, sort_keys=True)
-    (folder / MANIFEST).write_text(f"{text}\n")
+    with atomic(folder / MANIFEST) as partial:
+        partial.write_text(f"{text}\n")
     for path in folder.iterdir():
         path.chmod(0o444)
     final = folder.with_suffix("")

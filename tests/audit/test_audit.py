@@ -6,11 +6,12 @@ import json
 import os
 import shutil
 import subprocess
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
-from dea import provenance
+from dea import archive, provenance
 from dea.audit import Manifest, collect, verify
 from dea.audit.__main__ import main
 from dea.audit.verify import in_order, resting_on
@@ -59,7 +60,7 @@ def make(monkeypatch, product, settings=None):
     monkeypatch.setenv(provenance.RULE, Path(product).stem)
     monkeypatch.setenv(provenance.CODE, " ".join(code))
     inputs, outputs = map(Path, sources), [Path(product)]
-    with provenance.job(["dea.stages.x"], settings or {}, inputs=inputs, outputs=outputs):
+    with provenance.job(["dea.stages.x", product], settings or {}, inputs=inputs, outputs=outputs):
         Path(product).parent.mkdir(parents=True, exist_ok=True)
         Path(product).write_text(f"{product} by {provenance.current_job()}\n")
 
@@ -140,7 +141,9 @@ def test_a_package_that_the_environment_does_not_ask_for_is_named(study):
 
 def test_a_missing_file_is_named_with_what_rests_on_it(study):
     Path("results/a/model.nc").unlink()
-    assert first() == ("results/a/model.nc", "is missing")
+    path, problem = first()
+    assert path == "results/a/model.nc"
+    assert problem.startswith("is missing; if it is not wanted any more, delete results/provenance")
     assert resting_on("results/a/model.nc", Manifest.read()) == [
         "results/a/model.fmu", "results/a/track.nc", "results/figures/fig3.png",
         "results/tables/table1.csv",
@@ -150,6 +153,70 @@ def test_a_missing_file_is_named_with_what_rests_on_it(study):
 def test_a_file_that_no_job_made_is_named(study):
     Path("results/tables/table2.csv").write_text("a,b\n")
     assert first() == ("results/tables/table2.csv", "was made by no job")
+
+
+def found_after_another_run():
+    collect().write()
+    return {finding.path: finding.problem for finding in verify(Manifest.read())}
+
+
+def test_no_run_makes_a_result_of_what_no_job_made(study):
+    Path("results/tables/fake.csv").write_text("a,b\n")
+    Path("results/tables/table1.csv").write_text("c,d\n")
+    provenance.description_of(Path("results/tables/table1.csv")).unlink()
+    assert found_after_another_run() == {
+        "results/tables/fake.csv": "was made by no job",
+        "results/tables/table1.csv": "was made by no job",
+    }
+
+
+def test_no_run_makes_a_result_that_was_deleted_forgotten(study):
+    Path("results/tables/table1.csv").unlink()
+    [(path, problem)] = found_after_another_run().items()
+    assert path == "results/tables/table1.csv"
+    assert problem.startswith("is missing")
+
+
+def test_a_description_that_cannot_be_read_is_none(study):
+    provenance.description_of(Path("results/tables/table1.csv")).write_text("{")
+    assert found_after_another_run() == {"results/tables/table1.csv": "was made by no job"}
+
+
+def test_descriptions_that_were_edited_before_another_run_are_named(study):
+    file = provenance.description_of(Path("results/tables/table1.csv"))
+    overwrite(file, file.read_bytes().replace(b'"settings": {}', b'"settings": {"a": 1}'))
+    assert found_after_another_run() == {
+        "results/tables/table1.csv": "its description is not what its job kept"
+    }
+
+
+def test_results_that_were_swapped_with_their_descriptions_are_named(study):
+    pair = [Path("results/figures/fig3.png"), Path("results/tables/table1.csv")]
+    for one, other in (pair, map(provenance.description_of, pair)):
+        content = one.read_bytes(), other.read_bytes()
+        one.write_bytes(content[1])
+        other.write_bytes(content[0])
+    problem = "its description is that of a job which makes other results"
+    assert found_after_another_run() == {str(path): problem for path in pair}
+
+
+def test_a_record_of_hardware_that_has_changed_is_named(study, monkeypatch):
+    with archive.unfinished("film", now=datetime(2026, 1, 1, tzinfo=UTC)) as folder:
+        (folder / "record.nc").write_text("measured")
+        kept = archive.seal(folder, {"excitation": "main"})
+    monkeypatch.setitem(
+        JOBS, "results/a/taken.nc", ([str(kept / archive.MANIFEST)], ["src/acquire.py"])
+    )
+    make(monkeypatch, "results/a/taken.nc")
+    assert found_after_another_run() == {}
+    kept.chmod(0o755)
+    (kept / "record.nc").chmod(0o644)
+    (kept / "record.nc").write_text("altered")
+    [(path, problem)] = found_after_another_run().items()
+    assert path == str(kept / "record.nc")
+    assert "is not what was recorded" in problem
+    (kept / "record.nc").unlink()
+    assert found_after_another_run() == {path: "is missing"}
 
 
 def test_a_changed_setting_in_a_description_is_named(study):

@@ -68,7 +68,7 @@ def test_of_two_inputs_the_one_whose_response_lacks_something_is_told():
 
 @pytest.mark.parametrize(("segments", "told"), [(7, False), (8, False), (9, True), (12, True)])
 def test_fewer_than_eight_independent_segments_tell_nothing(segments, told):
-    """Neighbours that share a half, with Hann's window, count for 18/19 of a segment (Welch 1967)."""
+    """Neighbours that share a half count for 18/19 of one (Welch 1967, Hann's window)."""
     u = excitation(90_000, 1)
     y = outputs(u, noise=0.01)
     y[4000 + 2000 * (segments - 1) :] = np.nan

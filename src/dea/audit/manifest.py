@@ -16,7 +16,10 @@ from dea.errors import InputError
 FILE = provenance.RESULTS / "MANIFEST.json"
 # Held by the run of this project (workflow/alone.sh), whose process it names.
 LOCK = Path("build/lock")
-# Made by targets outside of the workflow, or by the audit itself.
+# Folders of what is beside results: logs, timings, descriptions, and what `make resolve` makes.
+BESIDE = {"log", "benchmark", provenance.FOLDER.name, "resolve"}
+README = provenance.RESULTS / "README.md"
+# Made by targets outside of the workflow, or by the audit itself: not compared.
 UNLISTED = {
     provenance.RESULTS / name
     for name in (
@@ -26,7 +29,12 @@ UNLISTED = {
         "report.html",
         "benchmark.json",
         "calibration.csv",
+        "coverage.csv",
+        "coverage.md",
+        "mutants.json",
+        "mutants.md",
         "figures/calibration.png",
+        "tables/control_robustness.csv",
     )
 }
 
@@ -37,7 +45,8 @@ class Manifest:
 
     ``products`` holds hash and job of each result by its path, ``jobs`` what each job was (the
     fields of :class:`dea.provenance.Job`, and ``run``), ``others`` the hashes of logs, timings and
-    descriptions of jobs, ``packages`` the packages installed when the manifest was written.
+    descriptions of jobs, ``packages`` the packages installed when the manifest was written. Any
+    other file is in none of them, so that an audit names it.
     """
 
     products: Mapping[str, Mapping[str, str]]
@@ -105,19 +114,26 @@ def withdraw() -> None:
 
 
 def collect() -> Manifest:
-    """Return the manifest of the results that lie there, from what their jobs kept."""
+    """Return the manifest of the results that there are, from what their jobs kept.
+
+    A result that is described and is not there is one of them: it is missing. A description that
+    cannot be read tells of none.
+    """
     products, jobs = {}, {}
     for file in sorted(provenance.FOLDER.rglob("*.json")):
-        said = json.loads(file.read_text(encoding="utf-8"))
         product = provenance.RESULTS / file.relative_to(provenance.FOLDER).with_suffix("")
-        if product.exists():
-            products[str(product)] = {"sha256": said["sha256"], "job": said["identity"]}
-            jobs[said["identity"]] = {**said["job"], "run": said["run"]}
+        try:
+            said = json.loads(file.read_text(encoding="utf-8"))
+            one = {"sha256": said["sha256"], "job": said["identity"]}
+            job = {**said["job"], "run": said["run"]}
+        except (ValueError, KeyError, TypeError):
+            continue
+        products[str(product)], jobs[one["job"]] = one, job
     folders = [Path(path) for path in products if Path(path).is_dir()]
     others = {
         str(file): provenance.digest(file)
         for file in files(folders)
-        if str(file) not in products and file not in UNLISTED
+        if file == README or (str(file) not in products and BESIDE & {*file.parts[1:-1]})
     }
     return Manifest(products, jobs, others, provenance.packages())
 

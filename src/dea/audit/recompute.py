@@ -84,7 +84,8 @@ def _bring(manifest: Manifest, source: str, folder: Path) -> None:
         made_from.append(str(provenance.description_of(Path(source))))
     for name in made_from:
         target = folder / name
-        if target.exists():
+        # A file outside of the project is read where it is.
+        if target.exists() or not target.resolve().is_relative_to(folder.resolve()):
             continue
         target.parent.mkdir(parents=True, exist_ok=True)
         if Path(name).is_dir():

@@ -1,5 +1,6 @@
 """Compare results with their manifest: files, links, code, environment."""
 
+import dataclasses
 import hashlib
 import re
 import subprocess
@@ -7,8 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from dea import provenance
+from dea import archive, provenance
 from dea.audit.manifest import UNLISTED, Manifest, files
+from dea.errors import InputError
 
 ENVIRONMENT, SOURCE = Path("environment.txt"), Path("src")
 _PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)")
@@ -25,7 +27,9 @@ def verify(manifest: Manifest) -> list[Finding]:
     """Return everything that differs from the manifest, files before what was made from them."""
     found = [
         *_files(manifest),
+        *_jobs(manifest),
         *_links(manifest),
+        *_records(manifest),
         *_code(manifest),
         *_environment(manifest),
     ]
@@ -65,13 +69,31 @@ def _files(manifest: Manifest) -> Iterator[Finding]:
     }
     for path, sha in expected.items():
         if not Path(path).exists():
-            yield Finding(path, "is missing")
+            yield Finding(path, f"is missing{_unwanted(path, manifest)}")
         elif provenance.digest(Path(path)) != sha:
             yield Finding(path, f"is not what was made (SHA-256 {sha[:12]}…)")
     folders = [Path(path) for path in manifest.products if Path(path).is_dir()]
     for file in files(folders):
         if str(file) not in expected and file not in UNLISTED:
             yield Finding(str(file), "was made by no job")
+
+
+def _unwanted(path: str, manifest: Manifest) -> str:
+    """Return what to do where a product is not made any more."""
+    if path not in manifest.products:
+        return ""
+    return f"; if it is not wanted any more, delete {provenance.description_of(Path(path))} too"
+
+
+def _jobs(manifest: Manifest) -> Iterator[Finding]:
+    """Compare what jobs are said to have been with their identities, and with their products."""
+    fields = [field.name for field in dataclasses.fields(provenance.Job)]
+    for path, product in manifest.products.items():
+        job = manifest.jobs[product["job"]]
+        if provenance.Job(**{name: job[name] for name in fields}).identity != product["job"]:
+            yield Finding(path, "its description is not what its job kept")
+        elif path not in job["command"]:
+            yield Finding(path, "its description is that of a job which makes other results")
 
 
 def _links(manifest: Manifest) -> Iterator[Finding]:
@@ -84,6 +106,17 @@ def _links(manifest: Manifest) -> Iterator[Finding]:
                 yield Finding(source, "is missing")
             elif provenance.digest(Path(source)) != sha:
                 yield Finding(source, "has changed since results were made from it")
+
+
+def _records(manifest: Manifest) -> Iterator[Finding]:
+    """Compare the files of archived records with the manifests that results were made from."""
+    sources = {source for job in manifest.jobs.values() for source in job["inputs"]}
+    for source in map(Path, sorted(sources)):
+        if source.name == archive.MANIFEST and source.is_relative_to(archive.ROOT):
+            try:
+                archive.check(source.parent)
+            except InputError as error:
+                yield Finding(str(error.file), error.problem)
 
 
 def _code(manifest: Manifest) -> Iterator[Finding]:
