@@ -120,6 +120,7 @@ rule trial_diagnose:
         stage(
             "trial_diagnose --settings {params.settings:q}"
             " --records {input.records:q} --logs {input.logs:q}"
+            " --simulations {input.simulations:q}"
             " --verdicts {output.verdicts:q} 2> {log:q}"
         )
 

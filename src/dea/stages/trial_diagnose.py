@@ -7,10 +7,17 @@ from typing import Any
 from dea.stages.command import run
 
 
-def trial_diagnose(settings: Mapping[str, Any], records: Path, logs: Path, verdicts: Path) -> None:
+def trial_diagnose(
+    settings: Mapping[str, Any],
+    records: Path,
+    logs: Path,
+    simulations: list[Path],
+    verdicts: Path,
+) -> None:
     """Write ``verdicts/NNNN.json`` and ``verdicts/NNNN.nc`` (its certificate) for each record.
 
-    ``settings`` holds ``seed`` and ``discrepancy``; each record names its simulation.
+    ``settings`` holds ``seed`` and ``discrepancy``; each record names its simulation, which is in
+    the catalogue or one of the ``simulations``.
     ``rankings.json`` lists the explanations of each record by error, the chosen one first, so that
     answers can be scored where none was given.
     """
@@ -48,4 +55,4 @@ def trial_diagnose(settings: Mapping[str, Any], records: Path, logs: Path, verdi
 
 
 if __name__ == "__main__":
-    run(trial_diagnose, inputs=("records", "logs"), outputs=("verdicts",))
+    run(trial_diagnose, inputs=("records", "logs", "simulations"), outputs=("verdicts",))
