@@ -237,6 +237,19 @@ def test_powers_of_ten_may_be_those_of_fortran(tmp_path):
     np.testing.assert_array_equal(found.columns["u"], [1.5e-3, 2.0])
 
 
+def test_a_row_of_too_many_numbers_is_refused_with_its_line(tmp_path):
+    text = "t,u,y\n" + "".join(f"{k},{k},{k}\n" for k in range(5)) + "6.00,1,234,0.5\n"
+    with pytest.raises(InputError, match="line 7 has 4 fields, and the table 3"):
+        read(tmp_path, text)
+    found = read(tmp_path, text.replace("1,234", '"1,234"') + "7,1,2,a remark\n", "quoted.csv")
+    np.testing.assert_array_equal(found.columns["y"][-2:], [0.5, 2.0])
+
+
+def test_what_instruments_write_for_no_number_is_none(tmp_path):
+    found = read(tmp_path, "u,y\n1,9.91E+37\n2,-9.9E37\n3,4\n")
+    np.testing.assert_array_equal(found.columns["y"], [np.nan, np.nan, 4.0])
+
+
 def test_a_row_is_one_of_the_table_where_more_than_half_of_it_is_numbers_or_missing(tmp_path):
     found = read(tmp_path, "a,b,c,d\n1,,-,x\n1,2,3,x\n4,5,6,y\n")
     np.testing.assert_array_equal(found.columns["a"], [1.0, 1.0, 4.0])

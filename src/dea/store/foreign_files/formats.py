@@ -33,10 +33,11 @@ def read_foreign(file: Path) -> ForeignTable:
     except InputError as error:
         raise InputError(error.problem, file=file, remedy=error.remedy) from error
     except ImportError as error:
+        package = error.name or "pyarrow"  # pandas names none of its own
         raise InputError(
-            f"{error.name} is needed to read {suffix}",
+            f"{package} is needed to read {suffix}",
             file=file,
-            remedy=f"Install it with `pip install {error.name}`, or save the record as .csv",
+            remedy=f"Install it with `pip install {package}`, or save the record as .csv",
         ) from error
     except NotImplementedError as error:
         raise InputError(

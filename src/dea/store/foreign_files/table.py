@@ -24,6 +24,7 @@ _SPELLINGS = {
     "hour": "h", "hours": "h", "hr": "h", "volt": "V", "volts": "V", "-": "1", "": "1",
 }  # fmt: skip
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+_NO_NUMBERS = 9.9e37, 9.91e37  # infinity, and not a number
 # Share of the entries of a column that must be numbers; the others count as missing.
 _NUMERIC = 0.5
 
@@ -152,14 +153,19 @@ def _numbers(series: pd.Series, decimal: str) -> tuple[Array | None, bool]:
     if pd.api.types.is_datetime64_any_dtype(series):
         return seconds(series), True
     if pd.api.types.is_numeric_dtype(series):
-        return series.to_numpy(float), False
+        return _without_marks(series.to_numpy(float)), False
     plain = series.map(lambda cell: _pointed(cell, decimal))
     read = pd.to_numeric(plain, errors="coerce").to_numpy(float)
     given = series.notna().to_numpy()
     if given.any() and np.isfinite(read)[given].mean() > _NUMERIC:
-        return read, False
+        return _without_marks(read), False
     told = seconds(series)
     return told, told is not None
+
+
+def _without_marks(numbers: Array) -> Array:
+    """Return numbers without those by which instruments say that there is none (SCPI 1999)."""
+    return np.where(np.isin(np.abs(numbers), _NO_NUMBERS), np.nan, numbers)
 
 
 def _pointed(cell: object, decimal: str) -> object:

@@ -50,6 +50,7 @@ def read_text(file: Path) -> ForeignTable:
             "no line of it holds two numbers", file=file, remedy="Write it as a table of numbers"
         )
     begin = next(i for i, row in enumerate(rows) if _is_data(_fields(row, layout), layout))
+    _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
     above = _of_width(rows[:begin], layout) or _of_width(remarks[-1:], layout)
     headings, units = _headings(above, layout.columns)
     frame = pd.read_csv(
@@ -70,6 +71,29 @@ def read_text(file: Path) -> ForeignTable:
         decimal=layout.decimal,
         place=lambda row: f"line {numbered[begin + row] + 1}",
     )
+
+
+def _refuse_wide_rows(
+    rows: Sequence[str], numbered: Sequence[int], layout: Layout, file: Path
+) -> None:
+    """Refuse a row of numbers that has more of them than the table has columns.
+
+    Raises
+    ------
+    InputError
+        Naming the line.
+    """
+    for row, number in zip(rows, numbered, strict=True):
+        # Counting is quick, and there is nothing to split in nearly every row.
+        if row.count(layout.separator) < layout.columns:
+            continue
+        fields = _fields(row, layout)
+        if any(map(_is_number, _pointed(fields[layout.columns :], layout.decimal))):
+            raise InputError(
+                f"line {number + 1} has {len(fields)} fields, and the table {layout.columns}",
+                file=file,
+                remedy="Correct it; a number with a mark of thousands is to be quoted",
+            )
 
 
 def _decoded(file: Path) -> str:
