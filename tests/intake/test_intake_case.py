@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from scipy.io import savemat
 
 from dea import store
 from dea.configuration.case import check_case
@@ -174,3 +175,50 @@ def test_a_short_record_is_refused_with_what_it_needs(folder):
     ))  # fmt: skip
     with pytest.raises(InputError, match="Record at least 60"):
         infer_case(folder / "short.csv", Answers())
+
+
+def test_records_that_were_joined_are_not_taken_for_one(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    pd.concat([table, table]).to_csv("joined.csv", index=False)
+    assert main(["joined.csv"]) == 2
+    said = capsys.readouterr().err
+    assert "'t'" in said
+    assert "falls back: sample 590 is at" in said
+    assert main(["joined.csv", "--rate", "20"]) == 0
+    assert "# time: column 't' falls back" in (folder / "config/cases/joined.yaml").read_text()
+
+
+def test_a_record_of_two_rates_is_not_taken_for_one_of_jitter(folder, capsys):
+    t = np.concatenate([np.arange(300) / 50, 6.0 + np.arange(600) / 5])
+    u = np.random.default_rng(0).standard_normal(t.size)
+    pd.DataFrame({"t (s)": t, "u (V)": u, "y (mm)": np.cumsum(u)}).to_csv("two.csv", index=False)
+    assert main(["two.csv"]) == 2
+    assert "its samples are 0.02 to 0.2 s apart" in capsys.readouterr().err
+
+
+def test_one_time_that_stands_twice_is_named(folder, capsys):
+    table = pd.read_csv("mine.csv")
+    table.loc[400, "t (s)"] = table.loc[399, "t (s)"]
+    table.to_csv("twice.csv", index=False)
+    assert main(["twice.csv"]) == 2
+    said = capsys.readouterr().err
+    assert "sample 400 is at" in said
+    assert "coarser" not in said
+
+
+def test_signals_of_different_length_are_named(folder, capsys):
+    rng = np.random.default_rng(0)
+    savemat("two.mat", {"u": rng.standard_normal(1800), "y": rng.standard_normal(900)})
+    assert main(["two.mat", "--input", "u:V", "--output", "y:mm", "--rate", "20"]) == 2
+    assert "its columns differ in length: 'y' has 900, 'u' has 1800" in capsys.readouterr().err
+
+
+def test_another_file_of_the_same_name_replaces_no_case(folder, capsys):
+    (folder / "other").mkdir()
+    pd.read_csv("mine.csv").to_csv("other/mine.csv", index=False)
+    assert main(["mine.csv"]) == 0
+    before = (folder / "config/cases/mine.yaml").read_bytes()
+    assert main(["other/mine.csv"]) == 2
+    assert "it is there already, for mine.csv" in capsys.readouterr().err
+    assert (folder / "config/cases/mine.yaml").read_bytes() == before
+    assert main(["mine.csv"]) == 0

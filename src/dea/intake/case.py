@@ -18,6 +18,7 @@ from dea.missing import filled
 Array = NDArray[np.float64]
 
 _JITTER = 1e-3  # share of the interval up to which times count as uniform
+_SEVERAL_RATES = 0.1  # share of steps below half of the usual one that are no jitter
 
 
 @dataclass(frozen=True)
@@ -111,6 +112,14 @@ def _resampling(
 ) -> tuple[float | None, list[str]]:
     """Return the interval to which the record is resampled, None where it may stay as it is."""
     y = table.columns[roles.output[0]]
+    columns = {roles.output[0]: y.size, **({roles.time[0]: time.size} if roles.time else {})}
+    columns |= {name: table.columns[name].size for name, _ in roles.inputs}
+    if len(set(columns.values())) > 1:
+        raise InputError(
+            "its columns differ in length: "
+            + ", ".join(f"{name!r} has {size}" for name, size in columns.items()),
+            remedy="Give signals of one sampling rate, of the same samples",
+        )
     known = np.isfinite(time) & np.isfinite(y)
     for name, _ in roles.inputs:
         known &= np.isfinite(table.columns[name])
@@ -128,6 +137,13 @@ def _resampling(
     uneven = float(np.max(np.abs(steps - interval), initial=0.0, where=steps <= 1.6 * interval))
     if uneven > _JITTER * interval:
         notes.append(f"times jitter by up to {uneven:.2g} s: interpolated to {interval:g} s")
+    longest = float(np.max(steps, initial=0.0))
+    if float(np.mean(steps < 0.5 * interval)) > _SEVERAL_RATES:
+        raise InputError(
+            f"its samples are {steps.min():.4g} to {longest:.4g} s apart",
+            field="time",
+            remedy="Give the part of one sampling rate a file of its own",
+        )
     if several > 1:
         notes.append(
             f"the output holds no power beyond {1 / (20 * several * interval):.3g} Hz: {several}"
@@ -146,7 +162,7 @@ def _check_times(time: Array) -> None:
         Naming the first sample at fault.
     """
     told, counts = np.unique(time, return_counts=True)
-    if told.size == time.size or told.size < 2 or np.any(np.diff(time) < 0):
+    if np.median(counts) == 1 or told.size < 2 or np.any(np.diff(time) < 0):
         store.check_order(time)
         return
     rate = float(np.median(counts) / np.median(np.diff(told)))

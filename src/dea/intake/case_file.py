@@ -131,9 +131,19 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
             file=file,
             remedy=f"Run it as it is: `make case NAME={name}`; or give NAME=other, or delete it",
         )
+    if file.exists() and (other := _record_of(file)) != inferred.content["record"]["file"]:
+        raise InputError(
+            f"it is there already, for {other}", file=file, remedy="Give another name: NAME=other"
+        )
     with atomic(file) as partial:
         partial.write_text(text, encoding="utf-8")
     return file
+
+
+def _record_of(file: Path) -> str:
+    """Return the file of the record of a case."""
+    content = read_yaml(file, what="the case", example=str(file))
+    return str(content["record"]["file"])
 
 
 def _study() -> Study:

@@ -78,6 +78,8 @@ def find_roles(
     }
     inferred: list[str] = []
     named = next(iter(said["time"]), None)
+    if named is None:
+        _refuse_falling_time(table, answers.rate, file, inferred)
     time, interval = _timing(table, named, answers.rate, inferred)
     clock = named[0] if named else _time_column(table)
     if clock is not None and answers.rate is not None:
@@ -181,11 +183,50 @@ def _timing(
 
 def _time_column(table: ForeignTable) -> str | None:
     """Return the column that is the time by its name, or the first one by its units."""
+    name = _called_time(table)
+    return name if name is not None and _ascends(table.columns[name]) else None
+
+
+def _called_time(table: ForeignTable) -> str | None:
     name = next(filter(_named(_TIME), table.columns), None)
     if name is None and table.columns:
         first = next(iter(table.columns))
         name = first if table.units.get(first) in ("s", "ms", "us", "min", "h") else None
-    return name if name is not None and _ascends(table.columns[name]) else None
+    return name
+
+
+def _refuse_falling_time(
+    table: ForeignTable, rate: float | None, file: Path, inferred: list[str]
+) -> None:
+    """Refuse a column that is called the time and falls back, unless the user gives a rate.
+
+    Records that were joined fall back, and one that was sorted the other way round.
+
+    Raises
+    ------
+    InputError
+        Naming the first sample at fault.
+    """
+    name = _called_time(table)
+    if name is None:
+        return
+    time = table.columns[name]
+    there = np.flatnonzero(np.isfinite(time))
+    back = np.flatnonzero(np.diff(time[there]) < 0)
+    if not back.size:
+        return
+    before, at = there[back[0]], there[back[0] + 1]
+    told = f"sample {at} is at {time[at]:g}, sample {before} at {time[before]:g}"
+    if rate is not None:
+        inferred.append(f"time: column {name!r} falls back ({told})")
+        return
+    raise InputError(
+        f"it falls back: {told}",
+        file=file,
+        field=f"column {name!r}",
+        remedy="Give each run a file of its own, or the samples per second if they follow each"
+        " other without a break: RATE=…",
+    )
 
 
 def _unknown_roles(
