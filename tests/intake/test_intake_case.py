@@ -222,3 +222,13 @@ def test_another_file_of_the_same_name_replaces_no_case(folder, capsys):
     assert "it is there already, for mine.csv" in capsys.readouterr().err
     assert (folder / "config/cases/mine.yaml").read_bytes() == before
     assert main(["mine.csv"]) == 0
+
+
+def test_dates_are_the_time_wherever_and_whatever_their_column_is(folder, capsys):
+    table = pd.read_csv("mine.csv").drop(columns="t (s)")
+    stamps = pd.Timestamp("2024-05-27 10:00") + pd.to_timedelta(np.arange(len(table)) / RATE, "s")
+    table.insert(0, "n", np.arange(len(table)))
+    table.insert(1, "Datum", stamps.strftime("%Y-%m-%d %H:%M:%S.%f"))
+    table.to_csv("dated.csv", index=False)
+    assert main(["dated.csv"]) == 0
+    assert "# time: column 'Datum', in s" in (folder / "config/cases/dated.yaml").read_text()

@@ -182,13 +182,13 @@ def _timing(
 
 
 def _time_column(table: ForeignTable) -> str | None:
-    """Return the column that is the time by its name, or the first one by its units."""
+    """Return the column that is the time by its name, as dates, or the first one by its units."""
     name = _called_time(table)
     return name if name is not None and _ascends(table.columns[name]) else None
 
 
 def _called_time(table: ForeignTable) -> str | None:
-    name = next(filter(_named(_TIME), table.columns), None)
+    name = next(filter(_named(_TIME), table.columns), None) or next(iter(table.clocks), None)
     if name is None and table.columns:
         first = next(iter(table.columns))
         name = first if table.units.get(first) in ("s", "ms", "us", "min", "h") else None

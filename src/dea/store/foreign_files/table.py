@@ -45,12 +45,15 @@ class ForeignTable:
     words
         The first entry of a column that is text where others are numbers, and where it is; such an
         entry is NaN in the column.
+    clocks
+        Columns that were dates or times of day.
     """
 
     columns: Mapping[str, Array]
     units: Mapping[str, str] = field(default_factory=dict)
     constants: Mapping[str, float] = field(default_factory=dict)
     words: Mapping[str, str] = field(default_factory=dict)
+    clocks: tuple[str, ...] = ()
 
     def refuse_words(self, names: Iterable[str], file: Path) -> None:
         """Refuse text among the numbers of the columns that are used.
@@ -130,6 +133,7 @@ def from_columns(
     units: dict[str, str] = {}
     constants: dict[str, float] = {}
     words: dict[str, str] = {}
+    clocks: list[str] = []
     apart = list(given) if given is not None else [None] * len(names)
     for name, (_, own), other, series in zip(names, parts, apart, values, strict=True):
         numbers, is_time = _numbers(series, decimal)
@@ -142,10 +146,11 @@ def from_columns(
             constants[name] = float(numbers[0])
             continue
         columns[name] = numbers
+        clocks += [name] if is_time else []
         said = "s" if is_time else own or other
         if said is not None:
             units[name] = said
-    return ForeignTable(columns, units, constants, words)
+    return ForeignTable(columns, units, constants, words, tuple(clocks))
 
 
 def _numbers(series: pd.Series, decimal: str) -> tuple[Array | None, bool]:
