@@ -21,6 +21,16 @@ def test_a_sample_takes_one_request_where_its_registers_are_near(apart, requests
     assert "displacement" in [register.name for register in windows[0].registers]
 
 
+def test_a_register_joins_the_group_beside_it_and_no_earlier_one():
+    device = module(
+        applied_output={"address": 10, "unit": "V"},
+        displacement={"address": 100, "unit": "mm"},
+        device_index={"address": 102},
+    )
+    names = [[each.name for each in w.registers] for w in Poll(Panel(MemoryLink(device))).windows]
+    assert names == [["displacement", "device_index"], ["applied_output"]]
+
+
 @pytest.mark.parametrize("refused", [False, True])
 def test_registers_are_read_one_by_one_where_the_device_refuses_what_lies_between(refused):
     device = module(

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
+from scipy.stats import chi2
 
 from dea.narx.residual_verdict import joint_tests, verdict
 from dea.narx.residuals import TESTS, each_test
@@ -22,6 +23,20 @@ def test_each_test_refuses_five_percent_of_residuals_without_relation(colour):
     assert (refused[1:] < 22).all()
     assert refused[1:].sum() > 15
     assert (refused[0] < 20) == (colour == 0.0)
+
+
+@pytest.mark.parametrize("lags", [1, 7, 25])
+def test_whiteness_is_that_of_ljung_and_box(lags):
+    rng = np.random.default_rng(8)
+    e, u = smooth(rng, 300, 0.2), smooth(rng, 300)
+    e -= e.mean()
+    statistic = 0.0
+    for k in range(1, lags + 1):
+        rho = sum(e[t] * e[t - k] for t in range(k, e.size)) / sum(e * e)
+        statistic += rho**2 / (e.size - k)
+    statistic *= e.size * (e.size + 2)
+    p = joint_tests(e, u, lags).p_value[0]
+    assert p == pytest.approx(chi2.sf(statistic, lags), rel=1e-9)
 
 
 @pytest.mark.parametrize(

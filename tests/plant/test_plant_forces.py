@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from made_conditions import CONDITIONS, built
 from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
 from scipy.special import erf
 from scipy.stats import norm
 
 from dea.plant import forces
 from dea.plant.force_laws import damage, in_time, mode
+from dea.plant.force_laws.elastic import conical_force
 from dea.plant.force_laws.friction import bristle_force, carry_bristle
 from dea.plant.forces import EYRING, ForceLaw, stack, total_force, update_memory
 
@@ -425,3 +427,24 @@ def test_bristles_are_springs_at_first_and_slide_with_stribecks_force(v):
     sliding = coulomb + (stiction - coulomb) * np.exp(-((v / speed) ** 2))
     assert bristle_force(constants, memory, v) == pytest.approx(np.sign(v) * sliding)
     assert memory[0] == pytest.approx(np.sign(v) * sliding / stiffness)
+
+
+@pytest.mark.parametrize("narrowest", [0.3, 0.6])
+def test_a_conical_spring_goes_on_straight_where_nearly_all_of_it_is_solid(narrowest):
+    """Coils wider than x are solid at the force x^-3 and the depth 1 - 3x/4 - q^4/(4x^3)."""
+    c = np.array([2.0, 0.5, 0.1, narrowest])
+    begun = 0.25 * (1.0 - narrowest**4)
+    end = begun + 0.95 * (1.0 - narrowest - begun)
+
+    def added(d):
+        x = brentq(lambda x: 1.0 - 0.75 * x - 0.25 * narrowest**4 / x**3 - d, narrowest, 1.0)
+        return x**-3 - d / begun
+
+    def force(d):
+        return conical_force(c, c[2] + c[1] * d) / c[0]
+
+    for share in (0.1, 0.5, 0.9):
+        d = begun + share * (end - begun)
+        assert force(d) == pytest.approx(added(d), rel=1e-9)
+    slope = (added(end) - added(end - 1e-6)) / 1e-6
+    assert force(end + 0.1) == pytest.approx(added(end) + 0.1 * slope, rel=1e-4)

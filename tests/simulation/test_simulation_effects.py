@@ -84,6 +84,13 @@ def test_dead_zone_subtracts_its_threshold_and_lets_nothing_through_below():
     assert np.allclose(catalogue()["dead_zone"].shape_input(u, gated, DT)[away], expected[away])
 
 
+def test_a_gate_opens_over_its_width_as_a_logistic_curve():
+    u = np.linspace(0.5, 2.5, 401)
+    gated = values("dead_zone", threshold=1.5, gate=1.0, jump_width=0.2)
+    passed = catalogue()["dead_zone"].shape_input(u, gated, DT) / u
+    np.testing.assert_allclose(passed, 0.5 + 0.5 * np.tanh((u - 1.5) / 0.2), atol=1e-9)
+
+
 def test_beyond_its_threshold_a_dead_zone_may_flow_as_a_power_or_bend():
     """Above a yield stress a flow is a power of the excess; a valve's pressure rises with it."""
     u = np.linspace(-4, 4, 801)
