@@ -55,4 +55,4 @@ def trial_diagnose(
 
 
 if __name__ == "__main__":
-    run(trial_diagnose, inputs=("records", "logs", "simulations"), outputs=("verdicts",))
+    run(trial_diagnose, inputs=("records", "logs", "simulations*"), outputs=("verdicts",))
