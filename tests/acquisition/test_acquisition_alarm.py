@@ -63,3 +63,13 @@ def test_it_is_not_raised_again_within_the_interval(heard, monkeypatch):
     raised = Alarm("dea1")
     assert raised("output is not zero")
     assert not raised("output is not zero")
+
+
+def test_a_host_that_starts_no_threads_raises_no_error(monkeypatch):
+    """It would end the guardian, which goes on trying."""
+
+    def refuse(self):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    assert Alarm("module")("the output stays on")

@@ -40,7 +40,8 @@ class Job(SimpleNamespace):
 
 @pytest.fixture
 def job():
-    return Job(counts=np.ones(5), device=module(limits=(0, 10)), settings=AcquisitionSettings())
+    device, settings = module(limits=(0, 10)), AcquisitionSettings()
+    return Job(counts=np.ones(5), device=device, settings=settings, replaces=False)
 
 
 def test_guardians_that_cannot_start_end_in_an_alarm_and_not_in_silence(job, monkeypatch):

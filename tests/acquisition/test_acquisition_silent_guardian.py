@@ -12,7 +12,14 @@ import numpy as np
 import pytest
 from plain_module import PlainModule
 
-from dea.acquisition import AcquisitionSettings, StoppedError, acquire, by_hand, duty
+from dea.acquisition import (
+    AcquisitionSettings,
+    StoppedError,
+    ZeroNotVerifiedError,
+    acquire,
+    by_hand,
+    duty,
+)
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.recorder import GuardianLostError
 from dea.errors import InputError
@@ -81,25 +88,44 @@ def test_a_guardian_that_is_stopped_is_found_though_its_files_are_gone(
     assert module.volts == 0.0
 
 
+def kill_and_hold_the_lock(module, seconds):
+    """Kill the guardian of a module; return the timer that gives its lock free again."""
+    path = duty.duty_file(module.description())
+    os.kill(guardian_of(module), signal.SIGKILL)
+    while duty.look(path).alive:
+        time.sleep(0.001)
+    handle = os.open(path, os.O_RDWR)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    timer = threading.Timer(seconds, os.close, (handle,))
+    timer.start()
+    return timer
+
+
 def test_a_lock_that_is_held_for_a_while_holds_no_replacement_up(module, tmp_path):
     """As by somebody who looks, or a start that is refused after the crash."""
     held = []
-
-    def kill_and_hold():
-        path = duty.duty_file(module.description())
-        os.kill(guardian_of(module), signal.SIGKILL)
-        while duty.look(path).alive:
-            time.sleep(0.001)
-        handle = os.open(path, os.O_RDWR)
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        timer = threading.Timer(1.0, os.close, (handle,))
-        timer.start()
-        held.append(timer)
-
     with pytest.raises(GuardianLostError):
-        drive(module, tmp_path / "a.partial", kill_and_hold, np.full(75, 3.0))
+        drive(
+            module, tmp_path / "a.partial",
+            lambda: held.append(kill_and_hold_the_lock(module, 1.0)), np.full(75, 3.0),
+        )  # fmt: skip
     held[0].join()
     assert module.volts == 0.0
+
+
+def test_a_replacement_waits_for_its_lock_as_long_as_it_takes_with_an_alarm(module, tmp_path):
+    held, impatient = [], replace(SETTINGS, reconnect_time=0.5)
+    with pytest.raises(ZeroNotVerifiedError, match="another program has the lock"):
+        drive(
+            module, tmp_path / "a.partial",
+            lambda: held.append(kill_and_hold_the_lock(module, 6.0)), np.full(75, 3.0), impatient,
+        )  # fmt: skip
+    assert module.volts > 2.9
+    held[0].join()
+    deadline = time.monotonic() + 15
+    while module.volts:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
 
 
 def test_a_process_that_has_the_number_of_a_dead_guardian_is_not_killed(module):
@@ -111,7 +137,7 @@ def test_a_process_that_has_the_number_of_a_dead_guardian_is_not_killed(module):
             content = bytearray(path.read_bytes())
             content[:8] = other.pid.to_bytes(8, "little")
             path.write_bytes(content)
-            assert not duty.end(path)
+            assert not duty.end(path, duty.look(path))
         assert other.poll() is None
         other.kill()
 
@@ -121,10 +147,35 @@ def test_a_file_of_another_layout_says_what_it_holds(module):
     with duty.Duty(device) as guardian:
         guardian.put(duty.Phase.AT_ZERO, 0.0)
     path = duty.duty_file(device)
-    for size in (0, 7, 30):
-        path.write_bytes(path.read_bytes()[:size])
-        assert duty.look(path).counts == 0
+    content = path.read_bytes()
+    for size in (0, 7, 30, 38):
+        path.write_bytes(content[:size])
+        assert duty.look(path).counts is None
         assert by_hand.status(device)
+
+
+def test_of_a_file_of_another_layout_the_volts_count(module):
+    device = module.description()
+    with duty.Duty(device) as guardian:
+        guardian.put(duty.Phase.DRIVING, 2.5)
+    path = duty.duty_file(device)
+    path.write_bytes(path.read_bytes()[:38])
+    with duty.Duty(device) as guardian:
+        assert guardian.left == 2.5
+
+
+def test_a_guardian_that_has_given_a_sign_of_life_since_is_not_killed(module, tmp_path):
+    """As one that was stopped and goes on just before it is ended."""
+    kept = []
+
+    def judge():
+        path = duty.duty_file(module.description())
+        judged = duty.look(path)
+        time.sleep(0.2)
+        kept.append(duty.end(path, judged))
+
+    assert drive(module, tmp_path / "a.partial", judge, np.full(75, 3.0)).record.sizes["time"] == 75
+    assert kept == [False]
 
 
 def test_what_was_asked_for_counts_and_not_the_volts_that_another_description_made_of_it(module):
@@ -232,3 +283,34 @@ def test_a_guardian_whose_lock_another_program_has_taken_goes_to_zero(
     finally:
         held.__exit__(None, None, None)
     assert module.volts == 0.0
+
+
+def test_a_notice_is_never_seen_half_written(module):
+    device = module.description()
+    path, seen, ended = duty.duty_file(device), [], threading.Event()
+
+    def watch():
+        while not ended.is_set():
+            data = path.read_bytes()
+            seen.append(duty._notice(data, alive=True))
+
+    with duty.Duty(device) as guardian:
+        guardian.put(duty.Phase.DRIVING, 2.5)
+        watcher = threading.Thread(target=watch)
+        watcher.start()
+        for _ in range(20_000):
+            guardian.put(duty.Phase.DRIVING, 2.5)
+        ended.set()
+        watcher.join()
+    assert {(each.phase, each.counts) for each in seen} == {(duty.Phase.DRIVING, seen[0].counts)}
+
+
+def test_zero_writes_no_voltage_that_a_stuck_read_back_claims(module, tmp_path):
+    drive(module, tmp_path / "a.partial", lambda: None, np.full(10, 1.0))
+    before = len(module.path()[1])
+    module.read_back = lambda count: 65535
+    with pytest.raises(ZeroNotVerifiedError):
+        by_hand.zero(module.description(), replace(SETTINGS, reconnect_time=0.3))
+    module.read_back = lambda count: count
+    assert (np.asarray(module.path()[1][before:]) == 0.0).all()
+    assert by_hand.zero(module.description(), SETTINGS)

@@ -214,3 +214,11 @@ def test_a_step_in_the_certified_block_is_looked_for_inside_it():
     residual = noise + (np.arange(SAMPLES) >= 1700)
     found = jumps(recorded(np.zeros(SAMPLES), residual, seen), residual, WHOLE)
     assert 1200 * INTERVAL < found[0] < 1800 * INTERVAL
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_each_instant_is_told_once_in_any_unit(unit):
+    residual = unit * (0.3 * (T > 20.0) - 0.2 * (T > 41.0))
+    found = jumps(recorded(np.zeros(SAMPLES), unit * np.sin(T) + residual), residual, WHOLE)
+    assert found[0] == pytest.approx(20.0, abs=0.1)
+    assert min(abs(np.diff(sorted(found[:2])))) > 1.0

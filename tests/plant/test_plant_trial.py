@@ -75,6 +75,8 @@ def test_a_drawn_trial_hides_what_its_plan_says_at_a_strength_in_range(trials):
         for effect in trial.effects:
             known = EFFECTS[effect.name]
             assert 3.0 <= effect.strength <= 30.0
+        if not trial.effects:
+            assert trial.strength == 0.0
             assert known.smallest <= effect.size <= known.largest
         samples = design(**trial.excitation).size
         assert FEWEST <= samples <= MOST
