@@ -10,7 +10,8 @@ import pytest
 from dea.acquisition import AcquisitionSettings
 from dea.acquisition import guardian as guardians
 from dea.acquisition.closed_loop import ControllerError
-from dea.acquisition.guardian import DriveJob, Guardian
+from dea.acquisition.drive_job import DriveJob
+from dea.acquisition.guardian import Guardian
 from dea.acquisition.wire import Wire
 from dea.modbus import read_device
 from served_bench import DESCRIPTION

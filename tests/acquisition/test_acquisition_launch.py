@@ -6,12 +6,12 @@ import socket
 import subprocess
 import time
 
-from dea.acquisition import launch
+from dea.acquisition import guardian, launch
 
 
 def nursery():
     """The process that guardians of this one descend from, once there is one."""
-    launch.launch().close()
+    launch.launch(guardian.nursery).close()
     return launch._nursery[1]
 
 
@@ -24,7 +24,7 @@ def test_a_killed_origin_is_replaced_when_the_next_guardian_is_asked_for():
     first = nursery()
     first.send_signal(signal.SIGKILL)
     first.wait()
-    wire = launch.launch()
+    wire = launch.launch(guardian.nursery)
     second = launch._nursery[1]
     assert second.pid != first.pid
     assert second.poll() is None
@@ -41,7 +41,7 @@ def test_a_killed_origin_is_replaced_though_a_fork_of_it_still_holds_its_end(mon
     ours, theirs = socket.socketpair()
     monkeypatch.setattr(launch, "_nursery", (os.getpid(), ended, ours))
     with theirs:
-        launch.launch().close()
+        launch.launch(guardian.nursery).close()
         own = launch._nursery[1]
         assert own.pid != ended.pid
         assert own.poll() is None

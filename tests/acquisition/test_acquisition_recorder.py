@@ -46,7 +46,7 @@ def job():
 
 def test_guardians_that_cannot_start_end_in_an_alarm_and_not_in_silence(job, monkeypatch):
     started, slept = [], []
-    monkeypatch.setattr(recorder, "launch", lambda **_: started.append(1) or Ended())
+    monkeypatch.setattr(recorder, "launch", lambda *_, **__: started.append(1) or Ended())
     monkeypatch.setattr(recorder.time, "sleep", slept.append)
     with pytest.raises(ZeroNotVerifiedError, match="switch the amplifier off"):
         Recorder(job, LinkLog(), lambda: None).end(None)
@@ -59,7 +59,7 @@ def test_guardians_that_cannot_start_end_in_an_alarm_and_not_in_silence(job, mon
 def test_a_replacement_that_the_host_cannot_start_is_told(job, monkeypatch):
     wires = iter([Ended()])
 
-    def launch(**_):
+    def launch(*_, **__):
         try:
             return next(wires)
         except StopIteration:
@@ -95,7 +95,7 @@ class Refusing(Mute):
 def test_a_replacement_that_is_refused_is_followed_by_another(job, monkeypatch):
     refusal = ("refused", packed(InputError("another acquisition drives the output")))
     wires = [Ended(), *(Refusing(refusal) for _ in range(3)), Refusing(("zero", "at zero", None))]
-    monkeypatch.setattr(recorder, "launch", lambda **_: wires.pop(0))
+    monkeypatch.setattr(recorder, "launch", lambda *_, **__: wires.pop(0))
     monkeypatch.setattr(recorder, "PAUSE", 0.0)
     monkeypatch.setattr(LinkLog, "add", lambda self, other: None)
     followed = Recorder(job, LinkLog(), lambda: None)
@@ -108,7 +108,7 @@ def test_the_last_guardian_is_left_to_try_though_it_is_silent(job, monkeypatch):
     job.settings = AcquisitionSettings(stall_time=0.02, timeout=0.01)
     processes, wires = [], []
 
-    def launch(**_):
+    def launch(*_, **__):
         process = subprocess.Popen(["sleep", "60"])
         processes.append(process)
         wires.append(Following(process))
@@ -142,7 +142,7 @@ def test_a_guardian_that_never_reports_is_replaced_by_one_from_a_new_nursery(job
     """As where the nursery has been stopped."""
     asked = []
 
-    def launch(*, anew=False):
+    def launch(_, *, anew=False):
         asked.append(anew)
         return Mute()
 

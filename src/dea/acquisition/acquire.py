@@ -6,14 +6,14 @@ from dataclasses import asdict
 from functools import partial as partial_function
 from pathlib import Path
 from secrets import randbits
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dea.acquisition.closed_loop import ClosedLoop
 from dea.acquisition.device_clock import flag_clock
 from dea.acquisition.disk import refuse_without_room
-from dea.acquisition.guardian import DriveJob
+from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.interrupts import Interruption
 from dea.acquisition.latch import latch_file, refuse_latched
 from dea.acquisition.link_log import LinkLog
@@ -88,7 +88,7 @@ def acquire(
     loop = excitation if isinstance(excitation, ClosedLoop) else None
     if loop is None:
         plan = plan_sequence(device, np.asarray(excitation), settings.ramp_rate)
-        asked = {}
+        asked: dict[str, Any] = {}
     else:
         _refuse_unless_polled(settings)
         plan = loop.plan(device, settings.ramp_rate)

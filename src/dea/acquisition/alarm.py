@@ -36,7 +36,8 @@ class Alarm:
         writer = self._writers.get(where)
         if writer is None or not writer.is_alive():
             self._writers[where] = threading.Thread(target=_quietly, args=(write,), daemon=True)
-            self._writers[where].start()
+            with suppress(RuntimeError):  # the host starts no threads: the other is told
+                self._writers[where].start()
 
 
 def _quietly(write: Callable[[], object]) -> None:

@@ -2,23 +2,27 @@
 
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+from dea.acquisition.address import address_of
+from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import Notice, Order, Phase, duty_file, end, look, order
-from dea.acquisition.guardian import DriveJob
 from dea.acquisition.latch import latch_file, trip
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import Output
 from dea.acquisition.recorder import Recorder
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.settings import AcquisitionSettings
+from dea.acquisition.transport import at_address
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device
 from dea.progress import tell
 
 SILENT = 3.0  # s without a sign of life that are worth a word
 LONGER = 3.0  # s that this waits longer for one than the guardian's recorder does
+IN_VAIN = 5  # attempts to end one
 
 _DOING = {
     Phase.NEVER: "nothing was driven since this machine started",
@@ -33,6 +37,7 @@ _DOING = {
 
 def status(device: Device) -> str:
     """Return lines on an output's guardian, its trip and, without a guardian, its reading."""
+    device = _known(device)
     notice = look(duty_file(device))
     lines = [_guardian(notice)]
     if (tripped := trip(device)) is not None:
@@ -72,11 +77,13 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     if allowed is not None and settings.ramp_rate > allowed:
         tell(f"{device.name}: the ramp is one of {allowed:g} V/s, as safety.max_rate allows")
         settings = replace(settings, ramp_rate=allowed)
+    device = _known(device)
     path = duty_file(device)
+    watched = _Watched(path, settings)
     while (notice := look(path)).alive:
         order(path, Order.ZERO)
         tell(f"{device.name}: {_guardian(notice)}")
-        if _given_up(notice) and end(path):
+        if watched.ended(notice):
             tell(f"{device.name}: guardian {notice.process} was killed, another follows")
         time.sleep(1.0)
     log = LinkLog()
@@ -92,17 +99,68 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
 
 def dismiss(device: Device) -> None:
     """End a guardian that raises its alarm: somebody has switched the amplifier off."""
-    path = duty_file(device)
+    path = duty_file(_known(device))
+    watched = _Watched(path, AcquisitionSettings())
     while (notice := look(path)).alive and notice.phase == Phase.ALARM:
         order(path, Order.DISMISS)
-        if _given_up(notice):
-            end(path)
+        watched.ended(notice)
         time.sleep(0.1)
 
 
-def _given_up(notice: Notice) -> bool:
-    """Whether a guardian's recorder, which looks too, would have replaced it by now."""
-    return notice.silent > notice.patience + LONGER
+class _Watched:
+    """A guardian that is looked at again and again, and ended where it is silent for too long.
+
+    That is longer than its recorder, which looks too, would have waited.
+    """
+
+    def __init__(self, path: Path, settings: AcquisitionSettings) -> None:
+        self._path, self._usual = path, settings.patience
+        self._before: Notice | None = None
+        self._in_vain = 0
+
+    def ended(self, notice: Notice) -> bool:
+        """Return whether it was ended now, and another is to follow.
+
+        Raises
+        ------
+        InputError
+            Where it cannot be ended from here.
+        """
+        before, self._before = self._before, notice
+        silent = notice.silent > (notice.patience or self._usual) + LONGER
+        # Twice the same: this process may have stood still itself.
+        if not silent or notice != before:
+            return False
+        if end(self._path, notice):
+            return True
+        self._in_vain += look(self._path) == notice
+        if self._in_vain > IN_VAIN:
+            raise InputError(
+                f"the guardian, process {notice.process}, gives no sign of life and cannot be "
+                "ended from here",
+                file=self._path,
+                remedy="Switch the amplifier off; end the process where it was started.",
+            )
+        return False
+
+
+def _known(device: Device) -> Device:
+    """Return a device whose host has an address, by which its files are named.
+
+    Raises
+    ------
+    InputError
+        Where it has none.
+    """
+    found = at_address(device)
+    if device.serial is None and address_of(device.host) is None:
+        raise InputError(
+            f"the host {device.host!r} is not known now, and with it who drives it",
+            file=device.source,
+            field="endpoint.host",
+            remedy="Give its address: --host 192.0.2.7",
+        )
+    return found
 
 
 def _guardian(notice: Notice) -> str:

@@ -8,6 +8,7 @@ import mmap
 import os
 import struct
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from enum import IntEnum
 from pathlib import Path
@@ -55,9 +56,9 @@ class Notice(NamedTuple):
     """The state of an output: its guardian's process, whether it lives, what it last asked for.
 
     ``token`` is what it claimed the device with; ``requested`` in V, as the description said that
-    it was driven with, and ``counts`` the same as it was written; ``changed`` in s since the epoch;
-    ``beat`` the same time by the monotonic clock; ``patience`` s without a sign of life are more
-    than a guardian at work needs.
+    it was driven with, and ``counts`` the same as it was written, None where an earlier version of
+    this program has not kept it; ``changed`` in s since the epoch; ``beat`` the same time by the
+    monotonic clock; ``patience`` s without a sign of life are more than a guardian at work needs.
     """
 
     process: int
@@ -67,7 +68,7 @@ class Notice(NamedTuple):
     requested: float
     changed: float
     beat: float
-    counts: int
+    counts: int | None
     patience: float
 
     @property
@@ -81,7 +82,7 @@ class Notice(NamedTuple):
         return not self.alive and self.phase in DANGEROUS
 
 
-_NOBODY = Notice(0, False, Phase.NEVER, 0, 0.0, 0.0, 0.0, 0, 0.0)
+_NOBODY = Notice(0, False, Phase.NEVER, 0, 0.0, 0.0, 0.0, None, 0.0)
 
 
 class Duty:
@@ -89,8 +90,8 @@ class Duty:
 
     Parameters
     ----------
-    waits
-        For how many s one that has the duty may take to end.
+    waits, meanwhile
+        For how many s one that has the duty may take to end, and what is called until then.
     patience
         What the file says of it, see :class:`Notice`.
 
@@ -100,21 +101,29 @@ class Duty:
         On entry, where another guardian is on duty.
     """
 
-    def __init__(self, device: Device, *, waits: float = GLANCE, patience: float = 0.0) -> None:
-        self.device, self._waits, self._patience = device, waits, patience
+    def __init__(
+        self,
+        device: Device,
+        *,
+        waits: float = GLANCE,
+        meanwhile: Callable[[], None] = lambda: None,
+        patience: float = 0.0,
+    ) -> None:
+        self.device, self._patience = device, patience
+        self._waits, self._meanwhile = waits, meanwhile
         self._lock = SharedLock(duty_file(device))
         self._last = Phase.CHECKING, 0.0
 
     def __enter__(self) -> Self:
-        if not self._lock.take(self._waits):
+        if not self._lock.take(self._waits, self._meanwhile):
             raise InputError(
                 "another acquisition on this machine drives the output",
                 file=self.device.source,
                 field="endpoint",
                 remedy="End it, or see `python -m dea.acquisition status`.",
             )
+        self.before = _notice(os.pread(self._lock.handle, _LAYOUT.size, 0), alive=False)
         self._map = _mapped(self._lock.handle)
-        self.before = _notice(self._map[:], alive=False)
         self.token = self.before.token
         phase = self.before.phase if self.before.abandoned else Phase.CHECKING
         self.put(phase, self.left)
@@ -132,26 +141,29 @@ class Duty:
 
         Another description may give the same counts another voltage.
         """
-        output = self.device["output"]
-        low, high = output.limits or representable(output)
-        return float(np.clip(to_physical(output, self.before.counts), low, high))
+        volts, counts = self.before.requested, self.before.counts
+        if counts is not None:
+            volts = float(to_physical(self.device["output"], counts))
+        return within_limits(self.device, volts)
 
     @property
     def order(self) -> Order:
         """What somebody has asked of this guardian."""
-        return Order(self._map[_ORDER])
+        asked = self._map[_ORDER]
+        return Order(asked) if asked in set(Order) else Order.NONE
 
     def put(self, phase: Phase, requested: float) -> None:
         """Note the phase and the voltage asked for, V."""
         self._last = phase, requested
         output = self.device["output"]
         count = int(to_counts(output, np.clip(requested, *representable(output))))
-        times = time.time(), time.monotonic()
-        asked = self._map[_ORDER]
-        _LAYOUT.pack_into(
-            self._map, 0, os.getpid(), phase, asked, self.token, requested, *times, count,
+        said = _LAYOUT.pack(
+            os.getpid(), phase, 0, self.token, requested, time.time(), time.monotonic(), count,
             self._patience,
         )  # fmt: skip
+        # Whole parts at once, around the order, which somebody else writes.
+        self._map[:_ORDER] = said[:_ORDER]
+        self._map[_ORDER + 1 :] = said[_ORDER + 1 :]
 
     def beat(self) -> None:
         """Give a sign of life."""
@@ -196,36 +208,40 @@ def order(path: Path, asked: Order) -> None:
     os.close(handle)
 
 
-def end(path: Path) -> bool:
-    """Kill the guardian that has this file and gives no sign of life; return whether it did.
+def end(path: Path, judged: Notice) -> bool:
+    """Kill the guardian that was judged to give no sign of life; return whether it did.
 
-    Whoever calls this takes the output to zero.
+    Not one that has given any since. Whoever calls this takes the output to zero.
 
     Raises
     ------
     InputError
         Where it is another user's.
     """
-    notice = look(path)
-    if not notice.alive:
-        return False
     try:
-        process = Process(notice.process)
+        process = Process(judged.process)
     except ProcessLookupError:
         return False
     try:
         # The number may be another process's by now.
-        if not _has_open(notice.process, path) or look(path).beat != notice.beat:
+        if not _has_open(judged.process, path) or look(path) != judged:
             return False
         process.kill()
     except PermissionError:
         raise InputError(
-            f"the guardian, process {notice.process}, gives no sign of life and is another user's",
-            remedy=f"End it with `sudo kill -KILL {notice.process}`, then repeat this.",
+            f"the guardian, process {judged.process}, gives no sign of life and is another user's",
+            remedy=f"End it with `sudo kill -KILL {judged.process}`, then repeat this.",
         ) from None
     finally:
         process.close()
     return True
+
+
+def within_limits(device: Device, volts: float) -> float:
+    """Return a voltage within the limits of a device's output."""
+    output = device["output"]
+    low, high = output.limits or representable(output)
+    return float(np.clip(volts, low, high))
 
 
 def duty_file(device: Device) -> Path:
@@ -246,13 +262,15 @@ def _has_open(process: int, path: Path) -> bool:
 
 def _mapped(handle: int) -> mmap.mmap:
     if os.fstat(handle).st_size < _LAYOUT.size:
-        os.ftruncate(handle, _LAYOUT.size)
+        # A page that there is no memory for would end the process when it is written.
+        reserve = getattr(os, "posix_fallocate", lambda file, _, size: os.ftruncate(file, size))
+        reserve(handle, 0, _LAYOUT.size)
     return mmap.mmap(handle, _LAYOUT.size)
 
 
 def _notice(data: bytes, *, alive: bool) -> Notice:
     whole = data[: _LAYOUT.size].ljust(_LAYOUT.size, b"\0")
     process, phase, _, token, requested, changed, beat, count, patience = _LAYOUT.unpack(whole)
-    return Notice(
-        process, alive, Phase(phase), token, requested, changed, beat, count, patience
-    )  # fmt: skip
+    known = Phase(phase) if phase in set(Phase) else Phase.ALARM
+    counts = count if len(data) >= _LAYOUT.size else None
+    return Notice(process, alive, known, token, requested, changed, beat, counts, patience)

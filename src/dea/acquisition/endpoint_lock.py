@@ -1,7 +1,7 @@
 """One user of a device at a time on this computer, whether or not the device keeps its owner."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from dea.acquisition.shared_file import GLANCE, SharedLock, endpoint, shared_file
@@ -10,10 +10,12 @@ from dea.modbus import Device
 
 
 @contextmanager
-def endpoint_lock(device: Device, patience: float = GLANCE) -> Iterator[SharedLock]:
+def endpoint_lock(
+    device: Device, patience: float = GLANCE, meanwhile: Callable[[], None] = lambda: None
+) -> Iterator[SharedLock]:
     """Keep other programs of this project from driving ``device`` until the block ends.
 
-    One that has it is given ``patience`` s to end.
+    One that has it is given ``patience`` s to end; ``meanwhile`` is called until then.
 
     The lock goes with the process that holds it, however it ends. Where its file may be removed
     meanwhile, ``keep`` of it is called from time to time.
@@ -24,7 +26,7 @@ def endpoint_lock(device: Device, patience: float = GLANCE) -> Iterator[SharedLo
         If another process drives the device; the message names it.
     """
     with SharedLock(shared_file(device, "lock")) as lock:
-        if not lock.take(patience):
+        if not lock.take(patience, meanwhile):
             holder = lock.holder()
             raise InputError(
                 f"{endpoint(device)} is driven by another program on this computer"

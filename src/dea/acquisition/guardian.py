@@ -15,16 +15,14 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from pathlib import Path
 from threading import Thread
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import Any
 
 from dea.acquisition import buffered, polled
 from dea.acquisition.alarm import Alarm
 from dea.acquisition.closed_loop import Asked, ControllerError
-from dea.acquisition.duty import Duty, Order, Phase
+from dea.acquisition.drive_job import DriveJob
+from dea.acquisition.duty import Duty, Order, Phase, within_limits
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.latch import latch
 from dea.acquisition.launch import serve_nursery
@@ -40,13 +38,12 @@ from dea.acquisition.retrying_link import (
     StoppedError,
 )
 from dea.acquisition.samples import DrivenSamples
-from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.shared_file import GLANCE, SharedLock
 from dea.acquisition.voltage_plan import OutputPlan, Planned
 from dea.acquisition.wire import Wire, packed
 from dea.acquisition.zero import WayToZero, ZeroEvidence
 from dea.errors import InputError
-from dea.modbus import Device, adjoining, to_physical
+from dea.modbus import adjoining, to_physical
 
 SERVICE = 5e-3  # s between two looks at the recorder
 ZERO_RETRIES = 3  # of one request on the way to zero
@@ -56,7 +53,8 @@ WAITING = 0.05  # s between two signs of life before the recorder begins
 RETRY = 0.1  # s between two attempts to reach zero
 KEEPING = 1.0  # s between two looks at the files of its locks
 BEAT = 0.5  # s between two signs of life
-# s for which one that only takes the output to zero waits for a guardian that ends.
+# s for which one that only takes the output to zero waits for a guardian that ends; one that
+# replaces another waits as long as it takes.
 TAKING_OVER = 5.0
 ASKING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)  # for zero
 # Signals that would by default end or stop the process; it ignores them.
@@ -64,27 +62,6 @@ DEAF = (
     signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF,
     signal.SIGPIPE, signal.SIGIO, signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU,
 )  # fmt: skip
-
-
-class DriveJob(NamedTuple):
-    """What a guardian is to do.
-
-    ``counts`` are played from zero to zero; without any, the output is only taken to zero.
-    ``token`` claims the outputs of a device that has owners; 0 is that of the guardian before.
-    ``latch`` is where a trip is kept. ``started`` is the origin of the link's times, s of the
-    monotonic clock. Of a closed loop, ``counts`` are the ramp to its start; ``asked`` samples
-    follow, which the recorder is asked for, no two more than ``longest_step`` counts apart.
-    """
-
-    device: Device
-    settings: AcquisitionSettings
-    counts: np.ndarray
-    reset: bool
-    token: int
-    latch: Path
-    started: float
-    asked: int = 0
-    longest_step: int = 0
 
 
 def nursery(handle: int) -> None:
@@ -105,12 +82,12 @@ def guard(wire: Wire) -> None:
     for number in DEAF:
         signal.signal(number, signal.SIG_IGN)
     wire.post("hired", os.getpid())
-    waits = GLANCE if job.counts.size else TAKING_OVER
-    patience = job.settings.patience
+    waits = math.inf if job.replaces else GLANCE if job.counts.size else TAKING_OVER
+    patience, meanwhile = job.settings.patience, guardian.wait_for_locks
     try:
         with (
-            endpoint_lock(job.device, waits) as lock,
-            Duty(job.device, waits=waits, patience=patience) as duty,
+            endpoint_lock(job.device, waits, meanwhile) as lock,
+            Duty(job.device, waits=waits, meanwhile=meanwhile, patience=patience) as duty,
         ):
             guardian.serve(lock, duty)
     except InputError as error:
@@ -140,6 +117,7 @@ class Guardian:
         self._signal: str | None = None
         self._begun = False
         self._looked = self._heard = self._locked = self._told = time.monotonic()
+        self._hired = time.monotonic()
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
@@ -170,21 +148,39 @@ class Guardian:
         try:
             self._drive()
         except Exception as error:
-            self.wire.post("broken", packed(error), self.link.log.cut())
-            # A reply to an earlier request may still arrive on this connection.
-            self.link.close()
-            self.output.trusted = not isinstance(error, ReadBackError)
-            # A read-back that has been found wrong is a trip where there is a safety model.
-            laws = (TripError, ReadBackError) if self.device.safety else TripError
-            self._begin_latch(error if isinstance(error, laws) else None)
+            self._break_off(error)
         self._end_at_zero(self._requested())
 
+    def _break_off(self, error: Exception) -> None:
+        """Tell of what has ended the drive; whatever fails here keeps no output up."""
+        with suppress(Exception):
+            self.wire.post("broken", packed(error), self.link.log.cut())
+        # A reply to an earlier request may still arrive on this connection.
+        with suppress(Exception):
+            self.link.close()
+        self.output.trusted = not isinstance(error, ReadBackError)
+        # A read-back that has been found wrong is a trip where there is a safety model.
+        laws = (TripError, ReadBackError) if self.device.safety else TripError
+        self._begin_latch(error if isinstance(error, laws) else None)
+
+    def wait_for_locks(self) -> None:
+        """Give a sign of life, and raise the alarm where it takes long, without the locks."""
+        self._tell()
+        if time.monotonic() - self._hired > self.job.settings.reconnect_time and self.job.replaces:
+            self._raise_alarm(InputError("another program has the lock of the output"))
+
     def _last_known(self) -> float:
-        """Return what the guardian before asked for last, V, or else what the device says."""
-        if self.duty.before.abandoned:
+        """Return what the guardian before asked for last, V, or else what the device says.
+
+        Where the last guardian has shown zero, a reading is no reason to write anything else.
+        """
+        before = self.duty.before
+        if before.abandoned:
             return self.duty.left
+        if before.phase == Phase.AT_ZERO:
+            return 0.0
         try:
-            return self.output.applied() or 0.0
+            return within_limits(self.device, self.output.applied() or 0.0)
         except Exception:  # whatever failed: the way to zero tries again until it is there
             return 0.0
 
@@ -351,7 +347,9 @@ class Guardian:
                 failing = failing or time.monotonic()
                 self._begin_latch(way.trip)
                 if time.monotonic() - failing >= self.job.settings.reconnect_time:
-                    self._raise_alarm(error)
+                    with suppress(Exception):
+                        self._raise_alarm(error)
+                        self.link.log.cut()  # nobody waits for it, and this may last for days
                     with suppress(Exception):  # which is what is left to do
                         self.output.laws.disarm()
                     if self.duty.order == Order.DISMISS or self.device.virtual:
@@ -370,14 +368,20 @@ class Guardian:
     def _begin_latch(self, trip: Exception | None) -> None:
         """Latch the first trip, as it happens: zero may take hours, and a disk may hang."""
         if trip is not None and self._latching is None:
-            self._latching = Thread(target=self._latch, args=(trip,), daemon=True)
-            self._latching.start()
+            latching = Thread(target=self._latch, args=(trip,), daemon=True)
+            with suppress(RuntimeError):  # the host starts no threads: tried again
+                latching.start()
+                self._latching = latching
 
     def _end_latch(self, alive: Callable[[], None]) -> None:
-        """Wait for the disk, and call ``alive`` meanwhile."""
+        """Wait for the disk, and call ``alive`` meanwhile; the output is at zero."""
+        begun = time.monotonic()
         while self._latching is not None and self._latching.is_alive():
-            alive()
+            with suppress(Exception):
+                alive()
             self._latching.join(RETRY)
+            if time.monotonic() - begun > self.job.settings.reconnect_time:
+                self.alarm("a trip is not kept yet: the disk does not take it")
 
     def _latch(self, trip: Exception) -> None:
         try:

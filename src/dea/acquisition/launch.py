@@ -16,20 +16,23 @@ from contextlib import suppress
 
 from dea.acquisition.wire import Wire
 
-_PROGRAM = "import sys; from dea.acquisition.guardian import nursery; nursery(int(sys.argv[1]))"
+_PROGRAM = "import sys; from {} import {} as nursery; nursery(int(sys.argv[1]))"
 _lock = threading.Lock()
 # Of this process: its number, the nursery and the way to it.
 _nursery: tuple[int, subprocess.Popen[bytes], socket.socket] | None = None
 
 
-def launch(*, anew: bool = False) -> Wire:
-    """Start a guardian and return the way to it; ``anew`` from a nursery that is new, too."""
+def launch(nursery: Callable[[int], None], *, anew: bool = False) -> Wire:
+    """Start a guardian and return the way to it; ``anew`` from a nursery that is new, too.
+
+    ``nursery`` is the function of a module that serves the socket with the number it is given.
+    """
     ours, theirs = socket.socketpair()
     with _lock, theirs:
         try:
-            _ask(_control(anew=anew), theirs)
+            _ask(_control(nursery, anew=anew), theirs)
         except OSError:  # the nursery was killed just now
-            _ask(_control(anew=True), theirs)
+            _ask(_control(nursery, anew=True), theirs)
     return Wire(ours)
 
 
@@ -59,13 +62,14 @@ def _ask(control: socket.socket, end: socket.socket) -> None:
     socket.send_fds(control, [b"g"], [end.fileno(), 2])
 
 
-def _control(*, anew: bool = False) -> socket.socket:
+def _control(nursery: Callable[[int], None], *, anew: bool = False) -> socket.socket:
     global _nursery
     if _nursery is None or anew or _nursery[0] != os.getpid() or _ended(_nursery[1]):
         ours, theirs = socket.socketpair()
+        program = _PROGRAM.format(nursery.__module__, nursery.__qualname__)
         with theirs:
             process = subprocess.Popen(
-                [sys.executable, "-c", _PROGRAM, str(theirs.fileno())],
+                [sys.executable, "-c", program, str(theirs.fileno())],
                 pass_fds=[theirs.fileno()], start_new_session=True,
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             )  # fmt: skip

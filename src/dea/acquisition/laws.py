@@ -3,6 +3,7 @@
 import math
 import time
 from collections import deque
+from contextlib import suppress
 
 from dea.acquisition.panel import Panel
 from dea.configuration.safety import Monitor, Safety
@@ -32,7 +33,12 @@ class Laws:
         """Check the conditions, then switch the high voltage on."""
         self.check(0.0, 0.0)
         if (enable := self.safety.enable) is not None:
-            self.panel.set(enable.name, enable.on)
+            try:
+                self.panel.set(enable.name, enable.on)
+            except Exception:
+                with suppress(Exception):  # a write without a reply may have been carried out
+                    self.disarm()
+                raise
 
     def disarm(self) -> None:
         """Switch the high voltage off."""

@@ -8,7 +8,7 @@ from contextlib import suppress
 class Process:
     """A process that lives, to be killed if need be.
 
-    Where the system has no such handles (Linux has) it is its number.
+    Where the system gives no such handle it is its number.
 
     Raises
     ------
@@ -18,7 +18,12 @@ class Process:
 
     def __init__(self, number: int) -> None:
         self.number = number
-        self._handle = os.pidfd_open(number) if hasattr(os, "pidfd_open") else -1
+        try:
+            self._handle = os.pidfd_open(number)
+        except ProcessLookupError:
+            raise
+        except (AttributeError, OSError):  # not Linux, an old one, or no handle is left
+            self._handle = -1
 
     def kill(self) -> None:
         """Kill it; raises PermissionError where it is another user's."""

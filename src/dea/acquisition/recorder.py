@@ -7,7 +7,8 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
-from dea.acquisition.guardian import DriveJob
+from dea.acquisition.drive_job import DriveJob
+from dea.acquisition.guardian import nursery
 from dea.acquisition.launch import launch
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import TakenError
@@ -130,7 +131,8 @@ class Recorder:
         if lost <= GUARDIANS:
             time.sleep(PAUSE * (lost - 1))
             try:
-                self._hire(self.job._replace(counts=self.job.counts[:0]), anew=never_came)
+                nothing = self.job.counts[:0]
+                self._hire(self.job._replace(counts=nothing, replaces=True), anew=never_came)
                 return
             except OSError as refused:
                 cause = refused
@@ -140,11 +142,11 @@ class Recorder:
         )
 
     def _hire(self, job: DriveJob, *, anew: bool = False) -> None:
-        self._replacement = not job.counts.size and self.job.counts.size > 0
+        self._replacement = job.replaces
         self._guardian: Process | None = None
         self._killed = False
         self._silence, self._looked = 0.0, time.monotonic()
-        self.wire = launch(anew=anew)
+        self.wire = launch(nursery, anew=anew)
         self.wire.post(job)
 
     def _say(self, *message: Any) -> None:

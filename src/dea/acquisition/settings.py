@@ -34,9 +34,9 @@ class AcquisitionSettings:
     def patience(self) -> float:
         """S without a sign of life of a guardian that are more than one at work needs.
 
-        It gives one before each request, which may connect first, with TLS too.
+        It gives one before each request, which may connect first, with TLS too, and pause.
         """
-        return self.stall_time + 3 * self.timeout
+        return self.stall_time + 4 * self.timeout + 2.0
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, Any]) -> Self:

@@ -3,19 +3,21 @@
 import fcntl
 import os
 import re
-import socket
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Self
 
+from dea.acquisition.address import address_of
 from dea.modbus import Device
 
 # In memory (tmpfs), so that no disk can delay a guardian. Not the folder of TMPDIR, which users and
 # programs set as they like: all who share a device must find the same file.
 FOLDERS = Path("/dev/shm"), Path("/tmp")
 OWN_FOLDER = "DEA_DUTY"  # instead of these
-# s for which a lock may be held by somebody who only looks whether it is, and between attempts.
-GLANCE, AGAIN = 0.1, 0.02
+# s for which a lock may be held by somebody who only looks whether it is, or who is about to end,
+# and between attempts to take it.
+GLANCE, AGAIN = 1.0, 0.02
 
 
 def shared_file(device: Device, kind: str, detail: str = "", folder: Path | None = None) -> Path:
@@ -32,10 +34,7 @@ def endpoint(device: Device) -> str:
     if device.serial is not None:
         place = str(Path(device.serial.port).resolve())
     else:
-        try:
-            host = socket.gethostbyname(device.host)
-        except OSError:  # the connection will say so
-            host = device.host
+        host = address_of(device.host) or device.host
         place = f"{host}:{device.port}"
     return f"{place} unit {device.unit_id}"
 
@@ -52,8 +51,11 @@ class SharedLock:
         self.handle = -1
         self._text = b""
 
-    def take(self, patience: float = GLANCE) -> bool:
-        """Lock the file that has the name; return whether it was free within ``patience`` s."""
+    def take(self, patience: float = GLANCE, meanwhile: Callable[[], None] = lambda: None) -> bool:
+        """Lock the file that has the name; return whether it was free within ``patience`` s.
+
+        ``meanwhile`` is called while it is waited for.
+        """
         end = time.monotonic() + patience
         while True:
             handle = open_shared(self.path)
@@ -66,6 +68,7 @@ class SharedLock:
             os.close(handle)
             if not free and time.monotonic() > end:
                 return False
+            meanwhile()
             time.sleep(0.0 if free else AGAIN)
 
     def keep(self) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient, ModbusTlsClient
 from pymodbus.framer import FramerType
 
+from dea.acquisition.address import address_of
 from dea.errors import InputError
 from dea.modbus import Device, ReadWriteResponse, RegistersResponse
 
@@ -48,9 +49,8 @@ def at_address(device: Device) -> Device:
     """Return a device with the address of its host, so that no name is looked up again."""
     if device.serial is not None:
         return device
-    try:
-        address = socket.gethostbyname(device.host)
-    except OSError:  # the connection will say so
+    address = address_of(device.host)
+    if address is None:  # the connection will say so
         return device
     tls = replace(device.tls, server_name=device.tls.server_name or device.host)
     return replace(device, host=address, tls=tls)
