@@ -19,6 +19,7 @@ from dea.acquisition import (
     acquire,
     by_hand,
     duty,
+    recorder,
 )
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.recorder import GuardianLostError
@@ -314,3 +315,29 @@ def test_zero_writes_no_voltage_that_a_stuck_read_back_claims(module, tmp_path):
     module.read_back = lambda count: count
     assert (np.asarray(module.path()[1][before:]) == 0.0).all()
     assert by_hand.zero(module.description(), SETTINGS)
+
+
+def test_an_order_leaves_a_file_of_another_layout_as_it_is(module):
+    device = module.description()
+    with duty.Duty(device) as guardian:
+        guardian.put(duty.Phase.DRIVING, 2.5)
+    path = duty.duty_file(device)
+    path.write_bytes(path.read_bytes()[:38])
+    duty.order(path, duty.Order.ZERO)
+    assert path.stat().st_size == 38
+    assert duty.look(path).counts is None
+    with duty.Duty(device) as guardian:
+        assert guardian.left == 2.5
+
+
+def test_the_recorder_raises_the_alarm_where_no_guardian_can(module, tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(recorder, "GUARDIANS", 0)
+
+    def kill():
+        os.kill(guardian_of(module), signal.SIGKILL)
+
+    with pytest.raises(ZeroNotVerifiedError, match="switch the amplifier off"):
+        drive(module, tmp_path / "a.partial", kill, np.full(75, 3.0))
+    assert "ALARM: plain module: no guardian can take the output to zero" in capfd.readouterr().err
+    by_hand.zero(module.description(), SETTINGS)
+    assert module.volts == 0.0

@@ -32,6 +32,13 @@ class Alarm:
         self._start("log", lambda: syslog.syslog(syslog.LOG_ALERT, line))
         return True
 
+    def join(self, seconds: float) -> None:
+        """Wait until it has been written, for so long at most."""
+        end = time.monotonic() + seconds
+        for writer in self._writers.values():
+            with suppress(RuntimeError):  # it was never started
+                writer.join(max(end - time.monotonic(), 0.0))
+
     def _start(self, where: str, write: Callable[[], object]) -> None:
         writer = self._writers.get(where)
         if writer is None or not writer.is_alive():

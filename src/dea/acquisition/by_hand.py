@@ -127,7 +127,8 @@ class _Watched:
             Where it cannot be ended from here.
         """
         before, self._before = self._before, notice
-        silent = notice.silent > (notice.patience or self._usual) + LONGER
+        # An earlier version of this program tells of no signs of life.
+        silent = notice.beat and notice.silent > (notice.patience or self._usual) + LONGER
         # Twice the same: this process may have stood still itself.
         if not silent or notice != before:
             return False

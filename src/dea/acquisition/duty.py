@@ -123,7 +123,7 @@ class Duty:
                 remedy="End it, or see `python -m dea.acquisition status`.",
             )
         self.before = _notice(os.pread(self._lock.handle, _LAYOUT.size, 0), alive=False)
-        self._map = _mapped(self._lock.handle)
+        self._map, self._written = _mapped(self._lock.handle), self._lock.handle
         self.token = self.before.token
         phase = self.before.phase if self.before.abandoned else Phase.CHECKING
         self.put(phase, self.left)
@@ -175,15 +175,14 @@ class Duty:
 
     def keep(self) -> bool:
         """Make the file anew where it was removed; return whether nobody else has the duty."""
-        before = self._lock.handle
         if not self._lock.keep():
             return False
-        if self._lock.handle != before:
-            with suppress(OSError):  # of a host without memory: the old one is written on
+        if self._lock.handle != self._written:
+            with suppress(OSError):  # of a host without memory: tried again
                 new = _mapped(self._lock.handle)
                 new[:] = self._map[:]
                 self._map.close()
-                self._map = new
+                self._map, self._written = new, self._lock.handle
         return True
 
 
@@ -203,8 +202,8 @@ def look(path: Path) -> Notice:
 def order(path: Path, asked: Order) -> None:
     """Ask something of the guardian that has this file."""
     handle = open_shared(path)
-    with _mapped(handle) as shared:
-        shared[_ORDER] = asked
+    # No longer than it is: its length says which version of this program has written it.
+    os.pwrite(handle, bytes([asked]), _ORDER)
     os.close(handle)
 
 

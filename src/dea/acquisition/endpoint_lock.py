@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from dea.acquisition.shared_file import GLANCE, SharedLock, endpoint, shared_file
 from dea.errors import InputError
@@ -35,5 +35,6 @@ def endpoint_lock(
                 field="endpoint",
                 remedy="Wait until it has ended, or stop it",
             )
-        lock.write(f"{os.getpid()}\n")
+        with suppress(OSError):  # it only tells others whose it is
+            lock.write(f"{os.getpid()}\n")
         yield lock

@@ -42,7 +42,7 @@ from dea.acquisition.shared_file import GLANCE, SharedLock
 from dea.acquisition.voltage_plan import OutputPlan, Planned
 from dea.acquisition.wire import Wire, packed
 from dea.acquisition.zero import WayToZero, ZeroEvidence
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 from dea.modbus import adjoining, to_physical
 
 SERVICE = 5e-3  # s between two looks at the recorder
@@ -84,14 +84,22 @@ def guard(wire: Wire) -> None:
     wire.post("hired", os.getpid())
     waits = math.inf if job.replaces else GLANCE if job.counts.size else TAKING_OVER
     patience, meanwhile = job.settings.patience, guardian.wait_for_locks
-    try:
-        with (
-            endpoint_lock(job.device, waits, meanwhile) as lock,
-            Duty(job.device, waits=waits, meanwhile=meanwhile, patience=patience) as duty,
-        ):
-            guardian.serve(lock, duty)
-    except InputError as error:
-        wire.post("refused", packed(error))
+    while True:
+        try:
+            with (
+                endpoint_lock(job.device, waits, meanwhile) as lock,
+                Duty(job.device, waits=waits, meanwhile=meanwhile, patience=patience) as duty,
+            ):
+                guardian.serve(lock, duty)
+            break
+        except InputError as error:
+            wire.post("refused", packed(error))
+            break
+        except OSError:  # no memory or no handle is left for the files of the locks
+            if not job.replaces:
+                raise
+            meanwhile()
+            time.sleep(RETRY)
     _deliver(wire, job.settings.stall_time)
 
 
@@ -121,6 +129,7 @@ class Guardian:
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
+        self._trip: Exception | None = None  # the first one
         self._latching: Thread | None = None
 
     def asked(self, number: int, _frame: object) -> None:
@@ -131,7 +140,8 @@ class Guardian:
         """Drive the job's counts, then take the output to zero."""
         self.lock, self.duty = lock, duty
         self.link.check = self._alive
-        duty.token = self.job.token or duty.token
+        # Another guardian may have claimed the device while this one waited.
+        duty.token = (duty.token if self.job.replaces else 0) or self.job.token or duty.token
         self.output = Output(self.link, reset=self.job.reset, token=duty.token or 1)
         if not self.job.counts.size:
             duty.clear_order()
@@ -153,8 +163,11 @@ class Guardian:
 
     def _break_off(self, error: Exception) -> None:
         """Tell of what has ended the drive; whatever fails here keeps no output up."""
-        with suppress(Exception):
-            self.wire.post("broken", packed(error), self.link.log.cut())
+        log = self.link.log.cut()
+        try:
+            self.wire.post("broken", packed(error), log)
+        except Exception:  # it cannot be sent as it is
+            self.wire.post("broken", packed(DeviceError(str(error))), log)
         # A reply to an earlier request may still arrive on this connection.
         with suppress(Exception):
             self.link.close()
@@ -164,8 +177,16 @@ class Guardian:
         self._begin_latch(error if isinstance(error, laws) else None)
 
     def wait_for_locks(self) -> None:
-        """Give a sign of life, and raise the alarm where it takes long, without the locks."""
+        """Give a sign of life, and raise the alarm where it takes long, without the locks.
+
+        Raises
+        ------
+        InputError
+            Where a signal has asked to end.
+        """
         self._tell()
+        if self._signal is not None:
+            raise InputError(f"the guardian was sent {self._signal} while it waited for its lock")
         if time.monotonic() - self._hired > self.job.settings.reconnect_time and self.job.replaces:
             self._raise_alarm(InputError("another program has the lock of the output"))
 
@@ -309,8 +330,9 @@ class Guardian:
         """Return whether the output is this guardian's, whoever removes the files that say so."""
         if time.monotonic() - self._locked < KEEPING:
             return True
+        kept = self.lock.keep() and self.duty.keep()
         self._locked = time.monotonic()
-        return self.lock.keep() and self.duty.keep()
+        return kept
 
     def _requested(self) -> float:
         """Return the voltage asked for last."""
@@ -338,7 +360,8 @@ class Guardian:
                 break
             except TakenError as error:
                 if not self.job.counts.size:
-                    self.duty.put(Phase.NEVER, 0.0)
+                    if not self.duty.before.abandoned:
+                        self.duty.put(Phase.NEVER, 0.0)
                     self.wire.post("refused", packed(error))
                     return
                 evidence = ZeroEvidence.RELEASED
@@ -367,21 +390,27 @@ class Guardian:
 
     def _begin_latch(self, trip: Exception | None) -> None:
         """Latch the first trip, as it happens: zero may take hours, and a disk may hang."""
-        if trip is not None and self._latching is None:
-            latching = Thread(target=self._latch, args=(trip,), daemon=True)
+        self._trip = self._trip or trip
+        if self._trip is not None and self._latching is None:
+            latching = Thread(target=self._latch, args=(self._trip,), daemon=True)
             with suppress(RuntimeError):  # the host starts no threads: tried again
                 latching.start()
                 self._latching = latching
 
     def _end_latch(self, alive: Callable[[], None]) -> None:
-        """Wait for the disk, and call ``alive`` meanwhile; the output is at zero."""
+        """Wait until a trip is kept, and call ``alive`` meanwhile; a person may end it."""
         begun = time.monotonic()
-        while self._latching is not None and self._latching.is_alive():
+        while self._trip is not None and (self._latching is None or self._latching.is_alive()):
             with suppress(Exception):
                 alive()
-            self._latching.join(RETRY)
+            self._begin_latch(None)
+            time.sleep(RETRY)
             if time.monotonic() - begun > self.job.settings.reconnect_time:
-                self.alarm("a trip is not kept yet: the disk does not take it")
+                text = f"a trip ({self._trip}) is not kept yet: the disk does not take it."
+                if self.alarm(text):
+                    self.wire.post("alarm", text)
+                if self.duty.order == Order.DISMISS:
+                    return
 
     def _latch(self, trip: Exception) -> None:
         try:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
+from dea.acquisition.alarm import Alarm
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.guardian import nursery
 from dea.acquisition.launch import launch
@@ -136,10 +137,17 @@ class Recorder:
                 return
             except OSError as refused:
                 cause = refused
-        self._zero = True
-        raise ZeroNotVerifiedError(
+        raise self._given_up(
             f"no guardian can take the output to zero ({cause}): switch the amplifier off"
         )
+
+    def _given_up(self, text: str) -> ZeroNotVerifiedError:
+        """Raise the alarm, which no guardian can; return what the caller is told."""
+        self._zero = True
+        alarm = Alarm(self.job.device.name)
+        alarm(text)
+        alarm.join(1.0)
+        return ZeroNotVerifiedError(text)
 
     def _hire(self, job: DriveJob, *, anew: bool = False) -> None:
         self._replacement = job.replaces
@@ -186,8 +194,7 @@ class Recorder:
                 raise GuardianLostError("no guardian has begun")
         elif self._silence > self.job.settings.patience:
             if self._killed or self._kills == KILLS:
-                self._zero = True
-                raise ZeroNotVerifiedError(
+                raise self._given_up(
                     f"the guardian has given no sign of life for {self._silence:.0f} s: switch the "
                     "amplifier off"
                 )

@@ -18,6 +18,7 @@ OWN_FOLDER = "DEA_DUTY"  # instead of these
 # s for which a lock may be held by somebody who only looks whether it is, or who is about to end,
 # and between attempts to take it.
 GLANCE, AGAIN = 1.0, 0.02
+BRIEFLY = 0.1  # s that a guardian at work can spare for it
 
 
 def shared_file(device: Device, kind: str, detail: str = "", folder: Path | None = None) -> Path:
@@ -79,7 +80,7 @@ class SharedLock:
         try:
             if _named(self.handle, self.path):
                 return True
-            taken = self.take()
+            taken = self.take(BRIEFLY)
             if self._text:
                 self.write(self._text.decode())
             return taken
