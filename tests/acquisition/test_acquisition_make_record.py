@@ -95,6 +95,16 @@ def test_who_armed_stands_in_record_and_manifest(study, capsys, tmp_path, words)
     assert store.read(folder / "record.nc").attrs["armed_by"] == name
 
 
+def test_a_start_that_is_refused_leaves_no_folder(study, capsys, tmp_path):
+    guard(tmp_path)
+    (tmp_path / "config/devices/mine.commissioned.json").unlink()
+    with pytest.raises(SystemExit) as exit_:
+        main(["film1", "--operator", "A. Volta"])
+    assert exit_.value.code == 2
+    assert "not commissioned" in capsys.readouterr().err
+    assert not list(Path("records").glob("*"))
+
+
 def test_a_record_whose_clock_is_off_is_kept_and_said_to_be_useless(study, clock_off, capsys):
     with pytest.raises(SystemExit) as exit_:
         main(["film1"])

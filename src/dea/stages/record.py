@@ -70,19 +70,20 @@ def keep(
     options = acquisition.AcquisitionSettings.from_mapping(
         settings["acquisition"] | ({"armed_by": operator} if operator else {})
     )
+    # As they are now: they may be edited during the drive.
+    beside = {"device.yaml": device.described, "config.yaml": Path(FILE).read_text()}
+    commissioned = acquisition.report_file(device_file)
+    if commissioned.exists():
+        beside["commissioned.json"] = commissioned.read_text()
     begun = datetime.now(UTC)
     with archive.unfinished(name, now=begun) as folder:
-        # Before the drive, during which these files may be edited.
-        (folder / "device.yaml").write_bytes(device.described.encode())
-        commissioned = acquisition.report_file(device_file)
-        if commissioned.exists():
-            (folder / "commissioned.json").write_text(commissioned.read_text())
-        (folder / "config.yaml").write_text(Path(FILE).read_text())
         acquired = acquisition.acquire_watched(
             device, played.volts, folder / "samples.partial", options, description=device_file
         )
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
         write(played.label(acquired), files, settings, {"device": device_file})
+        for file, text in beside.items():
+            (folder / file).write_bytes(text.encode())
         (folder / "samples.partial").unlink()
         fault = acquisition.clock_fault(device, acquired, options)
         kept = archive.seal(
