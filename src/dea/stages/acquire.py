@@ -34,7 +34,7 @@ def acquire(settings: Mapping[str, Any], device: Path, record: Path, link: Path)
     with bench_process(**bench, device=device, seed=played.noise_seed) as port:
         answering = replace(description, host="127.0.0.1", port=port, virtual=True)
         acquired = played.label(acquisition.acquire(answering, played.volts, partial, options))
-    write(acquired, {"record": record, "link": link}, settings, {"device": device})
+    write(acquired, {"record": record, "link": link}, settings)
     partial.unlink()
 
 

@@ -110,18 +110,19 @@ def write(
     acquired: acquisition.AcquiredRecord,
     files: Mapping[str, Path],
     settings: Mapping[str, Any],
-    inputs: Mapping[str, Path],
+    inputs: Mapping[str, Path] | None = None,
 ) -> None:
     """Write what was acquired to ``files``, by contract: ``record`` and ``link``.
 
-    ``settings`` are those of :func:`excitation`; ``inputs`` hold the description, ``device``.
+    ``settings`` are those of :func:`excitation`; ``inputs`` are files it was made from besides the
+    device's description.
     """
     for contract, dataset in (("link", acquired.link), ("record", acquired.record)):
         store.write(
             dataset.assign_attrs(contract=contract),
             files[contract],
             title=f"{contract.capitalize()} of {settings['system']}: {settings['excitation_name']}",
-            inputs={**inputs, "device": dataset.attrs["device_description"].encode()},
+            inputs={"device": dataset.attrs["device_description"].encode(), **(inputs or {})},
             settings=settings,
             seed=settings["seed"],
         )

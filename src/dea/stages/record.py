@@ -81,7 +81,7 @@ def keep(
             device, played.volts, folder / "samples.partial", options, description=device_file
         )
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
-        write(played.label(acquired), files, settings, {"device": device_file})
+        write(played.label(acquired), files, settings)
         for file, text in beside.items():
             (folder / file).write_bytes(text.encode())
         (folder / "samples.partial").unlink()

@@ -198,11 +198,8 @@ class Driven(Kept):
         ) as port:
             answering = replace(self.device, host="127.0.0.1", port=port, virtual=True)
             acquired = acquisition.acquire(answering, u, partial, options)
-        inputs = {
-            "device": Path(self.actuator.device),
-            "excitation": file.parent / "excitation.csv",
-        }
-        write(acquired, {"link": file.with_name("link.nc"), "record": file}, settings, inputs)
+        files = {"link": file.with_name("link.nc"), "record": file}
+        write(acquired, files, settings, {"excitation": file.parent / "excitation.csv"})
         partial.unlink()
 
     def _archive(self, number: int, u: np.ndarray, file: Path) -> None:
