@@ -148,7 +148,7 @@ def test_a_device_with_a_safety_model_is_commissioned_first(module, tmp_path, ca
         drive(path, tmp_path, "--arm", "A. Person")
     assert "not commissioned" in capsys.readouterr().err
     assert not module.history
-    report = write_report(path, {"device": "plain module"})
+    report = write_report(read_device(path), path, {"device": "plain module"})
     assert json.loads(report.read_text())["device"] == "plain module"
     refuse_uncommissioned(read_device(path), path)
     description(module, tmp_path, sampling_rate=40)
@@ -172,7 +172,7 @@ def test_a_report_of_a_failed_check_commissions_nothing(
     path = description(module, tmp_path)
     report = {"watchdog": "tripped", "read_back_gain": 1.0, "read_back_delay": 0.01} | found
     with pytest.raises(DeviceError, match=rf"{field}: .*commission --arm NAME"):
-        write_report(path, report)
+        write_report(read_device(path), path, report)
     with pytest.raises(SystemExit) as exit_:
         drive(path, tmp_path, "--arm", "A. Person")
     assert exit_.value.code == 2

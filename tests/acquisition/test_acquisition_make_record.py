@@ -12,6 +12,7 @@ from dea import archive, store
 from dea.acquisition import ZeroNotVerifiedError
 from dea.acquisition.commissioning import write_report
 from dea.errors import InputError
+from dea.modbus import read_device
 from dea.stages.record import main
 from dea.stages.take_record import take_record
 
@@ -64,7 +65,7 @@ def guard(tmp_path):
     device = tmp_path / "config/devices/mine.yaml"
     description = yaml.safe_load(device.read_text())
     device.write_text(yaml.safe_dump(description | {"safety": {"max_rate": 100.0}}))
-    write_report(device, {"device": "virtual bench"})
+    write_report(read_device(device), device, {"device": "virtual bench"})
 
 
 def test_high_voltage_is_armed_in_so_many_words(study, capsys, tmp_path):

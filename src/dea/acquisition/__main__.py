@@ -77,7 +77,7 @@ def commission(options: argparse.Namespace) -> None:
     partial = options.device.with_suffix(".commissioning.partial")
     report = commissioning.commission(device, partial, settings, options.share)
     print(json.dumps(report, indent=2, sort_keys=True))
-    print(f"written to {commissioning.write_report(options.device, report)}")
+    print(f"written to {commissioning.write_report(device, options.device, report)}")
 
 
 def _excitation_volts(options: argparse.Namespace, device: Device) -> np.ndarray:

@@ -65,8 +65,6 @@ def commission(
     partial.unlink()
     report: dict[str, Any] = {"device": device.name, "time": utc_now()}
     report |= {"armed_by": settings.armed_by, "read_together": together}
-    # As the device was driven: the file may have been edited since.
-    report["description_sha256"] = sha256(device.described.encode()).hexdigest()
     report |= {"highest": float(stairs[-1])} | _learnt(acquired.record, acquired.link, hold)
     if "watchdog_time" in device and "watchdog_latched" in device:
         report["watchdog"] = _trip_watchdog(device, np.repeat(stairs, hold), partial, polled)
@@ -183,8 +181,8 @@ def report_file(description: Path) -> Path:
     return description.with_suffix(".commissioned.json")
 
 
-def write_report(description: Path, report: Mapping[str, Any]) -> Path:
-    """Write the report beside the description, with the description's hash.
+def write_report(device: Device, description: Path, report: Mapping[str, Any]) -> Path:
+    """Write the report beside the description, with the hash of what the device was driven with.
 
     Raises
     ------
@@ -192,7 +190,7 @@ def write_report(description: Path, report: Mapping[str, Any]) -> Path:
         Where a check has failed; the report is written all the same.
     """
     path = report_file(description)
-    content = {"description_sha256": sha256(description.read_bytes()).hexdigest(), **report}
+    content = {**report, "description_sha256": _hash(device)}
     with atomic(path) as partial:
         partial.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n")
     for field, why in _failed(report):
@@ -213,7 +211,7 @@ def refuse_uncommissioned(device: Device, description: Path) -> None:
     path = report_file(description)
     report = _read_report(path) if path.exists() else {}
     known = report.get("description_sha256")
-    if known != sha256(device.described.encode()).hexdigest():
+    if known != _hash(device):
         raise InputError(
             "changed since it was commissioned" if report else "not commissioned",
             file=description,
@@ -243,3 +241,8 @@ def _failed(report: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     gain = report.get("read_back_gain", 1.0)
     if not FOLLOWS[0] <= gain <= FOLLOWS[1]:
         yield "read_back_gain", f"the applied output reads {gain:.3g} times what was asked for"
+
+
+def _hash(device: Device) -> str:
+    """Return the hash of a description as it was read: its file may have been edited since."""
+    return sha256(device.described.encode()).hexdigest()
