@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from dea.acquisition.address import address_of
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import Notice, Order, Phase, duty_file, end, look, order
 from dea.acquisition.latch import latch_file, trip
@@ -154,7 +153,7 @@ def _known(device: Device) -> Device:
         Where it has none.
     """
     found = at_address(device)
-    if device.serial is None and address_of(device.host) is None:
+    if device.serial is None and found is device:
         raise InputError(
             f"the host {device.host!r} is not known now, and with it who drives it",
             file=device.source,

@@ -50,7 +50,7 @@ class SharedLock:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.handle = -1
-        self._text = b""
+        self._text = ""
 
     def take(self, patience: float = GLANCE, meanwhile: Callable[[], None] = lambda: None) -> bool:
         """Lock the file that has the name; return whether it was free within ``patience`` s.
@@ -81,8 +81,8 @@ class SharedLock:
             if _named(self.handle, self.path):
                 return True
             taken = self.take(BRIEFLY)
-            if self._text:
-                self.write(self._text.decode())
+            if taken and self._text:
+                self.write(self._text)
             return taken
         except OSError:
             return True
@@ -93,9 +93,9 @@ class SharedLock:
 
     def write(self, text: str) -> None:
         """Write what others are told of the holder."""
-        self._text = text.encode()
+        self._text = text
         os.truncate(self.handle, 0)
-        os.pwrite(self.handle, self._text, 0)
+        os.pwrite(self.handle, text.encode(), 0)
 
     def close(self) -> None:
         """Give the lock back."""

@@ -46,7 +46,10 @@ def connect(device: Device, timeout: float) -> Client:
 
 
 def at_address(device: Device) -> Device:
-    """Return a device with the address of its host, so that no name is looked up again."""
+    """Return a device with the address of its host, so that no name is looked up again.
+
+    The device itself where it has no host, or one that is unknown.
+    """
     if device.serial is not None:
         return device
     address = address_of(device.host)
