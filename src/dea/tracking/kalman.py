@@ -93,6 +93,15 @@ def log_likelihood(
     return value, score(arrays[0], gain, innovation, S, sigma2)
 
 
+def likelihood(
+    Phi: Array, y: Array, noise_ratio: Array, *, theta_0: Array, prior_variance: Array | float
+) -> float:
+    """Return the value of :func:`log_likelihood` without its gradient, a second pass."""
+    arrays = _arrays(Phi, y, noise_ratio, theta_0, prior_variance)
+    _, innovation, S, _, _ = run_filter(*arrays, False)
+    return _concentrated(innovation, S)[0]
+
+
 def fit_noise_ratio(
     Phi: Array,
     y: Array,
@@ -178,9 +187,9 @@ def fit_common_ratio(
     Phi, y = thinned(Phi, y, thinning)
 
     def cost(log_q: float) -> float:
-        arrays = _arrays(Phi, y, np.full(Phi.shape[1], np.exp(log_q)), theta_0, prior_variance)
-        _, innovation, S, _, _ = run_filter(*arrays, False)
-        return -_concentrated(innovation, S)[0] / y.size
+        q = np.full(Phi.shape[1], np.exp(log_q))
+        value = likelihood(Phi, y, q, theta_0=theta_0, prior_variance=prior_variance)
+        return -value / y.size
 
     bounds = (np.log(thinning * lowest), np.log(thinning * highest))
     found = minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 0.3})

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.tracking.kalman import HIGHEST_RATIO, Smoothed, log_likelihood, smooth, thinned
+from dea.tracking.kalman import HIGHEST_RATIO, Smoothed, likelihood, smooth, thinned
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ def covariance_with_unknown_ratios(
     few = thinned(Phi, y, thinning)
     covariance: Array = found.covariance.copy()
     for ratios in _varied(found.noise_ratio, nodes):
-        log_weight = np.array([log_likelihood(*few, thinning * q, **prior)[0] for q in ratios])
+        log_weight = np.array([likelihood(*few, thinning * q, **prior) for q in ratios])
         weight = np.exp(log_weight - log_weight.max()) * prior_mass
         weight /= weight.sum()
         for k in np.flatnonzero(weight > _LEAST):
