@@ -1,6 +1,8 @@
 """Columns of dates and of times of day, as seconds since the first."""
 
 import re
+from collections.abc import Iterable, Iterator
+from itertools import islice
 
 import numpy as np
 import pandas as pd
@@ -9,8 +11,9 @@ from numpy.typing import NDArray
 DAY = 86_400.0
 _CLOCK = re.compile(r"^(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d*)?)$")
 # As people write dates; what is tried first is ISO 8601.
-_FORMATS = ("ISO8601", "%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f", "%d.%m.%Y %H:%M",
-            "%m/%d/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S %p",
+_FORMATS = "ISO8601", "%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f", "%d.%m.%Y %H:%M"
+# Of these several may be read.
+_SLASHED = ("%m/%d/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S %p",
             "%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f")  # fmt: skip
 
 
@@ -36,15 +39,20 @@ def seconds(column: pd.Series) -> NDArray[np.float64] | None:
         return _of_day(column.astype(str).str.strip(), column.notna().to_numpy())
     if not is_clock(given.iloc[0]):
         return None
-    readings = []
-    for form in _FORMATS:
-        read = pd.to_datetime(given.str.replace(",", "."), format=form, errors="coerce", utc=True)
-        if read.notna().all() and read.is_monotonic_increasing:
-            readings.append(read)
+    pointed = given.str.replace(",", ".")
+    readings = list(islice(_readings(pointed, _FORMATS), 1)) or list(_readings(pointed, _SLASHED))
     if not readings:
         return None
     likeliest = min(readings, key=lambda read: read.diff().max())
     return _since_first(likeliest.reindex(column.index))
+
+
+def _readings(given: pd.Series, formats: Iterable[str]) -> Iterator[pd.Series]:
+    """Yield what a column of dates is by each format by which it can be read and ascends."""
+    for form in formats:
+        read = pd.to_datetime(given, format=form, errors="coerce", utc=True)
+        if read.notna().all() and read.is_monotonic_increasing:
+            yield read
 
 
 def _since_first(times: pd.Series) -> NDArray[np.float64]:
