@@ -155,12 +155,18 @@ def test_a_file_of_another_layout_says_what_it_holds(module):
         assert by_hand.status(device)
 
 
-def test_of_a_file_of_another_layout_the_volts_count(module):
+@pytest.mark.parametrize("ordered", [False, True])
+def test_of_a_file_of_another_layout_the_volts_count(module, ordered):
+    """An order leaves such a file as it is."""
     device = module.description()
     with duty.Duty(device) as guardian:
         guardian.put(duty.Phase.DRIVING, 2.5)
     path = duty.duty_file(device)
     path.write_bytes(path.read_bytes()[:38])
+    if ordered:
+        duty.order(path, duty.Order.ZERO)
+    assert path.stat().st_size == 38
+    assert duty.look(path).counts is None
     with duty.Duty(device) as guardian:
         assert guardian.left == 2.5
 
@@ -315,19 +321,6 @@ def test_zero_writes_no_voltage_that_a_stuck_read_back_claims(module, tmp_path):
     module.read_back = lambda count: count
     assert (np.asarray(module.path()[1][before:]) == 0.0).all()
     assert by_hand.zero(module.description(), SETTINGS)
-
-
-def test_an_order_leaves_a_file_of_another_layout_as_it_is(module):
-    device = module.description()
-    with duty.Duty(device) as guardian:
-        guardian.put(duty.Phase.DRIVING, 2.5)
-    path = duty.duty_file(device)
-    path.write_bytes(path.read_bytes()[:38])
-    duty.order(path, duty.Order.ZERO)
-    assert path.stat().st_size == 38
-    assert duty.look(path).counts is None
-    with duty.Duty(device) as guardian:
-        assert guardian.left == 2.5
 
 
 def test_the_recorder_raises_the_alarm_where_no_guardian_can(module, tmp_path, monkeypatch, capfd):
