@@ -112,14 +112,7 @@ def _resampling(
 ) -> tuple[float | None, list[str]]:
     """Return the interval to which the record is resampled, None where it may stay as it is."""
     y = table.columns[roles.output[0]]
-    columns = {roles.output[0]: y.size, **({roles.time[0]: time.size} if roles.time else {})}
-    columns |= {name: table.columns[name].size for name, _ in roles.inputs}
-    if len(set(columns.values())) > 1:
-        raise InputError(
-            "its columns differ in length: "
-            + ", ".join(f"{name!r} has {size}" for name, size in columns.items()),
-            remedy="Give signals of one sampling rate, of the same samples",
-        )
+    _check_lengths(table, roles)
     known = np.isfinite(time) & np.isfinite(y)
     for name, _ in roles.inputs:
         known &= np.isfinite(table.columns[name])
@@ -128,6 +121,12 @@ def _resampling(
     _check_times(time[known])
     interval = store.usual_interval(time[known])
     steps = np.diff(time[known])
+    if np.mean(steps < 0.5 * interval) > _SEVERAL_RATES:
+        raise InputError(
+            f"its samples are {steps.min():.4g} to {steps.max():.4g} s apart",
+            field="time",
+            remedy="Give the part of one sampling rate a file of its own",
+        )
     several = samples_to_average(filled(y)[0], 1.0 / interval)
     notes = []
     gaps = steps[steps > 1.6 * interval]
@@ -137,13 +136,6 @@ def _resampling(
     uneven = float(np.max(np.abs(steps - interval), initial=0.0, where=steps <= 1.6 * interval))
     if uneven > _JITTER * interval:
         notes.append(f"times jitter by up to {uneven:.2g} s: interpolated to {interval:g} s")
-    longest = float(np.max(steps, initial=0.0))
-    if float(np.mean(steps < 0.5 * interval)) > _SEVERAL_RATES:
-        raise InputError(
-            f"its samples are {steps.min():.4g} to {longest:.4g} s apart",
-            field="time",
-            remedy="Give the part of one sampling rate a file of its own",
-        )
     if several > 1:
         notes.append(
             f"the output holds no power beyond {1 / (20 * several * interval):.3g} Hz: {several}"
@@ -151,6 +143,24 @@ def _resampling(
         )
     needed = gaps.size or uneven > _JITTER * interval or several > 1 or not known.all()
     return (float(f"{several * interval:.9g}") if needed else None), notes
+
+
+def _check_lengths(table: store.ForeignTable, roles: Roles) -> None:
+    """Refuse columns of different length.
+
+    Raises
+    ------
+    InputError
+        Naming each with its length.
+    """
+    used = [each for each in (roles.output, roles.time, *roles.inputs) if each is not None]
+    sizes = {name: table.columns[name].size for name, _ in used}
+    if len(set(sizes.values())) > 1:
+        raise InputError(
+            "its columns differ in length: "
+            + ", ".join(f"{name!r} has {size}" for name, size in sizes.items()),
+            remedy="Give signals of one sampling rate, of the same samples",
+        )
 
 
 def _check_times(time: Array) -> None:
