@@ -15,7 +15,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from threading import Thread
 from typing import Any
 
 from dea.acquisition import buffered, polled
@@ -24,7 +23,7 @@ from dea.acquisition.closed_loop import Asked, ControllerError
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import Duty, Order, Phase, within_limits
 from dea.acquisition.endpoint_lock import endpoint_lock
-from dea.acquisition.latch import latch
+from dea.acquisition.first_trip import FirstTrip
 from dea.acquisition.launch import serve_nursery
 from dea.acquisition.laws import TripError
 from dea.acquisition.link_log import LinkLog
@@ -129,8 +128,7 @@ class Guardian:
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
-        self._trip: Exception | None = None  # the first one
-        self._latching: Thread | None = None
+        self._first_trip = FirstTrip(job.latch, job.device.name, self.alarm)
 
     def asked(self, number: int, _frame: object) -> None:
         """Note a signal that asks for zero; the next check acts on it."""
@@ -174,7 +172,7 @@ class Guardian:
         self.output.trusted = not isinstance(error, ReadBackError)
         # A read-back that has been found wrong is a trip where there is a safety model.
         laws = (TripError, ReadBackError) if self.device.safety else TripError
-        self._begin_latch(error if isinstance(error, laws) else None)
+        self._first_trip.latch(error if isinstance(error, laws) else None)
 
     def wait_for_locks(self) -> None:
         """Give a sign of life, and raise the alarm where it takes long, without the locks.
@@ -368,7 +366,7 @@ class Guardian:
                 break
             except Exception as error:  # only zero, or a person's order to dismiss, ends this loop
                 failing = failing or time.monotonic()
-                self._begin_latch(way.trip)
+                self._first_trip.latch(way.trip)
                 if time.monotonic() - failing >= self.job.settings.reconnect_time:
                     with suppress(Exception):
                         self._raise_alarm(error)
@@ -376,47 +374,32 @@ class Guardian:
                     with suppress(Exception):  # which is what is left to do
                         self.output.laws.disarm()
                     if self.duty.order == Order.DISMISS or self.device.virtual:
-                        self._end_latch(alive)
+                        self._await_latch(alive)
                         self.duty.put(Phase.DISMISSED, way.volts)
                         return
             time.sleep(RETRY)
-        self._begin_latch(way.trip)
-        self._end_latch(alive)
+        self._first_trip.latch(way.trip)
+        self._await_latch(alive)
         self.link.check = None
         self.duty.put(Phase.AT_ZERO, 0.0)
         self.link.on_connect = None
         self.link.close()
         self.wire.post("zero", str(evidence), self.link.log.cut())
 
-    def _begin_latch(self, trip: Exception | None) -> None:
-        """Latch the first trip, as it happens: zero may take hours, and a disk may hang."""
-        self._trip = self._trip or trip
-        if self._trip is not None and self._latching is None:
-            latching = Thread(target=self._latch, args=(self._trip,), daemon=True)
-            with suppress(RuntimeError):  # the host starts no threads: tried again
-                latching.start()
-                self._latching = latching
-
-    def _end_latch(self, alive: Callable[[], None]) -> None:
+    def _await_latch(self, alive: Callable[[], None]) -> None:
         """Wait until a trip is kept, and call ``alive`` meanwhile; a person may end it."""
         begun = time.monotonic()
-        while self._trip is not None and (self._latching is None or self._latching.is_alive()):
+        while (trip := self._first_trip.pending) is not None:
             with suppress(Exception):
                 alive()
-            self._begin_latch(None)
+            self._first_trip.latch()
             time.sleep(RETRY)
             if time.monotonic() - begun > self.job.settings.reconnect_time:
-                text = f"a trip ({self._trip}) is not kept yet: the disk does not take it."
+                text = f"a trip ({trip}) is not kept yet: the disk does not take it."
                 if self.alarm(text):
                     self.wire.post("alarm", text)
                 if self.duty.order == Order.DISMISS:
                     return
-
-    def _latch(self, trip: Exception) -> None:
-        try:
-            latch(self.job.latch, self.device.name, str(trip))
-        except OSError as error:
-            self.alarm(f"a trip ({trip}) could not be kept: {error}")
 
     def _raise_alarm(self, error: Exception) -> None:
         watchdog = "watchdog_time" in self.device
