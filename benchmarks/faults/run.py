@@ -19,6 +19,7 @@ from benchmarks.faults.proxy import FaultProxy
 from benchmarks.faults.schedule import Schedule
 from benchmarks.faults.trace import Trace
 from dea.acquisition.commissioning import write_report
+from dea.modbus import read_device
 
 PATIENCE = 90.0  # s beyond the plan and its faults until the command is held to hang
 UNREAD = 20.0  # s, of a command that waits for somebody to read its terminal; its guardian does not
@@ -156,7 +157,8 @@ def _arguments(schedule: Schedule, folder: Path, port: int, bench: BenchVictim |
             )
             + (plain_module.SAFETY if schedule.safety else "")
         )
-        write_report(description, {"device": "plain module"})  # as if it had been commissioned
+        # As if it had been commissioned.
+        write_report(read_device(description), description, {"device": "plain module"})
     else:
         description = MAP
     arguments = [
