@@ -122,7 +122,8 @@ def test_hysteresis_takes_energy_around_a_loop(form):
 
 
 @pytest.mark.parametrize(
-    "form", ["masing_loops", "menegotto_pinto", "ramberg_osgood", "preisach_product"]
+    "form",
+    ["masing_loops", "menegotto_pinto", "ramberg_osgood", "bolted_joint", "preisach_product"],
 )
 def test_reversals_are_remembered_and_smaller_ones_wiped_out(form):
     outer = resist(built("rate_independent_hysteresis", form, 1.0)[0], sweep(10, 2, 7))

@@ -309,3 +309,122 @@ def test_a_dent_stays_and_is_left_along_a_steeper_line(share):
         expected.append(max(steep * (depth - left), 0.0))
     np.testing.assert_allclose(felt, expected, atol=1e-9)
     assert felt[-1] < stiffness * deep
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_a_joint_s_springs_slip_with_segalman_s_density(share):
+    made, defining, draws = drawn("bolted_joint", 0.5, share)
+    assert not defining
+    # A branch is that of springs which slip at twice their stretch.
+    longest, order = 0.5 * draws.at(0.3, 0.9) * TRAVEL, draws.at(-0.8, -0.3)
+    together = draws.at(0.0, 0.5)
+    scale = (1.0 - together) * (1.0 + order) / longest ** (1.0 + order)
+
+    def virgin(u):
+        """The springs' force, by the density of the stretches at which they slip."""
+        parts = [(0.0, min(u, longest)), (min(u, longest), longest)]
+        slipped = quad(lambda s: s, *parts[0], weight="alg", wvar=(order, 0.0))[0]
+        holding = u * scale * quad(lambda s: s**order, *parts[1])[0]
+        return 0.5 * K * (scale * slipped + holding + together * min(u, longest))
+
+    path = sweep(9.0, 2.0, 6.0, start=REST)
+    felt = resist(made, path)
+    for k in (10, 50, 200, 400):
+        assert felt[k] == pytest.approx(virgin(path[k] - REST), rel=1e-6)
+    assert felt[400] - felt[800] == pytest.approx(2.0 * virgin(3.5), rel=1e-6)
+    assert felt[1000] - felt[800] == pytest.approx(2.0 * virgin(1.0), rel=1e-6)
+    # Loops take energy as a power of the swing: the property that the density was chosen for.
+    taken = []
+    for swing in (0.1 * longest, 0.2 * longest):
+        path = sweep(*[REST + swing, REST - swing] * 2, start=REST, points=4000)
+        felt = resist(drawn("bolted_joint", 0.5, share)[0], path)
+        loop = slice(4000, 12_001)
+        taken.append(np.trapezoid(felt[loop], path[loop]))
+    assert np.log2(taken[1] / taken[0]) == pytest.approx(3.0 + order, abs=0.01)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_an_iron_is_magnetised_as_another_integrator_says(share):
+    made, defining, draws = drawn("jiles_atherton", 0.5, share)
+    assert not defining
+    shape, pins = draws.at(0.1, 0.3) * TRAVEL, draws.at(0.05, 0.2) * TRAVEL
+    mean_field, reversible = draws.at(0.3, 0.8) * shape, draws.at(0.05, 0.2)
+    middle = BOTTOM + draws.at(0.3, 0.7) * TRAVEL
+
+    def langevin(x):
+        return 1.0 / np.tanh(x) - 1.0 / x
+
+    # By the effective field of Jiles and Atherton as the path: place = field - mean field * M.
+    def slope(field, m, side):
+        free = langevin(field / shape)
+        reversed_slope = (langevin((field + 1e-4) / shape) - free) / 1e-4
+        return max(side * (free - m), 0.0) / pins + reversible * reversed_slope
+
+    def along(place, m, side):
+        inner = slope(place - middle + mean_field * m, m, side)
+        return inner / (1.0 - mean_field * inner)
+
+    path = sweep(9.0, 1.0, 6.0, 4.5, start=REST, points=1000)
+    start = brentq(lambda m: m - langevin((REST - middle + mean_field * m) / shape), -1.0, 1.0)
+    m, expected = start, [np.array([start])]
+    for first in range(0, 4000, 1000):
+        ways = path[first + 1 : first + 1001]
+        side = np.sign(ways[-1] - path[first])
+        solved = solve_ivp(
+            lambda way, m, y=path[first], side=side: [side * along(y + side * way, m[0], side)],
+            (0.0, abs(ways[-1] - path[first])), [m], t_eval=np.abs(ways - path[first]),
+            max_step=0.02, rtol=1e-7,
+        )  # fmt: skip
+        expected.append(solved.y[0])
+        m = expected[-1][-1]
+    force = 0.5 * K * (3.0 * shape - mean_field)
+    found = resist(made, path)
+    np.testing.assert_allclose(found, -force * np.concatenate(expected), atol=2e-3 * force)
+    # Where no pin holds it attracts as a spring of the size would, near the middle.
+    free = [brentq(lambda m, h=h: m - langevin((h + mean_field * m) / shape), -1.0, 1.0)
+            for h in (-0.01 * shape, 0.01 * shape)]  # fmt: skip
+    assert force * (free[1] - free[0]) / (0.02 * shape) == pytest.approx(0.5 * K, rel=1e-3)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_tensions_on_either_side_of_a_post_are_in_euler_s_ratio(share):
+    made, defining, draws = drawn("belt_around_post", 0.05, share)
+    assert not defining
+    wound, growth = draws.at(0.15, 0.4), draws.at(0.2, 0.6)
+    stacked = forces.stack([made])
+    fast = 1e4 * UNEVEN.speed
+    for part in (0.0, 0.5, 1.0):
+        place = BOTTOM + part * TRAVEL
+        ahead, back = (forces.total_force(stacked, place, v) for v in (fast, -fast))
+        # Of dT = T dθ, integrated in ten thousand small pieces of the angle.
+        pulled = (1.0 + wound / 10_000) ** 10_000
+        load = 0.05 * FORCE * (1.0 + growth * (part - 0.5)) * 2.0 / (pulled - 1.0 / pulled)
+        assert ahead == pytest.approx(load * (pulled - 1.0), rel=1e-3)
+        assert back == pytest.approx(-load * (1.0 - 1.0 / pulled), rel=1e-3)
+    # It resists, and no load pushes: a slack belt has no friction.
+    assert forces.total_force(stacked, BOTTOM - 10.0 * TRAVEL, fast) == 0.0
+    slow = forces.total_force(stacked, BOTTOM + 0.5 * TRAVEL, 0.03 * UNEVEN.speed)
+    near = np.exp(wound * np.sin(0.25 * np.pi)) - 1.0
+    assert slow == pytest.approx(0.05 * FORCE * near / np.sinh(wound), rel=1e-9)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_gears_rub_more_once_in_a_period_whatever_the_direction(share):
+    made, defining, draws = drawn("uneven_gears", 0.05, share)
+    assert not defining
+    depth, period = draws.at(0.3, 0.7), draws.at(0.05, 0.3) * TRAVEL
+    stacked = forces.stack([made])
+    places = BOTTOM + np.linspace(0.0, 2.0 * period, 2001)
+    ahead, back = (
+        np.array([forces.total_force(stacked, y, v * 1e4 * UNEVEN.speed) for y in places])
+        for v in (1.0, -1.0)
+    )
+    np.testing.assert_allclose(back, -ahead, rtol=1e-9)
+    np.testing.assert_allclose(ahead[1000:], ahead[:1001], atol=1e-6 * FORCE)
+    # One line of the spectrum beside the mean.
+    lines = np.abs(np.fft.rfft(ahead[:-1])) / 1000.0
+    assert lines[0] == pytest.approx(2.0 * 0.05 * FORCE, rel=1e-6)
+    assert lines[2] == pytest.approx(depth * 0.05 * FORCE, rel=1e-6)
+    assert np.delete(lines, [0, 2]).max() < 1e-6 * FORCE
+    turned = np.sin(draws.at(0.0, 2.0 * np.pi))
+    assert ahead[0] == pytest.approx(0.05 * FORCE * (1.0 + depth * turned), rel=1e-5)

@@ -7,6 +7,7 @@ from made_draws import SHARES, UNEVEN, command, drawn
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.signal import lfilter
+from scipy.stats import gamma
 
 from dea.plant.film import SUBSTEP
 
@@ -252,3 +253,92 @@ def test_the_oscillation_obeys_van_der_pol_s_equation(share):
     assert np.diff(rises).mean() * SUBSTEP == pytest.approx(1.0 / frequency, rel=0.01)
     first = (1.0 - share % 1.0) / frequency
     assert rises[rises > 0][0] * SUBSTEP == pytest.approx(first, abs=0.01 / frequency)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_davidson_and_cole_s_lags_answer_a_step_as_a_gamma_distribution(share):
+    made, defining, draws = drawn("davidson_cole", 0.6, share)
+    assert not made.output
+    exponent, mean = draws.at(0.4, 0.8), 0.6 * TIME
+    assert defining == {"lag": pytest.approx(mean)}
+    risen = through(made, np.repeat([0.0, 1.0], [1, 4000]))[1:]
+    # The inverse of 1/(1 + sT)^b over s; hardly any lag is shorter than a sub-step.
+    expected = gamma.cdf(np.arange(1, 4001) * SUBSTEP, exponent, scale=mean / exponent)
+    np.testing.assert_allclose(risen[20:], expected[20:], atol=0.01)
+    assert (1.0 - risen).sum() * SUBSTEP == pytest.approx(mean, abs=SUBSTEP)
+    # Its response to a wave of ten periods of its longest lag.
+    angular = 2.0 * np.pi / (0.1 * mean / exponent)
+    made, t = drawn("davidson_cole", 0.6, share)[0], np.arange(8000) * SUBSTEP
+    passed = through(made, np.sin(angular * t))[6000:]
+    gain = np.hypot(1.0, angular * mean / exponent) ** -exponent
+    assert np.sqrt(2.0 * np.mean(passed**2)) == pytest.approx(gain, rel=0.05)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_tubes_charge_as_another_integrator_says(share):
+    made, defining, draws = drawn("vacuum_tubes", 0.4, share)
+    assert not made.output
+    assert not defining
+    scale, time = draws.at(0.1, 0.5) * SPAN, 0.4 * TIME
+
+    def charge(t, v):
+        error = np.interp(t, T, WAVE) - v
+        return np.sign(error) * np.abs(error) ** 1.5 / np.sqrt(scale) / time
+
+    solved = solve_ivp(charge, (0.0, T[-1]), WAVE[:1], max_step=0.005, rtol=1e-8, dense_output=True)
+    np.testing.assert_allclose(through(made, WAVE), solved.sol(T)[0], atol=6e-3 * SPAN)
+    # A step ends as the inverse square of the time.
+    made = drawn("vacuum_tubes", 0.4, share)[0]
+    left = 1.0 - through(made, np.repeat([0.0, scale], [1, 4000]))[1:] / scale
+    np.testing.assert_allclose(left**-0.5, 1.0 + np.arange(1, 4001) * SUBSTEP / (2.0 * time))
+
+
+@pytest.mark.parametrize("share", SHARES)
+@pytest.mark.parametrize("size", [0.01, 0.5])
+def test_integrators_and_combs_are_moving_means(share, size):
+    made, defining, draws = drawn("comb_filter", size, share)
+    assert made.output
+    means = draws.integers(3, 6)
+    length = max(round(2.0 * size * TIME / means / SUBSTEP) + 1, 2)
+    assert defining == {"lag": pytest.approx(0.5 * means * (length - 1) * SUBSTEP)}
+    assert defining["lag"] == pytest.approx(size * TIME, abs=0.5 * means * SUBSTEP)
+    # Hogenauer's integrators, then as many combs, in whole numbers.
+    steps = np.rint(1e3 * SWING).astype(int) - round(1e3 * SWING[0])
+    expected = steps.astype(object)
+    for _ in range(means):
+        expected = np.cumsum(expected)
+    for _ in range(means):
+        expected = expected - np.concatenate([np.zeros(length, int), expected[:-length]])
+    expected = expected.astype(float) / float(length) ** means
+    np.testing.assert_allclose(through(made, steps.astype(float)), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_a_cell_s_carriers_meet_as_another_integrator_says(share):
+    made, defining, draws = drawn("photoconductive_cell", 0.6, share)
+    assert made.output
+    assert not defining
+    below = (0.5 + draws.at(0.1, 0.6)) * TRAVEL
+    dark = 0.5 * (BOTTOM + TOP) - below
+
+    def free(t, n):
+        light = (np.interp(t, T, SWING) - dark) / below
+        return 0.5 / (0.6 * TIME) * (light - n**2)
+
+    start = np.sqrt((SWING[:1] - dark) / below)
+    solved = solve_ivp(free, (0.0, T[-1]), start, max_step=0.005, rtol=1e-8, dense_output=True)
+    read = through(made, SWING)
+    np.testing.assert_allclose(read, dark + below * solved.sol(T)[0] ** 2, atol=4e-3 * TRAVEL)
+    # A large step up is nearly over sooner than the same step down.
+    ends = []
+    for levels in ([BOTTOM, TOP], [TOP, BOTTOM]):
+        made = drawn("photoconductive_cell", 0.6, share)[0]
+        taken = np.abs(through(made, np.repeat(levels, [1, 4000])) - levels[0]) / TRAVEL
+        ends.append(np.argmax(taken > 0.95))
+    assert ends[0] < ends[1]
+    # A small step from the middle of the travel is a lag of its time.
+    centre = 0.5 * (BOTTOM + TOP)
+    made = drawn("photoconductive_cell", 0.6, share)[0]
+    small = through(made, np.repeat([centre, centre + 1e-5], [1, 500]))[1:] - centre
+    left = 1.0 - small / 1e-5
+    np.testing.assert_allclose(left, np.exp(-np.arange(1, 501) * SUBSTEP / (0.6 * TIME)), rtol=1e-3)

@@ -48,6 +48,7 @@ from dea.plant.force_laws.elastic import (
 from dea.plant.force_laws.friction import (
     ageing_friction,
     bearing_friction,
+    belt_friction,
     bristle_force,
     carry_age,
     carry_bristle,
@@ -56,11 +57,13 @@ from dea.plant.force_laws.friction import (
     lorentzian_friction,
     running_in_friction,
     stribeck_friction,
+    uneven_friction,
 )
 from dea.plant.force_laws.hysteresis import (
     carry_bouc_wen,
     carry_duhem,
     carry_flag,
+    carry_magnet,
     carry_sliders,
     masing_force,
     note_reversals,
@@ -142,7 +145,10 @@ WIDTH = 64  # length of a row of constants or memory
     CONICAL,
     MINER,
     DENTED,
-) = range(51)
+    MAGNET,
+    BELT,
+    UNEVEN,
+) = range(54)
 
 
 class Forces(NamedTuple):
@@ -270,6 +276,12 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total -= c[0] * y * miner_loss(c, m)
         elif kind == DENTED:
             total += dented_stop(c, m, y)
+        elif kind == MAGNET:
+            total -= c[0] * m[0]
+        elif kind == BELT:
+            total += belt_friction(c, y, v)
+        elif kind == UNEVEN:
+            total += uneven_friction(c, y, v)
     return total
 
 
@@ -328,3 +340,5 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             carry_swings(c, m, y, c[3])
         elif kind == DENTED:
             m[0] = max(m[0], y - c[1])
+        elif kind == MAGNET:
+            carry_magnet(c, m, y)

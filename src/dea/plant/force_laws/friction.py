@@ -111,3 +111,27 @@ def running_in_friction(c: Array, m: Array, v: float) -> float:
     """
     force: float = c[0] * (1.0 + c[1] * np.expm1(-m[0] / c[2])) * v / np.hypot(v, c[3])
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def belt_friction(c: Array, y: float, v: float) -> float:
+    """Return what a belt around a post adds to its load, by Euler's exponential.
+
+    J. L. Meriam and L. G. Kraige, Engineering Mechanics: Statics, 2007. c: load at the place c[2],
+    its growth with the place beyond, coefficient of friction times angle, speed of regularisation.
+    """
+    load = max(c[0] + c[1] * (y - c[2]), 0.0)
+    force: float = load * np.expm1(c[3] * v / np.hypot(v, c[4]))
+    return force
+
+
+@njit(cache=True, error_model="numpy")
+def uneven_friction(c: Array, y: float, v: float) -> float:
+    """Return friction c[0] that a share c[1] of rises and falls with the place, of period c[2].
+
+    B. Armstrong-Hélouvry, Control of Machines with Friction, 1991. c[3], c[4]: phase, speed of
+    regularisation.
+    """
+    uneven = 1.0 + c[1] * np.sin(2.0 * np.pi * y / c[2] + c[3])
+    force: float = c[0] * uneven * v / np.hypot(v, c[4])
+    return force

@@ -28,11 +28,15 @@ def _masing_branch(c: Array, start: float, end: float) -> float:
     and P. E. Pinto, IABSE Symposium Lisbon (1973) 15); branches are stiffer by the square of their
     distance from the place c[2] over c[3]. Where c[6] is 1, the length is f + f^c[4] for the force
     f instead (W. Ramberg and W. R. Osgood, NACA Technical Note 902, 1943), both over their scales.
+    Where it is 2, springs of a share c[5] of c[0] slip by and by up to the length c[1], as many as
+    its power c[4], and the others all there (D. J. Segalman, J. Appl. Mech. 72 (2005) 752).
     """
     length = abs(end - start)
     middle = (0.5 * (start + end) - c[2]) / c[3]
     if c[6] == 1.0:
         bent = _ramberg_osgood(length / c[1], c[4])
+    elif c[6] == 2.0:
+        bent = _slipping_joint(length / c[1], c[4], c[5])
     else:
         bent = c[5] + (1.0 - c[5]) / (1.0 + (length / c[1]) ** c[4]) ** (1.0 / c[4])
     gained: float = c[0] * length * bent * (1.0 + middle * middle)
@@ -49,6 +53,14 @@ def _ramberg_osgood(x: float, order: float) -> float:
         power = f ** (order - 1.0)
         f -= (f + f * power - x) / (1.0 + order * power)
     return f / x
+
+
+@njit(cache=True, error_model="numpy")
+def _slipping_joint(x: float, power: float, share: float) -> float:
+    """Return force over length of springs that have slipped up to x, 1 where none has."""
+    inside = min(x, 1.0)
+    held: float = 1.0 - share * inside**power / (1.0 + power)
+    return held if x < 1.0 else held / x
 
 
 @njit(cache=True, error_model="numpy")
@@ -116,6 +128,40 @@ def carry_duhem(c: Array, m: Array, y: float) -> None:
     share = -np.expm1(-c[0] * abs(step))
     line = c[1] * (0.5 * (y + m[1]) - c[3])
     m[0] += share * (line - m[0]) + c[2] * step
+    m[1] = y
+
+
+@njit(cache=True, error_model="numpy")
+def _langevin(x: float) -> tuple[float, float]:
+    """Return Langevin's function coth x - 1/x and its slope."""
+    if abs(x) < 0.01:
+        return x / 3.0 - x**3 / 45.0, 1.0 / 3.0 - x * x / 15.0
+    return 1.0 / np.tanh(x) - 1.0 / x, 1.0 / (x * x) - 1.0 / np.sinh(x) ** 2
+
+
+@njit(cache=True, error_model="numpy")
+def _magnetised(c: Array, m: float, place: float, side: float) -> float:
+    """Return the slope dM/dH of Jiles and Atherton's magnetisation at a place."""
+    free, slope = _langevin((place - c[5] + c[3] * m) / c[1])
+    # A wall that is pinned does not move away from where it would be without pins.
+    inner = max((free - m) * side, 0.0) / c[2] + c[4] * slope / c[1]
+    value: float = inner / (1.0 - c[3] * inner)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_magnet(c: Array, m: Array, y: float) -> None:
+    """Carry the magnetisation of an iron whose field is the place, by the midpoint rule.
+
+    D. C. Jiles and D. L. Atherton, J. Magn. Magn. Mater. 61 (1986) 48. c: force of saturation,
+    lengths of Langevin's function, of the pins and of the mean field, reversible share, place
+    without field; m: magnetisation and latest place. It is behind the field, so that a force that
+    pushed would add energy; the magnet attracts instead, which takes it.
+    """
+    step = y - m[1]
+    side = np.sign(step)
+    half = m[0] + 0.5 * step * _magnetised(c, m[0], m[1], side)
+    m[0] += step * _magnetised(c, half, m[1] + 0.5 * step, side)
     m[1] = y
 
 

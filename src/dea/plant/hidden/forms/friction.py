@@ -78,6 +78,32 @@ def running_in(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.RUNNING_IN, constants), {})
 
 
+@tuning("Meriam and Kraige, Engineering Mechanics: Statics (2007): Euler's belt around a post")
+def belt_around_post(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A belt that slides on a post, under a load that grows with the place.
+
+    Its tensions on either side have the ratio exp(0.15 to 0.4), whichever side pulls.
+    """
+    wound, growth = rng.uniform(0.15, 0.4), rng.uniform(0.2, 0.6)
+    # Half of what is felt on the way there and back is as large as Coulomb's friction.
+    load = conditions.device_forces(size) / np.sinh(wound)
+    constants = [
+        load * (1.0 - 0.5 * growth), load * growth / conditions.travel, conditions.bottom, wound,
+        0.03 * conditions.speed,
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.BELT, constants), {})
+
+
+@tuning("Armstrong-Hélouvry, Control of Machines with Friction (1991): friction of uneven gears")
+def uneven_gears(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Friction that rises and falls by 0.3 to 0.7 of its mean, every 0.05 to 0.3 travels."""
+    depth, period = rng.uniform(0.3, 0.7), rng.uniform(0.05, 0.3) * conditions.travel
+    # From the lowest place on, so that it does not depend on where the output has its zero.
+    phase = rng.uniform(0.0, 2.0 * np.pi) - 2.0 * np.pi * conditions.bottom / period
+    constants = [conditions.device_forces(size), depth, period, phase, 0.03 * conditions.speed]
+    return Built(ForceLaw(forces.UNEVEN, constants), {})
+
+
 @reporting("Dahl, Aerospace Corp. TOR-0158(3107-18) (1968): solid friction")
 def dahl(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Dahl's friction, which saturates within about two hundredths of the travel."""
@@ -101,6 +127,6 @@ EFFECTS = (
     EffectKind(
         "coulomb_friction", Port.FORCE, 0.002, 0.2, "device forces",
         (lugre, stribeck_curve, maxwell_slip, ageing_contacts, loaded_bearing, hess_soom,
-         running_in, dahl, makkar),
+         running_in, belt_around_post, uneven_gears, dahl, makkar),
     ),
 )  # fmt: skip

@@ -142,6 +142,42 @@ def tunnelling_contacts(size: float, conditions: Conditions, rng: Generator) -> 
     return Built(SignalLaw(_tunnelled, [scale, np.exp(-SUBSTEP / time)], [0.0, 0.0]), {})
 
 
+@tuning("Davidson and Cole, J. Chem. Phys. 19 (1951) 1484: times of relaxation up to a longest")
+def davidson_cole(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """1/(1 + sT)^b as lags side by side, whose mean delay bT is ``size`` band periods."""
+    from scipy.special import betaincinv
+
+    exponent, mean = rng.uniform(0.4, 0.8), size * conditions.time
+    # Their times over T have a beta distribution, here the middles of forty equal shares.
+    times = betaincinv(exponent, 1.0 - exponent, (np.arange(40) + 0.5) / 40.0)
+    times *= mean / times.mean()
+    return Built(parallel(0.0, np.full(40, 1.0 / 40.0), times), {"lag": mean})
+
+
+@njit(cache=True)
+def _through_tubes(c: Array, m: Array, u: Array) -> None:
+    """Follow at a rate that is a power 3/2 of the error, exactly at a held command.
+
+    c: share that the root of the error is lessened by, times that root, in a sub-step.
+    """
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, u[0]
+    for k in range(u.shape[0]):
+        error = u[k] - m[1]
+        m[1] = u[k] - error / (1.0 + c[0] * np.sqrt(abs(error))) ** 2
+        u[k] = m[1]
+
+
+@tuning("Langmuir, Phys. Rev. 2 (1913) 450, after Child: a vacuum tube passes a power 3/2")
+def vacuum_tubes(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A charge through one tube or the other, ever slower as it ends.
+
+    For an error of 0.1 to 0.5 of the range it is a lag of ``size`` band periods.
+    """
+    scale, time = rng.uniform(0.1, 0.5) * conditions.span, size * conditions.time
+    return Built(SignalLaw(_through_tubes, [0.5 * SUBSTEP / time / np.sqrt(scale)], [0.0, 0.0]), {})
+
+
 @reporting("Cole and Cole, J. Chem. Phys. 9 (1941) 341: a distribution of relaxation times")
 def cole_cole(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Lags side by side, with Cole and Cole's density around a central time."""
@@ -268,6 +304,72 @@ def cup_anemometer(size: float, conditions: Conditions, rng: Generator) -> Built
     return Built(law, {})
 
 
+@njit(cache=True)
+def _combed(c: Array, m: Array, y: Array) -> None:
+    """Moving means one after the other; m holds whether filled, place, and each one's sum and ring.
+
+    c: how many means, and of how many values.
+    """
+    means, length = int(c[0]), int(c[1])
+    if m[0] == 0.0:
+        m[:] = y[0]
+        m[0], m[1] = 1.0, 0.0
+        m[2 :: 1 + length] = length * y[0]
+    place = int(m[1])
+    for k in range(y.shape[0]):
+        for i in range(means):
+            start = 2 + i * (1 + length)
+            latest = start + 1 + place
+            m[start] += y[k] - m[latest]
+            m[latest] = y[k]
+            y[k] = m[start] / length
+        place = (place + 1) % length
+    m[1] = place
+
+
+@tuning(
+    "Hogenauer, IEEE Trans. Acoust. Speech Signal Process. 29 (1981) 155: integrators and combs"
+)
+def comb_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Three to five equal moving means, as behind a modulator, late by ``size`` band periods."""
+    means = int(rng.integers(3, 6))
+    length = max(round(2.0 * size * conditions.time / means / SUBSTEP) + 1, 2)
+    memory = np.zeros(2 + means * (1 + length))
+    law = SignalLaw(_combed, [means, length], memory, output=True)
+    return Built(law, {"lag": 0.5 * means * (length - 1) * SUBSTEP})
+
+
+@njit(cache=True)
+def _lit(c: Array, m: Array, y: Array) -> None:
+    """Carriers n that light y frees and that meet in pairs: n' = c[1] (y - n²), at a held y.
+
+    Light and reading n² are counted from the place c[0], in units of c[2].
+    """
+    dark, rate, unit = c
+    if m[0] == 0.0:
+        m[0], m[1] = 1.0, np.sqrt(max((y[0] - dark) / unit, 0.01))
+    for k in range(y.shape[0]):
+        end = np.sqrt(max((y[k] - dark) / unit, 0.01))
+        passed = np.tanh(rate * end * SUBSTEP)
+        m[1] = end * (m[1] + end * passed) / (end + m[1] * passed)
+        y[k] = dark + unit * m[1] * m[1]
+
+
+@tuning(
+    "Rose, Concepts in Photoconductivity and Allied Problems (1963): carriers that meet in pairs"
+)
+def photoconductive_cell(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A cell that is slower in the dark, so that the last of a fall takes long.
+
+    In the middle of the travel it is a lag of ``size`` band periods; darkness is 0.1 to 0.6
+    travels below the travel.
+    """
+    below = (0.5 + rng.uniform(0.1, 0.6)) * conditions.travel
+    dark = 0.5 * (conditions.bottom + conditions.top) - below
+    constants = [dark, 0.5 / (size * conditions.time), below]
+    return Built(SignalLaw(_lit, constants, [0.0, 0.0], output=True), {})
+
+
 @reporting("Thomson, Proc. IEE 96 (1949) 487: a Bessel filter of fourth order")
 def bessel_filter(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A Bessel filter of fourth order whose delay at low frequency is ``size`` band periods."""
@@ -299,11 +401,11 @@ EFFECTS = (
     EffectKind(
         "electrode_lag", Port.INPUT, 0.01, 1.0, "band periods",
         (cable_diffusion, two_stages, lead_inductance, rim_contact, bleeder_resistor,
-         tunnelling_contacts, cole_cole, stretched_electrode),
+         tunnelling_contacts, davidson_cole, vacuum_tubes, cole_cole, stretched_electrode),
     ),
     EffectKind(
         "sensor_lag", Port.OUTPUT, 0.01, 1.0, "band periods",
         (seismic_element, integrating_converter, bare_thermometer, buried_sensor, thermistor_bead,
-         cup_anemometer, bessel_filter, sheathed_probe),
+         cup_anemometer, comb_filter, photoconductive_cell, bessel_filter, sheathed_probe),
     ),
 )  # fmt: skip

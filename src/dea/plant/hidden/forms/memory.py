@@ -258,6 +258,48 @@ def flag_loops(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(ForceLaw(forces.FLAG, constants, [0.0, conditions.rest]), {})
 
 
+@tuning("Segalman, J. Appl. Mech. 72 (2005) 752: Iwan's sliders with the density of a bolted joint")
+def bolted_joint(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Springs of ``size`` stiffnesses on sliders, of which many slip at once; then all slip.
+
+    Loops of small swings take energy as a power of 2.2 to 2.7 of the swing.
+    """
+    order, together = rng.uniform(-0.8, -0.3), rng.uniform(0.0, 0.5)
+    constants = [
+        size * conditions.stiffness, rng.uniform(0.3, 0.9) * conditions.travel,
+        conditions.median, np.inf, 1.0 + order, 1.0 - together, 2.0,
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.MASING, constants, _reversals(conditions)), {})
+
+
+@tuning("Jiles and Atherton, J. Magn. Magn. Mater. 61 (1986) 48: walls that pins hold in iron")
+def jiles_atherton(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """An iron that is magnetised by its place attracts; ``size`` stiffnesses without its pins.
+
+    It begins where it would be without pins.
+    """
+    shape, pins = rng.uniform(0.1, 0.3), rng.uniform(0.05, 0.2)
+    mean_field, reversible = rng.uniform(0.3, 0.8) * shape, rng.uniform(0.05, 0.2)
+    middle = rng.uniform(0.3, 0.7)
+    field = (conditions.rest - conditions.bottom) / conditions.travel - middle
+    force = (3.0 * shape - mean_field) * conditions.device_forces(size)
+    lengths = conditions.travel * np.array([shape, pins, mean_field])
+    constants = [force, *lengths, reversible, conditions.bottom + middle * conditions.travel]
+    start = _without_pins(field / shape, mean_field / shape)
+    return Built(ForceLaw(forces.MAGNET, constants, [start, conditions.rest]), {})
+
+
+def _without_pins(field: float, mean_field: float) -> float:
+    """Return the magnetisation that is Langevin's function of the field and its own share."""
+    from scipy.optimize import brentq
+
+    def excess(m: float) -> float:
+        x = field + mean_field * m
+        return m - (1.0 / np.tanh(x) - 1.0 / x if abs(x) > 1e-3 else x / 3.0)
+
+    return float(brentq(excess, -1.0, 1.0))
+
+
 @reporting("Biorci and Pescetti, Nuovo Cimento 7 (1958) 829: Preisach's model, density a product")
 def preisach_product(size: float, conditions: Conditions, rng: Generator) -> Built:
     """Preisach's relays with Lorentzian densities; the whole loop is ``size`` film forces high."""
@@ -290,6 +332,6 @@ EFFECTS = (
     EffectKind(
         "rate_independent_hysteresis", Port.FORCE, 0.005, 4.0, "stiffnesses",
         (masing_loops, menegotto_pinto, bouc_wen, prandtl_sliders, ramberg_osgood,
-         flag_loops, preisach_product, coleman_hodgdon),
+         flag_loops, bolted_joint, jiles_atherton, preisach_product, coleman_hodgdon),
     ),
 )  # fmt: skip
