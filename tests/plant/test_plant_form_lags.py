@@ -50,6 +50,8 @@ def test_a_lag_settles_and_its_mean_delay_is_as_stated(effect, form, seed):
     elif form == "reflecting_line":  # its delay is the first arrival
         assert mean == pytest.approx(defining["delay"], rel=0.25)
         assert int(np.argmax(taken > 0.5)) == pytest.approx(defining["delay"] / SUBSTEP, abs=1)
+    elif form == "coaxial_cable":  # half of it is there in time, its mean never is
+        assert int(np.argmax(taken > 0.5)) == pytest.approx(0.2 / SUBSTEP, abs=2)
     elif form == "laminar_tube":
         assert mean == pytest.approx(0.2, rel=0.02)
     elif defining:

@@ -428,3 +428,48 @@ def test_gears_rub_more_once_in_a_period_whatever_the_direction(share):
     assert np.delete(lines, [0, 2]).max() < 1e-6 * FORCE
     turned = np.sin(draws.at(0.0, 2.0 * np.pi))
     assert ahead[0] == pytest.approx(0.05 * FORCE * (1.0 + depth * turned), rel=1e-5)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_a_leaf_is_bent_as_its_guide_allows(share):
+    made, defining, draws = drawn("guided_leaf", 0.4, share)
+    assert not defining
+    touched, beyond = draws.at(0.0, 0.3), draws.at(0.3, 0.45)
+    # A leaf of length 1 is bent by its moment, by no more than the guide; touched at force 1.
+    s = (np.arange(20_000) + 0.5) / 20_000
+    force = np.geomspace(1.0, 12.0, 400)
+    bent = np.minimum(force[:, None] * (1.0 - s), 1.0) @ (1.0 - s) / s.size
+    x = bent / bent[0]
+    y = BOTTOM + TRAVEL * (touched + (1.0 - touched) * (x - 1.0) / beyond)
+    added = force - x
+    expected = 0.4 * FORCE * added / np.interp(1.0 + beyond, x, added)
+    inside = x < 1.0 + beyond
+    np.testing.assert_allclose(resist(made, y[inside]), expected[inside], atol=1e-3 * FORCE)
+    below = np.linspace(BOTTOM - TRAVEL, BOTTOM + touched * TRAVEL, 50)
+    np.testing.assert_allclose(resist(made, below), 0.0, atol=1e-9)
+    beyond_top = resist(made, np.linspace(TOP + 2.0 * TRAVEL, TOP + 3.0 * TRAVEL, 50))
+    np.testing.assert_allclose(np.diff(beyond_top, 2), 0.0, atol=1e-9 * beyond_top[-1])
+    assert beyond_top[0] > expected[inside][-1]
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_damage_comes_with_the_largest_stroke_and_with_all_strokes(share):
+    made, defining, draws = drawn("two_damages", 0.2, share)
+    assert not defining
+    part = draws.at(0.3, 0.7)
+    path = sweep(*[TOP, REST] * 3, 7.0, REST, TOP + 2.0, REST, start=REST, points=200)
+    energy = 0.5 * K * (path - REST) ** 2
+    largest = np.maximum.accumulate(energy)
+    changes = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(energy)))])
+
+    def lost(work, whole):
+        scale = draws.at(0.3, 1.0) * whole
+        return (1.0 - np.exp(-work / scale)) / (1.0 - np.exp(-whole / scale))
+
+    whole = 0.5 * K * TRAVEL * UNEVEN.path
+    first = lost(largest, 0.5 * K * (TOP - REST) ** 2)
+    expected = 0.2 * (part * first + (1.0 - part) * lost(changes, whole))
+    np.testing.assert_allclose(resist(made, path), -K * path * expected, rtol=1e-9)
+    # A large damage leaves a tenth.
+    made = drawn("two_damages", 5.0, share)[0]
+    assert resist(made, sweep(TOP, start=REST))[-1] == pytest.approx(-0.9 * K * TOP)

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from made_conditions import CONDITIONS, built, held, through
+from made_conditions import CONDITIONS, built, held, resist, through
 from made_draws import SHARES, UNEVEN, command, drawn
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.signal import lfilter
+from scipy.stats import norm
 
 from dea.plant.film import SUBSTEP
 
@@ -80,7 +81,28 @@ def optical_lever(size, d):
     return np.where(np.abs(angle) < 1.28, read, np.nan)
 
 
-@pytest.mark.parametrize("law", [logarithmic_pixel, mismatched_bits, optical_lever])
+def true_at_ends(signal):
+    """Return a reading that is a signal of the place, between its values at both ends."""
+    low, high = signal(BOTTOM), signal(TOP)
+    return BOTTOM + TRAVEL * (signal(Y) - low) / (high - low)
+
+
+def light_probe(size, d):
+    nearest = d.at(0.7, 1.3) * TRAVEL / size
+    target = TOP + nearest if d.share < 0.5 else BOTTOM - nearest
+    return true_at_ends(lambda y: (nearest / (y - target)) ** 2)
+
+
+def knife_edge(size, d):
+    # What a Gaussian beam, twice as wide as its standard deviation, has on one side of the edge.
+    centre = 0.5 * (BOTTOM + TOP) + d.at(-0.4, 0.4) * 0.5 * TRAVEL
+    deviation = 0.5 * TRAVEL / (1.2 * min(size, 1.25)) / np.sqrt(2.0)
+    return true_at_ends(norm(centre, deviation).cdf)
+
+
+@pytest.mark.parametrize(
+    "law", [logarithmic_pixel, mismatched_bits, optical_lever, light_probe, knife_edge]
+)
 @pytest.mark.parametrize("share", SHARES)
 @pytest.mark.parametrize("size", [0.12, 0.44, 1.4])
 def test_a_reading_is_bent_as_the_law_says(law, share, size):
@@ -259,6 +281,19 @@ def test_the_sensor_s_scale_and_the_load_change_at_a_moment(share):
     expected = 0.3 * UNEVEN.stiffness * TRAVEL * draws.side() * risen
     felt = held(load, 4.0, T.size * SUBSTEP)
     np.testing.assert_allclose(felt[:-1], expected[1:], atol=1e-9)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_a_dry_bearing_is_felt_in_proportion_to_the_speed(share):
+    made, defining, draws = drawn("dry_bearing", 0.3, share)
+    moment, risen = ramp(draws)
+    assert defining == {"time": pytest.approx(moment)}
+    path = 4.0 + 2.0 * np.sin(2.0 * np.pi * T / TIME)
+    speeds = np.diff(path) / SUBSTEP
+    # An amplitude at the edge of the band is resisted as by 0.3 stiffnesses.
+    dashpot = 0.3 * UNEVEN.stiffness / (2.0 * np.pi / TIME)
+    felt = resist(made, path)[1:-1]
+    np.testing.assert_allclose(felt, dashpot * speeds[:-1] * risen[2:], atol=1e-9)
 
 
 @pytest.mark.parametrize("share", SHARES)

@@ -11,7 +11,8 @@ Y = np.linspace(CONDITIONS.bottom, CONDITIONS.top, 4001)
 CURVES = [
     "calibration_polynomial", "interpolation_error", "loaded_potentiometer", "oblique_cable",
     "approached_magnet", "segmented_converter", "mismatched_bits", "optical_lever",
-    "uneven_track", "unbalanced_bridge", "lever_angle", "exponential_element",
+    "uneven_track", "light_probe", "knife_edge", "unbalanced_bridge", "lever_angle",
+    "exponential_element",
 ]  # fmt: skip
 
 

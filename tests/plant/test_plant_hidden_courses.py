@@ -98,6 +98,12 @@ def wandering(d):
     return np.interp(WITHIN, np.linspace(0.0, DURATION, points), path / np.abs(path).max())
 
 
+def walk(d):
+    """A sum of independent steps, the farthest of which is 1 away."""
+    path = lfilter([1.0], [1.0, -1.0], np.append(0.0, d.standard_normal(4000)))
+    return np.interp(WITHIN, np.linspace(0.0, DURATION, 4001), path / np.abs(path).max())
+
+
 def discharge(d):
     """A part that is exponential, and one in which what is left of the charge divides."""
     whole, time, share = d.at(1.05, 1.3) * DURATION, d.at(0.03, 0.1) * DURATION, d.at(0.2, 0.5)
@@ -134,6 +140,7 @@ COURSES = {
     "creeping_mount": cubic,
     "differential_expansion": two_parts,
     "heated_wall": heat,
+    "walking_bias": walk,
     "wandering_baseline": wandering,
     "daily_swing": tide,
 }

@@ -5,7 +5,7 @@ import pytest
 from made_conditions import built, through
 from made_draws import SHARES, UNEVEN, command, drawn
 from scipy.signal import lfilter
-from scipy.stats import nbinom
+from scipy.stats import levy, nbinom
 
 from dea.plant.film import SUBSTEP
 
@@ -59,6 +59,23 @@ def test_a_stream_of_a_laminar_flow_arrives_with_its_share_of_it():
     expected = np.mean([came(late) for late in steps], axis=0)
     np.testing.assert_allclose(through(made, U), expected, atol=1e-9)
     assert steps.mean() == pytest.approx(0.4 * TIME / SUBSTEP, abs=0.5)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_an_edge_leaves_a_coaxial_cable_as_its_skin_effect_lets_it(share):
+    made, defining, draws = drawn("coaxial_cable", 0.5, share)
+    assert not made.output
+    assert not defining
+    half, late = 0.5 * TIME, draws.at(0.002, 0.015)
+    risen = through(made, np.repeat([0.0, 1.0], [1, 8000]))[1:]
+    # Levy's distribution is the error function of the root, and its median is known.
+    scale = late * half / levy.median()
+    whole = levy.cdf(np.arange(8002) * SUBSTEP, (1.0 - late) * half, scale)
+    # To half a part, and a sub-step.
+    assert (risen > whole[:-2] - 0.51 / 24.0).all()
+    assert (risen < whole[2:] + 0.51 / 24.0).all()
+    assert int(np.argmax(risen >= 0.5)) == pytest.approx(half / SUBSTEP, abs=2)
+    assert (risen[: int(0.98 * half / SUBSTEP)] == 0.0).all()
 
 
 def test_no_stream_arrives_in_the_sub_step_in_which_it_left():

@@ -24,12 +24,14 @@ from dea.plant.force_laws.contact import (
     stepped_stop,
 )
 from dea.plant.force_laws.damage import (
+    carry_strain_work,
     carry_swings,
     count_reversals,
     crack_loss,
     cycle_damage,
     miner_loss,
     pseudo_elastic_loss,
+    two_damages,
     work_damage,
 )
 from dea.plant.force_laws.damping import drag_force, pumped_force
@@ -41,6 +43,7 @@ from dea.plant.force_laws.elastic import (
     fibre_force,
     fung_force,
     gent_force,
+    guided_force,
     power_force,
     snap_force,
     toe_force,
@@ -70,7 +73,12 @@ from dea.plant.force_laws.hysteresis import (
     preisach_force,
     sliders_force,
 )
-from dea.plant.force_laws.in_time import force_in_time, pulse_train, stiffness_in_time
+from dea.plant.force_laws.in_time import (
+    dashpot_in_time,
+    force_in_time,
+    pulse_train,
+    stiffness_in_time,
+)
 from dea.plant.force_laws.mode import (
     carry_column,
     carry_mode,
@@ -148,7 +156,10 @@ WIDTH = 64  # length of a row of constants or memory
     MAGNET,
     BELT,
     UNEVEN,
-) = range(54)
+    TWO_DAMAGES,
+    GUIDED,
+    DASHPOT_COURSE,
+) = range(57)
 
 
 class Forces(NamedTuple):
@@ -282,6 +293,12 @@ def total_force(forces: Forces, y: float, v: float) -> float:
             total += belt_friction(c, y, v)
         elif kind == UNEVEN:
             total += uneven_friction(c, y, v)
+        elif kind == TWO_DAMAGES:
+            total -= c[0] * y * two_damages(c, m)
+        elif kind == GUIDED:
+            total += guided_force(c, y)
+        elif kind == DASHPOT_COURSE:
+            total += dashpot_in_time(c, m, v)
     return total
 
 
@@ -312,7 +329,7 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             m[0] += c[0] * abs((y - c[3]) * v) * dt
         elif kind == MODE:
             carry_mode(c, m, y, v, dt)
-        elif kind in (STIFFNESS_COURSE, FORCE_COURSE, PULSES, PUMPED):
+        elif kind in (STIFFNESS_COURSE, FORCE_COURSE, DASHPOT_COURSE, PULSES, PUMPED):
             m[0] += dt
         elif kind == SLIDERS:
             carry_sliders(c, m, y)
@@ -342,3 +359,5 @@ def update_memory(forces: Forces, y: float, v: float, dt: float) -> None:
             m[0] = max(m[0], y - c[1])
         elif kind == MAGNET:
             carry_magnet(c, m, y)
+        elif kind == TWO_DAMAGES:
+            carry_strain_work(c, m, y)

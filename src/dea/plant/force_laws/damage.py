@@ -104,3 +104,24 @@ def miner_loss(c: Array, m: Array) -> float:
     """Return the share lost, c[1] after c[2] cycles: M. A. Miner, J. Appl. Mech. 12 (1945) A159."""
     value: float = min(c[1] * m[4] / c[2], 0.9)
     return value
+
+
+@njit(cache=True, error_model="numpy")
+def carry_strain_work(c: Array, m: Array, y: float) -> None:
+    """Carry the largest energy of a spring c[0] so far, and the sum of all its changes.
+
+    c[5]: place without force; m: largest, sum and latest energy.
+    """
+    energy = 0.5 * c[0] * (y - c[5]) ** 2
+    m[0], m[1], m[2] = max(m[0], energy), m[1] + abs(energy - m[2]), energy
+
+
+@njit(cache=True, error_model="numpy")
+def two_damages(c: Array, m: Array) -> float:
+    """Return the share lost, c[1] with the largest energy and c[3] with the sum of its changes.
+
+    C. Miehe, Eur. J. Mech. A/Solids 14 (1995) 697: either is an exponential, over c[2] and c[4].
+    """
+    lost = -c[1] * np.expm1(-m[0] / c[2]) - c[3] * np.expm1(-m[1] / c[4])
+    value: float = min(lost, 0.9)
+    return value

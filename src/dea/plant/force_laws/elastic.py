@@ -132,3 +132,19 @@ def conical_force(c: Array, y: float) -> float:
     added = x**-3 - inside / begun + (d - inside) * (4.0 / (x**4 - q**4) - 1.0 / begun)
     force: float = c[0] * added
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def guided_force(c: Array, y: float) -> float:
+    """Return what a curved guide adds to a leaf spring that lays itself against it.
+
+    J. P. Den Hartog, Mechanical Vibrations, 1956. At the place c[2] the leaf, deflected by c[1],
+    first touches with its root, under the force c[0]; at x deflections the part that is still free
+    needs 1/√(3 - 2x) of that force. From 1.47 on it goes on in a straight line.
+    """
+    x = 1.0 + max(y - c[2], 0.0) / c[1]
+    inside = min(x, 1.47)
+    room = 3.0 - 2.0 * inside
+    added = room**-0.5 - inside + (x - inside) * (room**-1.5 - 1.0)
+    force: float = c[0] * added
+    return force

@@ -81,3 +81,10 @@ def pulse_train(c: Array, m: Array) -> float:
     bell = np.exp(c[3] * (np.cos(2.0 * np.pi * c[1] * m[0] + c[2]) - 1.0))
     force: float = c[0] * (bell - c[4])
     return force
+
+
+@njit(cache=True, error_model="numpy")
+def dashpot_in_time(c: Array, m: Array, v: float) -> float:
+    """Return the force of a dashpot c[0] that comes with time."""
+    value: float = c[0] * v * course(c[1], c[2], c[3], m[0])
+    return value

@@ -159,6 +159,20 @@ def loaded_line(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(law, {"delay": mean})
 
 
+@tuning("Wigington and Nahman, Proc. IRE 45 (1957) 166: a coaxial cable with the skin effect")
+def coaxial_cable(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """Twenty-four equal parts of an edge; erfc(a/√(t - T)) is there at t, after its front at T.
+
+    Half of it is there by ``size`` band periods, of which 0.002 to 0.015 are after the front.
+    """
+    from scipy.special import erfcinv
+
+    half, late = size * conditions.time, rng.uniform(0.002, 0.015)
+    after = (erfcinv(0.5) / erfcinv((np.arange(24) + 0.5) / 24.0)) ** 2
+    law, _ = _spread(np.ones(24), half * (1.0 - late + late * after))
+    return Built(law, {})
+
+
 @njit(cache=True)
 def _jittered(c: Array, m: Array, u: Array) -> None:
     """c: mean, depth (s), (frequency, phase) of every sine of the delay.
@@ -202,6 +216,6 @@ EFFECTS = (
     EffectKind(
         "transport_delay", Port.INPUT, 0.004, 0.6, "band periods",
         (pure_delay, sampled_and_held, laminar_tube, reflecting_line, bucket_brigade,
-         joined_samples, loaded_line, jittered_delay, dispersed_plug_flow),
+         joined_samples, loaded_line, coaxial_cable, jittered_delay, dispersed_plug_flow),
     ),
 )  # fmt: skip

@@ -108,6 +108,14 @@ def _wandering(conditions: Conditions, rng: Generator) -> Course:
     return lambda t: np.interp(t, times, path)
 
 
+def _random_walk(conditions: Conditions, rng: Generator) -> Course:
+    """Walk by independent steps, four thousand in the record; the farthest place is 1 away."""
+    path = np.append(0.0, np.cumsum(rng.standard_normal(4000)))
+    path /= np.abs(path).max()
+    times = np.linspace(0.0, conditions.duration, path.size)
+    return lambda t: np.interp(t, times, path)
+
+
 def _discharge(conditions: Conditions, rng: Generator) -> Course:
     """Change exponentially at first, then hardly, and as a hyperbola before the end, to 1."""
     whole = rng.uniform(1.05, 1.3) * conditions.duration
@@ -256,6 +264,12 @@ def heated_wall(size: float, conditions: Conditions, rng: Generator) -> Built:
     return _added(size, conditions, rng, _through_a_wall(conditions, rng))
 
 
+@tuning("IEEE, Standard 952 for fibre optic gyroscopes (1997): a bias that walks at random")
+def walking_bias(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The reading's baseline walks at random."""
+    return _added(size, conditions, rng, _random_walk(conditions, rng))
+
+
 @reporting("Harvey, Forecasting, Structural Time Series Models (1989): an integrated random walk")
 def wandering_baseline(size: float, conditions: Conditions, rng: Generator) -> Built:
     """The reading's baseline wanders smoothly."""
@@ -286,6 +300,7 @@ EFFECTS = (
     EffectKind(
         "baseline_drift", Port.TIME, 0.005, 2.0, "travels",
         (warming_mount, swelling_mount, steady_zero, creeping_mount, differential_expansion,
-         consolidating_bed, heated_wall, wandering_baseline, daily_swing, settling_load),
+         consolidating_bed, heated_wall, walking_bias, wandering_baseline, daily_swing,
+         settling_load),
     ),
 )  # fmt: skip

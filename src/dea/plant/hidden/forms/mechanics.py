@@ -81,6 +81,19 @@ def conical_spring(size: float, conditions: Conditions, rng: Generator) -> Built
     return _static(forces.CONICAL, [force, length, conditions.bottom, narrow])
 
 
+@tuning("Den Hartog, Mechanical Vibrations (1956): a leaf spring that a curved guide shortens")
+def guided_leaf(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A leaf that begins to lie against its guide within the first third of the travel.
+
+    At the top it is bent 1.3 to 1.45 times as far as where it begins; at 1.5 times it lies whole.
+    """
+    touched = conditions.bottom + rng.uniform(0.0, 0.3) * conditions.travel
+    beyond = rng.uniform(0.3, 0.45)
+    length = (conditions.top - touched) / beyond
+    force = conditions.device_forces(size) / ((1.0 - 2.0 * beyond) ** -0.5 - 1.0 - beyond)
+    return _static(forces.GUIDED, [force, length, touched])
+
+
 @reporting("Gent, Rubber Chem. Technol. 69 (1996) 59: limited extensibility")
 def gent(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A force that rises without bound at 1.15 to 1.5 travels."""
@@ -171,6 +184,20 @@ def endurance_limit(size: float, conditions: Conditions, rng: Generator) -> Buil
         0.1 * conditions.travel, conditions.travel, order,
     ]  # fmt: skip
     return Built(ForceLaw(forces.MINER, constants), {})
+
+
+@tuning("Miehe, Eur. J. Mech. A/Solids 14 (1995) 697: damage by the largest stroke and by all")
+def two_damages(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """A part of the loss comes with each new largest stroke, the rest with the work of all."""
+    most = 0.5 * conditions.stiffness * (conditions.top - conditions.rest) ** 2
+    whole = 0.5 * conditions.stiffness * conditions.path * conditions.travel
+    early, late = rng.uniform(0.3, 1.0) * most, rng.uniform(0.3, 1.0) * whole
+    share = rng.uniform(0.3, 0.7)
+    constants = [
+        conditions.stiffness, share * size / -np.expm1(-most / early), early,
+        (1.0 - share) * size / -np.expm1(-whole / late), late, conditions.rest,
+    ]  # fmt: skip
+    return Built(ForceLaw(forces.TWO_DAMAGES, constants), {})
 
 
 @reporting("Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83: damage driven by work")
@@ -291,12 +318,12 @@ EFFECTS = (
     EffectKind(
         "strain_stiffening", Port.FORCE, 0.01, 20.0, "device forces",
         (fung, ogden_term, demiray, recruited_fibres, taut_cables, tendon_toe,
-         conical_spring, gent, langevin_chain),
+         conical_spring, guided_leaf, gent, langevin_chain),
     ),
     EffectKind(
         "cyclic_softening", Port.FORCE, 0.002, 0.8, "1",
         (power_of_cycles, ogden_roxburgh, saturating_cycles, paris_crack, three_stages,
-         endurance_limit, damage_by_work, logarithm_of_cycles),
+         endurance_limit, two_damages, damage_by_work, logarithm_of_cycles),
     ),
     EffectKind(
         "second_mode", Port.FORCE, 0.002, 2.0, "stiffnesses",

@@ -269,6 +269,35 @@ def uneven_track(size: float, conditions: Conditions, rng: Generator) -> Built:
     return Built(reading_curve(tapped, conditions), {})
 
 
+@tuning(
+    "Cook and Hamm, Appl. Opt. 18 (1979) 3230: light that falls with the square of the distance"
+)
+def light_probe(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The light of a target that comes or goes, scaled to be true at both ends.
+
+    At its nearest it is 0.7 to 1.3 travels over ``size`` away.
+    """
+    nearest, comes = conditions.travel * rng.uniform(0.7, 1.3) / size, rng.random() < 0.5
+
+    def light(y: Array) -> Array:
+        away = conditions.top - y if comes else y - conditions.bottom
+        value: Array = np.maximum(1.0 + away / nearest, 0.2) ** -2.0
+        return value
+
+    return Built(_true_at_ends(light, conditions), {})
+
+
+@tuning("Suzaki and Tachibana, Appl. Opt. 14 (1975) 2809: a knife-edge across a Gaussian beam")
+def knife_edge(size: float, conditions: Conditions, rng: Generator) -> Built:
+    """The light past an edge that moves with the output, scaled to be true at both ends."""
+    from scipy.special import erf
+
+    steep, centre = 1.2 * min(size, 1.25), rng.uniform(-0.4, 0.4)
+    return Built(
+        _true_at_ends(lambda y: erf(steep * (_place(y, conditions) - centre)), conditions), {}
+    )
+
+
 @reporting("Doebelin, Measurement Systems (2003): an unbalanced Wheatstone bridge, x/(1 + a x)")
 def unbalanced_bridge(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A bridge whose reading falls short of (or exceeds) the straight line by a hyperbola."""
@@ -320,6 +349,6 @@ EFFECTS = (
         "sensor_nonlinearity", Port.OUTPUT, 0.005, 1.5, "1",
         (calibration_polynomial, interpolation_error, loaded_potentiometer, oblique_cable,
          approached_magnet, segmented_converter, mismatched_bits, optical_lever, uneven_track,
-         unbalanced_bridge, lever_angle, exponential_element),
+         light_probe, knife_edge, unbalanced_bridge, lever_angle, exponential_element),
     ),
 )  # fmt: skip
