@@ -136,6 +136,26 @@ def test_without_three_separate_windows_the_noise_alone_is_known():
     assert np.array_equal(widened(12.5 * np.arange(9), theta, covariance, 100), covariance)
 
 
+def _first_of_eight_windows(records, ratio):
+    """Return means of white noise over eight windows' length and their variance; 1 is stated."""
+    rng, overlap, separate = np.random.default_rng(5), 8, 8
+    noise = rng.standard_normal((records, overlap * separate)) * np.sqrt(ratio * overlap)
+    theta = np.lib.stride_tricks.sliding_window_view(noise, overlap, axis=1).mean(axis=-1)
+    centre, stated = np.arange(theta.shape[1]) + 0.0, np.ones((theta.shape[1], 1, 1))
+    found = [widened(centre, estimates[:, None], stated, overlap)[0, 0, 0] for estimates in theta]
+    return theta[:, 0], np.array(found)
+
+
+def test_an_interval_holds_where_few_windows_tell_how_far_estimates_scatter():
+    error, variance = _first_of_eight_windows(2000, ratio=9.0)
+    assert 0.93 < np.mean(np.abs(error) < 1.96 * np.sqrt(variance)) < 0.97
+
+
+def test_where_nothing_scatters_few_windows_widen_little():
+    _, variance = _first_of_eight_windows(2000, ratio=1.0)
+    assert 1.0 <= variance.mean() < 1.3
+
+
 @pytest.mark.parametrize(("window", "few"), [(None, False), (500, False), (501, True)])
 def test_a_record_of_few_windows_has_no_intervals(window, few):
     u, y = record(4000)
