@@ -14,7 +14,15 @@ from numba import njit
 
 from dea.plant.array import Array
 from dea.plant.film import SUBSTEP
-from dea.plant.forces import Forces, total_force, update_memory
+from dea.plant.forces import (
+    DRY_STEPS,
+    Forces,
+    friction,
+    is_stiff,
+    pushed,
+    total_force,
+    update_memory,
+)
 
 
 class Drive(NamedTuple):
@@ -30,24 +38,36 @@ def turn(drive: Drive, state: Array, forces: Forces, command: Array, angle: Arra
     """Advance by one sub-step per element of ``command`` (V), filling ``angle`` (°), by RK4.
 
     ``state`` holds angle and speed and changes in place; ``angle[k]`` is the value before
-    ``command[k]`` takes effect.
+    ``command[k]`` takes effect. A sub-step is divided where dry friction is taken implicitly.
     """
-    disturbed = forces.kind.shape[0] > 0
     for k in range(command.shape[0]):
-        y, v = state[0], state[1]
-        angle[k] = y
-        sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
-        for stage in range(4):
-            push = drive.gain * command[k] - drive.damping * stage_v - drive.stiffness * stage_y
-            if disturbed:
-                push -= total_force(forces, stage_y, stage_v)
-            slope_y = stage_v
-            weight = 2.0 if stage in (1, 2) else 1.0
-            sum_y += weight * slope_y
-            sum_v += weight * push
-            ahead = SUBSTEP if stage == 2 else 0.5 * SUBSTEP
-            stage_y, stage_v = y + ahead * slope_y, v + ahead * push
-        state[0] = y + SUBSTEP / 6.0 * sum_y
-        state[1] = v + SUBSTEP / 6.0 * sum_v
-        if disturbed:
-            update_memory(forces, state[0], state[1], SUBSTEP)
+        angle[k] = state[0]
+        stiff = is_stiff(forces, state[0], SUBSTEP)
+        steps = DRY_STEPS if stiff else 1
+        for _ in range(steps):
+            _step(drive, state, forces, command[k], SUBSTEP / steps, stiff)
+        update_memory(forces, state[0], state[1], SUBSTEP)
+
+
+@njit(cache=True, error_model="numpy")
+def _step(
+    drive: Drive, state: Array, forces: Forces, command: float, dt: float, stiff: bool
+) -> None:
+    y, v = state[0], state[1]
+    sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
+    for stage in range(4):
+        push = drive.gain * command - drive.damping * stage_v - drive.stiffness * stage_y
+        push -= total_force(forces, stage_y, 0.0 if stiff else stage_v)
+        slope_y = stage_v
+        weight = 2.0 if stage in (1, 2) else 1.0
+        sum_y += weight * slope_y
+        sum_v += weight * push
+        ahead = dt if stage == 2 else 0.5 * dt
+        stage_y, stage_v = y + ahead * slope_y, v + ahead * push
+    state[0] = y + dt / 6.0 * sum_y
+    state[1] = v + dt / 6.0 * sum_v
+    if stiff:
+        speed, way = pushed(1.0, drive.damping, dt)
+        dry = friction(forces, state[0], state[1], speed)
+        state[0] -= dry * way
+        state[1] -= dry * speed

@@ -18,7 +18,15 @@ import numpy as np
 from numba import njit
 
 from dea.plant.array import Array
-from dea.plant.forces import Forces, total_force, update_memory
+from dea.plant.forces import (
+    DRY_STEPS,
+    Forces,
+    friction,
+    is_stiff,
+    pushed,
+    total_force,
+    update_memory,
+)
 from dea.plant.membrane import (
     ZONES,
     Film,
@@ -106,17 +114,22 @@ def stretch(film: Film, table: Array, state: FilmState, supply: float, dt: float
 def move(film: Film, scalars: Array, forces: Forces | None, stiffness: float, dt: float) -> None:
     """Carry the ball over ``dt`` seconds at a constant stiffness: (M6), RK4.
 
-    The step is divided where the dashpot alone would make it unstable.
+    The step is divided where the dashpot alone would make it unstable. Dry friction that would is
+    taken implicitly, as constant over a step.
     """
     steps = max(int(np.ceil(0.5 * dt * film.damping / film.mass)), 1)
+    stiff = forces is not None and is_stiff(forces, scalars[Y], dt / steps / film.mass)
+    if stiff:
+        steps *= DRY_STEPS
     dt /= steps
+    velocity, way = pushed(film.mass, film.damping, dt)
     for _ in range(steps):
         y, v = scalars[Y], scalars[V]
         sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
         for stage in range(4):
             pull = stiffness * stage_y
             if forces is not None:
-                pull += total_force(forces, stage_y, stage_v)
+                pull += total_force(forces, stage_y, 0.0 if stiff else stage_v)
             slope_y = stage_v
             slope_v = GRAVITY - (film.damping * stage_v + pull) / film.mass
             weight = 2.0 if stage in (1, 2) else 1.0
@@ -126,6 +139,10 @@ def move(film: Film, scalars: Array, forces: Forces | None, stiffness: float, dt
             stage_y, stage_v = y + ahead * slope_y, v + ahead * slope_v
         scalars[Y] = y + dt / 6.0 * sum_y
         scalars[V] = v + dt / 6.0 * sum_v
+        if stiff and forces is not None:
+            dry = friction(forces, scalars[Y], scalars[V], velocity)
+            scalars[Y] -= dry * way
+            scalars[V] -= dry * velocity
 
 
 @njit(cache=True, error_model="numpy")
