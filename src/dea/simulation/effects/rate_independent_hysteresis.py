@@ -14,8 +14,13 @@ _VECTOR = types.Array(float64, 1, "C")
 
 @njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
 def _growth(z: float, q: np.ndarray) -> float:
-    """Return the factor on the stop operators at a position: larger at one end, or at both."""
+    """Return the factor on the stop operators at a position: larger at one end, or at both.
+
+    Or smaller at both, where the material saturates.
+    """
     place = min(max((z - q[7]) / q[8], -2.0), 2.0)
+    if q[5] < 0.0:
+        return float((1.0 + q[4] * place) / (1.0 - q[5] * place * place))
     return float(1.0 + q[4] * place + q[5] * place * place)
 
 
@@ -68,9 +73,9 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("stiffness", "1", 0.2, 1.5, 1e-4, 100.0, log=True),
         Parameter("largest_radius", "1", 0.5 * span, 1.0, 0.02 * span, 5 * span, log=True),
         Parameter("weight_decay", "1", 2.0, 2.0, -3.0, 20.0, shape=True),
-        Parameter("start_position", "1", 0.0, span, at_start=True),
+        Parameter("start_position", "1", middle, 0.5 * span, at_start=True),
         Parameter("tilt", "1", 0.0, 0.3, -1.0, 1.0, shape=True),
-        Parameter("growth_at_ends", "1", 0.0, 0.3, 0.0, 5.0, shape=True),
+        Parameter("growth_at_ends", "1", 0.0, 0.3, -5.0, 5.0, shape=True),
         Parameter("skew", "1", 0.0, 0.3, -0.5, 0.5, shape=True),
         Parameter("middle", "1", middle, 0.0),
         Parameter("half_range", "1", 0.5 * span, 0.0),
@@ -78,10 +83,12 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return loops narrower and wider than the motion."""
+    """Return loops narrower and wider than the motion, and loops that saturate at both ends."""
     span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
-    rest = (0.0, 0.0, 0.0, 0.0, middle, 0.5 * span)
-    return tuple((0.2, part * span, 2.0, *rest) for part in (0.2, 0.6, 1.5))
+    return tuple(
+        (0.2, part * span, 2.0, middle, 0.0, growth, 0.0, middle, 0.5 * span)
+        for part, growth in ((0.2, 0.0), (0.6, 0.0), (1.5, 0.0), (0.2, -2.0), (0.6, -2.0))
+    )
 
 
 EFFECT = Effect(
@@ -96,4 +103,5 @@ EFFECT = Effect(
     force=force,
     update=update,
     memory=memory,
+    remembers_motion=True,
 )
