@@ -503,6 +503,19 @@ def test_skewed_stops_pull_harder_at_their_upper_limit():
     assert np.allclose(found[-500:], 0.7 * slipping)
 
 
+def test_loops_may_be_smaller_where_the_material_saturates():
+    """Small loops at the middle of the motion, and at its upper end a third as large."""
+    own = {"stiffness": 0.2, "largest_radius": 0.05, "growth_at_ends": -2.0}
+    q = values("rate_independent_hysteresis", **own)
+    middle, half = 0.5 * (SCALES.z_low + SCALES.z_high), 0.5 * SCALES.z_span
+    swing = 0.2 * half * np.sin(2 * np.pi * np.arange(2001) / 500)
+    sizes = []
+    for place in (middle, middle + half):
+        found = forces("rate_independent_hysteresis", q, place + swing)[-501:]
+        sizes.append(np.ptp(found))
+    assert 0.25 < sizes[1] / sizes[0] < 0.45
+
+
 def test_coulomb_friction_opposes_the_motion_with_one_force():
     q = values("coulomb_friction", force=0.1, slip_deflection=0.005)
     z = 0.7 + 0.3 * np.sin(2 * np.pi * 0.1 * T)
@@ -518,6 +531,20 @@ def test_friction_may_be_larger_one_way():
     for part, expected in ((1.0, -0.13), (-1.0, 0.07), (0.5, -0.0575)):
         slipped[:2] = part, 0.7
         assert law(0.7, 0.1, slipped, q) == pytest.approx(expected)
+
+
+def test_friction_may_grow_with_the_load():
+    q = values("coulomb_friction", force=0.1, slip_deflection=0.005, load_growth=0.4)
+    slipped, law = np.zeros(MEMORY), catalogue()["coulomb_friction"].force
+    for place, expected in ((SCALES.z_low, 0.6), (SCALES.z_high, 1.4)):
+        slipped[:2] = -1.0, place
+        assert law(place, -0.1, slipped, q) == pytest.approx(0.1 * expected)
+
+
+def test_friction_begins_with_the_deflection_at_the_start():
+    q = values("coulomb_friction", force=0.1, slip_deflection=0.01, start_deflection=-0.5)
+    found = forces("coulomb_friction", q, np.linspace(0.3, 0.32, 21))
+    assert np.allclose(found, -0.1 * np.minimum(-0.5 + np.arange(20) / 10, 1.0))
 
 
 def test_friction_is_larger_the_slower_the_motion():
@@ -600,8 +627,7 @@ def test_friction_that_is_elastic_nowhere_is_that_of_bristles():
         (0, t[-1]), [0.0], t_eval=t, method="LSODA", rtol=1e-9, atol=1e-12, max_step=0.01,
     )  # fmt: skip
     q = values(
-        "coulomb_friction", force=level, slip_deflection=0.5 * largest, rest_position=0.7,
-        elastic_part=-1.0,
+        "coulomb_friction", force=level, slip_deflection=0.5 * largest, elastic_part=-1.0,
     )  # fmt: skip
     expected = -level / largest * bristle.y[0, :-1]
     assert np.abs(forces("coulomb_friction", q, place(t), h) - expected).max() < 1e-3 * level

@@ -82,7 +82,7 @@ def test_friction_where_no_state_is_a_position_acts_on_the_speed_wherever_it_sta
         force_ports=(ForcePort("speed", None, "speed"),),
     )  # fmt: skip
     # Stiction that the speed ends, by which a wrong speed shows.
-    law = np.array([0.2, 0.02, 2.0, 0.3, 0.0, 1.0, 0.0])
+    law = np.array([0.2, 0.02, 2.0, 0.3, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     extended, values, unit = attached(simulation, "coulomb_friction", law, substeps=16)
     friction = catalogue()["coulomb_friction"]
     memory, fine = friction.memory(law), 2000

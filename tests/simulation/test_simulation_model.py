@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from law_values import SCALES
 from numba import njit
 from numba.core.errors import NumbaError
 from scipy.integrate import solve_ivp
@@ -571,3 +572,27 @@ def test_a_simulation_that_could_not_be_loaded_is_not_saved(tmp_path, change):
     with pytest.raises(InputError, match="made or changed in memory"):
         save_extended(extended, extended.values(np.zeros(extended.free.size)), DT, path)
     assert not path.exists()
+
+
+@pytest.mark.parametrize("effect", ["coulomb_friction", "rate_independent_hysteresis"])
+def test_a_memory_of_the_motion_begins_with_the_record(effect):
+    """The same record after a lead-in that is long, and after one that is longer."""
+    u = 2.4 + np.cos(2 * np.pi * 0.5 * T)
+    found = []
+    for lead in (3.0, 6.0):
+        own = replace(load_simulation("dea_membrane"), lead_in=lead)
+        extended = prepared(own, u, DT, 1e-3).attach(catalogue()[effect], SCALES)
+        found.append(extended.simulate(extended.values(np.zeros(extended.free.size)), u, DT))
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-6)
+
+
+def test_friction_holds_the_device_before_the_record_as_well():
+    plain = prepared(load_simulation("dea_membrane"), 2.4 + np.cos(3 * T), DT, 1e-3)
+    u = np.full(T.size, 2.4)
+    free = plain.simulate(plain.values(np.zeros(plain.free.size)), u, DT)
+    extended = plain.attach(catalogue()["coulomb_friction"], SCALES)
+    values = extended.values(np.zeros(extended.free.size))
+    values[extended.names.index("coulomb_friction.start_deflection")] = 1.0
+    held = extended.simulate(values, u, DT)
+    assert np.ptp(held) < 1e-6 * held[0]
+    assert held[0] < free[0] - 1e-3 * free[0]

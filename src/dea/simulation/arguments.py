@@ -67,6 +67,7 @@ class Course(NamedTuple):
     drive_scale: np.ndarray  # (n,)
     interval: float  # s between samples
     substeps: int  # integration steps per sample
+    lead: int  # samples before the record begins
 
 
 class Forces(NamedTuple):
@@ -79,6 +80,7 @@ class Forces(NamedTuple):
     frames: np.ndarray
     """(SLOTS + 1, 3): rest position and scale of the port's motion, and the change of its
     equation per unit of force."""
+    still: np.ndarray  # (SLOTS,), 1: the memory stays as it is until the record begins
     memory: np.ndarray  # (SLOTS, MEMORY), changed in place
     parameters: np.ndarray  # (SLOTS, MEMORY)
 
@@ -96,7 +98,7 @@ class Reading(NamedTuple):
 
 
 _FORCE_LAW = types.NamedTuple([types.FunctionType(FORCE), types.FunctionType(UPDATE)], ForceLaw)
-FORCES = types.NamedTuple([int64, INDEX, MATRIX, MATRIX, MATRIX], Forces)
+FORCES = types.NamedTuple([int64, INDEX, MATRIX, INDICES, MATRIX, MATRIX], Forces)
 READING = types.NamedUniTuple(MATRIX, 2, Reading)
 EQUATIONS, EQUATIONS_OF_SEVERAL = (
     types.NamedTuple(
@@ -111,14 +113,14 @@ EQUATIONS, EQUATIONS_OF_SEVERAL = (
 ARGUMENTS = (
     EQUATIONS,
     types.NamedTuple([VECTOR, VECTOR, int64], Values),
-    types.NamedTuple([VECTOR, VECTOR, int64, VECTOR, float64, int64], Course),
+    types.NamedTuple([VECTOR, VECTOR, int64, VECTOR, float64, int64, int64], Course),
     FORCES,
     READING,
 )
 ARGUMENTS_OF_SEVERAL = (
     EQUATIONS_OF_SEVERAL,
     types.NamedTuple([VECTOR, VECTOR, INDICES], Values),
-    types.NamedTuple([MATRIX, MATRIX, int64, MATRIX, float64, int64], Course),
+    types.NamedTuple([MATRIX, MATRIX, int64, MATRIX, float64, int64, int64], Course),
     FORCES,
     READING,
 )

@@ -291,6 +291,7 @@ class ExtendedSimulation:
                 drive_scale=drive_scale,
                 interval=interval,
                 substeps=substeps,
+                lead=lead,
             ),
             self._slots.forces([(a, values[own]) for a, own in self._pushing], values[:p_count]),
             own.sensor_filter.over(interval / substeps) if own.sensor_filter else UNFILTERED,

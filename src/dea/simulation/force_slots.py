@@ -40,6 +40,7 @@ class ForceSlots:
         ``p`` are those of the simulation.
         """
         ports, frames = np.full((SLOTS + 1, 4), -1), np.ones((SLOTS + 1, 3))
+        still = np.zeros(SLOTS, np.int64)
         memory, parameters = np.zeros((SLOTS, MEMORY)), np.zeros((SLOTS, MEMORY))
         if self.simulation.force_ports:
             ports[SLOTS], frames[SLOTS] = self._ports[0], self._frames[0]
@@ -49,9 +50,10 @@ class ForceSlots:
             if divisor is not None:
                 frames[slot, 2] /= p[divisor]
             parameters[slot, : q.size] = q
+            still[slot] = a.effect.remembers_motion
             if a.effect.memory is not None:
                 memory[slot] = a.effect.memory(q)
-        return Forces(len(pushing), ports, frames, memory, parameters)
+        return Forces(len(pushing), ports, frames, still, memory, parameters)
 
     @cached_property
     def _ports(self) -> np.ndarray:

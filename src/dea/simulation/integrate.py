@@ -28,6 +28,16 @@ def _positions(x: np.ndarray, ports: np.ndarray, frames: np.ndarray, z: np.ndarr
 
 
 @njit(inline="always")
+def _moving(attached: int, still: np.ndarray, lead: int) -> tuple[bool, bool, bool]:
+    """Return which of the memories change, while ``lead`` samples are left until the record."""
+    return (
+        attached > 0 and not (lead and still[0]),
+        attached > 1 and not (lead and still[1]),
+        attached > 2 and not (lead and still[2]),
+    )
+
+
+@njit(inline="always")
 def _with_rate(
     output: Any,
     x: np.ndarray,
@@ -67,8 +77,8 @@ def integrate(
         states diverge.
     """
     derivative, output, law_1, law_2, law_3 = equations
-    u, steps, straight, drive_scale, interval, substeps = course
-    attached, ports, frames, memory, q = forces
+    u, steps, straight, drive_scale, interval, substeps, lead = course
+    attached, ports, frames, still, memory, q = forces
     taken_over, gains = reading
     order = len(taken_over)
     read, filtered = np.zeros(order), np.empty(order)
@@ -92,14 +102,17 @@ def integrate(
     z, z_next = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
     # Memories are kept half a step ahead, which makes the splitting one of second order.
     _positions(x, ports, frames, z)
-    if attached:
+    moves_1, moves_2, moves_3 = _moving(attached, still, lead)
+    if moves_1:
         law_1.update(z[0], z[0], 0.5 * h, m1, q1)
-        if attached > 1:
-            law_2.update(z[1], z[1], 0.5 * h, m2, q2)
-        if attached > 2:
-            law_3.update(z[2], z[2], 0.5 * h, m3, q3)
+    if moves_2:
+        law_2.update(z[1], z[1], 0.5 * h, m2, q2)
+    if moves_3:
+        law_3.update(z[2], z[2], 0.5 * h, m3, q3)
     for i in range(n):
         p[drive] = p_drive * drive_scale[i]
+        if i == lead:
+            moves_1, moves_2, moves_3 = _moving(attached, still, 0)
         _positions(x, ports, frames, z)
         result[0, i] = output(x, u[i], p)
         if order:
@@ -182,10 +195,11 @@ def integrate(
                     read[k] = filtered[k]
             if attached:
                 _positions(x, ports, frames, z_next)
-                law_1.update(z[0], z_next[0], h, m1, q1)
-                if attached > 1:
+                if moves_1:
+                    law_1.update(z[0], z_next[0], h, m1, q1)
+                if moves_2:
                     law_2.update(z[1], z_next[1], h, m2, q2)
-                if attached > 2:
+                if moves_3:
                     law_3.update(z[2], z_next[2], h, m3, q3)
                 for e in range(SLOTS):
                     z[e] = z_next[e]

@@ -11,7 +11,8 @@ class Scales:
     force balance (zero at rest, one at the largest excursion of the nominal simulation). Of a
     residual, ``frequencies`` are those of its lines (Hz), ``foreign_frequencies`` those that an
     input which repeats does not have, and ``jumps`` the instants at which it changes (s). An
-    input is ``smooth`` if it is band-limited, and not held, between samples.
+    input is ``smooth`` if it is band-limited, and not held, between samples. A force balance is
+    ``placed`` if a state is its position, and not a rate alone.
     """
 
     u_unit: str
@@ -29,6 +30,7 @@ class Scales:
     foreign_frequencies: tuple[float, ...] = ()
     jumps: tuple[float, ...] = ()
     smooth: bool = False
+    placed: bool = True
 
     @property
     def u_span(self) -> float:

@@ -60,7 +60,9 @@ class Offer:
         scales = self.scales
         if base.motions and not self.effect.on_input:
             low, high = base.motions[self.place]
-            scales = replace(scales, z_low=low, z_high=high)
+            port = base.fit.extended.simulation.force_ports[self.place]
+            placed = port.position is not None
+            scales = replace(scales, z_low=low, z_high=high, placed=placed)
         return base.fit.extended.attach(self.effect, scales, self.place, self.upstream)
 
 

@@ -68,6 +68,9 @@ class Effect:
         drift belongs to the record it happened in.
     uses_position
         Whether the force looks at the position, which not every force balance has.
+    remembers_motion
+        Whether the memory changes with the motion alone, and not with time. What moved before the
+        record is not known: such a memory begins with the record, as its start parameters say.
     refine
         How many times finer than the simulation alone the law needs its steps.
     essential
@@ -89,6 +92,7 @@ class Effect:
     shape_output: Law | None = None
     transferable: bool = True
     uses_position: bool = True
+    remembers_motion: bool = False
     refine: int = 1
     essential: str = ""
 

@@ -1,12 +1,14 @@
 """Dry friction: a force that opposes the motion and holds the device still."""
 
 import numpy as np
-from numba import float64, njit
+from numba import float64, njit, types
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 from dea.simulation.signatures import FORCE, MEMORY, UPDATE
+
+_VECTOR = types.Array(float64, 1, "C")
 
 
 @njit(float64(float64, float64, float64), cache=True, error_model="numpy")
@@ -28,33 +30,45 @@ def _strained(part: float, way: float, elastic: float) -> float:
     return float(1.0 - (1.0 - part) * np.exp(-way / (1.0 - elastic)))
 
 
+@njit(float64(float64, float64, _VECTOR), cache=True, error_model="numpy")
+def _way(z: float, last: float, q: np.ndarray) -> float:
+    """Return the way since the last position in largest deflections, none where that is unknown."""
+    return 0.0 if np.isnan(last) else float((z - last) / q[1])
+
+
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
-    """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``."""
-    part = _strained(memory[0], (z - memory[1]) / q[1], q[5])
+    """Elasto-plastic contact: its deflection is ``memory[0]``, the last position ``memory[1]``.
+
+    Its largest force grows with the place, as the load does.
+    """
+    part = _strained(memory[0], _way(z, memory[1], q), q[5])
     excess = q[2] / (1.0 + (w / q[3]) ** 2)
-    return float(-q[0] * part * (1.0 + excess) * (1.0 + q[6] * part))
+    load = 1.0 + q[7] * min(max((z - q[8]) / q[9], -1.5), 1.5)
+    return float(-q[0] * load * part * (1.0 + excess) * (1.0 + q[6] * part))
 
 
 @njit(UPDATE, cache=True, error_model="numpy")
 def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray) -> None:
     """Deflect the contact, or slip."""
-    memory[0] = _strained(memory[0], (z_next - memory[1]) / q[1], q[5])
+    last = z if np.isnan(memory[1]) else memory[1]
+    memory[0] = _strained(memory[0], _way(z_next, last, q), q[5])
     memory[1] = z_next
 
 
 def memory(q: np.ndarray) -> np.ndarray:
-    """Return a contact without force at the rest position."""
+    """Return the deflection at the start, wherever that is."""
     state = np.zeros(MEMORY)
-    state[1] = q[4]
+    state[0], state[1] = q[4], np.nan
     return state
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the force, deflection before slip, excess of stiction, Stribeck rate, and rest.
+    """Return the force, deflection before slip, excess of stiction, Stribeck rate, and the start.
 
-    And the part of the largest deflection up to which the contact is elastic, and by which part the
-    friction is larger on the way up, and smaller on the way down.
+    And the part of the largest deflection up to which the contact is elastic, by which part the
+    friction is larger on the way up, and smaller on the way down, and by which it is larger at the
+    upper end of the motion than in its middle, for the load is.
     """
     span = scales.z_span
     return (
@@ -66,17 +80,20 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter(
             "stribeck_rate", "1/s", 0.1 * span, 1.0, 1e-3 * span, 10.0 * span, log=True, shape=True
         ),
-        Parameter("rest_position", "1", 0.0, 0.0),
+        Parameter("start_deflection", "1", 0.0, 0.5, -1.0, 1.0, at_start=True),
         Parameter("elastic_part", "1", 1.0, 0.5, -1.0, 1.0, shape=True),
         Parameter("asymmetry", "1", 0.0, 0.15, -0.5, 0.5, shape=True),
+        Parameter("load_growth", "1", 0.0, 0.3 * scales.placed, -0.6, 0.6, shape=True),
+        Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+        Parameter("half_range", "1", 0.5 * span, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return weak to strong friction, with a soft and a hard contact."""
-    span = scales.z_span
+    span, middle = scales.z_span, 0.5 * (scales.z_low + scales.z_high)
     return tuple(
-        (part * span, slip * span, 0.0, 0.1 * span, 0.0, 1.0, 0.0)
+        (part * span, slip * span, 0.0, 0.1 * span, 0.0, 1.0, 0.0, 0.0, middle, 0.5 * span)
         for part in (0.02, 0.08, 0.2)
         for slip in (0.015, 0.002)
     )
@@ -88,12 +105,14 @@ EFFECT = Effect(
     family=Family.DISSIPATION,
     symptom="at each reversal the device stands still until the drive has changed enough",
     citation="Dupont et al. (2002), IEEE Transactions on Automatic Control 47:787, elasto-plastic "
-    "friction; Canudas de Wit et al. (1995), the same 40:419, bristles",
+    "friction; Canudas de Wit et al. (1995), the same 40:419, bristles; Harris (2001), Rolling "
+    "Bearing Analysis, on friction in proportion to the load",
     parameters=parameters,
     starts=starts,
     force=force,
     update=update,
     memory=memory,
     uses_position=False,
+    remembers_motion=True,
     refine=2,
 )
