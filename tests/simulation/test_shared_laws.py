@@ -19,6 +19,7 @@ from dea.simulation.effects._laws import (
     limited,
     low_pass,
     low_pass_step,
+    powered,
     remaining,
     smooth_modes,
     spline,
@@ -75,6 +76,22 @@ def test_over_an_interval_far_shorter_than_its_time_constant_a_lag_stays(tau):
     for each in remaining(2.0, 5.0, tau, 1.0, 0.0, 0.02):
         assert each == pytest.approx(1.0 - 0.02 / tau, abs=0.02 / tau + 1e-6)
     np.testing.assert_allclose(held_charge(2.0, 5.0, tau, 1.0, 0.0, 0.02), 2.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("order", [0.5, 0.99, 1.0, 1.5, 2.0, 3.0])
+@pytest.mark.parametrize("tau", [0.03, 0.3, 30.0])
+def test_a_charge_approaches_with_a_power_of_the_distance(order, tau):
+    """From 2 up to 5, by an adaptive integration of the distance and of its mean."""
+    interval, first = 0.2, 3.0
+
+    def slope(t, x):
+        return [-first / tau * max(x[0] / first, 0.0) ** order, x[0] / interval]
+
+    x, mean = solve_ivp(slope, (0, interval), [first, 0.0], rtol=1e-9, atol=1e-11).y[:, -1]
+    found = powered(2.0, 5.0, tau, 0.5, 0.0, interval, order)
+    np.testing.assert_allclose(found, (5.0 - mean, 5.0 - x), atol=1e-5)
+    falling = powered(5.0, 2.0, 2.0 * tau, 0.5, 0.0, interval, order)
+    np.testing.assert_allclose(falling, (2.0 + mean, 2.0 + x), atol=1e-5)
 
 
 def test_a_held_lag_has_settled_at_the_first_input_and_follows_steps():

@@ -228,6 +228,22 @@ def test_electrode_lag_solves_its_differential_equation():
     assert np.allclose(charged, 2.0 - 0.9 * 0.5 * np.exp(-t / tau), atol=2e-3)
 
 
+@pytest.mark.parametrize("order", [0.6, 1.5])
+def test_the_far_charge_may_approach_with_a_power_of_its_distance(order):
+    tau, full = 0.13, SCALES.u_peak
+    q = values("electrode_lag", time_constant=tau, fast_ratio=1e-3, near_weight=0.0, order=order)
+    found = catalogue()["electrode_lag"].shape_input(U[:200], q, DT)
+    fine, v, expected = 400, U[0], []
+    for u in U[:200]:
+        path = [v]
+        for _ in range(fine):
+            away = (u - v) / full
+            v += DT / fine * full / tau * np.sign(away) * abs(away) ** order
+            path.append(v)
+        expected.append(np.mean(path))
+    np.testing.assert_allclose(found, expected, atol=4e-3)
+
+
 @pytest.mark.parametrize("part", [0.0, 0.3, 0.5])
 def test_electrode_lag_is_a_ladder_of_two_lags(part):
     slow, fast, step = 0.9, 0.36, np.ones(1000)

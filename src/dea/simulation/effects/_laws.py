@@ -41,6 +41,17 @@ def limited(x: float, limit: float, sharpness: float) -> float:
 
 
 @njit(inline="always")
+def _intervals(
+    v: float, target: float, tau: float, falling: float, growth: float, interval: float
+) -> float:
+    """Return an interval over the time constant that :func:`remaining` has."""
+    ratio = interval / (tau * falling if target < v else tau)
+    if growth != 0.0:
+        ratio *= np.exp(-growth * v * v)
+    return ratio
+
+
+@njit(inline="always")
 def remaining(
     v: float, target: float, tau: float, falling: float, growth: float, interval: float
 ) -> tuple[float, float]:
@@ -50,9 +61,7 @@ def remaining(
     that while it falls, exactly; where it begins at v it is longer by a factor of
     exp(``growth`` v²).
     """
-    ratio = interval / (tau * falling if target < v else tau)
-    if growth != 0.0:
-        ratio *= np.exp(-growth * v * v)
+    ratio = _intervals(v, target, tau, falling, growth, interval)
     decay = np.exp(-ratio)
     return (1.0 - decay) / ratio if ratio > 1e-9 else 1.0, decay
 
@@ -66,6 +75,35 @@ def held_charge(
     The time constants are those of :func:`remaining`.
     """
     mean, end = remaining(v, target, tau, falling, growth, interval)
+    return target + (v - target) * mean, target + (v - target) * end
+
+
+@njit(cache=True, error_model="numpy")
+def powered(
+    v: float, target: float, tau: float, falling: float, growth: float, interval: float,
+    order: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Return the mean and the end of what follows a held value with a power of the distance.
+
+    The distance x obeys dx/dt = -x^``order`` / tau in units of its first value, exactly; with an
+    order below one it ends. The time constants of the start are those of :func:`remaining`.
+    """
+    ratio = _intervals(v, target, tau, falling, growth, interval)
+    beyond = order - 1.0
+    left = 1.0 + beyond * ratio
+    if ratio < 1e-9:
+        mean, end = 1.0, 1.0
+    elif abs(beyond) < 1e-6:
+        end = np.exp(-ratio)
+        mean = (1.0 - end) / ratio
+    elif left <= 0.0:
+        mean, end = 1.0 / ((1.0 - beyond) * ratio), 0.0
+    else:
+        end = left ** (-1.0 / beyond)
+        if abs(beyond - 1.0) < 1e-6:
+            mean = np.log(left) / ratio
+        else:
+            mean = np.expm1((1.0 - 1.0 / beyond) * np.log(left)) / ((beyond - 1.0) * ratio)
     return target + (v - target) * mean, target + (v - target) * end
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
-from dea.simulation.effects._laws import held_charge, remaining
+from dea.simulation.effects._laws import held_charge, powered, remaining
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
@@ -20,10 +20,11 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     with it: the lags are longer by exp(``growth`` v²), v in units of the largest input. With
     ``ringing`` r the near part is charged by (1 + r) u less r times the far charge: both lags are
     then those of a series circuit with an inductance, of equal ones with a damping ratio of
-    1/√(1 + r).
+    1/√(1 + r). Where the resistance depends on the voltage across it, the far charge approaches the
+    near one as a power ``order`` of their distance, in units of the largest input.
     """
     slow, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
-    ringing = q[7]
+    ringing, order = q[7], q[8]
     result = np.empty(u.size)
     near, far = u[0], u[0] + start
     for k in range(u.size):
@@ -36,7 +37,12 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
             passed = (1.0 - own) * (1.0 - other)
             target = ((1.0 + ringing) * u[k] - ringing * back) / (1.0 + ringing * passed)
         near_mean, near = held_charge(near, target, slow * ratio, falling, growth, interval)
-        far_mean, far = held_charge(far, near_mean, slow, falling, growth, interval)
+        apart = abs(far - near_mean) / q[6]
+        if order == 1.0 or apart == 0.0:
+            far_mean, far = held_charge(far, near_mean, slow, falling, growth, interval)
+        else:
+            time = slow / apart ** (order - 1.0)
+            far_mean, far = powered(far, near_mean, time, falling, growth, interval, order)
         result[k] = (1.0 - part) * far_mean + part * near_mean
     return result
 
@@ -53,6 +59,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("growth", "1", 0.0, 1.0, -1.0, 4.0, shape=True),
         Parameter("full_input", scales.u_unit, scales.u_peak, 0.0),
         Parameter("ringing", "1", 0.0, 0.3, 0.0, 3.0, shape=True),
+        Parameter("order", "1", 1.0, 0.4, 0.4, 3.0, log=True, shape=True),
     )
 
 
@@ -60,10 +67,10 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return slow times of a few intervals, a capacity that grows, and a slower discharge."""
     dt, full = scales.interval, scales.u_peak
     return (
-        *((samples * dt, 0.1, 0.1, 0.0, 1.0, 0.0, full, 0.0) for samples in (2.0, 8.0, 30.0)),
-        (0.3 * dt, 0.1, 0.1, 0.0, 1.0, 2.0, full, 0.0),
+        *((samples * dt, 0.1, 0.1, 0.0, 1.0, 0.0, full, 0.0, 1.0) for samples in (2.0, 8.0, 30.0)),
+        (0.3 * dt, 0.1, 0.1, 0.0, 1.0, 2.0, full, 0.0, 1.0),
         *(
-            (samples * dt, 0.1, 0.1, 0.0, 3.0, 0.0, full, 0.0)
+            (samples * dt, 0.1, 0.1, 0.0, 3.0, 0.0, full, 0.0, 1.0)
             for samples in (4.0, 16.0)
             if not scales.bipolar
         ),
@@ -77,7 +84,8 @@ EFFECT = Effect(
     symptom="the device answers to a smoothed input",
     citation="Graf and Maas (2012), Smart Materials and Structures 21:094001, on electrode "
     "resistance; Horowitz and Hill (2015), The Art of Electronics, on bleeders; Nilsson and Riedel "
-    "(2011), Electric Circuits, on inductance in series",
+    "(2011), Electric Circuits, on inductance in series; Lampert and Mark (1970), Current "
+    "Injection in Solids, on currents that are a power of the voltage",
     parameters=parameters,
     starts=starts,
     shape_input=law,
