@@ -19,17 +19,19 @@ def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndar
     """Pass the output through a second-order lag, which may ring, and read it late.
 
     A part of it passes through a faster lag instead, as in a body that warms from outside. The lags
-    may be quicker where the output is high: their poles are then multiplied by a rate.
+    may be quicker where the output is high, or where the reading is: their poles are then
+    multiplied by a rate.
     """
-    time_constant, damping, delay_ratio, fast, quickening, middle, half_range = q
+    time_constant, damping, delay_ratio, fast, quickening, own_share, middle, half_range = q
     samples = time_constant / interval
     if quickening == 0.0:
         smooth = low_pass(y, [(0.5 * samples / damping) ** 2, samples, 1.0])
         if fast > 0.0:
             smooth = (1.0 - fast) * smooth + fast * low_pass(y, [_FAST * samples, 1.0])
     else:
-        rate = np.exp(quickening * np.clip((y - middle) / half_range, -2.0, 2.0))
-        smooth = _quickened(y, rate, *_modes(samples, damping, fast))
+        high = (y - middle) / half_range
+        quick = _quickened(high, quickening, own_share, *_modes(samples, damping, fast))
+        smooth = middle + half_range * quick
     return delayed(smooth, time_constant * delay_ratio, interval)
 
 
@@ -45,31 +47,35 @@ def _modes(samples: float, damping: float, fast: float) -> tuple[np.ndarray, np.
 
 @njit(cache=True, error_model="numpy")
 def _quickened(
-    y: np.ndarray, rate: np.ndarray, poles: np.ndarray, residues: np.ndarray
+    y: np.ndarray, quickening: float, own_share: float, poles: np.ndarray, residues: np.ndarray
 ) -> np.ndarray:
     """Return a signal that is straight between samples behind modes that a rate makes quicker.
 
-    The modes stand at rest at the first sample; the rate is the mean of an interval's two ends.
+    The modes stand at rest at the first sample. The logarithm of an interval's rate is
+    ``quickening`` times its level: of the mean signal, and by ``own_share`` of the mean reading, as
+    the interval before foretells it.
     """
-    result = np.zeros(y.size)
-    for i in range(poles.size):
-        pole, residue = poles[i], residues[i]
-        held = -y[0] / pole
-        for k in range(y.size):
-            result[k] += (residue * held).real
-            if k + 1 < y.size:
-                span = 0.5 * (rate[k] + rate[k + 1])
-                decay = np.exp(pole * span)
-                level = (decay - 1.0) / pole
-                held = decay * held + y[k] * level
-                held += (y[k + 1] - y[k]) / span * (level - span) / pole
+    result = np.empty(y.size)
+    held = -y[0] / poles
+    for k in range(y.size):
+        result[k] = np.sum((residues * held).real)
+        if k + 1 < y.size:
+            read = result[k] + 0.5 * (result[k] - result[max(k - 1, 0)])
+            level = own_share * read + (1.0 - own_share) * 0.5 * (y[k] + y[k + 1])
+            span = np.exp(quickening * min(max(level, -2.0), 2.0))
+            for i in range(poles.size):
+                decay = np.exp(poles[i] * span)
+                rise = (decay - 1.0) / poles[i]
+                straight = (y[k + 1] - y[k]) / span * (rise - span) / poles[i]
+                held[i] = decay * held[i] + y[k] * rise + straight
     return result
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the time constant 2ζ/ω₀, the damping ratio ζ, dead time over it, and the fast part.
 
-    And the logarithm of the rate at the upper end of the range, over that in its middle.
+    And the logarithm of the rate at the upper end of the range, over that in its middle, and by
+    which share the reading sets it.
     """
     dt, middle = scales.interval, 0.5 * (scales.y_low + scales.y_high)
     return (
@@ -78,6 +84,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("delay_ratio", "1", 0.0, 0.5, 0.0, 3.0, shape=True),
         Parameter("fast_part", "1", 0.0, 0.15, 0.0, 0.9, shape=True),
         Parameter("quickening", "1", 0.0, 0.3, -2.0, 2.0, shape=True),
+        Parameter("own_share", "1", 0.5, 0.5, 0.0, 1.0, shape=True),
         Parameter("middle", scales.y_unit, middle, 0.0),
         Parameter("half_range", scales.y_unit, 0.5 * scales.y_span, 0.0),
     )
@@ -85,7 +92,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     """Return time constants of a few intervals."""
-    rest = (0.0, 0.0, 0.0, 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span)
+    rest = (0.0, 0.0, 0.0, 0.5, 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span)
     return tuple((samples * scales.interval, 1.5, *rest) for samples in (2.0, 8.0, 30.0))
 
 
@@ -96,7 +103,8 @@ EFFECT = Effect(
     symptom="the measured output is a smoothed copy of the simulated one",
     citation="Doebelin (2003), Measurement Systems, section 3.3, on second-order instruments; "
     "Carslaw and Jaeger (1959), Conduction of Heat in Solids, on their modes; Busch and "
-    "Kristensen (1976), Journal of Applied Meteorology 15:1328, on a level that quickens them",
+    "Kristensen (1976), Journal of Applied Meteorology 15:1328, on a level that quickens them; "
+    "Rose (1963), Concepts in Photoconductivity and Allied Problems, on a reading that does",
     parameters=parameters,
     starts=starts,
     shape_output=law,
