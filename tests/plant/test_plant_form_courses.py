@@ -122,7 +122,7 @@ def test_a_wandering_course_reaches_its_size_and_differs_with_the_seed(effect, f
 @pytest.mark.parametrize("seed", range(4))
 def test_a_fault_happens_once_at_its_moment(form, seed):
     law, defining = built("step_fault", form, 0.2, seed)
-    if form == "dry_bearing":  # felt in motion alone
+    if form == "thickened_oil":  # felt in motion alone
         course = resist(law, 5.0 + TIME)
     elif isinstance(law, ForceLaw):
         course = held(law, 5.0, CONDITIONS.duration)

@@ -284,8 +284,8 @@ def test_the_sensor_s_scale_and_the_load_change_at_a_moment(share):
 
 
 @pytest.mark.parametrize("share", SHARES)
-def test_a_dry_bearing_is_felt_in_proportion_to_the_speed(share):
-    made, defining, draws = drawn("dry_bearing", 0.3, share)
+def test_thickened_oil_is_felt_in_proportion_to_the_speed(share):
+    made, defining, draws = drawn("thickened_oil", 0.3, share)
     moment, risen = ramp(draws)
     assert defining == {"time": pytest.approx(moment)}
     path = 4.0 + 2.0 * np.sin(2.0 * np.pi * T / TIME)

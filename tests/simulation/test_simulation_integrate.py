@@ -99,3 +99,25 @@ def test_friction_where_no_state_is_a_position_acts_on_the_speed_wherever_it_sta
             v, place = v_next, moved
     found = extended.simulate(values, U, DT)
     np.testing.assert_allclose(found, expected, atol=4e-3 * np.ptp(expected))
+
+
+def test_friction_holds_a_wheel_before_the_record_that_has_no_place_to_rest_at():
+    """An input that friction withstands, from a lead-in on: a kept force would turn the wheel."""
+
+    def derivative(x, u, p, dx):
+        dx[0] = (p[0] * u - x[0]) / 0.2
+
+    simulation = Simulation(
+        name="wheel", input_unit="V", output_unit="m/s", states=(State("speed", "m/s", 0.0),),
+        parameters=(Parameter("gain", "m/s/V", 2.0, 0.2),), derivative=derivative,
+        output=lambda x, u, p: x[0], drive="gain", input_interpolation="zero",
+        force_ports=(ForcePort("speed", None, "speed"),), lead_in=2.0,
+    )  # fmt: skip
+    law = np.array([5.0, 0.02, 0.0, 0.3, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+    extended, values, _ = attached(simulation, "coulomb_friction", law, substeps=16)
+    found = extended.simulate(values, np.full(100, 1e-3), DT)
+    assert np.abs(found).max() < 1e-4
+    none = np.array([0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+    free, own, _ = attached(simulation, "coulomb_friction", none, substeps=1)
+    assert free.simulate(own, np.full(100, 1e-3), DT)[-1] == pytest.approx(2e-3, rel=1e-3)
+    assert not free.attached[0].scales.placed

@@ -576,14 +576,16 @@ def test_a_simulation_that_could_not_be_loaded_is_not_saved(tmp_path, change):
 
 @pytest.mark.parametrize("effect", ["coulomb_friction", "rate_independent_hysteresis"])
 def test_a_memory_of_the_motion_begins_with_the_record(effect):
-    """The same record after a lead-in that is long, and after one that is longer."""
+    """The same record after lead-ins that come from below and from above."""
     u = 2.4 + np.cos(2 * np.pi * 0.5 * T)
-    found = []
-    for lead in (3.0, 6.0):
-        own = replace(load_simulation("dea_membrane"), lead_in=lead)
-        extended = prepared(own, u, DT, 1e-3).attach(catalogue()[effect], SCALES)
+    plain = prepared(load_simulation("dea_membrane"), u, DT, 1e-3)
+    own, found = replace(plain.simulation, lead_in=6.0), []
+    for start in (0.02, 0.15):
+        states = [replace(s, initial=start) if s.name == "position" else s for s in own.states]
+        extended = replace(plain, simulation=replace(own, states=tuple(states)))
+        extended = extended.attach(catalogue()[effect], SCALES)
         found.append(extended.simulate(extended.values(np.zeros(extended.free.size)), u, DT))
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-6)
+    np.testing.assert_allclose(found[0][:40], found[1][:40], rtol=1e-5)
 
 
 def test_friction_holds_the_device_before_the_record_as_well():

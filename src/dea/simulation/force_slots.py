@@ -50,7 +50,8 @@ class ForceSlots:
             if divisor is not None:
                 frames[slot, 2] /= p[divisor]
             parameters[slot, : q.size] = q
-            still[slot] = a.effect.remembers_motion
+            # Without a place to come to rest at, a force that is kept would drive the device on.
+            still[slot] = a.effect.remembers_motion and ports[slot, 1] >= 0
             if a.effect.memory is not None:
                 memory[slot] = a.effect.memory(q)
         return Forces(len(pushing), ports, frames, still, memory, parameters)

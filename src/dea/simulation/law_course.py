@@ -134,7 +134,7 @@ def _pushed(
     unit = next(state.unit for state in states if state.name == port.position)
     along = (
         Axis(z * frame.scale + frame.rest, port.position, unit)
-        if effect.uses_position
+        if effect.needs_position
         else Axis(w * frame.scale, f"rate of {port.position}", f"{unit}/s")
     )
     return LawCourse(along, Axis(push, "force / elastic force", "1"), np.zeros(z.size))

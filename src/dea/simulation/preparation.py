@@ -118,6 +118,7 @@ def measured_scales(
     """
     own = extended.simulation
     z_low, z_high = motion(extended, values, record, force_port) if own.force_ports else (0.0, 1.0)
+    placed = not own.force_ports or own.force_ports[force_port].position is not None
     u = by_input(record.u)[at_input]
     rate = np.abs(np.diff(u)) / record.interval
     return Scales(
@@ -133,6 +134,7 @@ def measured_scales(
         interval=record.interval,
         duration=float(max(extended.lengths or (u.size,)) * record.interval),
         smooth=own.input_interpolation == "smooth",
+        placed=placed,
     )
 
 

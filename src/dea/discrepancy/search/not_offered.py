@@ -76,7 +76,7 @@ def places(
         obstacles = {
             k: Obstacle.NO_POSITION
             for k, port in enumerate(ports)
-            if port.position is None and effect.uses_position
+            if port.position is None and effect.needs_position
         }
     free = [place for place in range(count) if place not in obstacles]
     return free, [NotOffered.at(extended, effect, *each) for each in obstacles.items()]

@@ -66,8 +66,8 @@ class Effect:
     transferable
         Whether it is a property of the device, which holds in other records, too. An event or a
         drift belongs to the record it happened in.
-    uses_position
-        Whether the force looks at the position, which not every force balance has.
+    needs_position
+        Whether the force is none without a position, which not every force balance has.
     remembers_motion
         Whether the memory changes with the motion alone, and not with time. What moved before the
         record is not known: such a memory begins with the record, as its start parameters say.
@@ -91,7 +91,7 @@ class Effect:
     scale_drive: Law | None = None
     shape_output: Law | None = None
     transferable: bool = True
-    uses_position: bool = True
+    needs_position: bool = True
     remembers_motion: bool = False
     refine: int = 1
     essential: str = ""

@@ -90,20 +90,20 @@ def powered(
     """
     ratio = _intervals(v, target, tau, falling, growth, interval)
     beyond = order - 1.0
-    left = 1.0 + beyond * ratio
+    growing = np.log1p(beyond * ratio) if beyond * ratio > -1.0 else -np.inf
     if ratio < 1e-9:
         mean, end = 1.0, 1.0
     elif abs(beyond) < 1e-6:
         end = np.exp(-ratio)
         mean = (1.0 - end) / ratio
-    elif left <= 0.0:
+    elif growing == -np.inf:
         mean, end = 1.0 / ((1.0 - beyond) * ratio), 0.0
     else:
-        end = left ** (-1.0 / beyond)
+        end = np.exp(-growing / beyond)
         if abs(beyond - 1.0) < 1e-6:
-            mean = np.log(left) / ratio
+            mean = growing / ratio
         else:
-            mean = np.expm1((1.0 - 1.0 / beyond) * np.log(left)) / ((beyond - 1.0) * ratio)
+            mean = np.expm1((1.0 - 1.0 / beyond) * growing) / ((beyond - 1.0) * ratio)
     return target + (v - target) * mean, target + (v - target) * end
 
 

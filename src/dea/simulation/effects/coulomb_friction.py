@@ -112,7 +112,7 @@ EFFECT = Effect(
     force=force,
     update=update,
     memory=memory,
-    uses_position=False,
+    needs_position=False,
     remembers_motion=True,
     refine=2,
 )

@@ -88,4 +88,5 @@ EFFECT = Effect(
     force=force,
     update=update,
     memory=memory,
+    remembers_motion=True,
 )

@@ -9,6 +9,15 @@ from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
 
+@njit(inline="always")
+def _time(slow: float, apart: float, full: float, order: float) -> float:
+    """Return the time constant at a distance whose power ``order`` is the rate."""
+    if order == 1.0 or apart == 0.0:
+        return slow
+    result: float = slow / (abs(apart) / full) ** (order - 1.0)
+    return result
+
+
 @njit(cache=True, error_model="numpy")
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Charge the near part of the electrodes through a fast lag, the far part through both lags.
@@ -30,19 +39,16 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     for k in range(u.size):
         target = u[k]
         if ringing > 0.0:
-            # The mean far charge of this interval is linear in the target that it sets.
+            # The mean far charge of this interval is linear in the target that it sets, or nearly.
             own, _ = remaining(near, target, slow * ratio, falling, growth, interval)
-            other, _ = remaining(far, near, slow, falling, growth, interval)
+            time = _time(slow, far - near, q[6], order)
+            other, _ = remaining(far, near, time, falling, growth, interval)
             back = near * own * (1.0 - other) + far * other
             passed = (1.0 - own) * (1.0 - other)
             target = ((1.0 + ringing) * u[k] - ringing * back) / (1.0 + ringing * passed)
         near_mean, near = held_charge(near, target, slow * ratio, falling, growth, interval)
-        apart = abs(far - near_mean) / q[6]
-        if order == 1.0 or apart == 0.0:
-            far_mean, far = held_charge(far, near_mean, slow, falling, growth, interval)
-        else:
-            time = slow / apart ** (order - 1.0)
-            far_mean, far = powered(far, near_mean, time, falling, growth, interval, order)
+        time = _time(slow, far - near_mean, q[6], order)
+        far_mean, far = powered(far, near_mean, time, falling, growth, interval, order)
         result[k] = (1.0 - part) * far_mean + part * near_mean
     return result
 

@@ -52,8 +52,8 @@ def _quickened(
     """Return a signal that is straight between samples behind modes that a rate makes quicker.
 
     The modes stand at rest at the first sample. The logarithm of an interval's rate is
-    ``quickening`` times its level: of the mean signal, and by ``own_share`` of the mean reading, as
-    the interval before foretells it.
+    ``quickening`` times its level: of the mean signal, and by ``own_share`` of the mean reading,
+    which is extrapolated from the interval before and rough where that is as long as the lag.
     """
     result = np.empty(y.size)
     held = -y[0] / poles

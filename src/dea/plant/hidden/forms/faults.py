@@ -136,8 +136,8 @@ def lost_effectiveness(size: float, conditions: Conditions, rng: Generator) -> B
     return Built(law, {"time": moment})
 
 
-@tuning("Isermann, Fault-Diagnosis Applications (2011): a bearing that loses its oil", moving=True)
-def dry_bearing(size: float, conditions: Conditions, rng: Generator) -> Built:
+@tuning("Isermann, Fault-Diagnosis Applications (2011): oil that has become thick", moving=True)
+def thickened_oil(size: float, conditions: Conditions, rng: Generator) -> Built:
     """A dashpot is there from the moment on; one over the band it is ``size`` stiffnesses."""
     moment, width = _moment(conditions, rng), rng.uniform(0.01, 0.1) * conditions.time
     dashpot = size * conditions.stiffness * conditions.time / (2.0 * np.pi)
@@ -167,7 +167,7 @@ EFFECTS = (
     EffectKind(
         "step_fault", Port.TIME, 0.002, 1.0, "1",
         (abrupt_gain, cracked_spring, biased_sensor, biased_command, clearing_electrode,
-         rescaled_sensor, dropped_load, lost_effectiveness, dry_bearing, settling_gain,
+         rescaled_sensor, dropped_load, lost_effectiveness, thickened_oil, settling_gain,
          slipped_mount),
     ),
 )  # fmt: skip
