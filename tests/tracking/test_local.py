@@ -8,7 +8,7 @@ from dea.errors import InputError
 from dea.narx import NarxModel, Scaling, refine, simulate, simulate_varying
 from dea.tracking import track_parameters
 from dea.tracking.local import WindowEstimates, local_estimates
-from dea.tracking.scatter import widened
+from dea.tracking.scatter import _by_chance, widened
 
 PLANT = NarxModel.from_terms({"1": 0.1, "y(t-1)": 0.8, "u(t-1)": 0.5}, scaling=Scaling())
 NOISE = 0.02
@@ -154,6 +154,14 @@ def test_an_interval_holds_where_few_windows_tell_how_far_estimates_scatter():
 def test_where_nothing_scatters_few_windows_widen_little():
     _, variance = _first_of_eight_windows(2000, ratio=1.0)
     assert 1.0 <= variance.mean() < 1.3
+
+
+@pytest.mark.parametrize("directions", [1, 2, 4, 10])
+@pytest.mark.parametrize("freedom", [7, 40])
+def test_what_noise_exceeds_by_chance_is_that_of_the_largest_direction(directions, freedom):
+    noise = np.random.default_rng(8).standard_normal((4000, freedom, directions))
+    largest = np.linalg.eigvalsh(noise.swapaxes(1, 2) @ noise / freedom)[:, -1]
+    assert 0.02 < np.mean(largest > _by_chance(directions, freedom)) < 0.08
 
 
 @pytest.mark.parametrize(("window", "few"), [(None, False), (500, False), (501, True)])

@@ -10,19 +10,22 @@ gain, for instance, which a window determines best, and not of a pole. The curva
 theta'' L^2/24 = d/24, is a small part of this.
 
 A ratio that a few windows show is itself uncertain: bands that hold for a known variance are then
-wider by Student's quantile. A ratio that noise alone would show in one of twenty records is left as
-it is, lest records in which nothing scatters pay for it.
+wider by Student's quantile. Ratios that noise alone exceeds in more than one of twenty records, the
+largest of the directions, are left as they are, lest records in which nothing scatters pay for it.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from dea.narx import LEVEL, quantile
+
 Array = NDArray[np.float64]
 
 # Squared differences beyond so many medians count no more: those of windows in another minimum.
 _LARGEST = 10.0
-_LEVEL = 0.95
+# Quantile of Tracy and Widom's first law that noise exceeds in one of twenty records.
+_TRACY_WIDOM = 0.9793
 
 
 def widened(centre: Array, theta: Array, covariance: Array, length: int) -> Array:
@@ -74,10 +77,18 @@ def _degrees_of_freedom(centre: Array) -> float:
 
 def _uncertain(ratio: Array, freedom: float) -> Array:
     """Return ratios of variances such that a normal quantile of them is Student's of the ratios."""
-    tail = 0.5 * (1.0 + _LEVEL)
-    wider = float(stats.t.ppf(tail, freedom) / stats.norm.ppf(tail)) ** 2
-    beyond_chance = ratio > stats.chi2.ppf(_LEVEL, freedom) / freedom
-    return np.where(beyond_chance, wider * ratio, ratio)
+    wider = float(stats.t.ppf(0.5 + 0.5 * LEVEL, freedom) / quantile(LEVEL)) ** 2
+    return np.where(ratio > _by_chance(ratio.size, freedom), wider * ratio, ratio)
+
+
+def _by_chance(directions: int, freedom: float) -> float:
+    """Return what the largest of so many ratios of noise exceeds in one of twenty records.
+
+    Johnstone (2001), Annals of Statistics 29:295: the largest eigenvalue of a Wishart matrix.
+    """
+    own, many = np.sqrt(max(freedom - 1.0, 0.5)), np.sqrt(directions)
+    spread = (own + many) * (1.0 / own + 1.0 / many) ** (1.0 / 3.0)
+    return float(((own + many) ** 2 + _TRACY_WIDOM * spread) / freedom)
 
 
 def _roots(covariance: Array) -> tuple[Array, Array]:
