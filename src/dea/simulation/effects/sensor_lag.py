@@ -91,9 +91,15 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return time constants of a few intervals."""
-    rest = (0.0, 0.0, 0.0, 0.5, 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span)
-    return tuple((samples * scales.interval, 1.5, *rest) for samples in (2.0, 8.0, 30.0))
+    """Return time constants of a few intervals, and a reading that quickens its own lag."""
+    middle, half = 0.5 * (scales.y_low + scales.y_high), 0.5 * scales.y_span
+    return (
+        *(
+            (samples * scales.interval, 1.5, 0.0, 0.0, 0.0, 0.5, middle, half)
+            for samples in (2.0, 8.0, 30.0)
+        ),
+        (8.0 * scales.interval, 4.0, 0.0, 0.0, 0.8, 1.0, middle, half),
+    )
 
 
 EFFECT = Effect(
