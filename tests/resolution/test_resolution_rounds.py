@@ -85,12 +85,18 @@ def test_designed_records_leave_the_effect_that_is_hidden(effect):
     assert CERTIFICATE in desk.designs
 
 
-def test_an_effect_that_is_not_offered_ends_without_a_name():
-    found, desk = solved(hidden("dead_zone", [0.2]), Options(records=1, duration=10.0))
+@pytest.mark.parametrize(
+    ("effect", "law", "imitated"),
+    [("dead_zone", [0.2], True), ("end_stop", [0.5, -0.5, 20.0], False)],
+)
+def test_an_effect_that_is_not_offered_ends_without_a_name(effect, law, imitated):
+    """An electrode whose current is a power of the voltage imitates a dead zone, and no stop."""
+    found, desk = solved(hidden(effect, law), Options(records=1, duration=10.0))
     assert found.outcome is not ResolutionOutcome.DECIDED
     assert found.certificate is None
     assert CERTIFICATE not in desk.designs
-    assert found.last.posterior.now["another"] > 0.99
+    assert found.last.verdict.status != "named"
+    assert imitated or found.last.posterior.now["another"] > 0.99
 
 
 def test_a_loop_that_was_ended_goes_on_with_what_it_has():
