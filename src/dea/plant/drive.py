@@ -13,16 +13,9 @@ from typing import NamedTuple
 from numba import njit
 
 from dea.plant.array import Array
+from dea.plant.dry_friction import DRY_STEPS, is_stiff, slowed
 from dea.plant.film import SUBSTEP
-from dea.plant.forces import (
-    DRY_STEPS,
-    Forces,
-    friction,
-    is_stiff,
-    pushed,
-    total_force,
-    update_memory,
-)
+from dea.plant.forces import Forces, total_force, update_memory
 
 
 class Drive(NamedTuple):
@@ -67,7 +60,4 @@ def _step(
     state[0] = y + dt / 6.0 * sum_y
     state[1] = v + dt / 6.0 * sum_v
     if stiff:
-        speed, way = pushed(1.0, drive.damping, dt)
-        dry = friction(forces, state[0], state[1], speed)
-        state[0] -= dry * way
-        state[1] -= dry * speed
+        state[0], state[1] = slowed(forces, state[0], state[1], 1.0, drive.damping, dt)

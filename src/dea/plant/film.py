@@ -18,15 +18,8 @@ import numpy as np
 from numba import njit
 
 from dea.plant.array import Array
-from dea.plant.forces import (
-    DRY_STEPS,
-    Forces,
-    friction,
-    is_stiff,
-    pushed,
-    total_force,
-    update_memory,
-)
+from dea.plant.dry_friction import DRY_STEPS, is_stiff, slowed
+from dea.plant.forces import Forces, total_force, update_memory
 from dea.plant.membrane import (
     ZONES,
     Film,
@@ -122,7 +115,6 @@ def move(film: Film, scalars: Array, forces: Forces | None, stiffness: float, dt
     if stiff:
         steps *= DRY_STEPS
     dt /= steps
-    velocity, way = pushed(film.mass, film.damping, dt)
     for _ in range(steps):
         y, v = scalars[Y], scalars[V]
         sum_y, sum_v, stage_y, stage_v = 0.0, 0.0, y, v
@@ -140,9 +132,9 @@ def move(film: Film, scalars: Array, forces: Forces | None, stiffness: float, dt
         scalars[Y] = y + dt / 6.0 * sum_y
         scalars[V] = v + dt / 6.0 * sum_v
         if stiff and forces is not None:
-            dry = friction(forces, scalars[Y], scalars[V], velocity)
-            scalars[Y] -= dry * way
-            scalars[V] -= dry * velocity
+            scalars[Y], scalars[V] = slowed(
+                forces, scalars[Y], scalars[V], film.mass, film.damping, dt
+            )
 
 
 @njit(cache=True, error_model="numpy")

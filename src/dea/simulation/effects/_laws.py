@@ -88,14 +88,13 @@ def powered(
     The distance x obeys dx/dt = -x^``order`` / tau in units of its first value, exactly; with an
     order below one it ends. The time constants of the start are those of :func:`remaining`.
     """
-    ratio = _intervals(v, target, tau, falling, growth, interval)
     beyond = order - 1.0
+    if abs(beyond) < 1e-6:
+        return held_charge(v, target, tau, falling, growth, interval)
+    ratio = _intervals(v, target, tau, falling, growth, interval)
     growing = np.log1p(beyond * ratio) if beyond * ratio > -1.0 else -np.inf
     if ratio < 1e-9:
         mean, end = 1.0, 1.0
-    elif abs(beyond) < 1e-6:
-        end = np.exp(-ratio)
-        mean = (1.0 - end) / ratio
     elif growing == -np.inf:
         mean, end = 1.0 / ((1.0 - beyond) * ratio), 0.0
     else:
