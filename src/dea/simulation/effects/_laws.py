@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numba import float64, njit, types
+from numba import float64, njit
 
 from dea.simulation.cubic import weights
-
-_VECTOR = types.Array(float64, 1, "C")
+from dea.simulation.signatures import VECTOR
 
 
 @njit(float64(float64, float64), cache=True, error_model="numpy")
@@ -106,7 +105,7 @@ def powered(
     return target + (v - target) * mean, target + (v - target) * end
 
 
-@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
+@njit(VECTOR(VECTOR, float64, float64), cache=True, error_model="numpy")
 def held_lag(u: np.ndarray, tau: float, interval: float) -> np.ndarray:
     """Return the mean over each interval of a held input behind a lag that has settled before."""
     result, v = np.empty(u.size), u[0]
@@ -115,7 +114,7 @@ def held_lag(u: np.ndarray, tau: float, interval: float) -> np.ndarray:
     return result
 
 
-@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
+@njit(VECTOR(VECTOR, float64, float64), cache=True, error_model="numpy")
 def delayed(u: np.ndarray, delay: float, interval: float) -> np.ndarray:
     """Return a signal shifted by a delay, with a straight line between samples."""
     shift = delay / interval
@@ -127,7 +126,7 @@ def delayed(u: np.ndarray, delay: float, interval: float) -> np.ndarray:
     return result
 
 
-@njit(_VECTOR(_VECTOR, float64, float64), cache=True, error_model="numpy")
+@njit(VECTOR(VECTOR, float64, float64), cache=True, error_model="numpy")
 def delayed_smoothly(u: np.ndarray, delay: float, interval: float) -> np.ndarray:
     """Return a signal shifted by a delay, with a cubic through four samples between samples.
 
@@ -199,7 +198,7 @@ def low_pass_step(polynomial: Sequence[float], derivatives: int) -> tuple[np.nda
     return step[:order, :order], step[:order, order:].T
 
 
-@njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
+@njit(float64(float64, VECTOR), cache=True, error_model="numpy")
 def spline(place: float, weights: np.ndarray) -> float:
     """Return the uniform cubic B-spline with ``weights`` (k + 3,) at 0 <= ``place`` <= k."""
     first = min(int(place), weights.size - 4)
@@ -233,7 +232,7 @@ _PIECES, _BEND = 10, 0.06
 DRIFT_MODES = _PIECES + 2
 
 
-@njit(_VECTOR(_VECTOR, float64, _VECTOR), cache=True, error_model="numpy")
+@njit(VECTOR(VECTOR, float64, VECTOR), cache=True, error_model="numpy")
 def _course(t: np.ndarray, duration: float, weights: np.ndarray) -> np.ndarray:
     result = np.empty(t.size)
     for k in range(t.size):

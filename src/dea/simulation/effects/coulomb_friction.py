@@ -1,14 +1,12 @@
 """Dry friction: a force that opposes the motion and holds the device still."""
 
 import numpy as np
-from numba import float64, njit, types
+from numba import float64, njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
-from dea.simulation.signatures import FORCE, MEMORY, UPDATE
-
-_VECTOR = types.Array(float64, 1, "C")
+from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
 
 
 @njit(float64(float64, float64, float64), cache=True, error_model="numpy")
@@ -30,7 +28,7 @@ def _strained(part: float, way: float, elastic: float) -> float:
     return float(1.0 - (1.0 - part) * np.exp(-way / (1.0 - elastic)))
 
 
-@njit(float64(float64, float64, _VECTOR), cache=True, error_model="numpy")
+@njit(float64(float64, float64, VECTOR), cache=True, error_model="numpy")
 def _way(z: float, last: float, q: np.ndarray) -> float:
     """Return the way since the last position in largest deflections, none where that is unknown."""
     return 0.0 if np.isnan(last) else float((z - last) / q[1])

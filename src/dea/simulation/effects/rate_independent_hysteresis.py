@@ -1,18 +1,17 @@
 """The force differs between loading and unloading, independently of the rate."""
 
 import numpy as np
-from numba import float64, int64, njit, types
+from numba import float64, int64, njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
-from dea.simulation.signatures import FORCE, MEMORY, UPDATE
+from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
 
 OPERATORS = 11
-_VECTOR = types.Array(float64, 1, "C")
 
 
-@njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
+@njit(float64(float64, VECTOR), cache=True, error_model="numpy")
 def _growth(z: float, q: np.ndarray) -> float:
     """Return the factor on the stop operators at a position: larger at one end, or at both.
 
@@ -24,7 +23,7 @@ def _growth(z: float, q: np.ndarray) -> float:
     return float(1.0 + q[4] * place + q[5] * place * place)
 
 
-@njit(float64(int64, _VECTOR), cache=True, error_model="numpy")
+@njit(float64(int64, VECTOR), cache=True, error_model="numpy")
 def _radius(i: int, q: np.ndarray) -> float:
     return float(q[1] * ((i + 1.0) / OPERATORS) ** 2)
 

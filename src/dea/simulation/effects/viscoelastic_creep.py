@@ -8,12 +8,12 @@ Steel at High Temperatures).
 """
 
 import numpy as np
-from numba import float64, njit, types
+from numba import float64, njit
 
 from dea.simulation.effects._effect import Effect, Family, Port
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
-from dea.simulation.signatures import FORCE, MEMORY, UPDATE
+from dea.simulation.signatures import FORCE, MEMORY, UPDATE, VECTOR
 
 BRANCHES = 8
 # The fastest branch relaxes in so many samples, the slowest in so many records.
@@ -30,15 +30,14 @@ _OWN = 2
 # relax in a step, the sum of the stiffnesses and that of the dashpots times them, the step.
 _STIFFNESS, _PART = BRANCHES, 2 * BRANCHES
 _SUM, _PULL, _STEP = range(3 * BRANCHES, 3 * BRANCHES + 3)
-_VECTOR = types.Array(float64, 1, "C")
 
 
-@njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
+@njit(float64(float64, VECTOR), cache=True, error_model="numpy")
 def _place(z: float, q: np.ndarray) -> float:
     return float(min(max((z - q[_MIDDLE]) / q[_HALF], -_FARTHEST), _FARTHEST))
 
 
-@njit(float64(float64, _VECTOR), cache=True, error_model="numpy")
+@njit(float64(float64, VECTOR), cache=True, error_model="numpy")
 def _strain(place: float, q: np.ndarray) -> float:
     """Return what the branches are stretched by at a place: its slope changes along the range."""
     return float(q[_RESPONSE] * (place + q[_CURVE] * place * place / (1.0 + abs(place))))
