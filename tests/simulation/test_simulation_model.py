@@ -354,6 +354,7 @@ def test_the_integrator_stays_within_its_arrays(monkeypatch, count):
         return integrator.integrate.py_func(equations, *arguments)
 
     monkeypatch.setattr(integrator, "_positions", integrator._positions.py_func)
+    monkeypatch.setattr(integrator, "borrowed", lambda array: array)
     monkeypatch.setattr(extended_simulation, "integrate", interpreted)
     np.testing.assert_allclose(extended.run(values, u[:50], DT), compiled_run, rtol=1e-6, atol=1e-9)
 

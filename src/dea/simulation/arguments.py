@@ -10,7 +10,9 @@ import numpy as np
 from numba import float64, int64, types
 from numba.extending import typeof_impl
 
+from dea.simulation.exponential import ROOM
 from dea.simulation.signatures import (
+    CUBE,
     DERIVATIVE,
     DERIVATIVE_OF_SEVERAL,
     FORCE,
@@ -24,6 +26,7 @@ from dea.simulation.signatures import (
     VECTOR,
 )
 
+VECTORS = 8  # that the integrator works in
 Function: TypeAlias = Any  # a FirstClass, which is callable in compiled code alone
 
 
@@ -47,7 +50,7 @@ class Equations(NamedTuple):
 class Values(NamedTuple):
     """The numbers that the equations are integrated with."""
 
-    parameters: np.ndarray  # (parameters,)
+    parameters: np.ndarray  # (parameters,), of which those of the drive are overwritten
     initial: np.ndarray  # (states,) at the first sample
     drive: int | np.ndarray
     """Index of the parameter that is multiplied by ``Course.drive_scale``; of several inputs those
@@ -97,9 +100,28 @@ class Reading(NamedTuple):
     there, per step."""
 
 
+class Room(NamedTuple):
+    """Arrays that the integrator works in, all of which it overwrites."""
+
+    result: np.ndarray
+    """(2, n): reading of the output, and normalised position; NaN from where the states diverge."""
+    vectors: np.ndarray  # (VECTORS, states)
+    matrices: np.ndarray  # (1 + ROOM, states, states)
+
+    @classmethod
+    def of(cls, samples: int, states: int) -> "Room":
+        """Return it for a run of so many samples."""
+        return cls(
+            np.full((2, samples), np.nan),
+            np.zeros((VECTORS, states)),
+            np.zeros((1 + ROOM, states, states)),
+        )
+
+
 _FORCE_LAW = types.NamedTuple([types.FunctionType(FORCE), types.FunctionType(UPDATE)], ForceLaw)
 FORCES = types.NamedTuple([int64, INDEX, MATRIX, INDICES, MATRIX, MATRIX], Forces)
 READING = types.NamedUniTuple(MATRIX, 2, Reading)
+ROOM_TO_WORK = types.NamedTuple([MATRIX, MATRIX, CUBE], Room)
 EQUATIONS, EQUATIONS_OF_SEVERAL = (
     types.NamedTuple(
         [types.FunctionType(derivative), types.FunctionType(output), *[_FORCE_LAW] * SLOTS],
@@ -116,6 +138,7 @@ ARGUMENTS = (
     types.NamedTuple([VECTOR, VECTOR, int64, VECTOR, float64, int64, int64], Course),
     FORCES,
     READING,
+    ROOM_TO_WORK,
 )
 ARGUMENTS_OF_SEVERAL = (
     EQUATIONS_OF_SEVERAL,
@@ -123,6 +146,7 @@ ARGUMENTS_OF_SEVERAL = (
     types.NamedTuple([MATRIX, MATRIX, int64, MATRIX, float64, int64, int64], Course),
     FORCES,
     READING,
+    ROOM_TO_WORK,
 )
 
 

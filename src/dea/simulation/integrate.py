@@ -4,7 +4,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import njit, types
 
 from dea.simulation.arguments import (
     ARGUMENTS,
@@ -13,10 +13,12 @@ from dea.simulation.arguments import (
     Equations,
     Forces,
     Reading,
+    Room,
     Values,
 )
-from dea.simulation.exponential import ROOM, advance, advance_three, advance_two
-from dea.simulation.signatures import MATRIX, SLOTS
+from dea.simulation.cayley_hamilton import advance_four, advance_three, advance_two
+from dea.simulation.exponential import advance
+from dea.simulation.signatures import SLOTS, borrowed
 
 
 @njit(inline="always")
@@ -54,14 +56,15 @@ def _with_rate(
     return now, (output(moved, u, p) - now) / soon
 
 
-@njit(MATRIX(*ARGUMENTS), cache=True, nogil=True)
+@njit(types.void(*ARGUMENTS), cache=True, nogil=True)
 def integrate(
     equations: Equations,
     values: Values,
     course: Course,
     forces: Forces,
     reading: Reading,
-) -> np.ndarray:
+    room: Room,
+) -> None:
     """Integrate by the exponential Rosenbrock-Euler method with steps of ``interval/substeps``.
 
     The method is exact for a linear simulation under an input that is held, or straight between
@@ -70,33 +73,32 @@ def integrate(
     memory are split off (Strang 1968): within a step the force is evaluated with the memory of
     the step's middle, which is then brought forward by the motion over the step.
 
-    Returns
-    -------
-    (2, n)
-        Reading of the output, and the normalised position, at each sample; NaN from where the
-        states diverge.
+    What it finds is written to ``room``.
     """
     derivative, output, law_1, law_2, law_3 = equations
-    u, steps, straight, drive_scale, interval, substeps, lead = course
-    attached, ports, frames, still, memory, q = forces
+    steps, straight, drive_scale, interval, substeps, lead = course[1:]
+    attached, ports, frames, still = forces[:4]
     taken_over, gains = reading
-    order = len(taken_over)
-    read, filtered = np.zeros(order), np.empty(order)
-    x0, drive = values.initial, values.drive
-    n, states = len(u), x0.size
-    result = np.full((2, n), np.nan)
-    x, moved, step = x0.copy(), np.empty(states), np.empty(states)
-    slope, beside, ramp = np.empty(states), np.empty(states), np.zeros(states)
-    unforced = np.empty(states)
-    # No secant is longer than the least one before there is a Jacobian.
-    pushes, J = np.zeros(SLOTS), np.full((states, states), -np.inf)
-    room = np.empty((ROOM, states, states))
-    typical = np.abs(x0) + 1e-6
-    p = values.parameters.copy()
-    p_drive = p[drive]
+    # The caller holds all arrays that reach the equations and the laws.
+    u, steps, p = borrowed(course.u), borrowed(steps), borrowed(values.parameters)
+    memory, q = borrowed(forces.memory), borrowed(forces.parameters)
+    vectors, matrices, result = borrowed(room.vectors), borrowed(room.matrices), room.result
     # Rows are sliced once: slicing them in the loop takes longer than the forces do.
     m1, m2, m3 = memory[0], memory[1], memory[2]
     q1, q2, q3 = q[0], q[1], q[2]
+    x, moved, step, slope = vectors[0], vectors[1], vectors[2], vectors[3]
+    beside, unforced, ramp, typical = vectors[4], vectors[5], vectors[6], vectors[7]
+    J, room_of_step = matrices[0], matrices[1:]
+    order = len(taken_over)
+    read, filtered = np.zeros(order), np.empty(order)
+    n, states = len(u), x.size
+    drive = values.drive
+    p_drive = p[drive]
+    x[:] = values.initial
+    typical[:] = np.abs(x) + 1e-6
+    # No secant is longer than the least one before there is a Jacobian.
+    J[:] = -np.inf
+    pushes = np.zeros(SLOTS)
     h = interval / substeps
     soon = 1e-3 * h  # over which the output's rate is a difference
     z, z_next = np.zeros(SLOTS + 1), np.zeros(SLOTS + 1)
@@ -130,6 +132,8 @@ def integrate(
                 if column:
                     typical[column - 1] = max(typical[column - 1], abs(x[column - 1]))
                     nudge = 1e-6 * typical[column - 1]
+                    if not i:  # a state that starts at zero shows its size by its slope alone
+                        nudge = max(nudge, 1e-6 * h * abs(slope[column - 1]))
                     # Where a force looks at the position, the secant over the coming motion
                     # sees the corners of its law. What decays fast moves by less than h times
                     # its slope, as the Jacobian before tells.
@@ -169,10 +173,15 @@ def integrate(
                 derivative(x, steps[i * substeps + s + 1], p, beside)
                 for j in range(states):
                     ramp[j] = beside[j] - unforced[j]
+            advanced = False
             if states == 2:
-                advance_two(J, slope, ramp, h, step)
-            elif states != 3 or not advance_three(J, slope, ramp, h, step):
-                advance(J, slope, ramp, h, step, room)
+                advanced = advance_two(J, slope, ramp, h, step)
+            elif states == 3:
+                advanced = advance_three(J, slope, ramp, h, step)
+            elif states == 4:
+                advanced = advance_four(J, slope, ramp, h, step)
+            if not advanced:
+                advance(J, slope, ramp, h, step, room_of_step)
             for e in range(attached):
                 if ports[e, 1] < 0:
                     z_next[e] = z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / frames[e, 1]
@@ -205,8 +214,7 @@ def integrate(
                     z[e] = z_next[e]
         for j in range(states):
             if not abs(x[j]) < 1e12:
-                return result
-    return result
+                return
 
 
 @cache
@@ -215,4 +223,4 @@ def integrate_several() -> Any:
 
     A value of the input is then a row, and so is that of the factor on the drives.
     """
-    return njit(MATRIX(*ARGUMENTS_OF_SEVERAL), cache=True, nogil=True)(integrate.py_func)
+    return njit(types.void(*ARGUMENTS_OF_SEVERAL), cache=True, nogil=True)(integrate.py_func)

@@ -8,7 +8,7 @@ mass swings on the film, damped by a dashpot: at 2 mm of displacement its resona
 """
 
 from dataclasses import replace
-from math import log, nan, pi, sqrt
+from math import log, nan, pi
 
 import numpy as np
 from numba import njit
@@ -86,25 +86,22 @@ def tabulated(x: np.ndarray, stress: float, p: np.ndarray, dx: np.ndarray) -> No
     """Do as :func:`derivative` from the Maxwell stress where x is 1, with cubics between nodes."""
     header = p.size - 2 - COLUMNS * NODES
     place = (x[0] - FIRST) * p[header]
-    if not 0.0 <= place < NODES - 1:
-        field = sqrt(stress / (VACUUM_PERMITTIVITY * p[6]))
-        derivative(x, field * p[10] / (p[11] * p[5] * p[5]), p, dx)
-        return
-    node = min(max(int(place) - 1, 0), NODES - 4)
-    w0, w1, w2, w3 = weights(place - node)
-    k0 = header + 2 + COLUMNS * node
-    k1, k2, k3 = k0 + COLUMNS, k0 + 2 * COLUMNS, k0 + 3 * COLUMNS
-    resisting = w0 * p[k0] + w1 * p[k1] + w2 * p[k2] + w3 * p[k3]
-    sigma = w0 * p[k0 + 1] + w1 * p[k1 + 1] + w2 * p[k2 + 1] + w3 * p[k3 + 1]
-    compliance = w0 * p[k0 + 2] + w1 * p[k1 + 2] + w2 * p[k2 + 2] + w3 * p[k3 + 2]
-    of_disc = w0 * p[k0 + 3] + w1 * p[k1 + 3] + w2 * p[k2 + 3] + w3 * p[k3 + 3]
-    cubed = x[0] * x[0] * x[0]
-    resisting -= stress * cubed
-    sigma -= stress * cubed * x[0]
-    if not sigma > 0.0:
-        dx[0], dx[1], dx[2] = nan, nan, nan
-        return
-    stiffness = p[header + 1] * sigma / (compliance * sigma + of_disc)
+    squared = x[0] * x[0]
+    if 0.0 <= place < NODES - 1:
+        node = min(max(int(place) - 1, 0), NODES - 4)
+        w0, w1, w2, w3 = weights(place - node)
+        k0 = header + 2 + COLUMNS * node
+        k1, k2, k3 = k0 + COLUMNS, k0 + 2 * COLUMNS, k0 + 3 * COLUMNS
+        resisting = w0 * p[k0] + w1 * p[k1] + w2 * p[k2] + w3 * p[k3]
+        sigma = w0 * p[k0 + 1] + w1 * p[k1 + 1] + w2 * p[k2 + 1] + w3 * p[k3 + 1]
+        compliance = w0 * p[k0 + 2] + w1 * p[k1 + 2] + w2 * p[k2 + 2] + w3 * p[k3 + 2]
+        of_disc = w0 * p[k0 + 3] + w1 * p[k1 + 3] + w2 * p[k2 + 3] + w3 * p[k3 + 3]
+    else:
+        resisting, sigma, compliance = work(x[0], 0.0, p, squares_of(p))
+        of_disc = squared * log(p[8] * x[0] / p[9])
+    resisting -= stress * squared * x[0]
+    sigma -= stress * squared * squared
+    stiffness = p[header + 1] * sigma / (compliance * sigma + of_disc) if sigma > 0.0 else nan
     dx[0] = -resisting / p[1]
     dx[1] = PER_METRE * x[2]
     dx[2] = GRAVITY - (stiffness * (1.0 / PER_METRE) * x[1] + p[12] * x[2]) / p[0]
