@@ -297,7 +297,7 @@ def test_one_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before
         attached = attached.attach(catalogue()[name], told)
     error = problem.seen_rmse(left)
     chosen = Candidate(
-        Fit(attached, plain.coordinates, left, plain.jacobian, 0.0), error, error, 9.0
+        Fit(attached, np.zeros(attached.free.size), left, plain.jacobian, 0.0), error, error, 9.0
     )
     nominal = replace(plain, residual=left * before * NOISE / error)
     held_out = SimpleNamespace(
@@ -740,6 +740,7 @@ def test_what_is_named_without_its_drift_acts_at_the_same_place():
     simulation = load_simulation("two_heaters")
     u = np.random.default_rng(1).uniform(0.0, 50.0, (1500, len(simulation.inputs)))
     plain = prepared(simulation, u, 1.0, 1e-2)
+    evidence = replace(evidence, problem=replace(evidence.problem, u=u, interval=1.0))
     values = plain.values(np.zeros(plain.free.size))
     y = plain.simulate(values, u, 1.0)
     told = measured_scales(plain, values, SimpleNamespace(u=u, y=y, interval=1.0))

@@ -2,7 +2,7 @@
 
 from dea.discrepancy.decision.decision import Reason
 from dea.discrepancy.evidence.certificate import transferable
-from dea.discrepancy.evidence.colour import PREDICTED, is_coloured_noise
+from dea.discrepancy.evidence.colour import PREDICTED, leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
@@ -21,10 +21,10 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     # Several laws together fit almost any residual: what they leave must be noise.
     if len(chosen.names) > 1 and chosen.rmse > rules.grow * floor:
         certain = weighed.least_of(chosen) >= rules.certain
-        return certain and leaves_coloured_noise(evidence, chosen, weighed)
+        return certain and leaves_noise(evidence, chosen, weighed)
     left, whole = misfit(chosen.rmse, floor), misfit(evidence.nominal_error, floor)
     if left > rules.misfit * whole:
-        return leaves_coloured_noise(evidence, chosen, weighed)
+        return leaves_noise(evidence, chosen, weighed)
     if left <= 0.5 * rules.misfit * whole:
         return True
     return residual_model(evidence.problem, chosen.fit.residual).ratio >= rules.predictable
@@ -33,11 +33,11 @@ def explained(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
 def rest_of(evidence: Evidence, chosen: Candidate, weighed: Presence) -> Reason | None:
     """Return what an effect that is named leaves, if it is known as noise beyond the floor."""
     beyond = chosen.rmse > evidence.rules.clean * evidence.floor
-    noise = beyond and leaves_coloured_noise(evidence, chosen, weighed)
+    noise = beyond and leaves_noise(evidence, chosen, weighed)
     return Reason.COLOURED if noise else None
 
 
-def leaves_coloured_noise(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
+def leaves_noise(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bool:
     """Return whether most of the gap is explained, and the rest is noise that follows nothing.
 
     It is not noise if explanations with a further effect are certain.
@@ -51,7 +51,7 @@ def beside_noise(evidence: Evidence, part: Candidate) -> bool:
         return False
     # Several laws leave little of what they do not explain to be seen.
     most = PREDICTED / len(part.names)
-    return is_coloured_noise(evidence.problem, part.fit.residual, evidence.blocks, most)
+    return leaves_coloured_noise(evidence.problem, part.fit, evidence.blocks, most)
 
 
 def borne_out(evidence: Evidence, candidate: Candidate) -> bool:

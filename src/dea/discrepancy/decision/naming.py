@@ -9,7 +9,7 @@ from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
 from dea.discrepancy.decision.rivals import rivals_of
 from dea.discrepancy.evidence.bootstrap import beaten
-from dea.discrepancy.evidence.colour import is_coloured_noise
+from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.residual_model import residual_model
@@ -29,7 +29,7 @@ def decide(
     ``pool`` holds all candidates, ``proven`` the single effects whose gain is significant,
     ``residual`` (n,) is that of the simulation alone.
     """
-    error, rules = evidence.nominal_error, evidence.rules
+    error, rules, alone = evidence.nominal_error, evidence.rules, evidence.nominal
     if error <= rules.noise_like * evidence.accuracy:
         return Decision(Status.NONE, None, reason=Reason.ACCURATE)
     surest = weighed.surest(rules.certain)
@@ -43,7 +43,7 @@ def decide(
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
         # If an effect lowers the error on held-out blocks, the residual is not noise.
         unaffected = share_of(evidence, chosen).low <= rules.margin
-        if unaffected and is_coloured_noise(evidence.problem, residual, evidence.blocks):
+        if unaffected and leaves_coloured_noise(evidence.problem, alone, evidence.blocks):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = rivals_of(evidence, chosen, pool)
@@ -142,6 +142,6 @@ def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
         return Decision(Status.NONE, None, reason=Reason.NOISE)
     if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.floor:
         return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
-    if is_coloured_noise(evidence.problem, residual, evidence.blocks):
+    if leaves_coloured_noise(evidence.problem, evidence.nominal, evidence.blocks):
         return Decision(Status.NONE, None, reason=Reason.COLOURED)
     return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dea.discrepancy.decision.adequacy import beside_noise
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.rivals import rivals_of
-from dea.discrepancy.evidence.colour import is_coloured_noise
+from dea.discrepancy.evidence.colour import leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
@@ -24,7 +24,7 @@ def without_small_drift(
         return decision
     if all(a.effect.drifts_reading for a in decision.chosen.fit.extended.attached):
         alone, blocks = evidence.nominal, evidence.blocks
-        if _small(evidence, alone) and is_coloured_noise(evidence.problem, alone.residual, blocks):
+        if _small(evidence, alone) and leaves_coloured_noise(evidence.problem, alone, blocks):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return decision
     part = _without_drift(decision.chosen, pool)

@@ -7,6 +7,8 @@ import numpy as np
 from dea.autoregression import fit_autoregression, innovations
 from dea.discrepancy.evidence.null import long_parts
 from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.evidence.unknown_force import unknown_force
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
 
@@ -38,6 +40,16 @@ def is_coloured_noise(
     levels = np.log([part.std() for part in parts])
     even = float(np.std(levels)) <= _UNEVEN
     return even and kurtosis <= _KURTOSIS and predictable(problem, residual) <= most
+
+
+def leaves_coloured_noise(
+    problem: Problem, fitted: Fit, blocks: Sequence[slice], most: float = PREDICTED
+) -> bool:
+    """Return whether what a fit leaves is coloured noise that no smooth force would cause."""
+    if not is_coloured_noise(problem, fitted.residual, blocks, most):
+        return False
+    force = unknown_force(problem, fitted)
+    return force is None or force.part <= most
 
 
 def predictable(problem: Problem, residual: np.ndarray) -> float:

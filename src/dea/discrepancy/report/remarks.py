@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dea.discrepancy.decision import Reason, Status
+from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.report.sentence import label_in_words
 from dea.simulation import TIMING_OFFSET
 
@@ -15,13 +16,15 @@ if TYPE_CHECKING:
 _EARLY, _SURE = 0.1, 3.0
 # Distance from a bound, in prior spreads, at which a parameter is said to be there.
 _NEAR = 1e-3
+# Part of the residual from which a force that no effect has is worth a remark.
+_FORCE = 0.5
 # Part of the white level from which a coloured error is said.
 _COLOURED = 0.5
 
 
 def remarks(found: "Diagnosis") -> tuple[str, ...]:
     """Return the remarks on a diagnosis, each a sentence."""
-    texts = (_timing(found), _bounds(found), _laws(found), _noise(found))
+    texts = (_timing(found), _bounds(found), _laws(found), _force(found), _noise(found))
     return tuple(text for text in texts if text)
 
 
@@ -81,6 +84,20 @@ def _laws(found: "Diagnosis") -> str:
     ends = {law: "its bound" if len(names) == 1 else "their bounds" for law, names in away.items()}
     told = [f"{law} has its {' and '.join(names)} at {ends[law]}" for law, names in away.items()]
     return f"{' and '.join(told)}, which counts against {'it' if len(told) == 1 else 'them'}."
+
+
+def _force(found: "Diagnosis") -> str:
+    """Say how a force looks that would explain what no effect does."""
+    if found.decision.status is not Status.UNKNOWN:
+        return ""
+    force = unknown_force(found.problem, found.nominal)
+    if force is None or force.part < _FORCE:
+        return ""
+    return (
+        f"A smooth force at {force.port} that depends on {force.of} would remove "
+        f"{100 * force.part:.0f} % of the residual of the simulation alone, on samples that it was "
+        "not fitted to."
+    )
 
 
 def _noise(found: "Diagnosis") -> str:

@@ -1,0 +1,133 @@
+"""How much of a residual some smooth force on the motion would cause.
+
+Forces that no law of the catalogue has, such as a drag that grows with the square of the speed,
+show in the output as the device filters them. A regression on what was simulated misses that.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from dea.discrepancy.fit import Fit
+from dea.discrepancy.problem import Problem, rmse
+from dea.simulation import Effect, Family, Parameter, Port, Scales, measured_scales
+from dea.simulation.signatures import FORCE, SLOTS
+
+# What the force depends on, and the places of those terms among the weights.
+_GROUPS = {"the place": (0, 1), "the speed": (2, 3, 6, 7)}
+_TERMS = 8
+# Part of what all terms predict that those of one group must, for the force to depend on it alone.
+_ALONE = 0.8
+# Part of the elastic force by which each term pushes, and weights of the ridge, the best of which
+# counts: what is nearly collinear would be fitted by noise.
+_PUSH, _RIDGES = 1e-3, (1e-6, 1e-4, 1e-2)
+
+
+@njit(FORCE, cache=True, error_model="numpy")
+def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
+    """Return powers and products of place and speed, each in its range, with weights ``q``."""
+    place = (z - q[_TERMS]) / q[_TERMS + 1]
+    speed = w / q[_TERMS + 2]
+    smooth = q[0] * place * place + q[1] * place * place * place
+    smooth += speed * speed * (q[2] + q[3] * speed) + speed * place * (q[4] + q[5] * place)
+    return float(smooth + q[6] * speed * abs(speed) + q[7] * np.tanh(3.0 * speed))
+
+
+class UnknownForce(NamedTuple):
+    """A force that would cause a residual: the part of it that is predicted, and how it looks.
+
+    ``of`` is what it depends on, ``port`` where it pushes.
+    """
+
+    part: float
+    of: str
+    port: str
+
+
+def unknown_force(problem: Problem, fitted: Fit) -> UnknownForce | None:
+    """Return the smooth force that predicts most of a fit's residual on samples not fitted to.
+
+    The force is a sum of powers and products of place and speed at one of the force ports, small
+    enough for its effects to add up; the parameters of the fit adapt to it. There is none without a
+    port, or where three forces are attached already.
+    """
+    extended = fitted.extended
+    pushing = sum(a.effect.force is not None for a in extended.attached)
+    if pushing == SLOTS or not fitted.stable:
+        return None
+    found = [
+        _at_port(problem, fitted, place, port.name)
+        for place, port in enumerate(extended.simulation.force_ports)
+    ]
+    return max(found, key=lambda force: force.part, default=None)
+
+
+def _at_port(problem: Problem, fitted: Fit, place: int, name: str) -> UnknownForce:
+    changes = _changes(problem, fitted, place)
+    parts = {
+        group: _predicted(problem, fitted, [changes[k] for k in terms])
+        for group, terms in _GROUPS.items()
+    }
+    whole = max(_predicted(problem, fitted, changes), *parts.values())
+    group = max(parts, key=lambda each: parts[each])
+    of = group if parts[group] >= _ALONE * whole else "place and speed"
+    return UnknownForce(whole, of, name)
+
+
+def _predicted(problem: Problem, fitted: Fit, changes: Sequence[np.ndarray]) -> float:
+    """Return the part of the residual that changes of it, and of the parameters, predict."""
+    residual = fitted.residual
+    X = np.column_stack([fitted.jacobian, *changes])
+    X = X[:, np.isfinite(X).all(axis=0)]
+    train, test = problem.fit, problem.select
+    X = (X - X[train].mean(0)) / (X[train].std(0) + 1e-300)
+    e = residual - residual[train].mean()
+    gram, pull = X[train].T @ X[train], X[train].T @ e[train]
+    identity = train.sum() * np.eye(X.shape[1])
+    left = (rmse(e - X @ np.linalg.solve(gram + ridge * identity, pull), test) for ridge in _RIDGES)
+    return 1.0 - min(left) / rmse(e, test)
+
+
+def _changes(problem: Problem, fitted: Fit, port: int) -> list[np.ndarray]:
+    """Return the change of the residual (n,) by each term of the force."""
+    scales = measured_scales(fitted.extended, fitted.values, problem, port)
+    pushed = fitted.extended.attach(_effect(_speed(problem, fitted)), scales, port)
+    law = np.array([p.nominal for p in pushed.attached[-1].parameters])
+    changes = []
+    for term in range(_TERMS):
+        moved = law.copy()
+        moved[term] = _PUSH
+        values = np.concatenate([fitted.values, pushed.attached[-1].started(moved.tolist())])
+        changes.append(problem.residual(pushed, values) - fitted.residual)
+    return changes
+
+
+def _speed(problem: Problem, fitted: Fit) -> float:
+    """Return how fast the motion at the first port is, in ranges per second (RMS)."""
+    position = fitted.extended.run(fitted.values, problem.u, problem.interval)[1]
+    rate = np.gradient(position) / problem.interval
+    return float(np.sqrt(np.mean(rate**2)) / (np.ptp(position) or 1.0))
+
+
+def _effect(speed: float) -> Effect:
+    def parameters(scales: Scales) -> tuple[Parameter, ...]:
+        half = 0.5 * scales.z_span
+        return (
+            *(Parameter(f"term_{k}", "1", 0.0, 0.0) for k in range(_TERMS)),
+            Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
+            Parameter("half_range", "1", half, 0.0),
+            Parameter("speed", "1/s", max(speed * scales.z_span, 1e-9), 0.0),
+        )
+
+    return Effect(
+        name="unknown_force",
+        port=Port.FORCE,
+        family=Family.CURVE,
+        symptom="the device moves as no effect of the catalogue makes it move",
+        citation="",
+        parameters=parameters,
+        starts=lambda scales: (),
+        force=force,
+    )

@@ -1,0 +1,107 @@
+"""A force that no effect has is told from noise: oscillators of another integrator."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
+
+from dea.discrepancy import Settings, diagnose
+from dea.discrepancy.evidence.colour import leaves_coloured_noise, predictable
+from dea.discrepancy.evidence.unknown_force import unknown_force
+from dea.discrepancy.fit import fit
+from dea.discrepancy.problem import Samples
+from dea.discrepancy.records import prepare
+from dea.simulation import ForcePort, Parameter, Simulation, State
+from dea.store import Record
+
+N, DT, NOISE = 1500, 0.02, 0.01
+U = np.random.default_rng(1).uniform(-1.0, 1.0, N // 10 + 1).repeat(10)[:N]
+
+
+def derivative(x, u, p, dx):
+    dx[0] = x[1]
+    dx[1] = p[0] * (u - x[0]) - p[1] * x[1]
+
+
+def output(x, u, p):
+    return x[0]
+
+
+OSCILLATOR = Simulation(
+    name="oscillator",
+    input_unit="V",
+    output_unit="mm",
+    states=(State("position", "mm", 0.0), State("velocity", "mm/s", 0.0)),
+    parameters=(
+        Parameter("stiffness", "1/s²", 60.0, 0.2, 1.0, 1e4, log=True),
+        Parameter("damping", "1/s", 2.0, 0.3, 0.01, 1e3, log=True),
+        Parameter("gain", "1", 1.0, 0.0),
+    ),
+    derivative=derivative,
+    output=output,
+    drive="gain",
+    force_ports=(ForcePort("velocity", position="position", velocity="velocity"),),
+    output_offset_spread=0.1,
+)
+
+
+def moved(force):
+    """The positions under a further force of place and speed."""
+    x, positions = np.zeros(2), []
+    for u in U:
+        positions.append(x[0])
+        x = solve_ivp(
+            lambda t, x, u=u: (x[1], 60.0 * (u - x[0]) - 2.0 * x[1] + force(*x)),
+            (0.0, DT), x, "LSODA", rtol=1e-8, atol=1e-10,
+        ).y[:, -1]  # fmt: skip
+    return np.array(positions)
+
+
+def fitted(y):
+    problem, parts, extended = prepare([Samples(U, y, DT)], OSCILLATOR, Settings())
+    found = fit(problem, extended, np.zeros(extended.free.size), iterations=30)
+    return problem, found, parts.blocks(problem.seen, N / 8)
+
+
+def noise(colour):
+    drawn = np.random.default_rng(2).standard_normal(N)
+    slow = lfilter([1.0], [1.0, -colour], drawn)
+    return NOISE * slow / slow.std()
+
+
+FORCES = {
+    "the speed": lambda z, w: -0.6 * w * abs(w),
+    "place and speed": lambda z, w: -2.0 * z * w,
+    "the place": lambda z, w: -15.0 * z**3,
+}
+
+
+@pytest.mark.parametrize("of", FORCES)
+def test_a_force_that_follows_the_motion_is_no_noise(of):
+    problem, found, blocks = fitted(moved(FORCES[of]) + noise(0.0))
+    assert problem.seen_rmse(found.residual) > 3.0 * NOISE
+    force = unknown_force(problem, found)
+    assert force.part > 0.5
+    assert force.of == of
+    assert force.port == "velocity"
+    assert not leaves_coloured_noise(problem, found, blocks)
+
+
+@pytest.mark.parametrize("colour", [0.0, 0.9, 0.98])
+def test_no_force_predicts_noise_of_any_colour(colour):
+    problem, found, _ = fitted(moved(lambda z, w: 0.0) + 5.0 * noise(colour))
+    assert unknown_force(problem, found).part < 0.1
+
+
+def test_what_was_simulated_predicts_less_than_the_force_does():
+    """The device filters the force, which a regression on its output cannot know."""
+    problem, found, _ = fitted(moved(FORCES["the speed"]) + noise(0.0))
+    assert unknown_force(problem, found).part > predictable(problem, found.residual) + 0.3
+
+
+def test_a_drag_that_no_effect_has_is_unknown_and_described():
+    y = moved(FORCES["the speed"]) + noise(0.0)
+    record = Record.of(U, y, 1.0 / DT, units=("V", "mm"))
+    verdict = diagnose(record, OSCILLATOR, settings=Settings(effects=("dead_zone",))).verdict
+    assert verdict.status == "unknown"
+    assert "depends on the speed" in " ".join(verdict.remarks)
