@@ -13,6 +13,9 @@ _JUMPS = 3
 _GRID = 8
 # Bins beside a harmonic that its window spreads to.
 _BESIDE = 2.0
+_HARMONICS = 5
+# Bins on either side of a line that it is compared with.
+_AROUND = 30
 
 
 def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
@@ -38,14 +41,34 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """Return the frequencies (Hz) of lines that are no harmonics of a periodic input.
 
     Where the input repeats, whatever is missing repeats with it, and a wave of any shape with the
-    input's period would explain it.
+    input's period would explain it. Elsewhere the sharpest lines come first: what the simulation
+    lacks besides is broad, and may yet be higher.
     """
-    if not problem.period:
-        return lines(problem, residual)
     frequency, power = _spectrum(_seen(problem, residual), problem.interval)
+    if not problem.period:
+        nothing = np.zeros(power.size, bool)
+        sharp = _peaks(frequency, power, power / (_around(power) + 1e-300), nothing)
+        if len(sharp) == _LINES and _is_harmonic(sharp[0], sharp[1], frequency[1]):
+            sharp.reverse()
+        return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))
     orders = frequency * problem.period * problem.interval
     harmonic = np.abs(orders - np.round(orders)) <= _BESIDE * orders[1]
     return tuple(_peaks(frequency, power, power, harmonic))
+
+
+def _is_harmonic(line: float, fundamental: float, bin_width: float) -> bool:
+    """Return whether a line is one of the first harmonics of another one."""
+    order = round(line / fundamental)
+    return 1 < order <= _HARMONICS and abs(line - order * fundamental) <= _BESIDE * bin_width
+
+
+def _around(power: np.ndarray) -> np.ndarray:
+    """Return the mean power around each bin, but not beside it, where a line spreads to."""
+    weights = np.ones(2 * _AROUND + 1)
+    weights[_AROUND - 6 : _AROUND + 7] = 0.0
+    there = np.convolve(np.ones(power.size), weights, "same")
+    mean: np.ndarray = np.convolve(power, weights, "same") / np.maximum(there, 1.0)
+    return mean
 
 
 def _seen(problem: Problem, residual: np.ndarray) -> np.ndarray:
