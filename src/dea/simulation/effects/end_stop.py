@@ -50,12 +50,13 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return a stop near the upper end, deeper in, and at the lower end."""
+    """Return a stop near the upper end, deeper in, at the lower end, and at both."""
     low, high, span = scales.z_low, scales.z_high, scales.z_span
     contact = (5.0, 0.02 * span, 1.0, 0.1 * span, 0.0, 0.5)
     return (
         *((high - part * span, low - 0.3 * span, *contact) for part in (0.1, 0.3, 0.5)),
         (high + 0.3 * span, low + 0.1 * span, *contact),
+        (high - 0.1 * span, low + 0.1 * span, *contact),
     )
 
 
