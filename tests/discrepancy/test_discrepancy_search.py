@@ -1102,3 +1102,22 @@ def test_an_effect_that_was_screened_and_is_fitted_again_counts_once_as_it_was_f
     assert [(c.labels[0], c.finished, c.error) for c in found] == [
         ("a", True, 2.0), ("b", True, 2.5), ("c", False, 4.0),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("limited", [True, False])
+def test_a_gently_bent_reading_does_not_bear_the_name_of_a_limit(limited):
+    """An arm that turns reads the sine of its angle; a rail ends the reading."""
+    problem, extended = hidden()
+    own = extended.values(np.zeros(extended.free.size))
+    y = extended.simulate(own, problem.u, INTERVAL)
+    noise = NOISE * np.random.default_rng(4).standard_normal(y.size)
+    far = np.abs(y).max()
+    bent = np.minimum(y, 0.7 * far) if limited else far / 0.8 * np.sin(0.8 * y / far)
+    problem = replace(problem, y=bent + noise)
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    offered = [catalogue()[name] for name in ("output_saturation", "sensor_nonlinearity")]
+    singles = extend_by_each(problem, [nominal], offered, Budget(), 1)
+    [again] = unfinish_degenerate(problem, [singles], Rules(), NOISE, 1)
+    finished = {c.names[0] for c in again.candidates if c.finished}
+    assert ("output_saturation" in finished) == limited
+    assert {c.names[0]: c.rmse < 1.2 * NOISE for c in again.candidates}["output_saturation"]
