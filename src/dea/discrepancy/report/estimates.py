@@ -40,9 +40,10 @@ def uncertainty(problem: Problem, fit: Fit, spread: np.ndarray, error: ModelErro
 def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate]:
     """Return the free parameters of the attached effect ``index`` with 95 % intervals.
 
-    Those that the record determines best, as shares of their values or of their distances from
-    the prior mean, come first. Those that only shape the law, or say in which state a record finds
-    it, come last. ``deviation`` (k,) is the standard deviation of all coordinates.
+    Of those that say something, those with a unit come first, and the best determined, as shares of
+    their values or of their distances from the prior mean. Those that only shape the law, or say in
+    which state a record finds it, come last. ``deviation`` (k,) is the standard deviation of all
+    coordinates.
     """
     extended = fit.extended
     where = extended.effect_slices[index]
@@ -63,5 +64,6 @@ def estimates(fit: Fit, index: int, deviation: np.ndarray) -> dict[str, Estimate
         size = max(abs(value), abs(value - usual), np.finfo(float).tiny)
         unsure = (estimate.high - estimate.low) / size
         aside = extended.shapes[position] or extended.at_start[position]
-        found.append(((aside, unsure), parameter.name, estimate))
+        turn = (aside, estimate.says_little, parameter.unit == "1", unsure)
+        found.append((turn, parameter.name, estimate))
     return {name: estimate for _, name, estimate in sorted(found, key=lambda each: each[0])}
