@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.signal import lfilter, periodogram
 from scipy.stats import kurtosis, norm
 
-from dea.discrepancy.evidence.colour import is_coloured_noise, predictable
+from dea.discrepancy.evidence.colour import is_coloured_noise, is_white, predictable
 from dea.discrepancy.evidence.noise import quantisation, white_level
 from dea.discrepancy.problem import Problem
 
@@ -141,6 +141,7 @@ def test_differences_of_floating_point_are_no_steps():
 
 N, BLOCK = 2500, 50
 BLOCKS = [slice(k, k + BLOCK) for k in range(0, N, BLOCK)]
+LONG = [slice(k, k + 10 * BLOCK) for k in range(0, N, 10 * BLOCK)]
 
 
 def record_of(u, residual):
@@ -233,3 +234,22 @@ def test_the_past_reaches_from_now_back_to_a_twentieth_of_the_record(lag, found)
     residual = u + np.concatenate([np.zeros(lag), u[: N - lag]])
     part = predictable(record_of(u, residual), residual)
     assert part > 0.9 if found else part < 0.5
+
+
+@pytest.mark.parametrize(
+    ("colour", "slow", "white"),
+    [(0.0, 0.0, True), (0.3, 0.0, False), (0.0, 0.5, False)],
+)
+def test_white_noise_may_change_its_level(colour, slow, white):
+    """Not so noise of a colour, or what changes slowly beneath it."""
+    rng = np.random.default_rng(13)
+    noise = lfilter([1.0], [1.0, -colour], rng.standard_normal(N))
+    level = 1.0 + 0.9 * np.sin(2.0 * np.pi * 7.0 * np.arange(N) / N)
+    beneath = slow * np.sin(2.0 * np.pi * 9.0 * np.arange(N) / N)
+    assert is_white(level * (noise + beneath), LONG) is white
+
+
+def test_one_of_a_thousand_records_of_white_noise_is_not_called_white():
+    rng = np.random.default_rng(14)
+    passed = sum(is_white(rng.laplace(size=N), LONG) for _ in range(300))
+    assert passed >= 296

@@ -11,6 +11,7 @@ from dea.discrepancy.evidence.localisation import Band, Concentration, Localisat
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.evidence.presence import Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
+from dea.discrepancy.evidence.unknown_force import UnknownForce
 from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import equation_sentence, label_in_words, verdict_sentence
 from dea.discrepancy.report.verdict import Estimate, NamedEffect
@@ -56,7 +57,7 @@ def extension(*names):
 def found(
     status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
     white=0.01, left=0.0, accuracy=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
-    effects=None, families=None, equation=NO_EQUATION,
+    effects=None, families=None, equation=NO_EQUATION, force=None, pool=(),
 ):  # fmt: skip
     """A diagnosis as far as its sentence needs one, at 50 Hz."""
     extended = extension(*names)
@@ -72,6 +73,8 @@ def found(
         decision=Decision(status, chosen, rivals, reason, whole),
         certificate=SimpleNamespace(block=Certified(*block, 100)),
         unexplained=equation,
+        force=force,
+        pool=pool,
         where=SimpleNamespace(before=concentrated(0.3), after=concentrated(0.02)),
         nominal=fit,
         extended=fit,
@@ -248,11 +251,21 @@ def test_what_is_unknown_is_described(reason):
             share=None,
             effects={"end_stop@left": 0.7, "dead_zone": 0.65},
             equation=EQUATION,
+            pool=[
+                SimpleNamespace(labels=labels, rmse=left, finished=finished)
+                for labels, left, finished in (
+                    (("end_stop@left",), 0.01, False),
+                    (("end_stop@right",), 0.02, True),
+                    (("dead_zone", "end_stop@left"), 0.03, True),
+                    (("end_stop@left",), 0.04, True),
+                )
+            ],
         )
     )
     assert text == (
-        f"Something is missing, but {reason}: error 0.2 mm, {NOISE}. Most explanations hold "
-        f"`end_stop` at left. T{BEFORE[1:]}. "
+        f"Something is missing, but {reason}: the simulation alone has an error of 0.2 mm, "
+        f"{NOISE}. "
+        f"Most explanations hold `end_stop` at left; the best leaves 0.03 mm. T{BEFORE[1:]}. "
         "The best equation for the residual: 0.3 u(t-1) (explains 40 %)."
     )
 
@@ -268,7 +281,7 @@ def test_what_withdrew_an_answer_is_told():
     assert sentence(withdrawn).startswith(
         f"Something is missing, but {Reason.CONTRADICTED_ELSEWHERE} (with `dead_zone` at left the "
         "error on night is 0.1 mm before and 0.2 mm after, on day is 0.1 mm before and 0.3 mm "
-        f"after): error 0.2 mm, {NOISE}."
+        f"after): the simulation alone has an error of 0.2 mm, {NOISE}."
     )
 
 
@@ -283,8 +296,8 @@ def test_what_only_the_certified_samples_show_is_not_described_by_the_others():
         )
     )
     assert text == (
-        f"Something is missing, but only the certified samples show it: error 0.2 mm, {NOISE}. "
-        f"T{BEFORE[1:]}."
+        "Something is missing, but only the certified samples show it: the simulation alone has an "
+        f"error of 0.2 mm, {NOISE}. T{BEFORE[1:]}."
     )
 
 
@@ -437,3 +450,21 @@ def test_no_sentence_says_that_nothing_and_that_something_is_missing(status, rea
 )
 def test_a_label_is_told_with_its_place(label, text):
     assert label_in_words(label) == text
+
+
+@pytest.mark.parametrize(
+    ("status", "force", "told"),
+    [
+        (Status.UNKNOWN, UnknownForce(0.64, "the speed", "velocity"), True),
+        (Status.UNKNOWN, UnknownForce(0.49, "the speed", "velocity"), False),
+        (Status.UNKNOWN, None, False),
+        (Status.NONE, UnknownForce(0.64, "the speed", "velocity"), False),
+    ],
+)
+def test_a_force_that_no_effect_has_is_described_where_nothing_is_named(status, force, told):
+    text = " ".join(remarks(found(status, reason=Reason.NO_EFFECT, share=None, force=force)))
+    expected = (
+        "A smooth force at velocity that depends on the speed would remove 64 % of the residual of "
+        "the simulation alone, on samples that it was not fitted to."
+    )
+    assert (expected in text) is told

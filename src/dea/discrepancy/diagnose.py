@@ -36,6 +36,7 @@ from dea.discrepancy.evidence.presence import (
 )
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out
+from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import Fit, on_whole_record
 from dea.discrepancy.parallel import in_parallel
 from dea.discrepancy.problem import Problem, Samples
@@ -171,6 +172,7 @@ def diagnose(
         ladder=Ladder(tuple(rungs), tuple(contributions(evidence, rungs, final, singles, gained))),
         where=where,
         unexplained=unexplained,
+        force=None if decision.answer else unknown_force(problem, nominal),
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
         certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),
         floor=floor,

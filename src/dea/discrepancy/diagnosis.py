@@ -16,6 +16,7 @@ from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.evidence.presence import Presence, Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
 from dea.discrepancy.evidence.split import Split
+from dea.discrepancy.evidence.unknown_force import UnknownForce
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.report.estimates import Uncertainty, uncertainty
@@ -76,6 +77,8 @@ class Diagnosis:
         of its coordinates from fits to parts of the record.
     share
         Part of the held-out misfit that the extension removes; none where nothing is attached.
+    force
+        The force that would remove most of the simulation's residual, where nothing is named.
     not_offered
         Effects of the catalogue that were never tried, and why.
     """
@@ -92,6 +95,7 @@ class Diagnosis:
     ladder: Ladder
     where: Where
     unexplained: ResidualModel
+    force: UnknownForce | None
     confusion: Confusion
     certificate: Certificate
     floor: float

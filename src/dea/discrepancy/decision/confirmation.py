@@ -25,8 +25,8 @@ def confirmed(
     problem, nominal, rules = evidence.problem, evidence.nominal, evidence.rules
     answer = decision.answer
     if answer is None:
-        coloured = decision.reason is Reason.COLOURED
-        level = evidence.nominal_error if coloured else evidence.floor
+        above = decision.reason in (Reason.COLOURED, Reason.UNEVEN)
+        level = evidence.nominal_error if above else evidence.floor
         left = rmse(nominal.residual, problem.certify)
         if decision.status is Status.NONE and left > rules.noise_like * level:
             return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)

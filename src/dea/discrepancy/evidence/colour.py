@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import chi2
 
 from dea.autoregression import fit_autoregression, innovations
 from dea.discrepancy.evidence.null import long_parts
@@ -17,6 +18,8 @@ PREDICTED = 0.2
 # Excess kurtosis of the innovations, and spread of the logarithms of their levels block by block,
 # above which they do not come from one stationary source.
 _KURTOSIS, _UNEVEN = 1.0, 0.35
+# Lags at which signs are compared, and the probability with which white noise fails.
+_SIGNS, _CHANCE = 50, 1e-3
 # Lags of the input, up to this part of the record, and the weight of the ridge.
 _LAGS, _LONGEST, _RIDGE = 24, 20, 1e-4
 
@@ -50,6 +53,24 @@ def leaves_coloured_noise(
         return False
     force = unknown_force(problem, fitted)
     return force is None or force.part <= most
+
+
+def is_white(residual: np.ndarray, blocks: Sequence[slice]) -> bool:
+    """Return whether the signs of a residual (n,) follow one another at random in the ``blocks``.
+
+    Their autocorrelation at the first lags is tested (Ljung and Box 1978, Biometrika 65:297), which
+    noise passes whose level changes. What a record shows of an effect, that noise does not hide,
+    has a sign for longer than a sample.
+    """
+    signs = [np.sign(part - np.median(part)) for part in long_parts(residual, blocks)]
+    count = sum(part.size for part in signs)
+    if not count:
+        return False
+    lags = np.arange(1, _SIGNS + 1)
+    products = [sum(float(part[k:] @ part[:-k]) for part in signs) for k in lags]
+    correlation = np.array(products) / count
+    statistic = count * (count + 2) * np.sum(correlation**2 / (count - lags))
+    return bool(chi2.sf(statistic, _SIGNS) > _CHANCE)
 
 
 def predictable(problem: Problem, residual: np.ndarray) -> float:

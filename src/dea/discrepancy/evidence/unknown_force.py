@@ -12,8 +12,16 @@ from numba import njit
 
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem, rmse
-from dea.simulation import Effect, Family, Parameter, Port, Scales, measured_scales
-from dea.simulation.signatures import FORCE, SLOTS
+from dea.simulation import (
+    FORCE,
+    SLOTS,
+    Effect,
+    Family,
+    Parameter,
+    Port,
+    Scales,
+    measured_scales,
+)
 
 # What the force depends on, and the places of those terms among the weights.
 _GROUPS = {"the place": (0, 1), "the speed": (2, 3, 6, 7)}

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dea.discrepancy.decision import Reason, Status
-from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.report.sentence import label_in_words
 from dea.simulation import TIMING_OFFSET
 
@@ -88,10 +87,8 @@ def _laws(found: "Diagnosis") -> str:
 
 def _force(found: "Diagnosis") -> str:
     """Say how a force looks that would explain what no effect does."""
-    if found.decision.status is not Status.UNKNOWN:
-        return ""
-    force = unknown_force(found.problem, found.nominal)
-    if force is None or force.part < _FORCE:
+    force = found.force
+    if found.decision.status is not Status.UNKNOWN or force is None or force.part < _FORCE:
         return ""
     return (
         f"A smooth force at {force.port} that depends on {force.of} would remove "
@@ -103,8 +100,8 @@ def _force(found: "Diagnosis") -> str:
 def _noise(found: "Diagnosis") -> str:
     """Say what the best explanation leaves beyond white noise."""
     error, unit = found.error, found.units[1]
-    if found.decision.reason in (Reason.NOISE, Reason.ACCURATE):
-        # The sentence says already that what is left is small.
+    if found.decision.reason in (Reason.NOISE, Reason.ACCURATE, Reason.UNEVEN):
+        # The sentence says already that what is left is small, or white.
         return ""
     stated = found.nominal.extended.simulation.accuracy
     if error.left <= max(_COLOURED * error.white, stated):

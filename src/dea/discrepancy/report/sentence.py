@@ -75,7 +75,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
             hints = _nearest(found), equation_sentence(unexplained)
         return (
             f"Something is missing, but {decision.reason}{_against(found)}: "
-            f"error {block.before:.3g} {unit}, "
+            f"the simulation alone has an error of {block.before:.3g} {unit}, "
             f"{noise}.{hints[0]} {place[0].upper()}{place[1:]}.{hints[1]}"
         )
     extended = found.extended.extended
@@ -147,11 +147,13 @@ def equation_sentence(unexplained: "ResidualModel") -> str:
 
 
 def _nearest(found: "Diagnosis") -> str:
-    """Name the effect that most of the explanations hold, where one is likely."""
+    """Name the effect that most of the explanations hold, where one is likely, and the best."""
     likely = [name for name, value in found.presence.effects.items() if value >= found.rules.likely]
     if not likely:
         return ""
-    return f" Most explanations hold {label_in_words(likely[0])}."
+    best = next((c for c in found.pool if c.finished and likely[0] in c.labels), None)
+    left = f"; the best leaves {best.rmse:.3g} {found.units[1]}" if best else ""
+    return f" Most explanations hold {label_in_words(likely[0])}{left}."
 
 
 def _form(found: "Diagnosis") -> str:
