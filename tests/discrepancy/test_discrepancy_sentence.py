@@ -462,9 +462,11 @@ def test_a_label_is_told_with_its_place(label, text):
     ],
 )
 def test_a_force_that_no_effect_has_is_described_where_nothing_is_named(status, force, told):
-    text = " ".join(remarks(found(status, reason=Reason.NO_EFFECT, share=None, force=force)))
+    told_of = found(status, reason=Reason.NO_EFFECT, share=None, force=force, left=0.05)
+    text = " ".join(remarks(told_of))
     expected = (
         "A smooth force at velocity that depends on the speed would remove 64 % of the residual of "
         "the simulation alone, on samples that it was not fitted to."
     )
     assert (expected in text) is told
+    assert ("`accuracy: 0.05`" in text) is not told

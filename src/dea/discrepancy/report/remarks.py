@@ -103,6 +103,9 @@ def _noise(found: "Diagnosis") -> str:
     if found.decision.reason in (Reason.NOISE, Reason.ACCURATE, Reason.UNEVEN):
         # The sentence says already that what is left is small, or white.
         return ""
+    if _force(found):
+        # What a force would cause is no error to live with.
+        return ""
     stated = found.nominal.extended.simulation.accuracy
     if error.left <= max(_COLOURED * error.white, stated):
         return ""
