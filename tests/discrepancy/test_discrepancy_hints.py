@@ -234,3 +234,11 @@ def test_each_instant_is_told_once_in_any_unit(unit):
     found = jumps(recorded(np.zeros(SAMPLES), unit * np.sin(T) + residual), residual, WHOLE)
     assert found[0] == pytest.approx(20.0, abs=0.1)
     assert min(abs(np.diff(sorted(found[:2])))) > 1.0
+
+
+@pytest.mark.parametrize("samples", [20, 60, 110, 130])
+def test_a_short_record_has_lines_too(samples):
+    rng = np.random.default_rng(7)
+    residual = np.sin(2.0 * np.pi * np.arange(samples) / 5.0) + 0.01 * rng.standard_normal(samples)
+    problem = recorded(rng.standard_normal(samples), residual)
+    assert foreign_lines(problem, residual)[0] == pytest.approx(0.2 / INTERVAL, rel=0.05)

@@ -1,7 +1,10 @@
 """A force that no effect has is told from noise: oscillators of another integrator."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
@@ -11,7 +14,15 @@ from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import fit
 from dea.discrepancy.problem import Samples
 from dea.discrepancy.records import prepare
-from dea.simulation import ForcePort, Parameter, Simulation, State
+from dea.simulation import (
+    ExtendedSimulation,
+    ForcePort,
+    Parameter,
+    Simulation,
+    State,
+    load_simulation,
+)
+from dea.simulation.signatures import DERIVATIVE
 from dea.store import Record
 
 N, DT, NOISE = 1500, 0.02, 0.01
@@ -97,6 +108,36 @@ def test_what_was_simulated_predicts_less_than_the_force_does():
     """The device filters the force, which a regression on its output cannot know."""
     problem, found, _ = fitted(moved(FORCES["the speed"]) + noise(0.0))
     assert unknown_force(problem, found).part > predictable(problem, found.residual) + 0.3
+
+
+def test_a_force_on_a_speed_alone_depends_on_it():
+    """The motors of a drive have no position among its states."""
+    simulation = load_simulation("electric_drive")
+    own = simulation.compiled_derivative
+
+    @njit(DERIVATIVE)
+    def dragged(x, u, p, dx):
+        own(x, u, p, dx)
+        dx[1] -= 1.5 * x[1] * abs(x[1])
+
+    def simulated(derivative):
+        plain = ExtendedSimulation(replace(simulation, derivative=derivative))
+        return plain.simulate(plain.values(np.zeros(plain.free.size)), 3.0 * U, DT)
+
+    y = simulated(dragged)
+    change = np.std(y - simulated(own))
+    drawn = np.random.default_rng(3).standard_normal(N)
+    record = Samples(3.0 * U, y + 0.05 * change * drawn, DT)
+    problem, _, extended = prepare([record], simulation, Settings())
+    found = fit(problem, extended, np.zeros(extended.free.size), iterations=30)
+    force = unknown_force(problem, found)
+    assert force.part > 0.6
+    assert force.of == "the speed"
+
+
+def test_what_is_nothing_is_caused_by_nothing():
+    problem, found, _ = fitted(moved(lambda z, w: 0.0) + noise(0.0))
+    assert unknown_force(problem, replace(found, residual=0.0 * found.residual)).part == 0.0
 
 
 def test_a_drag_that_no_effect_has_is_unknown_and_described():

@@ -7,6 +7,7 @@ import numpy as np
 
 from dea.discrepancy.decision import (
     Decision,
+    Status,
     best_extension,
     confirmed,
     decide,
@@ -172,7 +173,7 @@ def diagnose(
         ladder=Ladder(tuple(rungs), tuple(contributions(evidence, rungs, final, singles, gained))),
         where=where,
         unexplained=unexplained,
-        force=None if decision.answer else unknown_force(problem, nominal),
+        force=unknown_force(problem, nominal) if decision.status is Status.UNKNOWN else None,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
         certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),
         floor=floor,

@@ -78,7 +78,7 @@ class Diagnosis:
     share
         Part of the held-out misfit that the extension removes; none where nothing is attached.
     force
-        The force that would remove most of the simulation's residual, where nothing is named.
+        The smooth force that predicts most of the simulation's residual, where that is unknown.
     not_offered
         Effects of the catalogue that were never tried, and why.
     """

@@ -25,7 +25,7 @@ class Reason(StrEnum):
     NOISE = "the residual is at the noise floor"
     IRREDUCIBLE = "no effect and no flexible model reduces the residual"
     COLOURED = "the residual is coloured noise, which follows neither the input nor the motion"
-    UNEVEN = "the residual is white noise whose level changes, and follows nothing"
+    UNEVEN = "the residual is white noise, above the level of its quietest parts"
     NO_EFFECT = "no effect of the catalogue is sure to reduce the residual"
     UNEXPLAINED = "the best effect leaves too much unexplained"
     REMAINS = "what remains is not named"

@@ -9,7 +9,7 @@ from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
 from dea.discrepancy.decision.rivals import rivals_of
 from dea.discrepancy.evidence.bootstrap import beaten
-from dea.discrepancy.evidence.colour import is_white, leaves_coloured_noise
+from dea.discrepancy.evidence.colour import follows_no_force, is_white, leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.residual_model import residual_model
@@ -144,6 +144,7 @@ def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
         return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
     if leaves_coloured_noise(evidence.problem, evidence.nominal, evidence.blocks):
         return Decision(Status.NONE, None, reason=Reason.COLOURED)
-    if unpredictable and is_white(residual, evidence.blocks):
+    white = unpredictable and is_white(evidence.problem, residual)
+    if white and follows_no_force(evidence.problem, evidence.nominal):
         return Decision(Status.NONE, None, reason=Reason.UNEVEN)
     return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)

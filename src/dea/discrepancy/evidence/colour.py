@@ -8,6 +8,7 @@ from scipy.stats import chi2
 from dea.autoregression import fit_autoregression, innovations
 from dea.discrepancy.evidence.null import long_parts
 from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.evidence.split import runs
 from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
@@ -18,8 +19,9 @@ PREDICTED = 0.2
 # Excess kurtosis of the innovations, and spread of the logarithms of their levels block by block,
 # above which they do not come from one stationary source.
 _KURTOSIS, _UNEVEN = 1.0, 0.35
-# Lags at which signs are compared, and the probability with which white noise fails.
-_SIGNS, _CHANCE = 50, 1e-3
+# Lags at which signs are compared, the part of the samples that have another one so far ahead, and
+# the probability with which white noise fails.
+_SIGNS, _PAIRS, _CHANCE = 50, 0.2, 1e-3
 # Lags of the input, up to this part of the record, and the weight of the ridge.
 _LAGS, _LONGEST, _RIDGE = 24, 20, 1e-4
 
@@ -49,28 +51,32 @@ def leaves_coloured_noise(
     problem: Problem, fitted: Fit, blocks: Sequence[slice], most: float = PREDICTED
 ) -> bool:
     """Return whether what a fit leaves is coloured noise that no smooth force would cause."""
-    if not is_coloured_noise(problem, fitted.residual, blocks, most):
-        return False
+    return is_coloured_noise(problem, fitted.residual, blocks, most) and follows_no_force(
+        problem, fitted, most
+    )
+
+
+def follows_no_force(problem: Problem, fitted: Fit, most: float = PREDICTED) -> bool:
+    """Return whether no smooth force predicts more than a part of what a fit leaves."""
     force = unknown_force(problem, fitted)
     return force is None or force.part <= most
 
 
-def is_white(residual: np.ndarray, blocks: Sequence[slice]) -> bool:
-    """Return whether the signs of a residual (n,) follow one another at random in the ``blocks``.
+def is_white(problem: Problem, residual: np.ndarray) -> bool:
+    """Return whether the signs of a residual (n,) follow one another at random where it is seen.
 
     Their autocorrelation at the first lags is tested (Ljung and Box 1978, Biometrika 65:297), which
-    noise passes whose level changes. What a record shows of an effect, that noise does not hide,
-    has a sign for longer than a sample.
+    noise passes whose level changes.
     """
-    signs = [np.sign(part - np.median(part)) for part in long_parts(residual, blocks)]
-    count = sum(part.size for part in signs)
-    if not count:
+    signs = np.sign(residual - np.median(residual[problem.seen]))
+    parts = [signs[run] for run in runs(problem.seen)]
+    pairs = np.array([sum(max(part.size - k, 0) for part in parts) for k in range(1, _SIGNS + 1)])
+    lags = 1 + np.flatnonzero(pairs > _PAIRS * problem.seen.sum())
+    if not lags.size:
         return False
-    lags = np.arange(1, _SIGNS + 1)
-    products = [sum(float(part[k:] @ part[:-k]) for part in signs) for k in lags]
-    correlation = np.array(products) / count
-    statistic = count * (count + 2) * np.sum(correlation**2 / (count - lags))
-    return bool(chi2.sf(statistic, _SIGNS) > _CHANCE)
+    products = [sum(float(part[k:] @ part[:-k]) for part in parts if part.size > k) for k in lags]
+    statistic = np.sum(np.array(products) ** 2 / pairs[lags - 1])
+    return bool(chi2.sf(statistic, lags.size) > _CHANCE)
 
 
 def predictable(problem: Problem, residual: np.ndarray) -> float:

@@ -28,9 +28,11 @@ _GROUPS = {"the place": (0, 1), "the speed": (2, 3, 6, 7)}
 _TERMS = 8
 # Part of what all terms predict that those of one group must, for the force to depend on it alone.
 _ALONE = 0.8
-# Part of the elastic force by which each term pushes, and weights of the ridge, the best of which
+# Part of the unit of force by which each term pushes, and weights of the ridge, the best of which
 # counts: what is nearly collinear would be fitted by noise.
 _PUSH, _RIDGES = 1e-3, (1e-6, 1e-4, 1e-2)
+# Deviation on the samples fitted to, as a part of that on all, above which a column counts.
+_TOLD = 1e-3
 
 
 @njit(FORCE, cache=True, error_model="numpy")
@@ -59,7 +61,8 @@ def unknown_force(problem: Problem, fitted: Fit) -> UnknownForce | None:
 
     The force is a sum of powers and products of place and speed at one of the force ports, small
     enough for its effects to add up; the parameters of the fit adapt to it. There is none without a
-    port, or where three forces are attached already.
+    port, or where three forces are attached already. The best of a few sums is taken by the samples
+    that judge it, so that noise of a short record may give a small part.
     """
     extended = fitted.extended
     pushing = sum(a.effect.force is not None for a in extended.attached)
@@ -74,11 +77,13 @@ def unknown_force(problem: Problem, fitted: Fit) -> UnknownForce | None:
 
 def _at_port(problem: Problem, fitted: Fit, place: int, name: str) -> UnknownForce:
     changes = _changes(problem, fitted, place)
+    placed = fitted.extended.simulation.force_ports[place].position is not None
+    groups = _GROUPS if placed else {"the speed": _GROUPS["the speed"]}
     parts = {
         group: _predicted(problem, fitted, [changes[k] for k in terms])
-        for group, terms in _GROUPS.items()
+        for group, terms in groups.items()
     }
-    whole = max(_predicted(problem, fitted, changes), *parts.values())
+    whole = max(_predicted(problem, fitted, changes) if placed else 0.0, *parts.values(), 0.0)
     group = max(parts, key=lambda each: parts[each])
     of = group if parts[group] >= _ALONE * whole else "place and speed"
     return UnknownForce(whole, of, name)
@@ -86,47 +91,56 @@ def _at_port(problem: Problem, fitted: Fit, place: int, name: str) -> UnknownFor
 
 def _predicted(problem: Problem, fitted: Fit, changes: Sequence[np.ndarray]) -> float:
     """Return the part of the residual that changes of it, and of the parameters, predict."""
-    residual = fitted.residual
+    train, test = problem.fit, problem.select
+    e = fitted.residual - fitted.residual[train].mean()
+    before = rmse(e, test)
     X = np.column_stack([fitted.jacobian, *changes])
     X = X[:, np.isfinite(X).all(axis=0)]
-    train, test = problem.fit, problem.select
-    X = (X - X[train].mean(0)) / (X[train].std(0) + 1e-300)
-    e = residual - residual[train].mean()
+    # What hardly changes on the samples that are fitted to tells nothing of the others.
+    X = X[:, X[train].std(axis=0) > _TOLD * X.std(axis=0)]
+    if not before or not X.size:
+        return 0.0
+    X = (X - X[train].mean(0)) / X[train].std(0)
     gram, pull = X[train].T @ X[train], X[train].T @ e[train]
     identity = train.sum() * np.eye(X.shape[1])
     left = (rmse(e - X @ np.linalg.solve(gram + ridge * identity, pull), test) for ridge in _RIDGES)
-    return 1.0 - min(left) / rmse(e, test)
+    return 1.0 - min(left) / before
 
 
 def _changes(problem: Problem, fitted: Fit, port: int) -> list[np.ndarray]:
-    """Return the change of the residual (n,) by each term of the force."""
+    """Return the change of the residual (n,) by each term of the force.
+
+    It is that to the run with a force of nothing, whose steps see the same secants.
+    """
     scales = measured_scales(fitted.extended, fitted.values, problem, port)
     pushed = fitted.extended.attach(_effect(_speed(problem, fitted)), scales, port)
     law = np.array([p.nominal for p in pushed.attached[-1].parameters])
-    changes = []
-    for term in range(_TERMS):
-        moved = law.copy()
-        moved[term] = _PUSH
-        values = np.concatenate([fitted.values, pushed.attached[-1].started(moved.tolist())])
-        changes.append(problem.residual(pushed, values) - fitted.residual)
-    return changes
+
+    def residual(weights: np.ndarray) -> np.ndarray:
+        own = pushed.attached[-1].started((law + weights).tolist())
+        return problem.residual(pushed, np.concatenate([fitted.values, own]))
+
+    idle = residual(np.zeros(law.size))
+    return [residual(_PUSH * unit) - idle for unit in np.eye(law.size)[:_TERMS]]
 
 
 def _speed(problem: Problem, fitted: Fit) -> float:
-    """Return how fast the motion at the first port is, in ranges per second (RMS)."""
-    position = fitted.extended.run(fitted.values, problem.u, problem.interval)[1]
-    rate = np.gradient(position) / problem.interval
-    return float(np.sqrt(np.mean(rate**2)) / (np.ptp(position) or 1.0))
+    """Return how fast the simulated output moves, in ranges per second (RMS)."""
+    output = problem.y - fitted.residual
+    rates = [np.gradient(output[own]) / problem.interval for own in fitted.records]
+    return float(np.sqrt(np.mean(np.concatenate(rates) ** 2)) / (np.ptp(output) or 1.0))
 
 
 def _effect(speed: float) -> Effect:
     def parameters(scales: Scales) -> tuple[Parameter, ...]:
         half = 0.5 * scales.z_span
+        # Where a speed alone is known, the scales are those of the output, which goes with it.
+        fast = speed * scales.z_span if scales.placed else half
         return (
             *(Parameter(f"term_{k}", "1", 0.0, 0.0) for k in range(_TERMS)),
             Parameter("middle", "1", 0.5 * (scales.z_low + scales.z_high), 0.0),
             Parameter("half_range", "1", half, 0.0),
-            Parameter("speed", "1/s", max(speed * scales.z_span, 1e-9), 0.0),
+            Parameter("speed", "1/s", max(fast, 1e-9), 0.0),
         )
 
     return Effect(

@@ -50,8 +50,9 @@ def unfinish_degenerate(
         for c, error in zip(doubtful, errors, strict=True)
         if rules.as_good(error, c.rmse, floor)
     }
-    curves = [c for c in finished if _on_output(c, Family.CURVE) is not None]
-    for c in finished:
+    leading = [c for c in finished if c.error <= limit and id(c) not in fallen]
+    curves = [c for c in leading if _on_output(c, Family.CURVE) is not None]
+    for c in leading:
         others = _beside(c, Family.LIMIT)
         alike = (d for d in curves if others is not None and _beside(d) == others)
         if any(rules.as_good(d.rmse, c.rmse, floor) for d in alike) and _bends_gently(problem, c):

@@ -14,6 +14,8 @@ _GRID = 8
 # Bins beside a harmonic that its window spreads to.
 _BESIDE = 2.0
 _HARMONICS = 5
+# Part of the highest power that a line has at least.
+_LEAST = 1e-6
 # Bins on either side of a line that it is compared with.
 _AROUND = 30
 
@@ -47,7 +49,9 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     frequency, power = _spectrum(_seen(problem, residual), problem.interval)
     if not problem.period:
         nothing = np.zeros(power.size, bool)
-        sharp = _peaks(frequency, power, power / (_around(power) + 1e-300), nothing)
+        strong = power > _LEAST * power.max()
+        sharpness = np.where(strong, power / (_around(power) + 1e-300), 0.0)
+        sharp = _peaks(frequency, power, sharpness, nothing)
         if len(sharp) == _LINES and _is_harmonic(sharp[0], sharp[1], frequency[1]):
             sharp.reverse()
         return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))
@@ -66,8 +70,9 @@ def _around(power: np.ndarray) -> np.ndarray:
     """Return the mean power around each bin, but not beside it, where a line spreads to."""
     weights = np.ones(2 * _AROUND + 1)
     weights[_AROUND - 6 : _AROUND + 7] = 0.0
-    there = np.convolve(np.ones(power.size), weights, "same")
-    mean: np.ndarray = np.convolve(power, weights, "same") / np.maximum(there, 1.0)
+    own = slice(_AROUND, _AROUND + power.size)
+    there = np.convolve(np.ones(power.size), weights)[own]
+    mean: np.ndarray = np.convolve(power, weights)[own] / np.maximum(there, 1.0)
     return mean
 
 
