@@ -161,7 +161,9 @@ def advance_four(
 ) -> bool:
     """Do as :func:`advance_two` for four states.
 
-    The determinant is expanded in minors of the upper and of the lower two rows (Laplace).
+    The determinant is expanded in minors of the upper and of the lower two rows (Laplace). Letters
+    up to q are the rows of h J; r, s, t, y are those of h J f + Δf, and u, v, w, x of what is
+    summed up from it.
     """
     a, b, c, d = h * J[0, 0], h * J[0, 1], h * J[0, 2], h * J[0, 3]
     e, f, g, i = h * J[1, 0], h * J[1, 1], h * J[1, 2], h * J[1, 3]

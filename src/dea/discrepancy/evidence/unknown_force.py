@@ -121,7 +121,8 @@ def _changes(problem: Problem, fitted: Fit, port: int) -> list[np.ndarray]:
         return problem.residual(pushed, np.concatenate([fitted.values, own]))
 
     idle = residual(np.zeros(law.size))
-    return [residual(_PUSH * unit) - idle for unit in np.eye(law.size)[:_TERMS]]
+    with np.errstate(invalid="ignore"):  # infinite where the simulation runs away
+        return [residual(_PUSH * unit) - idle for unit in np.eye(law.size)[:_TERMS]]
 
 
 def _speed(problem: Problem, fitted: Fit) -> float:
