@@ -14,8 +14,11 @@ _GRID = 8
 # Bins beside a harmonic that its window spreads to.
 _BESIDE = 2.0
 _HARMONICS = 5
-# Part of the highest power that a line has at least.
-_LEAST = 1e-6
+# Part of the highest power that a sharp line has at least, and how far it stands above the power
+# around it: noise hardly reaches half of that.
+_LEAST, _SHARP = 1e-6, 20.0
+# Foreign lines at most.
+_MOST = 4
 # Bins on either side of a line that it is compared with.
 _AROUND = 30
 
@@ -49,12 +52,12 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     frequency, power = _spectrum(_seen(problem, residual), problem.interval)
     if not problem.period:
         nothing = np.zeros(power.size, bool)
-        strong = power > _LEAST * power.max()
-        sharpness = np.where(strong, power / (_around(power) + 1e-300), 0.0)
-        sharp = _peaks(frequency, power, sharpness, nothing)
+        sharpness = power / (_around(power) + 1e-300)
+        there = (power > _LEAST * power.max()) & (sharpness > _SHARP)
+        sharp = _peaks(frequency, power, np.where(there, sharpness, 0.0), nothing)
         if len(sharp) == _LINES and _is_harmonic(sharp[0], sharp[1], frequency[1]):
             sharp.reverse()
-        return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))
+        return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))[:_MOST]
     orders = frequency * problem.period * problem.interval
     harmonic = np.abs(orders - np.round(orders)) <= _BESIDE * orders[1]
     return tuple(_peaks(frequency, power, power, harmonic))
