@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 
 from dea.discrepancy import Settings, diagnose
 from dea.discrepancy.evidence.colour import leaves_coloured_noise, predictable
+from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import fit
 from dea.discrepancy.problem import Samples
@@ -137,7 +138,9 @@ def test_a_force_on_a_speed_alone_depends_on_it():
 
 def test_what_is_nothing_is_caused_by_nothing():
     problem, found, _ = fitted(moved(lambda z, w: 0.0) + noise(0.0))
-    assert unknown_force(problem, replace(found, residual=0.0 * found.residual)).part == 0.0
+    nothing = 0.0 * found.residual
+    assert unknown_force(problem, replace(found, residual=nothing)).part == 0.0
+    assert residual_model(problem, nothing).ratio == 1.0
 
 
 def test_a_drag_that_no_effect_has_is_unknown_and_described():
