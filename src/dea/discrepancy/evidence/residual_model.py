@@ -99,6 +99,8 @@ def residual_model(problem: Problem, residual: np.ndarray) -> ResidualModel:
     left, s, right = np.linalg.svd(X[train], full_matrices=False)
     projected = left.T @ e[train]
     before = rmse(residual, test)
+    if not before:
+        return ResidualModel(1.0, "0", 0.0)
     best = before
     for ridge in _RIDGES * train.sum() ** 0.5:
         weights = right.T @ (s / (s**2 + ridge**2) * projected)
