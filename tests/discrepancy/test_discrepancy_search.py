@@ -266,7 +266,7 @@ def test_a_rival_that_fits_better_must_also_predict_better(held_out_rival, statu
         NOISE, 0.0, Rules(), np.random.default_rng(3),
     )  # fmt: skip
     weighed = Presence((chosen, rival), np.array([0.5, 0.5]))
-    found = decide(evidence, chosen, [chosen, rival], [chosen], 9.0 * gap, weighed)
+    found = decide(evidence, chosen, [chosen, rival], [chosen], weighed)
     assert found.status == status
 
 
@@ -309,7 +309,7 @@ def test_one_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before
         Rules(), np.random.default_rng(7),
     )  # fmt: skip
     weighed = Presence((chosen,), np.full(1, 0.8))
-    found = decide(evidence, chosen, [chosen], [chosen], problem.u + noise, weighed)
+    found = decide(evidence, chosen, [chosen], [chosen], weighed)
     assert found.status == status
     assert (found.reason is Reason.COLOURED) == (status == "named")
 
@@ -362,7 +362,7 @@ def test_the_certain_part_of_an_answer_is_named(without, left, named):
     others = [candidate(without, "sensor_lag"), candidate(without, "slew_limit")]
     pool = [*pairs, alone, *others]
     weighed = Presence(tuple(pairs), np.array([0.5, 0.5]))
-    found = decide(evidence, pairs[0], pool, [alone], evidence.nominal.residual, weighed)
+    found = decide(evidence, pairs[0], pool, [alone], weighed)
     if named is None:
         assert found.status != "named"
     else:
@@ -384,7 +384,7 @@ def test_two_effects_are_certain_where_nothing_replaces_the_second(presence, wit
     rival = candidate(without, "dead_zone", "gain_drift")
     pool = [pair, rival, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "gain_drift")]
     weighed = Presence((pair, rival), np.array([presence, 1.0 - presence]))
-    found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    found = decide(evidence, pair, pool, [alone], weighed)
     assert (found.status, found.answer.names, found.whole) == ("named", named, False)
 
 
@@ -398,9 +398,7 @@ def test_two_effects_are_certain_though_neither_alone_explains_most(without, nam
         candidate(3.0, "dead_zone", "gain_drift"),
     ]
     weighed = Presence((pair, *others), np.array([0.96, 0.02, 0.02]))
-    found = decide(
-        evidence, pair, [pair, *others, *alone], alone, evidence.nominal.residual, weighed
-    )
+    found = decide(evidence, pair, [pair, *others, *alone], alone, weighed)
     if named:
         assert (found.status, found.answer, found.whole) == ("named", pair, False)
     else:
@@ -414,7 +412,7 @@ def test_of_three_effects_each_is_certain_only_where_nothing_replaces_it():
     alone = candidate(3.6, "dead_zone")
     pool = [triple, pair, alone, candidate(6.0, "sensor_lag"), candidate(6.5, "gain_drift")]
     weighed = Presence((triple,), np.array([1.0]))
-    found = decide(evidence, triple, pool, [alone], evidence.nominal.residual, weighed)
+    found = decide(evidence, triple, pool, [alone], weighed)
     assert (found.status, found.answer.names, found.whole) == ("named", names[:2], False)
 
 
@@ -491,7 +489,7 @@ def test_what_an_effect_reduces_is_not_called_noise():
         half = replace(alone, fit=replace(alone.fit, residual=share * noise))
         nominal = replace(evidence.nominal, residual=noise)
         own = replace(evidence, nominal=nominal)
-        assert decide(own, half, [half], [half], noise, weighed).status == status
+        assert decide(own, half, [half], [half], weighed).status == status
 
 
 @pytest.mark.parametrize(("weight", "status"), [(0.02, "named"), (0.1, "ambiguous")])
@@ -504,7 +502,7 @@ def test_a_rival_of_the_same_class_counts_by_its_own_weight(weight, status):
     beaten = candidate(4.0, "dead_zone", "sensor_lag")
     weights = np.array([0.2, weight, 0.7])
     weighed = Presence((right, akin, beaten), weights)
-    found = decide(evidence, right, [right, akin, beaten], [], evidence.nominal.residual, weighed)
+    found = decide(evidence, right, [right, akin, beaten], [], weighed)
     assert (found.status, found.answer) == (status, right)
 
 
@@ -516,7 +514,7 @@ def test_a_name_that_the_evidence_is_against_is_not_given():
     pool = [chosen, *others]
     for weights, status in (([0.48, 0.47, 0.05], "ambiguous"), ([0.3, 0.2, 0.5], "named")):
         weighed = Presence((*others, chosen), np.array(weights))
-        found = decide(evidence, chosen, pool, [chosen], evidence.nominal.residual, weighed)
+        found = decide(evidence, chosen, pool, [chosen], weighed)
         assert (found.status, found.answer) == (status, chosen)
 
 
@@ -530,11 +528,11 @@ def test_another_pair_with_nearly_the_error_is_a_rival_though_its_misfit_is_larg
     alone = [candidate(8.0, name) for name in ("sensor_lag", "dead_zone", "second_mode")]
     pool = [chosen, other, *alone]
     weighed = Presence((chosen, other), np.array([0.8, 0.2]))
-    found = decide(evidence, chosen, pool, [], evidence.nominal.residual, weighed)
+    found = decide(evidence, chosen, pool, [], weighed)
     assert (found.status, found.answer) == (status, chosen)
     single, rival = candidate(1.1, "dead_zone"), candidate(1.1 * error, "second_mode")
     weighed = Presence((single, rival), np.array([0.8, 0.2]))
-    found = decide(evidence, single, [single, rival], [], evidence.nominal.residual, weighed)
+    found = decide(evidence, single, [single, rival], [], weighed)
     assert (found.status, found.answer) == ("named", single)
 
 
@@ -543,7 +541,7 @@ def test_the_likeliest_other_explanation_is_one_rival():
     evidence = replace(evidence, rules=Rules())
     chosen, rival = candidate(1.3, "dead_zone"), candidate(1.3, "sensor_lag")
     weighed = Presence((chosen, rival), np.array([0.5, 0.5]))
-    found = decide(evidence, chosen, [chosen, rival], [chosen], evidence.nominal.residual, weighed)
+    found = decide(evidence, chosen, [chosen, rival], [chosen], weighed)
     assert (found.status, found.rivals) == ("ambiguous", (rival,))
 
 
@@ -551,7 +549,7 @@ def test_what_is_unlikely_and_has_no_rival_is_not_named():
     evidence, candidate = graded()
     chosen = candidate(1.001, "dead_zone")
     weighed = Presence((chosen,), np.array([0.05]))
-    found = decide(evidence, chosen, [chosen], [chosen], evidence.nominal.residual, weighed)
+    found = decide(evidence, chosen, [chosen], [chosen], weighed)
     assert (found.status, found.reason) == ("unknown", Reason.NO_EFFECT)
 
 
@@ -565,7 +563,7 @@ def test_what_a_pair_shares_with_its_rivals_is_named_where_it_is_likely(weights,
     other = candidate(1.4, "sensor_lag", "gain_drift")
     weighed = Presence((*pairs, other), np.array(weights))
     pool = [*pairs, alone, other]
-    found = decide(evidence, pairs[0], pool, [alone], evidence.nominal.residual, weighed)
+    found = decide(evidence, pairs[0], pool, [alone], weighed)
     assert (found.status, found.answer) == (status, {"named": alone}.get(status, pairs[0]))
 
 
@@ -580,7 +578,7 @@ def test_a_law_that_predicts_blocks_left_out_worse_is_not_named_by_the_evidence(
     )
     evidence = replace(evidence, rules=Rules(), held_out=worse)
     weighed = Presence((surest,), np.array([1.0]))
-    found = decide(evidence, None, [surest], [], evidence.nominal.residual, weighed)
+    found = decide(evidence, None, [surest], [], weighed)
     assert (found.answer is surest) == named
 
 
@@ -590,7 +588,7 @@ def test_of_a_simulation_that_leaves_noise_nothing_is_named_by_the_evidence_alon
     evidence = replace(evidence, rules=Rules(), nominal=candidate(nominal).fit)
     sure, rival = candidate(1.01, "sensor_lag"), candidate(1.05, "dead_zone")
     weighed = Presence((sure, rival), np.array([0.95, 0.05]))
-    found = decide(evidence, None, [sure, rival], [], evidence.nominal.residual, weighed)
+    found = decide(evidence, None, [sure, rival], [], weighed)
     assert (found.answer is sure) == named
 
 
@@ -603,7 +601,7 @@ def test_an_unlikely_name_is_given_only_where_it_leaves_noise(left, weight, stat
     evidence = replace(evidence, rules=Rules())
     chosen, pair = candidate(left, "dead_zone"), candidate(1.2, "sensor_lag", "second_mode")
     weighed = Presence((pair, chosen), np.array([1.0 - weight, weight]))
-    found = decide(evidence, chosen, [chosen], [chosen], evidence.nominal.residual, weighed)
+    found = decide(evidence, chosen, [chosen], [chosen], weighed)
     assert (found.status, found.answer) == (status, chosen)
     assert found.rivals == ((pair,) if status == "ambiguous" else ())
 
@@ -617,7 +615,7 @@ def test_an_effect_is_not_all_of_the_answer_where_a_further_one_is_sure(weights,
     pairs = [candidate(1.3, "dead_zone", name) for name in ("sensor_lag", "second_mode")]
     weighed = Presence((*pairs, alone), np.array(weights))
     pool = [*pairs, alone, candidate(6.0, "sensor_lag"), candidate(6.0, "second_mode")]
-    found = decide(evidence, alone, pool, [alone], evidence.nominal.residual, weighed)
+    found = decide(evidence, alone, pool, [alone], weighed)
     assert (found.status, found.answer, found.whole) == ("named", alone, whole)
 
 
@@ -630,7 +628,7 @@ def test_what_a_further_effect_surely_explains_is_not_called_noise():
     pair = candidate(2.5, "dead_zone", "second_mode")
     for weights, reason in (([0.95, 0.05], Reason.REMAINS), ([0.5, 0.5], Reason.COLOURED)):
         weighed = Presence((pair, alone), np.array(weights))
-        found = decide(evidence, alone, [alone], [alone], evidence.nominal.residual, weighed)
+        found = decide(evidence, alone, [alone], [alone], weighed)
         assert (found.status, found.reason) == ("named", reason)
 
 
@@ -653,7 +651,7 @@ def test_a_pair_may_leave_coloured_noise_and_nothing_else(bent, weight, reason):
     other = candidate(4.0, "sensor_lag", "dead_zone")
     weighed = Presence((pair, other), np.array([weight, 1.0 - weight]))
     pool = [pair, other, *alone, candidate(8.0, "dead_zone")]
-    found = decide(evidence, pair, pool, alone, evidence.nominal.residual, weighed)
+    found = decide(evidence, pair, pool, alone, weighed)
     assert found.reason == reason
     assert found.answer is (None if reason is Reason.UNEXPLAINED else pair)
 
@@ -684,7 +682,7 @@ def beside_noise(
     pair = leaving(white, "dead_zone", second)
     pool = [pair, alone, candidate(6.0, second), candidate(better, "strain_stiffening")]
     weighed = Presence((pair, alone), np.array([1.0, 0.0]))
-    decided = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    decided = decide(evidence, pair, pool, [alone], weighed)
     return without_small_drift(decided, evidence, pool)
 
 
@@ -791,7 +789,7 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
     weighed = Presence((sure, *others), np.array([weight, 1.0 - weight, 0.0]))
     found = decide(
         replace(evidence, held_out=held_out), others[0], [*others, sure], others[:1],
-        evidence.nominal.residual, weighed,
+        weighed,
     )  # fmt: skip
     assert found.status == status
     assert found.answer is (sure if status == "named" else others[0])
@@ -806,7 +804,7 @@ def named_against(evidence, sure, rival, predicted=None):
     weighed = Presence((sure, rival), np.array([0.95, 0.05]))
     return decide(
         replace(evidence, held_out=held_out), rival, [rival, sure], [rival],
-        evidence.nominal.residual, weighed,
+        weighed,
     ).answer  # fmt: skip
 
 
@@ -840,7 +838,7 @@ def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own
     weighed = Presence((pair, alone), np.array([0.5, 0.5]))
     for kin, other, named in ((2.0, 4.0, True), (4.0, 2.0, False)):
         pool = [pair, alone, candidate(kin, "electrode_lag"), candidate(other, "gain_drift")]
-        found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+        found = decide(evidence, pair, pool, [alone], weighed)
         assert (found.status == "named") == named
         assert not named or found.answer is alone
 
@@ -856,7 +854,7 @@ def test_no_part_is_certain_that_another_of_its_family_replaces_with_less_left(r
         candidate(4.0, "dead_zone"),
     ]
     weighed = Presence((pair, alone), np.array([0.5, 0.5]))
-    found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    found = decide(evidence, pair, pool, [alone], weighed)
     assert (found.answer is alone) == named
 
 
@@ -866,9 +864,7 @@ def test_a_second_effect_of_the_same_family_must_leave_less_than_the_first_one(l
     alone = candidate(left, "sensor_lag")
     pair = candidate(1.8, "sensor_lag", "electrode_lag")
     pool = [pair, alone, candidate(6.0, "dead_zone")]
-    found = decide(
-        evidence, pair, pool, [alone], evidence.nominal.residual, Presence((pair,), np.ones(1))
-    )
+    found = decide(evidence, pair, pool, [alone], Presence((pair,), np.ones(1)))
     assert found.status == "named"
     assert found.answer.names == pair.names[:names]
 
@@ -891,7 +887,7 @@ def test_a_second_effect_must_remove_half_of_what_is_left_where_it_was_not_fitte
     evidence = replace(evidence, held_out=of_blocks)
     pool = [pair, alone, candidate(6.0, "sensor_lag")]
     weighed = Presence((pair,), np.ones(1))
-    found = decide(evidence, pair, pool, [alone], evidence.nominal.residual, weighed)
+    found = decide(evidence, pair, pool, [alone], weighed)
     assert (found.status, found.answer.names) == ("named", pair.names[:names])
     assert found.whole is whole
 
@@ -902,7 +898,7 @@ def test_of_a_pair_that_the_evidence_leaves_a_part_must_leave_room(left, named):
     evidence = replace(evidence, rules=Rules())
     part, pair = candidate(left, "dead_zone"), candidate(1.0, "dead_zone", "sensor_lag")
     weighed = Presence((pair, part), np.array([0.95, 0.05]))
-    found = decide(evidence, part, [pair, part], [part], evidence.nominal.residual, weighed)
+    found = decide(evidence, part, [pair, part], [part], weighed)
     assert (found.status, found.answer) == ("named", {"part": part, "pair": pair}[named])
 
 

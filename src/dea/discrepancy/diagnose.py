@@ -140,7 +140,7 @@ def diagnose(
     unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
 
     # Decide, and withdraw what samples not used so far contradict.
-    decided = decide(evidence, chosen, pool, proven, nominal.residual, weighed)
+    decided = decide(evidence, chosen, pool, proven, weighed)
     decided = without_small_drift(decided, evidence, pool)
     answer = decided.answer.fit if decided.answer else nominal
     left_out = (

@@ -9,7 +9,12 @@ from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.parts import certain_part, each_adds
 from dea.discrepancy.decision.rivals import rivals_of
 from dea.discrepancy.evidence.bootstrap import beaten
-from dea.discrepancy.evidence.colour import follows_no_force, is_white, leaves_coloured_noise
+from dea.discrepancy.evidence.colour import (
+    follows_no_force,
+    is_coloured_noise,
+    is_white,
+    leaves_coloured_noise,
+)
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.residual_model import residual_model
@@ -21,13 +26,11 @@ def decide(
     chosen: Candidate | None,
     pool: Sequence[Candidate],
     proven: Sequence[Candidate],
-    residual: np.ndarray,
     weighed: Presence,
 ) -> Decision:
     """Name the chosen candidate, or the part of it that is certain, unless something is against it.
 
-    ``pool`` holds all candidates, ``proven`` the single effects whose gain is significant,
-    ``residual`` (n,) is that of the simulation alone.
+    ``pool`` holds all candidates, ``proven`` the single effects whose gain is significant.
     """
     error, rules, alone = evidence.nominal_error, evidence.rules, evidence.nominal
     if error <= rules.noise_like * evidence.accuracy:
@@ -36,7 +39,7 @@ def decide(
     if surest is not None and _stands_alone(evidence, surest, pool, weighed):
         return Decision(Status.NAMED, surest, reason=rest_of(evidence, surest, weighed))
     if chosen is None:
-        return _nothing_proven(evidence, residual)
+        return _nothing_proven(evidence)
     if not (explained(evidence, chosen, weighed) and each_adds(evidence, chosen, pool)):
         part = certain_part(evidence, pool, weighed)
         if part is not None:
@@ -134,17 +137,16 @@ def _stands_alone(
     return share_of(evidence, surest).low >= rules.part
 
 
-def _nothing_proven(evidence: Evidence, residual: np.ndarray) -> Decision:
+def _nothing_proven(evidence: Evidence) -> Decision:
     """Say whether a residual that no effect reduces is noise."""
-    rules = evidence.rules
-    unpredictable = residual_model(evidence.problem, residual).ratio > 1.0 - rules.margin
+    rules, problem, alone = evidence.rules, evidence.problem, evidence.nominal
+    unpredictable = residual_model(problem, alone.residual).ratio > 1.0 - rules.margin
     if unpredictable and evidence.nominal_error <= rules.clean * evidence.floor:
         return Decision(Status.NONE, None, reason=Reason.NOISE)
     if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.floor:
         return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
-    if leaves_coloured_noise(evidence.problem, evidence.nominal, evidence.blocks):
-        return Decision(Status.NONE, None, reason=Reason.COLOURED)
-    white = unpredictable and is_white(evidence.problem, residual)
-    if white and follows_no_force(evidence.problem, evidence.nominal):
-        return Decision(Status.NONE, None, reason=Reason.UNEVEN)
+    coloured = is_coloured_noise(problem, alone.residual, evidence.blocks)
+    white = unpredictable and is_white(problem, alone.residual)
+    if (coloured or white) and follows_no_force(problem, alone):
+        return Decision(Status.NONE, None, reason=Reason.COLOURED if coloured else Reason.UNEVEN)
     return Decision(Status.UNKNOWN, None, reason=Reason.NO_EFFECT)
