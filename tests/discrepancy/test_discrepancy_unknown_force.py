@@ -1,4 +1,4 @@
-"""A force that no effect has is told from noise: oscillators of another integrator."""
+"""A force that no effect has is told from noise: carriages of another integrator."""
 
 from dataclasses import replace
 
@@ -15,46 +15,14 @@ from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import fit
 from dea.discrepancy.problem import Samples
 from dea.discrepancy.records import prepare
-from dea.simulation import (
-    ExtendedSimulation,
-    ForcePort,
-    Parameter,
-    Simulation,
-    State,
-    load_simulation,
-)
+from dea.simulation import ExtendedSimulation, load_simulation
 from dea.simulation.signatures import DERIVATIVE
 from dea.store import Record
+from made_carriage import CARRIAGE
 
 N, DT, NOISE = 1500, 0.02, 0.01
 U = np.random.default_rng(1).uniform(-1.0, 1.0, N // 10 + 1).repeat(10)[:N]
-
-
-def derivative(x, u, p, dx):
-    dx[0] = x[1]
-    dx[1] = p[0] * (u - x[0]) - p[1] * x[1]
-
-
-def output(x, u, p):
-    return x[0]
-
-
-OSCILLATOR = Simulation(
-    name="oscillator",
-    input_unit="V",
-    output_unit="mm",
-    states=(State("position", "mm", 0.0), State("velocity", "mm/s", 0.0)),
-    parameters=(
-        Parameter("stiffness", "1/s²", 60.0, 0.2, 1.0, 1e4, log=True),
-        Parameter("damping", "1/s", 2.0, 0.3, 0.01, 1e3, log=True),
-        Parameter("gain", "1", 1.0, 0.0),
-    ),
-    derivative=derivative,
-    output=output,
-    drive="gain",
-    force_ports=(ForcePort("velocity", position="position", velocity="velocity"),),
-    output_offset_spread=0.1,
-)
+OMEGA = 2.0 * np.pi * 1.5  # of the carriage, whose damping ratio is a half
 
 
 def moved(force):
@@ -63,14 +31,14 @@ def moved(force):
     for u in U:
         positions.append(x[0])
         x = solve_ivp(
-            lambda t, x, u=u: (x[1], 60.0 * (u - x[0]) - 2.0 * x[1] + force(*x)),
+            lambda t, x, u=u: (x[1], OMEGA**2 * (u - x[0]) - OMEGA * x[1] + force(*x)),
             (0.0, DT), x, "LSODA", rtol=1e-8, atol=1e-10,
         ).y[:, -1]  # fmt: skip
     return np.array(positions)
 
 
 def fitted(y):
-    problem, parts, extended = prepare([Samples(U, y, DT)], OSCILLATOR, Settings())
+    problem, parts, extended = prepare([Samples(U, y, DT)], CARRIAGE, Settings())
     found = fit(problem, extended, np.zeros(extended.free.size), iterations=30)
     return problem, found, parts.blocks(problem.seen, N / 8)
 
@@ -82,9 +50,9 @@ def noise(colour):
 
 
 FORCES = {
-    "the speed": lambda z, w: -0.6 * w * abs(w),
-    "place and speed": lambda z, w: -2.0 * z * w,
-    "the place": lambda z, w: -15.0 * z**3,
+    "the speed": lambda z, w: -2.0 * w * abs(w),
+    "place and speed": lambda z, w: -6.0 * z * w,
+    "the place": lambda z, w: -70.0 * z**3,
 }
 
 
@@ -145,7 +113,7 @@ def test_what_is_nothing_is_caused_by_nothing():
 
 def test_a_drag_that_no_effect_has_is_unknown_and_described():
     y = moved(FORCES["the speed"]) + noise(0.0)
-    record = Record.of(U, y, 1.0 / DT, units=("V", "mm"))
-    verdict = diagnose(record, OSCILLATOR, settings=Settings(effects=("dead_zone",))).verdict
+    record = Record.of(U, y, 1.0 / DT, units=("V", "V"))
+    verdict = diagnose(record, CARRIAGE, settings=Settings(effects=("dead_zone",))).verdict
     assert verdict.status == "unknown"
     assert "depends on the speed" in " ".join(verdict.remarks)

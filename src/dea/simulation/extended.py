@@ -225,12 +225,16 @@ class ExtendedSimulation:
             return None
         return ports[attached.place]
 
+    @property
+    def takes_force(self) -> bool:
+        """Whether another force can be attached."""
+        return len(self._pushing) < SLOTS
+
     def attach(
         self, effect: Effect, scales: Scales, place: int = 0, upstream: bool = False
     ) -> "ExtendedSimulation":
         """Return this simulation with one effect more, of which at most three may be forces."""
-        forces = sum(a.effect.force is not None for a in self.attached)
-        if effect.force is not None and forces == SLOTS:
+        if effect.force is not None and not self.takes_force:
             raise InputError(
                 f"{SLOTS} forces are attached already",
                 field="effects",

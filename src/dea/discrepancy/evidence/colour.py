@@ -7,6 +7,7 @@ from scipy.stats import chi2
 
 from dea.autoregression import fit_autoregression, innovations
 from dea.discrepancy.evidence.null import long_parts
+from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.split import runs
 from dea.discrepancy.evidence.unknown_force import unknown_force
@@ -91,15 +92,7 @@ def _follows_input(problem: Problem, residual: np.ndarray) -> float:
     A dynamic error of the simulation shows there, whatever its time constants.
     """
     X = np.column_stack([_past(u) for u in by_input(problem.u)])
-    train, test = problem.fit, problem.select
-    X = (X - X[train].mean(0)) / (X[train].std(0) + 1e-12)
-    weights = np.linalg.solve(
-        X[train].T @ X[train] + _RIDGE * train.sum() * np.eye(X.shape[1]),
-        X[train].T @ (residual[train] - residual[train].mean()),
-    )
-    before = residual[test] - residual[train].mean()
-    after = before - X[test] @ weights
-    return 1.0 - float(np.sqrt(np.mean(after**2) / np.mean(before**2)))
+    return part_predicted(problem, residual, X, (_RIDGE,))
 
 
 def _past(u: np.ndarray) -> np.ndarray:

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.fit import Fit
-from dea.discrepancy.problem import Problem, rmse
+from dea.discrepancy.problem import Problem
 from dea.simulation import (
     FORCE,
-    SLOTS,
     Effect,
     Family,
     Parameter,
@@ -31,8 +31,6 @@ _ALONE = 0.8
 # Part of the unit of force by which each term pushes, and weights of the ridge, the best of which
 # counts: what is nearly collinear would be fitted by noise.
 _PUSH, _RIDGES = 1e-3, (1e-6, 1e-4, 1e-2)
-# Deviation on the samples fitted to, as a part of that on all, above which a column counts.
-_TOLD = 1e-3
 
 
 @njit(FORCE, cache=True, error_model="numpy")
@@ -64,13 +62,11 @@ def unknown_force(problem: Problem, fitted: Fit) -> UnknownForce | None:
     port, or where three forces are attached already. The best of a few sums is taken by the samples
     that judge it, so that noise of a short record may give a small part.
     """
-    extended = fitted.extended
-    pushing = sum(a.effect.force is not None for a in extended.attached)
-    if pushing == SLOTS or not fitted.stable:
+    if not (fitted.stable and fitted.extended.takes_force):
         return None
     found = [
         _at_port(problem, fitted, place, port.name)
-        for place, port in enumerate(extended.simulation.force_ports)
+        for place, port in enumerate(fitted.extended.simulation.force_ports)
     ]
     return max(found, key=lambda force: force.part, default=None)
 
@@ -91,20 +87,8 @@ def _at_port(problem: Problem, fitted: Fit, place: int, name: str) -> UnknownFor
 
 def _predicted(problem: Problem, fitted: Fit, changes: Sequence[np.ndarray]) -> float:
     """Return the part of the residual that changes of it, and of the parameters, predict."""
-    train, test = problem.fit, problem.select
-    e = fitted.residual - fitted.residual[train].mean()
-    before = rmse(e, test)
     X = np.column_stack([fitted.jacobian, *changes])
-    X = X[:, np.isfinite(X).all(axis=0)]
-    # What hardly changes on the samples that are fitted to tells nothing of the others.
-    X = X[:, X[train].std(axis=0) > _TOLD * X.std(axis=0)]
-    if not before or not X.size:
-        return 0.0
-    X = (X - X[train].mean(0)) / X[train].std(0)
-    gram, pull = X[train].T @ X[train], X[train].T @ e[train]
-    identity = train.sum() * np.eye(X.shape[1])
-    left = (rmse(e - X @ np.linalg.solve(gram + ridge * identity, pull), test) for ridge in _RIDGES)
-    return 1.0 - min(left) / before
+    return part_predicted(problem, fitted.residual, X, _RIDGES)
 
 
 def _changes(problem: Problem, fitted: Fit, port: int) -> list[np.ndarray]:
