@@ -23,6 +23,18 @@ def stepped(J, slope, ramp, h):
     return step
 
 
+@pytest.mark.parametrize("norm", [1e-3, 0.3, 3.0, 17.0])
+@pytest.mark.parametrize("damping", [-1.0, -0.1, 0.0])
+def test_a_step_of_two_states_that_swing(damping, norm):
+    """The eigenvalues are a complex pair."""
+    h, A = 0.02, norm * np.array([[damping, 1.3], [-0.6, damping]])
+    slope, ramp, step = np.array([0.4, -1.1]), np.array([0.9, 0.7]), np.empty(2)
+    first, second = phi_functions(A)
+    expected = h * (first @ slope + second @ ramp)
+    assert advance_two(A / h, slope, ramp, h, step)
+    np.testing.assert_allclose(step, expected, rtol=1e-7, atol=1e-10)
+
+
 # Of the larger norms, a step is halved up to seven times and doubled back.
 @pytest.mark.parametrize("norm", [0.0, 0.3, 0.9, 3.0, 17.0, 60.0])
 @pytest.mark.parametrize("n", [1, 2, 3, 5])

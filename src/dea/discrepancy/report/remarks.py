@@ -23,7 +23,9 @@ _COLOURED = 0.5
 
 def remarks(found: "Diagnosis") -> tuple[str, ...]:
     """Return the remarks on a diagnosis, each a sentence."""
-    texts = (_timing(found), _bounds(found), _laws(found), _force(found), _noise(found))
+    # What a force would cause is no error to live with.
+    rest = _force(found) or _noise(found)
+    texts = (_timing(found), _bounds(found), _laws(found), rest)
     return tuple(text for text in texts if text)
 
 
@@ -102,9 +104,6 @@ def _noise(found: "Diagnosis") -> str:
     error, unit = found.error, found.units[1]
     if found.decision.reason in (Reason.NOISE, Reason.ACCURATE, Reason.UNEVEN):
         # The sentence says already that what is left is small, or white.
-        return ""
-    if _force(found):
-        # What a force would cause is no error to live with.
         return ""
     stated = found.nominal.extended.simulation.accuracy
     if error.left <= max(_COLOURED * error.white, stated):

@@ -6,6 +6,7 @@ that they hold is not reached and a curve does as well.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,11 +35,8 @@ def unfinish_degenerate(
     """
     finished = [c for each in rounds for c in each.candidates if c.finished]
     limit = rules.near * min((c.error for c in finished), default=0.0)
-    doubtful = [
-        c
-        for c in finished
-        if c.error <= limit and any(a.effect.essential for a in c.fit.extended.attached)
-    ]
+    leading = [c for c in finished if c.error <= limit]
+    doubtful = [c for c in leading if any(a.effect.essential for a in c.fit.extended.attached)]
     errors = in_parallel(
         lambda c: _error_at_limit(problem, c.fit),
         doubtful,
@@ -50,12 +48,15 @@ def unfinish_degenerate(
         for c, error in zip(doubtful, errors, strict=True)
         if rules.as_good(error, c.rmse, floor)
     }
-    leading = [c for c in finished if c.error <= limit and id(c) not in fallen]
-    curves = [c for c in leading if _on_output(c, Family.CURVE) is not None]
+    leading = [c for c in leading if id(c) not in fallen]
+    curves = [(c, found) for c in leading if (found := _on_output(c, Family.CURVE))]
     for c in leading:
-        others = _beside(c, Family.LIMIT)
-        alike = (d for d in curves if others is not None and _beside(d) == others)
-        if any(rules.as_good(d.rmse, c.rmse, floor) for d in alike) and _bends_gently(problem, c):
+        limiting = _on_output(c, Family.LIMIT)
+        if limiting is None:
+            continue
+        alike = (d for d, curve in curves if curve.beside == limiting.beside)
+        as_good = any(rules.as_good(d.rmse, c.rmse, floor) for d in alike)
+        if as_good and _bends_gently(problem, c.fit, limiting.place):
             fallen.add(id(c))
     return [
         replace(
@@ -68,27 +69,24 @@ def unfinish_degenerate(
     ]
 
 
-def _on_output(candidate: Candidate, family: Family) -> int | None:
-    """Return which of the attached effects is of a family on the output path, if any is."""
+class _OnOutput(NamedTuple):
+    """Which of the effects of a candidate is on the output path, and those beside it."""
+
+    place: int
+    beside: frozenset[str]
+
+
+def _on_output(candidate: Candidate, family: Family) -> _OnOutput | None:
+    """Return the first effect of a family on the output path, if there is any."""
+    labels = candidate.labels
     for index, each in enumerate(candidate.fit.extended.attached):
         if each.effect.port is Port.OUTPUT and each.effect.family is family:
-            return index
+            return _OnOutput(index, frozenset(labels[:index] + labels[index + 1 :]))
     return None
 
 
-def _beside(candidate: Candidate, family: Family = Family.CURVE) -> frozenset[str] | None:
-    """Return the other effects of a candidate with one of a family on the output path."""
-    index = _on_output(candidate, family)
-    if index is None:
-        return None
-    return frozenset(label for k, label in enumerate(candidate.labels) if k != index)
-
-
-def _bends_gently(problem: Problem, candidate: Candidate) -> bool:
+def _bends_gently(problem: Problem, found: Fit, index: int) -> bool:
     """Return whether the reading follows at both ends of its range nearly as in between."""
-    found, index = candidate.fit, _on_output(candidate, Family.LIMIT)
-    if index is None:
-        return False
     course = law_courses(found.extended, found.values, problem.u, problem.interval)[index]
     if course is None:
         return False

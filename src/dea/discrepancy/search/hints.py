@@ -19,8 +19,8 @@ _HARMONICS = 5
 _LEAST, _SHARP = 1e-6, 20.0
 # Foreign lines at most.
 _MOST = 4
-# Bins on either side of a line that it is compared with.
-_AROUND = 30
+# Bins on either side of a line that it spreads to at most, and that it is compared with.
+_SPREAD, _AROUND = 6, 30
 
 
 def lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
@@ -51,10 +51,9 @@ def foreign_lines(problem: Problem, residual: np.ndarray) -> tuple[float, ...]:
     """
     frequency, power = _spectrum(_seen(problem, residual), problem.interval)
     if not problem.period:
-        nothing = np.zeros(power.size, bool)
         sharpness = power / (_around(power) + 1e-300)
-        there = (power > _LEAST * power.max()) & (sharpness > _SHARP)
-        sharp = _peaks(frequency, power, np.where(there, sharpness, 0.0), nothing)
+        noise = (power <= _LEAST * power.max()) | (sharpness <= _SHARP)
+        sharp = _peaks(frequency, power, sharpness, noise)
         if len(sharp) == _LINES and _is_harmonic(sharp[0], sharp[1], frequency[1]):
             sharp.reverse()
         return tuple(dict.fromkeys((*sharp, *lines(problem, residual))))[:_MOST]
@@ -72,7 +71,7 @@ def _is_harmonic(line: float, fundamental: float, bin_width: float) -> bool:
 def _around(power: np.ndarray) -> np.ndarray:
     """Return the mean power around each bin, but not beside it, where a line spreads to."""
     weights = np.ones(2 * _AROUND + 1)
-    weights[_AROUND - 6 : _AROUND + 7] = 0.0
+    weights[_AROUND - _SPREAD : _AROUND + _SPREAD + 1] = 0.0
     own = slice(_AROUND, _AROUND + power.size)
     there = np.convolve(np.ones(power.size), weights)[own]
     mean: np.ndarray = np.convolve(power, weights)[own] / np.maximum(there, 1.0)
@@ -105,7 +104,7 @@ def _peaks(
         peak = int(np.argmax(left))
         if left[peak] > 0.0:
             found.append(float(frequency[peak] + _offset(power, peak) * frequency[1]))
-        left[max(0, peak - 6) : peak + 7] = 0.0
+        left[max(0, peak - _SPREAD) : peak + _SPREAD + 1] = 0.0
     return found
 
 
