@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from itertools import pairwise
 
 import matplotlib as mpl
 import numpy as np
@@ -97,3 +98,19 @@ def test_a_logarithmic_axis_has_several_labels_over_any_range(values, labels):
     figure.draw_without_rendering()
     shown = [text.get_text() for text in ax.get_yticklabels()]
     assert set(labels) <= set(shown)
+
+
+@pytest.mark.parametrize("longest", [3.0, 30.0, 400.0, 900.0, 5e4])
+def test_labels_below_a_narrow_logarithmic_axis_stand_apart(longest):
+    figure = style.page_figure(50, 40)
+    ax = figure.subplots()
+    ax.semilogx([0.052, 0.052 * longest], [0, 1])
+    style.plain_log_ticks(ax.xaxis)
+    figure.draw_without_rendering()
+    shown = [text for text in ax.get_xticklabels() if text.get_text()]
+    low, high = ax.get_xlim()
+    boxes = [t.get_window_extent() for t in shown if low <= t.get_position()[0] <= high]
+    boxes.sort(key=lambda box: box.x0)
+    gap = boxes[0].height / 6.0
+    assert len(boxes) >= 2
+    assert all(right.x0 - left.x1 > gap for left, right in pairwise(boxes))

@@ -13,7 +13,7 @@ import matplotlib as mpl
 import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
+from matplotlib.axis import Axis, XAxis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
@@ -34,7 +34,9 @@ MINUTE = 60.0  # s
 _LONG = 300.0  # s; the time axis of a longer record is in minutes
 _MOST_TICKS = 7
 _SHORT_RANGE = 5.0  # ratio of the ends of a logarithmic axis, below which 1, 2 and 5 are too few
-_LONG_RANGE = 1e3  # the same, above which 2 and 5 are too many
+# The same, above which the labels of 2 and 5 are too many: of an axis upwards, and of one across,
+# where they are wider than high.
+_LONG_RANGE, _LONG_RANGE_ACROSS = 1e3, 5e2
 
 # Okabe and Ito (2008): distinguishable with common colour blindness.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -186,7 +188,8 @@ def plain_log_ticks(axis: Axis) -> None:
     short = low > 0.0 and high < _SHORT_RANGE * low
     # Every step divides one, so that one is labelled where it is shown.
     linear = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
-    subs = (1,) if high > _LONG_RANGE * low else (1, 2, 5)
+    longest = _LONG_RANGE_ACROSS if isinstance(axis, XAxis) else _LONG_RANGE
+    subs = (1,) if high > longest * low else (1, 2, 5)
     axis.set_major_locator(linear if short else LogLocator(subs=subs))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
