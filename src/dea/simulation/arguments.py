@@ -26,7 +26,7 @@ from dea.simulation.signatures import (
     VECTOR,
 )
 
-VECTORS = 8  # that the integrator works in
+VECTORS = 8  # of states that the integrator works in
 Function: TypeAlias = Any  # a FirstClass, which is callable in compiled code alone
 
 
@@ -100,7 +100,7 @@ class Reading(NamedTuple):
     there, per step."""
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """Arrays that the integrator works in, all of which it overwrites."""
 
     result: np.ndarray
@@ -109,7 +109,7 @@ class Room(NamedTuple):
     matrices: np.ndarray  # (1 + ROOM, states, states)
 
     @classmethod
-    def of(cls, samples: int, states: int) -> "Room":
+    def of(cls, samples: int, states: int) -> "Workspace":
         """Return it for a run of so many samples."""
         return cls(
             np.full((2, samples), np.nan),
@@ -121,7 +121,7 @@ class Room(NamedTuple):
 _FORCE_LAW = types.NamedTuple([types.FunctionType(FORCE), types.FunctionType(UPDATE)], ForceLaw)
 FORCES = types.NamedTuple([int64, INDEX, MATRIX, INDICES, MATRIX, MATRIX], Forces)
 READING = types.NamedUniTuple(MATRIX, 2, Reading)
-ROOM_TO_WORK = types.NamedTuple([MATRIX, MATRIX, CUBE], Room)
+WORKSPACE = types.NamedTuple([MATRIX, MATRIX, CUBE], Workspace)
 EQUATIONS, EQUATIONS_OF_SEVERAL = (
     types.NamedTuple(
         [types.FunctionType(derivative), types.FunctionType(output), *[_FORCE_LAW] * SLOTS],
@@ -138,7 +138,7 @@ ARGUMENTS = (
     types.NamedTuple([VECTOR, VECTOR, int64, VECTOR, float64, int64, int64], Course),
     FORCES,
     READING,
-    ROOM_TO_WORK,
+    WORKSPACE,
 )
 ARGUMENTS_OF_SEVERAL = (
     EQUATIONS_OF_SEVERAL,
@@ -146,7 +146,7 @@ ARGUMENTS_OF_SEVERAL = (
     types.NamedTuple([MATRIX, MATRIX, int64, MATRIX, float64, int64, int64], Course),
     FORCES,
     READING,
-    ROOM_TO_WORK,
+    WORKSPACE,
 )
 
 

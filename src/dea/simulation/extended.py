@@ -8,7 +8,7 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.inputs import by_input, joined
-from dea.simulation.arguments import Course, Room, Values
+from dea.simulation.arguments import Course, Values, Workspace
 from dea.simulation.attached import Attached
 from dea.simulation.effects import Effect
 from dea.simulation.force_port import ForcePort
@@ -281,7 +281,7 @@ class ExtendedSimulation:
             steps = own.action.law(steps, scale, p)
             p = own.action.table(p) if own.action.table else p
         run = integrate_several() if several else integrate
-        room = Room.of(len(v), x_count)
+        workspace = Workspace.of(len(v), x_count)
         run(
             self._slots.equations([a for a, _ in self._pushing]),
             Values(
@@ -300,9 +300,9 @@ class ExtendedSimulation:
             ),
             self._slots.forces([(a, values[own]) for a, own in self._pushing], values[:p_count]),
             own.sensor_filter.over(interval / substeps) if own.sensor_filter else UNFILTERED,
-            room,
+            workspace,
         )
-        return room.result[:, lead:]
+        return workspace.result[:, lead:]
 
     def offset(self, values: np.ndarray, u: np.ndarray) -> list[np.ndarray]:
         """Return each input, shape (n,), with the constant that is added to it.

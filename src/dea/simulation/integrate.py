@@ -13,8 +13,8 @@ from dea.simulation.arguments import (
     Equations,
     Forces,
     Reading,
-    Room,
     Values,
+    Workspace,
 )
 from dea.simulation.cayley_hamilton import advance_four, advance_three, advance_two
 from dea.simulation.exponential import advance
@@ -63,7 +63,7 @@ def integrate(
     course: Course,
     forces: Forces,
     reading: Reading,
-    room: Room,
+    workspace: Workspace,
 ) -> None:
     """Integrate by the exponential Rosenbrock-Euler method with steps of ``interval/substeps``.
 
@@ -73,22 +73,23 @@ def integrate(
     memory are split off (Strang 1968): within a step the force is evaluated with the memory of
     the step's middle, which is then brought forward by the motion over the step.
 
-    What it finds is written to ``room``.
+    What it finds is written to ``workspace.result``.
     """
     derivative, output, law_1, law_2, law_3 = equations
-    steps, straight, drive_scale, interval, substeps, lead = course[1:]
-    attached, ports, frames, still = forces[:4]
+    u, steps, straight, drive_scale, interval, substeps, lead = course
+    attached, ports, frames, still, memory, q = forces
     taken_over, gains = reading
+    result, vectors, matrices = workspace
     # The caller holds all arrays that reach the equations and the laws.
-    u, steps, p = borrowed(course.u), borrowed(steps), borrowed(values.parameters)
-    memory, q = borrowed(forces.memory), borrowed(forces.parameters)
-    vectors, matrices, result = borrowed(room.vectors), borrowed(room.matrices), room.result
+    u, steps, p = borrowed(u), borrowed(steps), borrowed(values.parameters)
+    memory, q = borrowed(memory), borrowed(q)
+    vectors, matrices = borrowed(vectors), borrowed(matrices)
     # Rows are sliced once: slicing them in the loop takes longer than the forces do.
     m1, m2, m3 = memory[0], memory[1], memory[2]
     q1, q2, q3 = q[0], q[1], q[2]
     x, moved, step, slope = vectors[0], vectors[1], vectors[2], vectors[3]
     beside, unforced, ramp, typical = vectors[4], vectors[5], vectors[6], vectors[7]
-    J, room_of_step = matrices[0], matrices[1:]
+    J, room = matrices[0], matrices[1:]
     order = len(taken_over)
     read, filtered = np.zeros(order), np.empty(order)
     n, states = len(u), x.size
@@ -181,7 +182,7 @@ def integrate(
             elif states == 4:
                 advanced = advance_four(J, slope, ramp, h, step)
             if not advanced:
-                advance(J, slope, ramp, h, step, room_of_step)
+                advance(J, slope, ramp, h, step, room)
             for e in range(attached):
                 if ports[e, 1] < 0:
                     z_next[e] = z[e] + h * (x[ports[e, 2]] + 0.5 * step[ports[e, 2]]) / frames[e, 1]
