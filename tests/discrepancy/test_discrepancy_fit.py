@@ -380,8 +380,9 @@ def test_beside_coloured_noise_an_answer_may_leave_as_much_elsewhere(reason, aft
 def test_a_simulation_as_good_as_it_is_said_to_be_misses_nothing(error, expected):
     problem, extended = carriage(9)
     evidence = judged_by(problem, extended, error, accuracy=0.15)
-    predictable = error * np.sign(problem.u)
-    found = decide(evidence, None, [], [], predictable, Presence((), np.zeros(0)))
+    alone = replace(evidence.nominal, residual=error * np.sign(problem.u))
+    predictable = replace(evidence, nominal=alone)
+    found = decide(predictable, None, [], [], Presence((), np.zeros(0)))
     assert found.status == expected
 
 
