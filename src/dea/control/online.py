@@ -1,6 +1,5 @@
 """A model whose parameters follow a device sample by sample, in constant time and memory."""
 
-from collections.abc import Sequence
 from math import isfinite, isinf
 from typing import Self
 
@@ -8,10 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dea.control import online_kernels
-from dea.control.online_kernels import NONE
 from dea.errors import InputError
 from dea.missing import filled
-from dea.narx import NarxModel, regressor_matrix, simulate
+from dea.narx import NarxModel, padded_lags, regressor_matrix, simulate
 from dea.tracking import check_settings, initial_state, root_mean_square, with_constant
 
 Array = NDArray[np.float64]
@@ -185,9 +183,3 @@ class OnlineTracker:
         ahead = scaling.normalise_input(np.asarray(u, dtype=float))
         run = simulate(self._model.terms, self.parameters, np.concatenate([inputs, ahead]), outputs)
         return scaling.restore_output(run[lag:])
-
-
-def padded_lags(lags: Sequence[tuple[int, ...]]) -> NDArray[np.int64]:
-    """Return the lags of each term as the rows of an array, padded with ``NONE``."""
-    width = max(map(len, lags), default=0)
-    return np.array([[*row, *[NONE] * (width - len(row))] for row in lags], dtype=np.int64)

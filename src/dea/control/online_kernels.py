@@ -4,12 +4,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from dea.narx import NONE
 from dea.tracking import RlsState, update
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-NONE = -1  # pads the lags of terms with fewer factors than the longest
 
 
 @njit(cache=True, error_model="numpy")

@@ -4,10 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dea.control.limits import InputLimits
-from dea.control.online import padded_lags
 from dea.control.planning_kernels import Equation, improve
 from dea.errors import InputError
-from dea.narx import NarxModel
+from dea.narx import NarxModel, padded_lags
 from dea.tracking import with_constant
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from dea.control.limits import InputLimits, limited
-from dea.control.online_kernels import NONE
+from dea.narx import NONE
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

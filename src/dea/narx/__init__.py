@@ -16,6 +16,7 @@ from dea.narx.intervals import (
     quantile,
     simulation_interval,
 )
+from dea.narx.kernels import NONE
 from dea.narx.labels import Labels, pair, rate_of
 from dea.narx.lags import Compared, LagChoice, lag_choices, select_lags
 from dea.narx.metrics import fit, fpe, nmse, rmse
@@ -29,13 +30,14 @@ from dea.narx.residuals import correlation_tests
 from dea.narx.scaling import Scaling
 from dea.narx.search import SEARCHES, Forward, Orthogonal, Refined
 from dea.narx.selection import select_common_terms, select_terms
-from dea.narx.simulation import BOUND, simulate, simulate_varying
+from dea.narx.simulation import BOUND, padded_lags, simulate, simulate_varying
 from dea.narx.stability import Stability, UnstableModel
 from dea.narx.validation import Windows, validate
 
 __all__ = [
     "BOUND",
     "LEVEL",
+    "NONE",
     "NOT_WHITE",
     "SEARCHES",
     "Compared",
@@ -78,6 +80,7 @@ __all__ = [
     "load_published",
     "nmse",
     "noise_model",
+    "padded_lags",
     "pair",
     "parameter_interval",
     "quantile",

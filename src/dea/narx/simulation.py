@@ -5,6 +5,7 @@ of outputs, and each group's coefficient C_g[t], a polynomial of inputs alone, i
 t at once. What remains of the recursion (7) is y_t = sum_g C_g[t] * prod_k y_{t-k}.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -33,9 +34,9 @@ def _described(terms: tuple[Term, ...]) -> tuple[Structure, int | None]:
     monomials = sorted({term.y_lags for term in terms}, key=lambda lags: (len(lags), lags))
     arrays = Structure(
         group=np.array([monomials.index(term.y_lags) for term in terms], dtype=np.int64),
-        y_lags=_padded(monomials),
-        u_lags=_padded([term.u_lags for term in terms]),
-        u_rows=_padded([term.input_columns for term in terms]),
+        y_lags=padded_lags(monomials),
+        u_lags=padded_lags([term.u_lags for term in terms]),
+        u_rows=padded_lags([term.input_columns for term in terms]),
         start=max_lag(terms),
     )
     return arrays, numbered_inputs(terms)
@@ -130,6 +131,7 @@ def initial_outputs(y_initial: Array, start: int, samples: int) -> Array:
     return y_initial[: min(start, samples)]
 
 
-def _padded(lags: list[tuple[int, ...]]) -> Indices:
+def padded_lags(lags: Sequence[tuple[int, ...]]) -> Indices:
+    """Return the lags of each term as the rows of an array, padded with ``NONE``."""
     width = max(map(len, lags), default=0)
     return np.array([[*row, *[NONE] * (width - len(row))] for row in lags], dtype=np.int64)
