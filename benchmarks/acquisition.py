@@ -22,7 +22,7 @@ from pymodbus.client import ModbusTcpClient
 from benchmarks.row import Row
 from benchmarks.stored import store
 from dea.acquisition import AcquiredRecord, AcquisitionSettings, acquire
-from dea.modbus import Device, encode, read_device, to_counts
+from dea.modbus import Command, Device, encode, read_device, to_counts
 from dea.plant import Rig
 
 Array = NDArray[np.float64]
@@ -31,7 +31,6 @@ ROOT = Path(__file__).parents[1]
 CONFIG, DESCRIPTION = ROOT / "config/bench.yaml", ROOT / "config/devices/virtual_bench.yaml"
 POLLED_SAMPLES, BUFFERED_SAMPLES, REPEATS = 4000, 90_000, 3
 IN_BENCHMARK, IN_SOAK = 30.0, 600.0  # s at wall time
-START, STOP = 1, 2  # command
 
 
 def run(peers_python: Path | None = None) -> list[Row]:
@@ -113,7 +112,7 @@ def _bare_round_trips(device: Device, volts: Array) -> float:
     output, first, last = device["output"], device["applied_output"], device["device_index"]
     counts = to_counts(output, volts).tolist()
     client.write_registers(device["claim"].address, encode(device["claim"], 1))
-    client.write_register(device["command"].address, START)
+    client.write_register(device["command"].address, Command.START)
     start = time.perf_counter()
     for count in counts:
         client.readwrite_registers(
@@ -121,7 +120,7 @@ def _bare_round_trips(device: Device, volts: Array) -> float:
             write_address=output.address, values=[count], device_id=device.unit_id,
         )  # fmt: skip
     seconds = time.perf_counter() - start
-    client.write_register(device["command"].address, STOP)
+    client.write_register(device["command"].address, Command.STOP)
     while any(client.read_holding_registers(first.address).registers):
         time.sleep(0.01)
     client.write_registers(device["claim"].address, encode(device["claim"], 0))

@@ -8,9 +8,9 @@ from memory_link import MemoryLink
 from dea.acquisition import LinkError, ZeroNotVerifiedError
 from dea.acquisition.output import Output
 from dea.acquisition.retrying_link import DeviceRefusedError
-from dea.acquisition.zero import LONGEST_STEP, STOP, WayToZero, ZeroEvidence
+from dea.acquisition.zero import LONGEST_STEP, WayToZero, ZeroEvidence
 from dea.errors import InputError
-from dea.modbus import to_physical
+from dea.modbus import Command, to_physical
 
 
 def way(link, ramp_rate=1.0, requested=0.0):
@@ -67,7 +67,7 @@ def test_a_ramp_of_the_device_is_waited_for_twice_as_long_as_it_may_take(clock, 
         with pytest.raises(ZeroNotVerifiedError, match="does not end its ramp"):
             way(link, 2.0)()
         assert 10.0 < clock.now < 15.0
-    assert link.written == [("command", [STOP])]
+    assert link.written == [("command", [Command.STOP])]
 
 
 def test_a_tripped_device_is_at_zero_already(clock):

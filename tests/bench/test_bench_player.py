@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from dea.bench.player import OutputLimits, Player, PlayerState
-from dea.bench.ring import Origin
+from dea.bench.player import OutputLimits, Player
+from dea.modbus import DeviceState, Origin
 from served_bench import RememberingPlant
 
 LOW, HIGH = 0, 1000
@@ -43,9 +43,9 @@ class AnyUse(RuleBasedStateMachine):
 
     @rule()
     def start(self):
-        allowed = self.player.state == PlayerState.IDLE and not self.player.watchdog.latched
+        allowed = self.player.state == DeviceState.IDLE and not self.player.watchdog.latched
         allowed &= self.player.applied == 0
-        already = self.player.state == PlayerState.RUNNING
+        already = self.player.state == DeviceState.RUNNING
         assert self.player.start() == (allowed or already)
 
     @rule()
@@ -81,7 +81,7 @@ class AnyUse(RuleBasedStateMachine):
     def be_silent(self, seconds):
         self.now += seconds
         silent = self.now - self.player.watchdog.last_heard > self.player.watchdog.timeout
-        driven = self.player.driven or self.player.state != PlayerState.IDLE
+        driven = self.player.driven or self.player.state != DeviceState.IDLE
         self.player.watch(self.now)
         if silent and driven:
             assert self.player.applied == 0
@@ -107,7 +107,7 @@ class AnyUse(RuleBasedStateMachine):
 
     @invariant()
     def a_trip_is_latched(self):
-        assert (self.player.state == PlayerState.TRIPPED) <= self.player.watchdog.latched
+        assert (self.player.state == DeviceState.TRIPPED) <= self.player.watchdog.latched
 
 
 TestAnyUse = AnyUse.TestCase
@@ -149,10 +149,10 @@ def test_stop_ramps_down_in_steps():
     device.load(1, [350])
     device.drain()
     device.stop()
-    assert device.state == PlayerState.RAMPING
+    assert device.state == DeviceState.RAMPING
     device.drain()
     assert device.plant.applied == [350, 250, 150, 50, 0, 0]
-    assert device.state == PlayerState.IDLE
+    assert device.state == DeviceState.IDLE
 
 
 @pytest.mark.parametrize("length", [300, 400, 1000])

@@ -16,11 +16,8 @@ from dea.acquisition.panel import Panel
 from dea.acquisition.read_back import Echo, ReadBack
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
-from dea.modbus import block_window, reply_window, to_physical
+from dea.modbus import Command, DeviceState, Origin, block_window, reply_window, to_physical
 
-PLAYED, HELD, REST = 1, 2, 3  # reply_origin
-STATE_TRIPPED = 3  # reply_state
-START, CLEAR = 1, 4  # command
 UNDRIVEN = "undriven, the device took its output to zero"
 
 
@@ -124,7 +121,7 @@ class _Playback:
         self.high_water = panel.whole("fifo_length") - 2 * capacity
         self.pause = min(capacity * period, panel.number("watchdog_time") / 4) / 2
         self.boot = panel.get("boot")
-        panel.set("command", CLEAR)
+        panel.set("command", Command.CLEAR)
         self.wanted = self.exchange(0, counts[:0], 0).next
         self.sequence = self.sent = self.done = 0
         self.started, self.moved = False, time.monotonic()
@@ -160,20 +157,20 @@ class _Playback:
             raise self._broken("overwritten before they were read", reply.index - self.wanted)
         if reply.applied.size:
             self.moved = time.monotonic()
-        elif reply.state == STATE_TRIPPED:
+        elif reply.state == DeviceState.TRIPPED:
             raise self._broken(UNDRIVEN)
         elif self.refusal is not None:
             raise self._broken(str(self.refusal))
         elif time.monotonic() - self.moved > self.panel.link.settings.reconnect_time:
             raise self._broken("the device stands still")
-        if reply.origin == PLAYED and reply.applied.size and reply.position != self.done:
+        if reply.origin == Origin.PLAYED and reply.applied.size and reply.position != self.done:
             raise self._misplaced()
         now = time.monotonic() - self.panel.link.log.started
         samples = _samples(reply, self.counts, self.echo, now)
         self.wanted += reply.applied.size
         if samples is None:
             return None
-        if reply.origin not in (PLAYED, HELD):
+        if reply.origin not in (Origin.PLAYED, Origin.HELD):
             raise BrokenRecordError(UNDRIVEN, self.done, self.counts.size - self.done, samples)
         self.done = int(samples.position[-1]) + 1
         return samples
@@ -192,7 +189,7 @@ class _Playback:
         """Start once the FIFO holds what it can; wait while it does and little is there to read."""
         full = reply.fifo >= self.high_water or self.sent == self.counts.size
         if not self.started and full:
-            self.panel.set("command", START)
+            self.panel.set("command", Command.START)
             self.started = True
         elif full and reply.next - self.wanted < self.exchange.capacity:
             left = min(self.pause, reply.fifo / self.panel.device.sampling_rate)
@@ -216,12 +213,13 @@ class _Playback:
 def _samples(reply: Reply, counts: np.ndarray, echo: Echo, now: float) -> DrivenSamples | None:
     """Return the samples of a reply, or None if it holds none that were driven."""
     n = reply.applied.size
-    if not n or reply.origin == REST:
+    if not n or reply.origin == Origin.REST:
         return None
     steps = np.arange(n)
-    played = reply.origin == PLAYED
+    played = reply.origin == Origin.PLAYED
     position = reply.position + steps if played else np.full(n, max(reply.position - 1, 0))
-    flag = Quality.GOOD if played else Quality.HELD if reply.origin == HELD else Quality.UNDRIVEN
+    held = reply.origin == Origin.HELD
+    flag = Quality.GOOD if played else Quality.HELD if held else Quality.UNDRIVEN
     flags = np.full(n, flag)
     if played:
         flags[~echo.right(counts[position], reply.applied)] |= Quality.CLAMPED

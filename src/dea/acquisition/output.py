@@ -5,11 +5,7 @@ from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import DeviceRefusedError, Link, LinkError
 from dea.acquisition.verify import answering_as_described, open_described, verify_device
 from dea.errors import InputError
-from dea.modbus import to_physical
-
-TRIPPED = 3  # state
-RESET = 3  # command
-NOT_ALLOWED = 7  # Modbus exception code
+from dea.modbus import Command, DeviceState, Refusal, to_physical
 
 
 class TakenError(LinkError):
@@ -54,8 +50,9 @@ class Output:
             if "claim" in self.panel:
                 self._claim()
                 self.link.on_connect = self.reclaim
-            if "state" in self.panel and self.reset and self.panel.get("state") == TRIPPED:
-                self.panel.set("command", RESET)
+            resettable = self.reset and "state" in self.panel
+            if resettable and self.panel.get("state") == DeviceState.TRIPPED:
+                self.panel.set("command", Command.RESET)
             self._arm()
         except BaseException:
             self.link.close()
@@ -138,7 +135,7 @@ class Output:
         try:
             self.panel.set("claim", self._token, retry=retry)
         except DeviceRefusedError as refusal:
-            if refusal.code != NOT_ALLOWED:
+            if refusal.code != Refusal.NOT_ALLOWED:
                 raise
             raise InputError(
                 "another master owns the outputs",

@@ -15,9 +15,7 @@ from dea.acquisition.rows import Rows
 from dea.acquisition.samples import BrokenRecordError, DrivenSamples, Quality
 from dea.acquisition.schedule import Schedule
 from dea.errors import DeviceError
-from dea.modbus import to_physical
-
-START = 1  # command
+from dea.modbus import Command, to_physical
 
 
 class DrivenCounts(Protocol):
@@ -65,7 +63,7 @@ def drive(
         Where the safety model is broken.
     """
     if "command" in panel:
-        panel.set("command", START)
+        panel.set("command", Command.START)
     poll, rows = Poll(panel), Rows()
     poll.learn()
     echo = Echo(panel, poll.echo, tolerance) if poll.echo else None

@@ -12,9 +12,8 @@ import numpy as np
 from dea.acquisition.panel import Panel
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.errors import DeviceError
-from dea.modbus import to_physical
+from dea.modbus import DeviceState, to_physical
 
-RUNNING = 2  # state
 LAG = 1  # samples that a read-back may always be behind
 STRIKES = 3  # samples in a row whose read-back is wrong until it is not trusted any more
 
@@ -64,7 +63,7 @@ class ReadBack:
             applied = to_physical(
                 self.panel.device["applied_output"], self.panel.confirmed("applied_output")
             )
-            running = self.panel.confirmed("state") == RUNNING
+            running = self.panel.confirmed("state") == DeviceState.RUNNING
         # Reconnecting, or the value changes: another reading follows.
         except (LinkError, DeviceRefusedError):
             return None

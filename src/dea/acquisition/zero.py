@@ -9,13 +9,11 @@ import time
 from enum import StrEnum
 
 from dea.acquisition.laws import TripError
-from dea.acquisition.output import TRIPPED, Output
+from dea.acquisition.output import Output
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
 from dea.errors import DeviceError
-from dea.modbus import to_counts
+from dea.modbus import Command, DeviceState, to_counts
 
-IDLE = 0  # state
-STOP = 2  # command
 LONGEST_STEP = 0.2  # s of ramp in one write, however long the last one is past
 LOOKS = 3  # that may fail, and beats: no register that is silent holds up a ramp for longer
 HOLDING_PAUSE = 0.1  # s between the writes of zero during the quarantine
@@ -79,11 +77,11 @@ class WayToZero:
 
     def _stop(self) -> None:
         """Let the device itself ramp."""
-        if self.panel.get("state") != TRIPPED:
-            self.panel.set("command", STOP)
+        if self.panel.get("state") != DeviceState.TRIPPED:
+            self.panel.set("command", Command.STOP)
         limits = self.device["output"].limits or (0.0, 0.0)
         deadline = time.monotonic() + 2 * max(map(abs, limits)) / self.ramp_rate + 2
-        while self.panel.confirmed("state") not in (IDLE, TRIPPED):
+        while self.panel.confirmed("state") not in (DeviceState.IDLE, DeviceState.TRIPPED):
             self._beat()
             self._look()
             if time.monotonic() > deadline:

@@ -4,10 +4,20 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from dea.bench.player import Player, PlayerState
-from dea.modbus import Device, Register, Value, block_window, decode, encode, reply_window
+from dea.bench.player import Player
+from dea.modbus import (
+    Command,
+    Device,
+    DeviceState,
+    Refusal,
+    Register,
+    Value,
+    block_window,
+    decode,
+    encode,
+    reply_window,
+)
 
-START, STOP, RESET, CLEAR = 1, 2, 3, 4  # command
 SILENCE = 1  # trip_reason
 TRIGGER_PATIENCE = 5  # sample periods until the device's own clock follows a polled sample
 
@@ -15,12 +25,7 @@ TRIGGER_PATIENCE = 5  # sample periods until the device's own clock follows a po
 class RefusedError(Exception):
     """The device refuses a request; ``code`` is the Modbus exception code."""
 
-    ILLEGAL_ADDRESS = 2
-    ILLEGAL_VALUE = 3
-    NOT_ALLOWED = 7
-    BUSY = 6
-
-    def __init__(self, code: int) -> None:
+    def __init__(self, code: Refusal) -> None:
         super().__init__(f"Modbus exception {code}")
         self.code = code
 
@@ -89,22 +94,22 @@ class BenchDevice:
     def refuse_beyond(self, address: int, count: int) -> None:
         """Refuse to read registers beyond the end of the map."""
         if address + count > self._end:
-            raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+            raise RefusedError(Refusal.ILLEGAL_ADDRESS)
 
     def write(self, session: Session, address: int, words: Sequence[int]) -> None:
         """Write whole registers: a block of samples, or one command, claim or output value."""
         register = self._by_address.get(address)
         if register is None or register.access == "read":
-            raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+            raise RefusedError(Refusal.ILLEGAL_ADDRESS)
         if address == self._block.address and len(words) == self._block.size:
             self._write_block(session, words)
             return
         in_block = register in self._block.registers
         if in_block or register.address != address or register.size != len(words):
-            raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+            raise RefusedError(Refusal.ILLEGAL_ADDRESS)
         value = decode(register, words)
         if not isinstance(value, int):
-            raise RefusedError(RefusedError.ILLEGAL_VALUE)
+            raise RefusedError(Refusal.ILLEGAL_VALUE)
         if register.name == "claim":
             self._claim(session, value)
             return
@@ -149,41 +154,41 @@ class BenchDevice:
 
     def _only_the_owner(self, session: Session) -> None:
         if not self.owns(session):
-            raise RefusedError(RefusedError.NOT_ALLOWED)
+            raise RefusedError(Refusal.NOT_ALLOWED)
 
     def _claim(self, session: Session, token: int) -> None:
         if token == 0:
             self._only_the_owner(session)
             if self.player.driven:
-                raise RefusedError(RefusedError.NOT_ALLOWED)
+                raise RefusedError(Refusal.NOT_ALLOWED)
             self.owner = session.token = 0
             return
         if self.owner not in (0, token):
-            raise RefusedError(RefusedError.NOT_ALLOWED)
+            raise RefusedError(Refusal.NOT_ALLOWED)
         self.owner = session.token = token
         self.player.watchdog.heard(time.monotonic())
 
     def _command(self, command: int) -> None:
         player = self.player
-        if command == START:
+        if command == Command.START:
             done = player.start()
-        elif command == STOP:
+        elif command == Command.STOP:
             player.stop()
             done = True
-        elif command == RESET:
+        elif command == Command.RESET:
             done = player.reset()
-        elif command == CLEAR:
-            done = player.state in (PlayerState.IDLE, PlayerState.TRIPPED)
+        elif command == Command.CLEAR:
+            done = player.state in (DeviceState.IDLE, DeviceState.TRIPPED)
             if done:
                 player.clear()
         else:
-            raise RefusedError(RefusedError.ILLEGAL_VALUE)
+            raise RefusedError(Refusal.ILLEGAL_VALUE)
         if not done:
-            raise RefusedError(RefusedError.NOT_ALLOWED)
+            raise RefusedError(Refusal.NOT_ALLOWED)
 
     def _hold(self, count: int) -> None:
         if not self.player.hold(count):
-            raise RefusedError(RefusedError.NOT_ALLOWED)
+            raise RefusedError(Refusal.NOT_ALLOWED)
         # A polled write triggers one sample. Where the next write is late, the device's own clock
         # continues with the output held.
         self.player.advance(1)
@@ -204,7 +209,7 @@ class BenchDevice:
         if sequence:
             self._only_the_owner(session)
             if not 0 < count <= len(samples):
-                raise RefusedError(RefusedError.ILLEGAL_VALUE)
+                raise RefusedError(Refusal.ILLEGAL_VALUE)
             self.player.load(sequence, samples[:count])
 
     def _answer(self, session: Session) -> list[int]:
@@ -275,4 +280,4 @@ class BenchDevice:
                 return player.requested
             case "command" | "claim":
                 return 0
-        raise RefusedError(RefusedError.ILLEGAL_ADDRESS)
+        raise RefusedError(Refusal.ILLEGAL_ADDRESS)

@@ -2,23 +2,14 @@
 
 from collections import deque
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.bench.ring import Counts, Origin, Ring
+from dea.bench.ring import Counts, Ring
 from dea.bench.watchdog import Watchdog
-
-
-class PlayerState(IntEnum):
-    """What the device is doing; the values of the register ``state``."""
-
-    IDLE = 0
-    RAMPING = 1
-    RUNNING = 2
-    TRIPPED = 3
+from dea.modbus import DeviceState, Origin
 
 
 class DrivenRig(Protocol):
@@ -71,7 +62,7 @@ class Player:
     ) -> None:
         self.plant, self.limits, self.watchdog = plant, limits, Watchdog(watchdog_time)
         self.fifo_length, self.ring = fifo_length, Ring(ring_length)
-        self.state = PlayerState.IDLE
+        self.state = DeviceState.IDLE
         self.underruns = self.overruns = self.clamped = self.refused = 0
         self.position = 0  # samples of the FIFO played since it was cleared
         self.sequence = 0  # of the last block accepted
@@ -107,8 +98,8 @@ class Player:
             return True
         has_room = len(self._fifo) + len(counts) <= self.fifo_length
         in_turn = sequence == self.sequence + 1 and self.state in (
-            PlayerState.IDLE,
-            PlayerState.RUNNING,
+            DeviceState.IDLE,
+            DeviceState.RUNNING,
         )
         if not (has_room and in_turn):
             self.refused += 1
@@ -125,11 +116,11 @@ class Player:
 
     def start(self) -> bool:
         """Begin to play; refused while the output is not zero or the watchdog has latched."""
-        if self.state == PlayerState.RUNNING:
+        if self.state == DeviceState.RUNNING:
             return True
-        if self.state != PlayerState.IDLE or self.watchdog.latched or self.applied != self.zero:
+        if self.state != DeviceState.IDLE or self.watchdog.latched or self.applied != self.zero:
             return False
-        self.state, self.requested, self._polled = PlayerState.RUNNING, self.zero, False
+        self.state, self.requested, self._polled = DeviceState.RUNNING, self.zero, False
         # Nobody misses what was measured before.
         self.collected = max(self.collected, self.ring.end)
         return True
@@ -137,31 +128,31 @@ class Player:
     def stop(self) -> None:
         """Empty the FIFO and ramp to zero."""
         self._fifo.clear()
-        if self.state == PlayerState.RUNNING:
-            self.state = PlayerState.RAMPING
+        if self.state == DeviceState.RUNNING:
+            self.state = DeviceState.RAMPING
 
     def reset(self) -> bool:
         """Clear the latch; refused while the output is not zero."""
         if self.applied != self.zero:
             return False
         self.watchdog.reset()
-        self.state = PlayerState.IDLE
+        self.state = DeviceState.IDLE
         return True
 
     def hold(self, count: int) -> bool:
         """Set the output until the next value; return whether the device is running."""
-        if self.state != PlayerState.RUNNING:
+        if self.state != DeviceState.RUNNING:
             return False
         self.requested, self._polled = count, True
         return True
 
     def watch(self, now: float) -> None:
         """Take the output to zero, latch and count if the owner has been silent too long."""
-        if self.state == PlayerState.TRIPPED or not self.watchdog.expired(now):
+        if self.state == DeviceState.TRIPPED or not self.watchdog.expired(now):
             return
-        if self.driven or self.state != PlayerState.IDLE:
+        if self.driven or self.state != DeviceState.IDLE:
             self._fifo.clear()
-            self.requested, self.state = self.zero, PlayerState.TRIPPED
+            self.requested, self.state = self.zero, DeviceState.TRIPPED
             self.watchdog.trip()
             self.advance(1)
 
@@ -174,29 +165,29 @@ class Player:
 
     def drain(self) -> None:
         """Let samples pass until the FIFO is empty or the ramp has ended: the virtual clock."""
-        while self.state == PlayerState.RAMPING or (
-            self.state == PlayerState.RUNNING and self._fifo
+        while self.state == DeviceState.RAMPING or (
+            self.state == DeviceState.RUNNING and self._fifo
         ):
-            self.advance(1 if self.state == PlayerState.RAMPING else len(self._fifo))
+            self.advance(1 if self.state == DeviceState.RAMPING else len(self._fifo))
 
     def _next(self, count: int) -> tuple[list[int], Origin, int]:
         """Return at most ``count`` values to apply now, their origin and their position."""
-        if self.state == PlayerState.RAMPING:
+        if self.state == DeviceState.RAMPING:
             remaining = self.zero - self.applied
             if not remaining:
-                self.state, self.requested = PlayerState.IDLE, self.zero
+                self.state, self.requested = DeviceState.IDLE, self.zero
                 return [self.zero], Origin.REST, self.position
             step = min(abs(remaining), self.limits.ramp_step)
             self.requested = self.applied + (step if remaining > 0 else -step)
             return [self.requested], Origin.RAMP, self.position
-        if self.state == PlayerState.RUNNING and self._fifo:
+        if self.state == DeviceState.RUNNING and self._fifo:
             played = [self._fifo.popleft() for _ in range(min(count, len(self._fifo)))]
             self.requested, position = played[-1], self.position
             self.position += len(played)
             return played, Origin.PLAYED, position
-        if self.state == PlayerState.TRIPPED:
+        if self.state == DeviceState.TRIPPED:
             return [self.zero] * count, Origin.TRIPPED, self.position
-        if self._polled and self.state == PlayerState.RUNNING:
+        if self._polled and self.state == DeviceState.RUNNING:
             return [self.requested] * count, Origin.POLLED, self.position
         if self.requested == self.zero:
             return [self.zero] * count, Origin.REST, self.position
@@ -209,6 +200,6 @@ class Player:
         applied, displacement = self.plant.advance(inside.astype(np.uint16))
         self.ring.append(applied, displacement, origin, position)
         self.applied, self.displacement = int(applied[-1]), int(displacement[-1])
-        if self.state == PlayerState.RUNNING:
+        if self.state == DeviceState.RUNNING:
             oldest = self.ring.end - self.ring.length
             self.overruns += max(0, oldest - max(self.collected, oldest - inside.size))

@@ -2,25 +2,15 @@
 
 from bisect import bisect_right
 from dataclasses import dataclass
-from enum import IntEnum
 from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dea.modbus import Origin
+
 Counts = NDArray[np.uint16]
-
-
-class Origin(IntEnum):
-    """Why a sample was applied."""
-
-    PLAYED = 1
-    HELD = 2  # the FIFO was empty
-    REST = 3
-    RAMP = 4
-    TRIPPED = 5
-    POLLED = 6
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from dea.modbus.codec import (
     to_counts,
     to_physical,
 )
+from dea.modbus.codes import Command, DeviceState, Origin, Refusal
 from dea.modbus.description import parse_device, read_device
 from dea.modbus.device import Device, Register, Serial, Tls
 from dea.modbus.pdu import ReadWriteRequest, ReadWriteResponse, RegistersResponse
@@ -19,9 +20,13 @@ from dea.modbus.window import Window, adjoining
 __all__ = [
     "BLOCK",
     "REPLY",
+    "Command",
     "Device",
+    "DeviceState",
+    "Origin",
     "ReadWriteRequest",
     "ReadWriteResponse",
+    "Refusal",
     "Register",
     "RegistersResponse",
     "Serial",
