@@ -1,4 +1,7 @@
-"""Units of products of quantities, as text: ``mm^2``, ``(ticks/s)^2``, ``mm/V``."""
+"""Units of products of quantities, as text: ``mm^2``, ``(ticks/s)^2``, ``mm/V``; units of time."""
+
+# How many seconds each unit of time has.
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
 
 def power(units: str, exponent: int) -> str:

@@ -7,6 +7,7 @@ from dea.errors import InputError
 from dea.intake import Answers, UnansweredError
 from dea.intake.roles import find_roles
 from dea.store import ForeignTable
+from dea.units import SECONDS
 
 FILE = Path("mine.csv")
 NOTHING = Answers()
@@ -21,6 +22,11 @@ def roles(units, answers=NOTHING, constants=None):
 def test_clear_names_and_units_need_no_answer():
     found = roles({"t": "ms", "u": "V", "y": "mm"})
     assert (found.time, found.inputs, found.output) == (("t", "ms"), (("u", "V"),), ("y", "mm"))
+
+
+@pytest.mark.parametrize("unit", SECONDS)
+def test_a_first_column_in_a_unit_of_time_is_the_time(unit):
+    assert roles({"first": unit, "u": "V", "y": "mm"}).time == ("first", unit)
 
 
 def test_of_two_columns_the_other_is_the_other():

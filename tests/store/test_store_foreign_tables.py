@@ -8,9 +8,10 @@ import pytest
 from scipy.io import savemat
 
 from dea.errors import InputError
-from dea.store.foreign_files import read_foreign, time_factor
+from dea.store.foreign_files import read_foreign
 from dea.store.foreign_files.clock import is_clock, seconds
 from dea.store.foreign_files.table import from_columns, name_and_units, plain_units
+from dea.units import SECONDS
 
 
 def read(folder, text, name="mine.csv", encoding="utf-8"):
@@ -95,7 +96,7 @@ def test_dates_of_pandas_are_seconds_too():
 )  # fmt: skip
 def test_units_have_one_spelling_and_those_of_time_a_factor(text, units, factor):
     assert plain_units(text) == units
-    assert time_factor(units) == factor
+    assert SECONDS.get(units) == factor
 
 
 @pytest.mark.parametrize(

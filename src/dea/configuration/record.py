@@ -6,8 +6,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from dea.configuration.section import Positive, Section, Whole, key, refuse
-
-TIME_UNITS = ("s", "ms", "us", "ns", "min", "h")
+from dea.units import SECONDS
 
 
 class Column(Section):
@@ -67,11 +66,11 @@ class RecordColumns(Section):
 
     @model_validator(mode="after")
     def _one_time(self) -> Self:
-        if self.time is not None and self.time.units not in TIME_UNITS:
+        if self.time is not None and self.time.units not in SECONDS:
             raise refuse(
                 "time.units",
                 f"its units are {self.time.units!r}",
-                f"Units of time are {', '.join(TIME_UNITS)}; or give a sampling_interval instead.",
+                f"Units of time are {', '.join(SECONDS)}; or give a sampling_interval instead.",
             )
         if (self.time is None) == (self.sampling_interval is None):
             count = "neither" if self.time is None else "both"

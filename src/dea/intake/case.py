@@ -14,6 +14,7 @@ from dea.intake.bandwidth import samples_to_average
 from dea.intake.roles import Answers, Roles, find_roles
 from dea.intake.settings import infer_settings
 from dea.missing import filled
+from dea.units import SECONDS
 
 Array = NDArray[np.float64]
 
@@ -102,7 +103,7 @@ def _column(named: tuple[str, str]) -> dict[str, str]:
 def _times(table: store.ForeignTable, roles: Roles) -> Array:
     """Return the time of each row in s."""
     if roles.time is not None:
-        return table.columns[roles.time[0]] * (store.time_factor(roles.time[1]) or 1.0)
+        return table.columns[roles.time[0]] * SECONDS[roles.time[1]]
     assert roles.interval is not None
     return roles.interval * np.arange(table.columns[roles.output[0]].size, dtype=float)
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.intake.questions import UnansweredError, command, described
-from dea.store import ForeignTable, time_factor
+from dea.store import ForeignTable
+from dea.units import SECONDS
 
 # Whole words of a name. Names that could be either (voltage, position) are asked about.
 _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest", "u1"}
@@ -169,7 +170,7 @@ def _timing(
             inferred.append(f"time: column {name!r}, taken to be in s")
         elif said is None:
             inferred.append(f"time: column {name!r}, in {units}")
-        if time_factor(units or "s") is not None:
+        if (units or "s") in SECONDS:
             return (name, units or "s"), None
     for known, of in ((_INTERVAL, "interval"), (_RATE, "rate")):
         constant = next(filter(_named(known), table.constants), None)
@@ -191,7 +192,7 @@ def _called_time(table: ForeignTable) -> str | None:
     name = next(filter(_named(_TIME), table.columns), None) or next(iter(table.clocks), None)
     if name is None and table.columns:
         first = next(iter(table.columns))
-        name = first if table.units.get(first) in ("s", "ms", "us", "min", "h") else None
+        name = first if table.units.get(first) in SECONDS else None
     return name
 
 

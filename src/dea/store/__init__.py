@@ -4,7 +4,7 @@ from dea.atomic_file import atomic
 from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
-from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
+from dea.store.foreign_files import ForeignTable, read_foreign
 from dea.store.record_file import read_record
 from dea.store.records import (
     Record,
@@ -38,7 +38,6 @@ __all__ = [
     "read_record",
     "sha256",
     "signals",
-    "time_factor",
     "usual_interval",
     "write",
 ]

@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 
 from dea.errors import InputError
-from dea.store.foreign_files import ForeignTable, read_foreign, time_factor
+from dea.store.foreign_files import ForeignTable, read_foreign
 from dea.store.records import check_record, input_variables
 from dea.store.resampling import Uniform, resample
+from dea.units import SECONDS
 
 if TYPE_CHECKING:
     from dea.configuration.record import Column
@@ -84,7 +85,7 @@ def import_record(
     u = np.stack([column(*each) for each in zip(places, driving, strict=True)], axis=1)
     y = column("output", described.output)
     if described.time is not None:
-        time = column("time", described.time) * (time_factor(described.time.units) or 1.0)
+        time = column("time", described.time) * SECONDS[described.time.units]
         time = time - time[:1]
     else:
         assert described.sampling_interval is not None

@@ -1,6 +1,6 @@
 """Files that other programs write: text tables, spreadsheets, NetCDF, MATLAB, Parquet."""
 
 from dea.store.foreign_files.formats import FORMATS, read_foreign
-from dea.store.foreign_files.table import ForeignTable, time_factor
+from dea.store.foreign_files.table import ForeignTable
 
-__all__ = ["FORMATS", "ForeignTable", "read_foreign", "time_factor"]
+__all__ = ["FORMATS", "ForeignTable", "read_foreign"]

@@ -23,7 +23,6 @@ _SPELLINGS = {
     "milliseconds": "ms", "µs": "us", "μs": "us", "usec": "us", "minute": "min", "minutes": "min",
     "hour": "h", "hours": "h", "hr": "h", "volt": "V", "volts": "V", "-": "1", "": "1",
 }  # fmt: skip
-_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 _NO_NUMBERS = 9.9e37, 9.91e37  # infinity, and not a number
 # Share of the entries of a column that must be numbers; the others count as missing.
 _NUMERIC = 0.5
@@ -71,11 +70,6 @@ class ForeignTable:
                     field=f"column {name!r}",
                     remedy="Correct that entry, or empty it: it then counts as missing",
                 )
-
-
-def time_factor(units: str) -> float | None:
-    """Return how many seconds a unit of time has; None for other units."""
-    return _SECONDS.get(units)
 
 
 def plain_units(text: str) -> str:
