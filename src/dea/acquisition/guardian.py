@@ -117,9 +117,7 @@ class Guardian:
     def __init__(self, wire: Wire, job: DriveJob, early: list[tuple[Any, ...]]) -> None:
         self.wire, self.job, self.device = wire, job, job.device
         self._early = early  # messages that came with the job
-        settings = job.settings
-        timing = LinkSettings(settings.timeout, settings.retries, settings.reconnect_time)
-        self.link = Link(job.device, timing, LinkLog(job.started))
+        self.link = Link(job.device, job.settings, LinkLog(job.started))
         self.alarm = Alarm(job.device.name)
         self._signal: str | None = None
         self._begun = False

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, Self
 
+from dea.acquisition.retrying_link import LinkSettings
 from dea.configuration.acquisition import Acquisition
 from dea.configuration.problems import validated
 from dea.configuration.section import partial
@@ -13,16 +14,13 @@ _SOME = partial(Acquisition)
 
 
 @dataclass(frozen=True)
-class AcquisitionSettings:
+class AcquisitionSettings(LinkSettings):
     """How to drive: see ``acquisition`` in config/config.yaml for the meaning and units."""
 
     mode: Literal["buffered", "polled"] = "buffered"
     ramp_rate: float = 1.0  # V/s
     on_break: Literal["stop", "restart"] = "stop"
     restarts: int = 2
-    timeout: float = 2.0  # s
-    retries: int = 5
-    reconnect_time: float = 10.0  # s
     late_after: float = 5e-3  # s
     clock_tolerance: float = 0.01  # of the sampling rate
     armed_by: str = ""
