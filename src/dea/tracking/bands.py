@@ -1,7 +1,5 @@
 """Where the bands of tracked parameters are taken, and when they are withheld."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,22 +31,6 @@ TARGET_UNKNOWN = "leakage pulls towards parameters whose own covariance is not k
 LARGEST_CURVATURE = 0.5  # departure of a run at the ends of an interval from its linearisation
 # Samples of a window within which parameters hardly move: long enough for its own estimate.
 _WINDOW, _SAMPLES_PER_TERM = 500, 50
-
-
-class TrackerEstimate(NamedTuple):
-    """What a tracker found, of the samples after the largest lag.
-
-    ``theta`` and ``std`` (n, p), ``innovation`` (n,), ``covariance`` (k, p, p) at the instants,
-    ``estimator`` the method that the estimate is of, and ``withheld`` why no interval holds.
-    """
-
-    theta: Array
-    std: Array
-    innovation: Array
-    covariance: Array
-    estimator: str
-    withheld: str
-    noise_ratio: Array | None = None
 
 
 def instants(samples: int, count: int) -> NDArray[np.int64]:

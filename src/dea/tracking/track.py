@@ -1,6 +1,6 @@
 """Track the parameters of a model through a record, by name of the method."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,6 @@ from dea.tracking.bands import (
     UNDETERMINED,
     WINDOWS_FAILED,
     WINDOWS_FEW,
-    TrackerEstimate,
     reason_to_withhold,
 )
 from dea.tracking.bands import instants as instants_of
@@ -45,6 +44,23 @@ _DEFAULTS: dict[str, dict[str, Any]] = {
     "local": {"window": None, "instants": 360},
 }
 METHODS = tuple(_DEFAULTS)
+
+
+class TrackerEstimate(NamedTuple):
+    """What a tracker found, of the samples after the largest lag.
+
+    ``theta`` and ``std`` (n, p), ``innovation`` (n,), ``covariance`` (k, p, p) at the instants,
+    ``estimator`` the method that the estimate is of, ``withheld`` why no interval holds, and
+    ``noise_ratio`` (p,) of a smoother the variance of a step over that of the noise.
+    """
+
+    theta: Array
+    std: Array
+    innovation: Array
+    covariance: Array
+    estimator: str
+    withheld: str
+    noise_ratio: Array | None = None
 
 
 def track_parameters(
