@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from scipy.signal import cont2discrete, lfilter
+from scipy.signal import cont2discrete, lfilter, lsim
 
 from dea.discrepancy import Settings
-from dea.discrepancy.decimation import decimated, decimation_of
+from dea.discrepancy.decimation import decimated, decimation_of, interpolation_of
 from dea.discrepancy.problem import Samples
 from dea.discrepancy.records import prepare
-from dea.simulation import load_simulation
+from dea.simulation import ExtendedSimulation, load_simulation
+from dea.simulation.interpolation import at_steps
 
 RATE, SIZE = 50.0, 20_000
 RNG = np.random.default_rng(1)
@@ -75,16 +76,66 @@ def test_the_fastest_of_several_records_or_inputs_counts():
 def test_a_lag_behind_a_held_input_moves_as_before(time_constant):
     u = multisine(1.0)
     whole = Samples(u, held(u, time_constant, 1 / RATE), 1 / RATE)
-    short = decimated(whole, 5, held=True)
+    short = decimated(whole, 5, "zero", "zero")
     found = held(short.u, time_constant, short.interval)
     assert short.interval == pytest.approx(5 / RATE)
     np.testing.assert_array_equal(short.y, whole.y[::5])
     assert np.std(found - short.y) < 0.01 * np.std(short.y)
 
 
+@pytest.mark.parametrize("time_constant", [0.03, 0.3, 2.0])
+def test_a_lag_behind_a_held_smooth_input_moves_as_before(time_constant):
+    """Also one that is faster than the longer interval, which a mean would move late and less."""
+    u = multisine(1.0)
+    whole = Samples(u, held(u, time_constant, 1 / RATE), 1 / RATE)
+    errors = {}
+    for how in ("zero", "smooth"):
+        short, steps = decimated(whole, 5, "zero", how), 20
+        fine = at_steps(short.u, steps, how)
+        times = np.arange(fine.size) * short.interval / steps
+        _, found, _ = lsim(([1.0], [time_constant, 1.0]), fine, times, interp=how == "smooth")
+        # The first motion is that of another start; the last samples have no further input.
+        errors[how] = np.std((found[:-1:steps] - short.y)[100:-20]) / np.std(short.y)
+    assert errors["smooth"] < 5e-3
+    assert errors["smooth"] < 0.35 * errors["zero"]
+
+
+@pytest.mark.parametrize("recorded", ["zero", "linear", "smooth"])
+def test_a_smooth_input_is_decimated_as_one(recorded):
+    u = np.column_stack([multisine(1.0), 3.0 + 0.1 * multisine(0.5)])
+    assert interpolation_of([Samples(u, u[:, 0], 1 / RATE)], 5, recorded) == "smooth"
+
+
+@pytest.mark.parametrize("recorded", ["zero", "linear"])
+def test_an_input_that_jumps_is_decimated_as_recorded(recorded):
+    u = np.repeat(RNG.uniform(1.0, 3.0, 20), SIZE // 20)
+    assert interpolation_of([record(u)], 7, recorded) == recorded
+
+
+def test_a_decimated_record_is_simulated_as_the_whole_one():
+    """The film follows within a few milliseconds, a fiftieth of the longer interval."""
+    u, own = 2.3 + 0.4 * multisine(1.0), load_simulation("dea_film")
+    whole = ExtendedSimulation(own, substeps=4)
+    y = whole.simulate(whole.values(np.zeros(whole.free.size)), u, 1 / RATE)
+    settings = Settings.of({
+        "discrepancy": {"effects": [], "warm_up": 1.0, "budget": {}, "rules": {}},
+        "seed": 1, "system": "film",
+    })  # fmt: skip
+    noisy = Samples(u, y + 0.005 * np.std(y) * RNG.standard_normal(y.size), 1 / RATE)
+    problem, _, extended = prepare([noisy], own, settings)
+    assert problem.decimation == 4
+    found = extended.simulate(extended.values(np.zeros(extended.free.size)), problem.u, 4 / RATE)
+    recorded = extended.as_recorded.simulate(
+        extended.values(np.zeros(extended.free.size)), u, 1 / RATE
+    )
+    assert np.std((found - y[::4])[20:]) < 0.0025 * np.std(y)
+    assert np.std((recorded - y)[20:]) < 0.0025 * np.std(y)
+
+
 def test_an_input_that_is_not_held_is_taken_where_the_output_is():
     u = np.column_stack([np.arange(103.0), -np.arange(103.0)])
-    short = decimated(Samples(u, np.where(np.arange(103) == 10, np.nan, 1.0), 0.1), 5, held=False)
+    y = np.where(np.arange(103) == 10, np.nan, 1.0)
+    short = decimated(Samples(u, y, 0.1), 5, "linear", "linear")
     np.testing.assert_array_equal(short.u[:, 0], np.arange(0.0, 100.0, 5.0))
     assert short.y.shape == (20,)
     assert np.isnan(short.y[2])

@@ -6,12 +6,18 @@ import numpy as np
 
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.problem import Samples
-from dea.inputs import by_input
+from dea.inputs import by_input, joined
 from dea.missing import filled
+from dea.simulation import InputInterpolation, at_steps
 
 # Samples that a period of the input keeps at least, and the part of the input's power that its band
 # holds.
 _PER_PERIOD, _BAND = 10.0, 0.999
+# Weights of six means over intervals in a row in the value between the third and the fourth, which
+# they give exactly for a polynomial of degree five.
+_VALUE_BETWEEN_MEANS = np.array([1.0, -8.0, 37.0, 37.0, -8.0, 1.0]) / 60.0
+# Part of the squared error of another interpolation that a smooth one leaves of a smooth input.
+_CLOSER = 0.1
 # What the output may hold above the highest frequency that is kept, in its white noise.
 _ABOVE = 2.0
 
@@ -26,16 +32,66 @@ def decimation_of(records: Sequence[Samples], size: int) -> int:
     return min((_largest(each, wanted) for each in records), default=1)
 
 
-def decimated(record: Samples, factor: int, *, held: bool) -> Samples:
+def interpolation_of(
+    records: Sequence[Samples], factor: int, recorded: InputInterpolation
+) -> InputInterpolation:
+    """Return what interpolation decimated inputs need to be as they were recorded.
+
+    Where a smooth one comes much closer than that of the samples ``recorded``, it is smooth. About
+    a jump it rings, and comes hardly closer.
+    """
+
+    def error(how: InputInterpolation) -> float:
+        return sum(
+            float(np.sum((_rebuilt(u, factor, recorded, how) - _whole(u, factor)) ** 2) / np.var(u))
+            for each in records
+            for u in by_input(each.u)
+            if np.ptp(u)
+        )
+
+    return "smooth" if error("smooth") < _CLOSER * error(recorded) else recorded
+
+
+def decimated(
+    record: Samples, factor: int, recorded: InputInterpolation, how: InputInterpolation
+) -> Samples:
     """Return a record with every ``factor``-th sample of its output.
 
-    An input that is ``held`` between samples becomes its mean over the longer interval, which moves
-    a device that is slow beside it as far; another one is taken where the output is.
+    An input that is held between samples, as ``recorded`` tells and ``how`` goes on, becomes its
+    mean over the longer interval, which moves a device that is slow beside it as far. One that is
+    held as recorded, and smooth from now on, takes the values whose means over the longer intervals
+    are these. Another one is taken where the output is.
     """
-    size = record.size // factor * factor
-    inputs = record.u[:size].reshape(-1, factor, *record.u.shape[1:])
-    u = inputs.mean(axis=1) if held else inputs[:, 0]
-    return Samples(u, record.y[:size:factor], record.interval * factor)
+    u = joined([_fewer(each, factor, recorded, how) for each in by_input(record.u)])
+    return Samples(u, _whole(record.y, factor)[::factor], record.interval * factor)
+
+
+def _fewer(
+    u: np.ndarray, factor: int, recorded: InputInterpolation, how: InputInterpolation
+) -> np.ndarray:
+    """Return an input (n,) at every ``factor``-th sample, shape (n // factor,)."""
+    whole = _whole(u, factor)
+    if recorded != "zero":
+        return whole[::factor]
+    means: np.ndarray = whole.reshape(-1, factor).mean(axis=1)
+    if how == "zero":
+        return means
+    around = np.concatenate([np.full(3, u[0]), means, np.full(2, u[-1])])
+    return np.convolve(around, _VALUE_BETWEEN_MEANS, mode="valid")
+
+
+def _rebuilt(
+    u: np.ndarray, factor: int, recorded: InputInterpolation, how: InputInterpolation
+) -> np.ndarray:
+    """Return an input (n,) at the rate recorded, from a decimated one."""
+    points = at_steps(_fewer(u, factor, recorded, how), factor, how)
+    smooth_for_held = recorded == "zero" and how != "zero"
+    return 0.5 * (points[:-1] + points[1:]) if smooth_for_held else points[:-1]
+
+
+def _whole(x: np.ndarray, factor: int) -> np.ndarray:
+    """Return the samples that make whole intervals of ``factor``."""
+    return x[: x.size // factor * factor]
 
 
 def _largest(record: Samples, wanted: int) -> int:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dea.discrepancy.decimation import decimated, decimation_of
+from dea.discrepancy.decimation import decimated, decimation_of, interpolation_of
 from dea.discrepancy.evidence.noise import quantisation, white_level
 from dea.discrepancy.evidence.split import Split, split
 from dea.discrepancy.problem import Problem, Samples
@@ -105,9 +105,11 @@ def prepare(
     """
     joined = _joined(records)
     factor = decimation_of(records, settings.budget.decimated)
+    interpolation = None
     if factor > 1:
-        held = simulation.input_interpolation == "zero"
-        records = [decimated(each, factor, held=held) for each in records]
+        recorded = simulation.input_interpolation
+        interpolation = interpolation_of(records, factor, recorded)
+        records = [decimated(each, factor, recorded, interpolation) for each in records]
         joined = _joined(records)
     u, interval = joined.u, joined.interval
     y, seen = filled(joined.y)
@@ -115,7 +117,7 @@ def prepare(
     white = white_level(y, samples_of_each(lengths))
     noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
     tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
-    extended = prepared(simulation, u, interval, tolerance, lengths)
+    extended = prepared(simulation, u, interval, tolerance, lengths, interpolation)
     # The time offset is as certain as at the recorded rate: fewer samples do not add to it.
     extended = replace(extended, timing_spread=extended.timing_spread / factor)
     slowest = settings.slowest_time

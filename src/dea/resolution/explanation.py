@@ -103,4 +103,4 @@ def explained(fitted: Fit, problem: Problem, error: Error) -> Explanation:
     mean[kept] = fitted.coordinates[of_joint]
     covariance[np.ix_(kept, kept)] = joint_covariance[np.ix_(of_joint, of_joint)]
     low, high = alone.bounds
-    return Explanation(alone, np.clip(mean, low, high), covariance)
+    return Explanation(alone.as_recorded, np.clip(mean, low, high), covariance)

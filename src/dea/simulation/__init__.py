@@ -5,6 +5,7 @@ from dea.simulation.effects import Effect, Family, Port, catalogue, low_pass
 from dea.simulation.extended import TIMING_OFFSET, ExtendedSimulation, samples_of_each
 from dea.simulation.force_port import ForcePort
 from dea.simulation.inputs import Input
+from dea.simulation.interpolation import InputInterpolation, at_steps
 from dea.simulation.law_course import LawCourse, law_courses
 from dea.simulation.loading import load_simulation
 from dea.simulation.normalisation import Normalisation
@@ -32,6 +33,7 @@ __all__ = [
     "Family",
     "ForcePort",
     "Input",
+    "InputInterpolation",
     "LawCourse",
     "Normalisation",
     "Parameter",
@@ -40,6 +42,7 @@ __all__ = [
     "SensorFilter",
     "Simulation",
     "State",
+    "at_steps",
     "catalogue",
     "law_courses",
     "load_extended",

@@ -15,7 +15,7 @@ from dea.simulation.force_port import ForcePort
 from dea.simulation.force_slots import ForceSlots
 from dea.simulation.inputs import Input
 from dea.simulation.integrate import integrate, integrate_several
-from dea.simulation.interpolation import at_steps
+from dea.simulation.interpolation import InputInterpolation, at_steps
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
@@ -43,6 +43,8 @@ class ExtendedSimulation:
     ``timing_spread`` is the prior standard deviation (s) of the time by which the output is logged
     late; zero means that it is known. ``lengths`` are the samples of several records that are
     simulated one after the other, each from a start of its own; of one record there are any.
+    ``interpolation`` is what the input does between samples that are not those recorded; of these
+    the simulation knows.
     """
 
     simulation: Simulation
@@ -51,6 +53,7 @@ class ExtendedSimulation:
     substeps: int = 1
     timing_spread: float = 0.0
     lengths: tuple[int, ...] = ()
+    interpolation: InputInterpolation | None = None
 
     @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -89,6 +92,16 @@ class ExtendedSimulation:
     def records(self) -> int:
         """Number of records that are simulated."""
         return max(1, len(self.lengths))
+
+    @property
+    def input_interpolation(self) -> InputInterpolation:
+        """What the input does between samples."""
+        return self.interpolation or self.simulation.input_interpolation
+
+    @property
+    def as_recorded(self) -> "ExtendedSimulation":
+        """The same simulation of samples as they are recorded."""
+        return replace(self, interpolation=None)
 
     @cached_property
     def alone(self) -> "ExtendedSimulation":
@@ -274,7 +287,7 @@ class ExtendedSimulation:
         v = joined(acting)
         drive_scale = np.column_stack(scales) if several else scales[0]
         substeps = self.substeps * max([1, *(a.effect.refine for a, _ in self._pushing)])
-        steps = at_steps(v, substeps, own.input_interpolation)
+        steps = at_steps(v, substeps, self.input_interpolation)
         p = values[:p_count].copy()
         if own.action:
             scale = at_steps(drive_scale, substeps, "zero")
@@ -292,7 +305,7 @@ class ExtendedSimulation:
             Course(
                 u=v,
                 steps=steps,
-                straight=int(own.input_interpolation != "zero"),
+                straight=int(self.input_interpolation != "zero"),
                 drive_scale=drive_scale,
                 interval=interval,
                 substeps=substeps,

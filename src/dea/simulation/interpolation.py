@@ -3,6 +3,7 @@
 from typing import Literal, get_args
 
 import numpy as np
+from scipy.ndimage import map_coordinates
 
 from dea.inputs import by_input, joined
 
@@ -20,9 +21,10 @@ def at_steps(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarra
     Several inputs are columns, here and there.
 
     ``zero`` holds a sample and ``linear`` joins samples by straight lines. ``smooth`` is for a
-    band-limited input: it joins points by straight lines, too, but shifts the points such that
-    the lines have the spectrum of the input up to a quarter of the sampling rate. This needs no
-    shorter steps. After the last sample the input is constant.
+    band-limited input: a spline of degree five through the samples gives a point at each step, and
+    the points are joined by straight lines, too, but shifted such that the lines have the spectrum
+    of the input up to a quarter of the sampling rate. This needs no shorter steps. After the last
+    sample the input is constant.
     """
     return joined([_of_one(each, substeps, how) for each in by_input(u)])
 
@@ -30,11 +32,13 @@ def at_steps(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarra
 def _of_one(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarray:
     if how == "zero":
         return np.append(np.repeat(u, substeps), u[-1])
-    points = _with_the_spectrum_of(u) if how == "smooth" else u
-    result: np.ndarray = np.interp(
-        np.arange(u.size * substeps + 1) / substeps, np.arange(u.size), points
-    )
-    return result
+    places = np.minimum(np.arange(u.size * substeps + 1) / substeps, u.size - 1)
+    if how == "linear":
+        between: np.ndarray = np.interp(places, np.arange(u.size), u)
+        return between
+    points = map_coordinates(u, places[None], order=5, mode="nearest") if substeps > 1 else u
+    shifted = _with_the_spectrum_of(points)
+    return shifted if substeps > 1 else np.append(shifted, shifted[-1])
 
 
 def _with_the_spectrum_of(u: np.ndarray) -> np.ndarray:

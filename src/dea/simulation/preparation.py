@@ -9,6 +9,7 @@ from dea.errors import InputError
 from dea.inputs import by_input
 from dea.simulation.extended import ExtendedSimulation
 from dea.simulation.force_port import ForcePort
+from dea.simulation.interpolation import InputInterpolation
 from dea.simulation.normalisation import Normalisation
 from dea.simulation.scales import Scales
 from dea.simulation.simulation import Simulation
@@ -49,11 +50,13 @@ def prepared(
     interval: float,
     tolerance: float,
     lengths: tuple[int, ...] = (),
+    interpolation: InputInterpolation | None = None,
 ) -> ExtendedSimulation:
     """Return the simulation without effects, with its motion normalised and its step chosen.
 
-    ``lengths`` are the samples of each of several records in ``u`` (n,), one after the other. The
-    instant at which the output is logged becomes free within about a sample.
+    ``lengths`` are the samples of each of several records in ``u`` (n,), one after the other.
+    ``interpolation`` is given where these are not the samples that were recorded. The instant at
+    which the output is logged becomes free within about a sample.
 
     The step is refined until the output at the nominal parameters changes by less than
     ``tolerance`` (RMS, in the output's unit).
@@ -63,7 +66,9 @@ def prepared(
     InputError
         If the simulation diverges at its nominal parameters on this input.
     """
-    extended = ExtendedSimulation(simulation, lengths=lengths if len(lengths) > 1 else ())
+    extended = ExtendedSimulation(
+        simulation, lengths=lengths if len(lengths) > 1 else (), interpolation=interpolation
+    )
     values = extended.values(np.zeros(extended.free.size))
     extended = with_fine_steps(extended, values, u, interval, tolerance)
     y = extended.simulate(values, u, interval)
@@ -133,7 +138,7 @@ def measured_scales(
         z_high=z_high,
         interval=record.interval,
         duration=float(max(extended.lengths or (u.size,)) * record.interval),
-        smooth=own.input_interpolation == "smooth",
+        smooth=extended.input_interpolation == "smooth",
         placed=placed,
     )
 
@@ -193,9 +198,10 @@ def _deflection(
         derivative=own.compiled_derivative,
         output=own.compiled_output,
     )
-    bare = ExtendedSimulation(
-        alone, (), (Normalisation(port.rest),), extended.substeps, lengths=extended.lengths
-    )
+    bare = replace(
+        extended, simulation=alone, attached=(), normalisations=(Normalisation(port.rest),),
+        timing_spread=0.0,
+    )  # fmt: skip
     values = values[: len(bare.parameters)]
     output, position = bare.run(values, u, interval)
     return bare.read(output, values, interval) if port.position is None else position

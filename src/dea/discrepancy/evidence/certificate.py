@@ -100,7 +100,7 @@ def _from_its_own_start(other: Samples, fitted: Fit) -> np.ndarray:
     where it explains the tenth better by more than its freedom is worth (the Bayesian information
     criterion).
     """
-    joint, extended = fitted.extended, fitted.extended.alone
+    joint, extended = fitted.extended, fitted.extended.alone.as_recorded
     records = range(max(1, len(joint.lengths)))
     known = [joint.of_record(fitted.values, number) for number in records]
     if not extended.at_start.any():
