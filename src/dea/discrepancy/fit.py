@@ -19,6 +19,8 @@ _REFRESH = 3
 _DAMPING = Damping(fall=5.0, least=1e-6, tries=9)
 # Difference of costs below which two fits are as good: the 95 % quantile of chi-squared.
 _AS_GOOD = 3.84
+# Distance from a bound, or from its prior mean, in prior spreads, at which a coordinate is there.
+CLOSE = 1e-3
 # Prior spreads that a coordinate may move in one step.
 _LONGEST_STEP = 3.0
 
@@ -103,6 +105,13 @@ def cost_of(residual: np.ndarray, coordinates: np.ndarray, problem: Problem) -> 
         return np.inf
     chosen = residual[problem.seen]
     return float(chosen @ chosen / problem.noise**2 + coordinates @ coordinates)
+
+
+def at_bounds(extended: ExtendedSimulation, coordinates: np.ndarray) -> np.ndarray:
+    """Return which of the free coordinates (k,) are at a bound, shape (k,)."""
+    low, high = extended.bounds
+    there: np.ndarray = (coordinates <= low + CLOSE) | (coordinates >= high - CLOSE)
+    return there
 
 
 def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) -> Fit:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dea.discrepancy.decision import Reason, Status
+from dea.discrepancy.fit import at_bounds
 from dea.discrepancy.report.sentence import label_in_words
 from dea.simulation import TIMING_OFFSET
 
@@ -13,8 +14,6 @@ if TYPE_CHECKING:
 
 # Sampling intervals from which a timing offset is worth a remark, and its standard deviations.
 _EARLY, _SURE = 0.1, 3.0
-# Distance from a bound, in prior spreads, at which a parameter is said to be there.
-_NEAR = 1e-3
 # Part of the residual from which a force that no effect has is worth a remark.
 _FORCE = 0.5
 # Part of the white level from which a coloured error is said.
@@ -57,12 +56,11 @@ def _bounds(found: "Diagnosis") -> str:
     """Name the simulation's own parameters that the record would have beyond their priors."""
     fitted = found.extended
     extended = fitted.extended
-    low, high = extended.bounds
     own = len(extended.simulation.parameters)
     away = [
         extended.names[i].replace("_", " ")
-        for i, x, a, b in zip(extended.free, fitted.coordinates, low, high, strict=True)
-        if i < own and (x <= a + _NEAR or x >= b - _NEAR)
+        for i in extended.free[at_bounds(extended, fitted.coordinates)]
+        if i < own
     ]
     if not away:
         return ""

@@ -6,12 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
-from dea.discrepancy.fit import Fit
+from dea.discrepancy.fit import CLOSE, Fit, at_bounds
 from dea.discrepancy.problem import Problem
 
 EffectSet = frozenset[str]
-# Distance from a bound, in prior spreads, at which a parameter is there.
-_NEAR = 1e-3
 
 
 @dataclass(frozen=True)
@@ -59,11 +57,10 @@ class Candidate:
         another one of the law has left its prior mean.
         """
         extended = self.fit.extended
-        low, high = extended.bounds
         own = ~extended.shapes & ~extended.at_start
         found = self.fit.coordinates
-        near = (found <= low + _NEAR) | (found >= high - _NEAR)
-        moved = np.abs(found) > _NEAR
+        near = at_bounds(extended, found)
+        moved = np.abs(found) > CLOSE
         counted: list[int] = []
         for part in extended.effect_slices:
             of_law = own & (extended.free >= part.start) & (extended.free < part.stop)
