@@ -73,6 +73,8 @@ def test_the_fit_ends_where_a_simplex_search_ends(seed):
     start = found.coordinates + 0.1
     searched = minimize(cost, start, method="Nelder-Mead", options=options)
     assert found.cost <= searched.fun + 1e-3
+    if searched.fun > 1.001 * found.cost:  # a simplex may collapse on its way: it is spread again
+        searched = minimize(cost, searched.x, method="Nelder-Mead", options=options)
     # The cost of carriage 3 has several valleys: rounding may carry the simplex to another one.
     if seed != 3:
         assert found.cost == pytest.approx(searched.fun, rel=1e-3)
