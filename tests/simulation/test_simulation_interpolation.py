@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 from scipy.signal import lsim
 
 from dea.errors import InputError
 from dea.simulation import ExtendedSimulation, load_simulation
-from dea.simulation.interpolation import at_steps
+from dea.simulation.interpolation import at_steps, spline_points
 
 U = np.random.default_rng(5).standard_normal(50)
 
@@ -25,6 +26,15 @@ def test_linear_joins_samples_and_stays_after_the_last():
     assert np.array_equal(found[::2][:-1], U)
     assert np.allclose(found[1:-2:2], 0.5 * (U[1:] + U[:-1]))
     assert np.array_equal(found[-2:], U[[-1, -1]])
+
+
+@pytest.mark.parametrize("substeps", [2, 3, 8])
+@pytest.mark.parametrize("size", [1, 2, 7, 50])
+def test_points_between_smooth_samples_are_those_of_a_spline(size, substeps):
+    """Compared with scipy's interpolation of images, which finds each point by itself."""
+    places = np.minimum(np.arange(size * substeps + 1) / substeps, size - 1)
+    expected = map_coordinates(U[:size], places[None], order=5, mode="nearest")
+    np.testing.assert_allclose(spline_points(U[:size], substeps), expected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.2, 0.25])

@@ -1,9 +1,11 @@
 """Input interpolation: what an input does between its samples."""
 
+from functools import cache
 from typing import Literal, get_args
 
 import numpy as np
-from scipy.ndimage import map_coordinates
+from scipy.interpolate import BSpline
+from scipy.ndimage import spline_filter1d
 
 from dea.inputs import by_input, joined
 
@@ -13,6 +15,9 @@ INTERPOLATIONS: tuple[str, ...] = get_args(InputInterpolation)
 # Coefficients of (ω/2)² / sin²(ω/2) as a series in the second difference: the inverse of the
 # attenuation that joining samples by straight lines causes.
 _STRAIGHT_LINES = (1.0, -1 / 12, 1 / 90, -1 / 560, 1 / 3150)
+# Degree of the spline through smooth samples, and for how many samples the input stands still
+# before and after them, of which its inner ones see nothing.
+_DEGREE, _STILL = 5, 12
 
 
 def at_steps(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarray:
@@ -32,13 +37,35 @@ def at_steps(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarra
 def _of_one(u: np.ndarray, substeps: int, how: InputInterpolation) -> np.ndarray:
     if how == "zero":
         return np.append(np.repeat(u, substeps), u[-1])
-    places = np.minimum(np.arange(u.size * substeps + 1) / substeps, u.size - 1)
     if how == "linear":
+        places = np.arange(u.size * substeps + 1) / substeps
         between: np.ndarray = np.interp(places, np.arange(u.size), u)
         return between
-    points = map_coordinates(u, places[None], order=5, mode="nearest") if substeps > 1 else u
-    shifted = _with_the_spectrum_of(points)
-    return shifted if substeps > 1 else np.append(shifted, shifted[-1])
+    if substeps == 1:
+        shifted = _with_the_spectrum_of(u)
+        return np.append(shifted, shifted[-1])
+    return _with_the_spectrum_of(spline_points(u, substeps))
+
+
+def spline_points(u: np.ndarray, substeps: int) -> np.ndarray:
+    """Return the values of a spline through ``u`` (n,) at each step, (n substeps + 1,)."""
+    still = np.pad(u, _STILL, mode="edge")
+    first = _STILL - _DEGREE // 2
+    coefficients = spline_filter1d(still, order=_DEGREE)[first : first + u.size + _DEGREE]
+    steps = [np.convolve(coefficients, weights, mode="valid") for weights in _weights(substeps)]
+    points = np.append(np.column_stack(steps), u[-1])
+    points[-substeps:] = u[-1]
+    return points
+
+
+@cache
+def _weights(substeps: int) -> np.ndarray:
+    """Return the weights of the six coefficients about each step, the last one first."""
+    half = 0.5 * (_DEGREE + 1)
+    basis = BSpline.basis_element(np.arange(-half, half + 1), extrapolate=False)
+    beyond = np.arange(half, -half, -1)
+    weights: np.ndarray = np.nan_to_num(basis(np.arange(substeps)[:, None] / substeps - beyond))
+    return weights
 
 
 def _with_the_spectrum_of(u: np.ndarray) -> np.ndarray:
