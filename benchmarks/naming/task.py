@@ -73,7 +73,7 @@ class Task:
 
     def simulated(self, fitted: Fit) -> Array:
         """Return the free run of a fitted simulation over the whole record, shape (n,)."""
-        run: Array = fitted.extended.simulate(fitted.values, self.u, self.interval)
+        run: Array = fitted.extended.as_recorded.simulate(fitted.values, self.u, self.interval)
         return run
 
     def ahead(self, fitted: Fit) -> Array:
@@ -84,7 +84,7 @@ class Task:
     def _prepared(self) -> tuple[Problem, ExtendedSimulation]:
         def made() -> tuple[Problem, ExtendedSimulation]:
             # Undecimated, since other methods take the record as it is.
-            whole = replace(self.settings.budget, long_record=self.seen.size)
+            whole = replace(self.settings.budget, decimated=self.seen.size)
             settings = replace(self.settings, budget=whole)
             problem, _, bare = prepare([self.seen], self.simulation, settings)
             return problem.whole([slice(0, problem.size)]), bare
