@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete, lfilter, lsim
 
-from dea.discrepancy import Settings
+from dea.discrepancy import Budget, Settings
 from dea.discrepancy.decimation import decimated, decimation_of, interpolation_of
 from dea.discrepancy.problem import Samples
 from dea.discrepancy.records import prepare
@@ -13,6 +13,7 @@ from dea.simulation.interpolation import at_steps
 
 RATE, SIZE = 50.0, 20_000
 RNG = np.random.default_rng(1)
+SETTINGS = Settings(budget=Budget(decimated=5000))
 
 
 def multisine(highest, size=SIZE, rate=RATE):
@@ -112,23 +113,25 @@ def test_an_input_that_jumps_is_decimated_as_recorded(recorded):
     assert interpolation_of([record(u)], 7, recorded) == recorded
 
 
-def test_a_decimated_record_is_simulated_as_the_whole_one():
-    """The film follows within a few milliseconds, a fiftieth of the longer interval."""
-    u, own = 2.3 + 0.4 * multisine(1.0), load_simulation("dea_film")
+@pytest.mark.parametrize(
+    ("size", "highest", "allowed", "factor"), [(0.4, np.inf, 4, 2), (0.5, 3.8, 3, 1)]
+)
+def test_a_decimated_record_is_simulated_as_the_whole_one(size, highest, allowed, factor):
+    """The film follows within a few milliseconds, a fiftieth of the interval that would be allowed.
+
+    It moves most where a clipped input has its corners.
+    """
+    u, own = np.minimum(2.3 + size * multisine(1.0), highest), load_simulation("dea_film")
     whole = ExtendedSimulation(own, substeps=4)
     y = whole.simulate(whole.values(np.zeros(whole.free.size)), u, 1 / RATE)
-    settings = Settings.of({
-        "discrepancy": {"effects": [], "warm_up": 1.0, "budget": {}, "rules": {}},
-        "seed": 1, "system": "film",
-    })  # fmt: skip
     noisy = Samples(u, y + 0.005 * np.std(y) * RNG.standard_normal(y.size), 1 / RATE)
-    problem, _, extended = prepare([noisy], own, settings)
-    assert problem.decimation == 4
-    found = extended.simulate(extended.values(np.zeros(extended.free.size)), problem.u, 4 / RATE)
-    recorded = extended.as_recorded.simulate(
-        extended.values(np.zeros(extended.free.size)), u, 1 / RATE
-    )
-    assert np.std((found - y[::4])[20:]) < 0.0025 * np.std(y)
+    problem, _, extended = prepare([noisy], own, SETTINGS)
+    assert decimation_of([noisy], SETTINGS.budget.decimated) == allowed
+    assert (problem.decimation, extended.substeps) == (factor, 1)
+    values = extended.values(np.zeros(extended.free.size))
+    found = extended.simulate(values, problem.u, factor / RATE)
+    recorded = extended.as_recorded.simulate(values, u, 1 / RATE)
+    assert np.std((found - y[::factor])[20:]) < 0.0025 * np.std(y)
     assert np.std((recorded - y)[20:]) < 0.0025 * np.std(y)
 
 

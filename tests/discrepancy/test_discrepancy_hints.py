@@ -192,8 +192,8 @@ def test_a_long_record_gets_half_of_the_fits():
     none = Budget(shakes=0, restarted=0, long_record=10).of(11, 1)
     assert (none.shakes, none.restarted) == (0, 0)
     assert budget.of(300, 3) is budget
-    decimated = budget.of(1000, 5)
-    assert (decimated.starts, decimated.finished, decimated.beam, decimated.kept) == (2, 3, 1, 1)
+    decimated = budget.of(1001, 5)
+    assert (decimated.starts, decimated.finished, decimated.beam, decimated.kept) == (2, 6, 1, 1)
     assert (decimated.screening, decimated.last_steps) == (4, 42)
     assert decimated.tolerance == budget.tolerance
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -92,7 +92,7 @@ def prepare(
     """Join and split records, estimate their noise, and choose the integration step to match.
 
     Records that are sampled much faster than they move are decimated, to no fewer samples than the
-    budget says.
+    budget says, and no further than the integration steps reach.
 
     Missing outputs have no role in the split: nothing is fitted to them or certified on them. Where
     a whole signal is needed, as in a spectrum, they are interpolated.
@@ -103,23 +103,14 @@ def prepare(
         If there is no record, a record is too short for the split or lacks its outputs there, or
         one is sampled otherwise than the others.
     """
-    joined = _joined(records)
-    factor = decimation_of(records, settings.budget.decimated)
-    interpolation = None
-    if factor > 1:
-        recorded = simulation.input_interpolation
-        interpolation = interpolation_of(records, factor, recorded)
-        records = [decimated(each, factor, recorded, interpolation) for each in records]
-        joined = _joined(records)
+    recorded, factor = records, decimation_of(records, settings.budget.decimated)
+    records, joined, noise, tolerance, extended = _at(recorded, factor, simulation, settings)
+    if factor > 1 and extended.substeps > 1:
+        # With as many steps, more samples cost little, and the input has its corners.
+        factor = max(factor // extended.substeps, 1)
+        records, joined, noise, tolerance, extended = _at(recorded, factor, simulation, settings)
     u, interval = joined.u, joined.interval
     y, seen = filled(joined.y)
-    lengths = tuple(each.size for each in records)
-    white = white_level(y, samples_of_each(lengths))
-    noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
-    tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
-    extended = prepared(simulation, u, interval, tolerance, lengths, interpolation)
-    # The time offset is as certain as at the recorded rate: fewer samples do not add to it.
-    extended = replace(extended, timing_spread=extended.timing_spread / factor)
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)
@@ -160,6 +151,37 @@ def prepare(
         factor,
     )
     return problem, parts, extended
+
+
+class _Prepared(NamedTuple):
+    """Records at one sampling rate, and the simulation to match."""
+
+    records: Sequence[Samples]
+    joined: Samples
+    noise: float
+    tolerance: float
+    extended: ExtendedSimulation
+
+
+def _at(
+    records: Sequence[Samples], factor: int, simulation: Simulation, settings: Settings
+) -> _Prepared:
+    """Return records with every ``factor``-th sample, and a simulation with fine enough steps."""
+    joined, interpolation = _joined(records), None
+    if factor > 1:
+        recorded = simulation.input_interpolation
+        interpolation = interpolation_of(records, factor, recorded)
+        records = [decimated(each, factor, recorded, interpolation) for each in records]
+        joined = _joined(records)
+    y, seen = filled(joined.y)
+    lengths = tuple(each.size for each in records)
+    white = white_level(y, samples_of_each(lengths))
+    noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
+    tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
+    extended = prepared(simulation, joined.u, joined.interval, tolerance, lengths, interpolation)
+    # The time offset is as certain as at the recorded rate: fewer samples do not add to it.
+    extended = replace(extended, timing_spread=extended.timing_spread / factor)
+    return _Prepared(records, joined, noise, tolerance, extended)
 
 
 def _joined(records: Sequence[Samples]) -> Samples:

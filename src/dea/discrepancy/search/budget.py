@@ -51,8 +51,8 @@ class Budget:
         much faster than it moves.
     long_record
         A record of more samples gets half of the counts above but as many effects, one shake, and
-        no exchange. If it is as long after it was decimated, it gets half of the screening and ten
-        times the tolerance, otherwise twice the last steps.
+        no exchange. If it was decimated, it gets all of the finished candidates and twice the last
+        steps, otherwise half of the screening and ten times the tolerance.
     """
 
     starts: int = 4
@@ -95,6 +95,6 @@ class Budget:
             restarted=self.restarted // 2,
             exchanges=0,
         )
-        if samples <= self.long_record:
-            return replace(halved, last_steps=2 * self.last_steps)
+        if decimation > 1:
+            return replace(halved, finished=self.finished, last_steps=2 * self.last_steps)
         return replace(halved, screening=half(self.screening), tolerance=10.0 * self.tolerance)
