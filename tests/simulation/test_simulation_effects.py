@@ -354,6 +354,27 @@ def test_an_electrode_may_discharge_more_slowly_than_it_charges():
     assert np.allclose(found[away], middles[away], atol=2e-3)
 
 
+@pytest.mark.parametrize("ageing", [-0.5, 2.0])
+def test_electrodes_that_dry_lag_more_and_more(ageing):
+    """Against an integrator of another kind, on the means of the intervals."""
+    tau, size = 0.05, 400
+    q = values(
+        "electrode_lag", time_constant=tau, fast_ratio=1e-3, near_weight=0.0,
+        ageing=ageing, duration=size * DT,
+    )  # fmt: skip
+    u = np.repeat([1.0, 2.5, 0.5, 2.0], size // 4)
+    found = catalogue()["electrode_lag"].shape_input(u, q, DT)
+    level, area = [1.0, 0.0], [0.0]
+    for k in range(size):
+        path = solve_ivp(
+            lambda t, v, at=u[k]: ((at - v[0]) / tau / (1.0 + ageing * t / (size * DT)), v[0]),
+            (k * DT, (k + 1) * DT), level, rtol=1e-9, atol=1e-12,
+        )  # fmt: skip
+        level = path.y[:, -1]
+        area.append(level[1])
+    assert np.abs(found - np.diff(area) / DT).max() < 4e-3
+
+
 def test_a_sensor_that_lags_is_at_rest_before_the_record():
     q = values("sensor_lag", time_constant=0.3, damping=0.3, delay_ratio=0.5)
     smooth = catalogue()["sensor_lag"].shape_output(np.full(T.size, 0.8), T, q, DT)

@@ -30,14 +30,15 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     ``ringing`` r the near part is charged by (1 + r) u less r times the far charge: both lags are
     then those of a series circuit with an inductance, of equal ones with a damping ratio of
     1/√(1 + r). Where the resistance depends on the voltage across it, the far charge approaches the
-    near one as a power ``order`` of their distance, in units of the largest input.
+    near one as a power ``order`` of their distance, in units of the largest input. While electrodes
+    dry, the lags grow by a part ``ageing`` of the first ones in each ``duration``.
     """
-    slow, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
-    ringing, order = q[7], q[8]
+    new, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
+    ringing, order, ageing = q[7], q[8], q[9] * interval / q[10]
     result = np.empty(u.size)
     near, far = u[0], u[0] + start
     for k in range(u.size):
-        target = u[k]
+        target, slow = u[k], new * (1.0 + ageing * k)
         if ringing > 0.0:
             # The mean far charge of this interval is linear in the target that it sets, or nearly.
             own, _ = remaining(near, target, slow * ratio, falling, growth, interval)
@@ -54,10 +55,10 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
 
 
 def parameters(scales: Scales) -> tuple[Parameter, ...]:
-    """Return the slow time, the fast one's ratio, the near part, charge at start, how it varies."""
+    """Return the slow time, the fast one's ratio, the near part, charge at start, how they vary."""
     dt, spread = scales.interval, 0.0 if scales.bipolar else 0.3
     return (
-        Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
+        Parameter("time_constant", "s", 5 * dt, 1.5, 0.01 * dt, 0.2 * scales.duration, log=True),
         Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
         Parameter("near_weight", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
         Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span, at_start=True),
@@ -66,20 +67,22 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("full_input", scales.u_unit, scales.u_peak, 0.0),
         Parameter("ringing", "1", 0.0, 0.3, 0.0, 3.0, shape=True),
         Parameter("order", "1", 1.0, 0.4, 0.4, 3.0, log=True, shape=True),
+        Parameter("ageing", "1", 0.0, 1.0, -0.9, 20.0, shape=True),
+        Parameter("duration", "s", scales.duration, 0.0),
     )
 
 
 def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
-    """Return slow times of a few intervals, a capacity that grows, and a slower discharge."""
-    dt, full = scales.interval, scales.u_peak
-    return (
-        *((samples * dt, 0.1, 0.1, 0.0, 1.0, 0.0, full, 0.0, 1.0) for samples in (2.0, 8.0, 30.0)),
-        (0.3 * dt, 0.1, 0.1, 0.0, 1.0, 2.0, full, 0.0, 1.0),
-        *(
-            (samples * dt, 0.1, 0.1, 0.0, 3.0, 0.0, full, 0.0, 1.0)
-            for samples in (4.0, 16.0)
-            if not scales.bipolar
-        ),
+    """Return lags of a few intervals, a growing capacity, a slower discharge, and drying."""
+    dt, full, duration = scales.interval, scales.u_peak, scales.duration
+    laws = [(samples, 1.0, 0.0, 0.0) for samples in (2.0, 8.0, 30.0)]
+    laws += [(0.3, 1.0, 2.0, 0.0)]
+    if not scales.bipolar:
+        laws += [(samples, 3.0, 0.0, 0.0) for samples in (4.0, 16.0)]
+    laws += [(0.1, 1.0, 0.0, 2.0)]
+    return tuple(
+        (samples * dt, 0.1, 0.1, 0.0, falling, growth, full, 0.0, 1.0, ageing, duration)
+        for samples, falling, growth, ageing in laws
     )
 
 
@@ -91,7 +94,8 @@ EFFECT = Effect(
     citation="Graf and Maas (2012), Smart Materials and Structures 21:094001, on electrode "
     "resistance; Horowitz and Hill (2015), The Art of Electronics, on bleeders; Nilsson and Riedel "
     "(2011), Electric Circuits, on inductance in series; Lampert and Mark (1970), Current "
-    "Injection in Solids, on currents that are a power of the voltage",
+    "Injection in Solids, on currents that are a power of the voltage; Rosset and Shea (2013), "
+    "Applied Physics A 110:281, on electrodes that dry",
     parameters=parameters,
     starts=starts,
     shape_input=law,
