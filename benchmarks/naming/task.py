@@ -60,8 +60,8 @@ class Task:
 
         def fitted() -> Fit:
             problem, bare = self._prepared
-            starts = self.settings.budget.of(problem.size, problem.decimation).starts
-            return fit_nominal(problem, bare, starts, self.rng, workers=1)
+            budget = self.settings.budget.of(problem.recorded_samples, problem.oversampled)
+            return fit_nominal(problem, bare, budget.starts, self.rng, workers=1)
 
         found: Fit = self.shared.once("nominal", fitted)
         return found

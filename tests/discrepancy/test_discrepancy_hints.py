@@ -182,17 +182,17 @@ def test_a_long_record_gets_half_of_the_fits():
         starts=5, finished=6, beam=1, kept=3, screening=4, shakes=4, exchanges=3,
         restarted=9, effects=3, last_steps=21, long_record=1000,
     )  # fmt: skip
-    assert budget.of(1000, 1) is budget
-    long = budget.of(1001, 1)
+    assert budget.of(1000, False) is budget
+    long = budget.of(1001, False)
     halved = (long.starts, long.finished, long.beam, long.kept, long.screening)
     assert halved == (2, 3, 1, 1, 2)
     assert (long.shakes, long.exchanges, long.restarted) == (1, 0, 4)
     assert (long.effects, long.last_steps) == (3, 21)
     assert long.tolerance == pytest.approx(10 * budget.tolerance)
-    none = Budget(shakes=0, restarted=0, long_record=10).of(11, 1)
+    none = Budget(shakes=0, restarted=0, long_record=10).of(11, False)
     assert (none.shakes, none.restarted) == (0, 0)
-    assert budget.of(300, 3) is budget
-    decimated = budget.of(1001, 5)
+    assert budget.of(1000, True) is budget
+    decimated = budget.of(1001, True)
     assert (decimated.starts, decimated.finished, decimated.beam, decimated.kept) == (2, 6, 1, 1)
     assert (decimated.screening, decimated.last_steps) == (4, 42)
     assert decimated.tolerance == budget.tolerance

@@ -45,5 +45,6 @@ def _singles(task: Task) -> Round:
 
 
 def _extended(task: Task, starts: Sequence[Fit]) -> Round:
-    budget = task.settings.budget.of(task.problem.size, task.problem.decimation)
-    return extend_by_each(task.problem, starts, list(catalogue().values()), budget, workers=1)
+    problem = task.problem
+    budget = task.settings.budget.of(problem.recorded_samples, problem.oversampled)
+    return extend_by_each(problem, starts, list(catalogue().values()), budget, workers=1)

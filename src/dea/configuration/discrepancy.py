@@ -61,7 +61,7 @@ class Budget(Section):
     )
     decimated: Count = key(
         "length below which no record is decimated; one of twice that and more is, where it is "
-        "sampled much faster than it moves",
+        "sampled much faster than it moves and than its simulation takes steps",
         unit="samples",
         default=5_000,
     )

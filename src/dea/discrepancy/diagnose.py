@@ -110,7 +110,7 @@ def diagnose(
     # Split the record, and fit the simulation alone.
     tell("the simulation alone")
     problem, parts, bare = prepare(records, own, settings)
-    budget = settings.budget.of(problem.size, problem.decimation)
+    budget = settings.budget.of(problem.recorded_samples, problem.oversampled)
     nominal = fit_nominal(problem, bare, budget.starts, rng, workers)
     near = fit_near_prior(problem, nominal)
 

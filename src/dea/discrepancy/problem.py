@@ -48,6 +48,8 @@ class Problem(Samples):
         Samples whose output is not missing; it is interpolated in the others.
     decimation : int
         Samples of the record as it was given to each of these.
+    oversampled : bool
+        Whether the record is sampled so much faster than it moves that it may be decimated.
     """
 
     fit: np.ndarray
@@ -58,6 +60,12 @@ class Problem(Samples):
     most_steps: int = 1
     measured: np.ndarray | None = None
     decimation: int = 1
+    oversampled: bool = False
+
+    @property
+    def recorded_samples(self) -> int:
+        """Number of samples of the record as it was given."""
+        return self.size * self.decimation
 
     @property
     def recorded_interval(self) -> float:

@@ -92,7 +92,7 @@ def prepare(
     """Join and split records, estimate their noise, and choose the integration step to match.
 
     Records that are sampled much faster than they move are decimated, to no fewer samples than the
-    budget says, and no further than the integration steps reach.
+    budget says, and no further than the steps of the simulation reach.
 
     Missing outputs have no role in the split: nothing is fitted to them or certified on them. Where
     a whole signal is needed, as in a spectrum, they are interpolated.
@@ -105,7 +105,8 @@ def prepare(
     """
     recorded, factor = records, decimation_of(records, settings.budget.decimated)
     records, joined, noise, tolerance, extended = _at(recorded, factor, simulation, settings)
-    if factor > 1 and extended.substeps > 1:
+    oversampled = factor > 1
+    while factor > 1 and extended.substeps > 1:
         # With as many steps, more samples cost little, and the input has its corners.
         factor = max(factor // extended.substeps, 1)
         records, joined, noise, tolerance, extended = _at(recorded, factor, simulation, settings)
@@ -149,6 +150,7 @@ def prepare(
         _SHORTER * extended.substeps,
         seen,
         factor,
+        oversampled,
     )
     return problem, parts, extended
 

@@ -48,11 +48,12 @@ class Budget:
         prior means, where the best one leaves more than ``exchange_above`` floors.
     decimated
         A record of at least twice as many samples is decimated to no fewer, where it is sampled
-        much faster than it moves.
+        much faster than it moves, and than the simulation takes steps.
     long_record
         A record of more samples gets half of the counts above but as many effects, one shake, and
-        no exchange. If it was decimated, it gets all of the finished candidates and twice the last
-        steps, otherwise half of the screening and ten times the tolerance.
+        no exchange. If it is sampled much faster than it moves, it gets all of the finished
+        candidates and twice the last steps, otherwise half of the screening and ten times the
+        tolerance.
     """
 
     starts: int = 4
@@ -77,9 +78,9 @@ class Budget:
     decimated: int = 5_000
     long_record: int = 30_000
 
-    def of(self, samples: int, decimation: int) -> "Budget":
-        """Return the budget for so many samples, which are left after a ``decimation``."""
-        if samples * decimation <= self.long_record:
+    def of(self, samples: int, oversampled: bool) -> "Budget":
+        """Return the budget for so many samples, which may be many more than the motion needs."""
+        if samples <= self.long_record:
             return self
 
         def half(count: int) -> int:
@@ -95,6 +96,6 @@ class Budget:
             restarted=self.restarted // 2,
             exchanges=0,
         )
-        if decimation > 1:
+        if oversampled:
             return replace(halved, finished=self.finished, last_steps=2 * self.last_steps)
         return replace(halved, screening=half(self.screening), tolerance=10.0 * self.tolerance)
