@@ -31,14 +31,16 @@ def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     then those of a series circuit with an inductance, of equal ones with a damping ratio of
     1/√(1 + r). Where the resistance depends on the voltage across it, the far charge approaches the
     near one as a power ``order`` of their distance, in units of the largest input. While electrodes
-    dry, the lags grow by a part ``ageing`` of the first ones in each ``duration``.
+    dry, the lags grow in proportion to time, by a part ``ageing`` of those in the middle of a
+    ``duration``, and no further; every record begins with electrodes as new.
     """
-    new, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
-    ringing, order, ageing = q[7], q[8], q[9] * interval / q[10]
+    middle, ratio, part, start, falling, growth = q[0], q[1], q[2], q[3], q[4], q[5] / (q[6] * q[6])
+    ringing, order, ageing = q[7], q[8], q[9]
     result = np.empty(u.size)
     near, far = u[0], u[0] + start
     for k in range(u.size):
-        target, slow = u[k], new * (1.0 + ageing * k)
+        target = u[k]
+        slow = middle * (1.0 + ageing * (min((k + 0.5) * interval / q[10], 1.0) - 0.5))
         if ringing > 0.0:
             # The mean far charge of this interval is linear in the target that it sets, or nearly.
             own, _ = remaining(near, target, slow * ratio, falling, growth, interval)
@@ -58,7 +60,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
     """Return the slow time, the fast one's ratio, the near part, charge at start, how they vary."""
     dt, spread = scales.interval, 0.0 if scales.bipolar else 0.3
     return (
-        Parameter("time_constant", "s", 5 * dt, 1.5, 0.01 * dt, 0.2 * scales.duration, log=True),
+        Parameter("time_constant", "s", 5 * dt, 1.5, 0.1 * dt, 0.2 * scales.duration, log=True),
         Parameter("fast_ratio", "1", 0.1, 0.7, 1e-3, 1.0, log=True, shape=True),
         Parameter("near_weight", "1", 0.1, 0.15, 0.0, 0.9, shape=True),
         Parameter("start_charge", scales.u_unit, 0.0, 0.3 * scales.u_span, at_start=True),
@@ -67,7 +69,7 @@ def parameters(scales: Scales) -> tuple[Parameter, ...]:
         Parameter("full_input", scales.u_unit, scales.u_peak, 0.0),
         Parameter("ringing", "1", 0.0, 0.3, 0.0, 3.0, shape=True),
         Parameter("order", "1", 1.0, 0.4, 0.4, 3.0, log=True, shape=True),
-        Parameter("ageing", "1", 0.0, 1.0, -0.9, 20.0, shape=True),
+        Parameter("ageing", "1", 0.0, 0.5, -1.8, 1.8, shape=True),
         Parameter("duration", "s", scales.duration, 0.0),
     )
 
@@ -79,7 +81,7 @@ def starts(scales: Scales) -> tuple[tuple[float, ...], ...]:
     laws += [(0.3, 1.0, 2.0, 0.0)]
     if not scales.bipolar:
         laws += [(samples, 3.0, 0.0, 0.0) for samples in (4.0, 16.0)]
-    laws += [(0.1, 1.0, 0.0, 2.0)]
+    laws += [(0.3, 1.0, 0.0, 1.0)]
     return tuple(
         (samples * dt, 0.1, 0.1, 0.0, falling, growth, full, 0.0, 1.0, ageing, duration)
         for samples, falling, growth, ageing in laws
