@@ -169,6 +169,30 @@ def test_parameters_that_walk_are_as_far_off_as_the_covariance_says():
     assert covariance.item() == pytest.approx(np.var(truth @ weight - truth[:, -1]), rel=0.1)
 
 
+@pytest.mark.parametrize("forgetting", [1.0, 0.95])
+def test_parameters_that_walk_beside_others_are_off_by_all_of_their_steps(forgetting):
+    """Without noise, the error is linear in the steps, each of which a dense solution follows.
+
+    The regressors are nearly collinear, as lags of a slow signal are.
+    """
+    rng = np.random.default_rng(3)
+    n, walk = 80, np.array([0.01, 0.04, 0.0])
+    slow = np.convolve(rng.standard_normal(n + 30), np.hanning(20), mode="same")[:n]
+    Phi = np.column_stack([slow, np.roll(slow, 1), rng.standard_normal(n)])
+    options = {"forgetting": forgetting, "leakage": 0.0, "delta": 1e-9}
+    found = recursive_least_squares(Phi, np.zeros(n), **options)
+    covariance = recursion_covariance(
+        Phi, found, np.array([n - 1]), target_covariance=np.zeros((3, 3)), walk=walk, **options
+    )
+    root, expected = np.sqrt(forgetting ** np.arange(n - 1, -1, -1.0)), np.zeros((3, 3))
+    for step in range(1, n):
+        for j, variance in enumerate(walk):
+            y = np.where(np.arange(n) >= step, Phi[:, j], 0.0)
+            error = np.linalg.lstsq(root[:, None] * Phi, root * y, rcond=None)[0] - np.eye(3)[j]
+            expected += variance * np.outer(error, error)
+    np.testing.assert_allclose(covariance[0], expected, rtol=1e-6, atol=1e-12)
+
+
 @pytest.mark.parametrize("setting", [{"forgetting": 0.0}, {"leakage": -1.0}, {"delta": 0.0}])
 def test_settings_out_of_range_are_refused(setting):
     with pytest.raises(InputError) as caught:

@@ -119,10 +119,11 @@ def recursion_covariance(
     sigma^2 P_n, which weighs old samples less, is not it. With white noise of variance sigma^2, an
     error of the target of covariance C_0 and parameters whose steps have the covariance W,
 
-        P (sigma^2 sum_t lambda^(2(n-t)) phi_t phi_t^T + c^2 C_0) P + W/(1 - lambda^2),
+        P (sigma^2 sum_t lambda^(2(n-t)) phi_t phi_t^T + c^2 C_0 + sum_s A_s W A_s^T) P,
+        A_s = sum_(t<s) lambda^(n-t) phi_t phi_t^T,
 
-    where c is the weight of leakage and prior. The last holds for steps that go on through the
-    memory of the recursion; without forgetting it is their sum.
+    where c is the weight of leakage and prior, and A_s w_s is what the samples before a step w_s
+    keep the estimate back by.
 
     Parameters
     ----------
@@ -133,7 +134,7 @@ def recursion_covariance(
     walk
         Variances of the steps of each parameter in one sample, shape (p,).
     """
-    information, squares = _weighted_squares(Phi, forgetting, at)
+    information, squares, behind = _weighted_squares(Phi, forgetting, walk, at)
     covariance = np.empty_like(information)
     for i, n in enumerate(at):
         fade = forgetting ** (n + 1.0)
@@ -141,31 +142,45 @@ def recursion_covariance(
         pull = leakage * weight + delta * fade
         P = np.linalg.inv(information[i] + pull * np.eye(Phi.shape[1]))
         noise_variance = found.variance[n, 0] / P[0, 0]
-        spread = noise_variance * squares[i] + pull**2 * target_covariance
-        steps = n + 1.0 if forgetting == 1.0 else 1.0 / (1.0 - forgetting**2)
-        covariance[i] = P @ spread @ P + np.diag(steps * walk)
+        spread = noise_variance * squares[i] + pull**2 * target_covariance + behind[i]
+        covariance[i] = P @ spread @ P
     return covariance
 
 
 @njit(cache=True)
-def _weighted_squares(Phi: Array, forgetting: float, at: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Sum of phi phi^T with the weights lambda^(n-t), and with their squares, for each n of at."""
+def _weighted_squares(
+    Phi: Array, forgetting: float, walk: Array, at: NDArray[np.int64]
+) -> tuple[Array, Array, Array]:
+    """Sum of phi phi^T with the weights lambda^(n-t), and with their squares, for each n of at.
+
+    And that of A_s W A_s^T, with W of the diagonal ``walk``.
+    """
     p = Phi.shape[1]
-    once, twice = np.zeros((p, p)), np.zeros((p, p))
+    once, twice, behind = np.zeros((p, p)), np.zeros((p, p)), np.zeros((p, p))
     first, second = np.empty((at.size, p, p)), np.empty((at.size, p, p))
+    third = np.empty((at.size, p, p))
+    fading = forgetting * forgetting
     wanted = 0
     for t in range(Phi.shape[0]):
+        for i in range(p):
+            for k in range(i + 1):
+                step = 0.0
+                for j in range(p):
+                    step += once[i, j] * walk[j] * once[k, j]
+                behind[i, k] = fading * (behind[i, k] + step)
+                behind[k, i] = behind[i, k]
         for i in range(p):
             for k in range(p):
                 product = Phi[t, i] * Phi[t, k]
                 once[i, k] = forgetting * once[i, k] + product
-                twice[i, k] = forgetting * forgetting * twice[i, k] + product
+                twice[i, k] = fading * twice[i, k] + product
         while wanted < at.size and at[wanted] == t:  # an instant may be asked for twice
             for i in range(p):
                 for k in range(p):
                     first[wanted, i, k], second[wanted, i, k] = once[i, k], twice[i, k]
+                    third[wanted, i, k] = behind[i, k]
             wanted += 1
-    return first, second
+    return first, second, third
 
 
 def check_settings(forgetting: float, leakage: float, delta: float) -> None:
