@@ -5,7 +5,7 @@ import pytest
 
 from dea.tracking.kalman import HIGHEST_RATIO, smooth
 from dea.tracking.random_walk import RandomWalk
-from dea.tracking.unknown_ratios import covariance_with_unknown_ratios
+from dea.tracking.unknown_ratios import covariance_with_unknown_ratios, mean_common_ratio
 
 
 def dense(Phi, y, q, prior_variance):
@@ -74,6 +74,20 @@ def test_intervals_hold_a_parameter_whose_walk_the_record_tells_little_of(step):
         held_by_ratio.append(off < 1.96 * np.sqrt(found.covariance[:, 0, 0]))
     assert np.mean(held_by_ratio) < 0.92
     assert 0.92 < np.mean(held) < 0.98
+
+
+@pytest.mark.parametrize("step", [0.0, 0.2])
+def test_the_mean_of_a_common_ratio_is_that_over_a_fine_grid(step):
+    rng = np.random.default_rng(4)
+    n = 100
+    Phi = rng.standard_normal((n, 2))
+    theta = np.cumsum(step * rng.standard_normal((n, 2)), axis=0)
+    y = np.sum(Phi * theta, axis=1) + rng.standard_normal(n)
+    fine = np.geomspace(1.0 / n**2, HIGHEST_RATIO, 200)
+    log_likelihood = np.array([dense(Phi, y, np.full(2, q), 1.0)[0] for q in fine])
+    weight = np.exp(log_likelihood - log_likelihood.max()) * np.gradient(np.sqrt(fine))
+    found = mean_common_ratio(Phi, y, theta_0=np.zeros(2), prior_variance=1.0, thinning=1)
+    assert found == pytest.approx(weight @ fine / weight.sum(), rel=0.05)
 
 
 def test_ratios_that_are_given_are_known():

@@ -21,7 +21,7 @@ from dea.tracking.bands import (
 )
 from dea.tracking.bands import instants as instants_of
 from dea.tracking.free_runs import NormalisedSignals, normalised_signals
-from dea.tracking.kalman import Smoothed, fit_common_ratio
+from dea.tracking.kalman import Smoothed
 from dea.tracking.local import (
     SEPARATE,
     curvature_of_windows,
@@ -32,6 +32,7 @@ from dea.tracking.output_error import free_run, smooth_simulation
 from dea.tracking.random_walk import RandomWalk, lead_in, root_mean_square
 from dea.tracking.rls import recursion_covariance, recursive_least_squares
 from dea.tracking.structure import with_constant
+from dea.tracking.unknown_ratios import mean_common_ratio
 
 Array = NDArray[np.float64]
 _THINNING = 10
@@ -175,7 +176,7 @@ def _recursive(
     found = recursive_least_squares(Phi, target, theta_0=centre, **settings)
     known = model.covariance is not None
     own = np.zeros((scale.size, scale.size)) if model.covariance is None else model.covariance
-    ratio = fit_common_ratio(Phi, target, theta_0=centre, prior_variance=1.0, thinning=_THINNING)
+    ratio = mean_common_ratio(Phi, target, theta_0=centre, prior_variance=1.0, thinning=_THINNING)
     covariance = recursion_covariance(
         Phi,
         found,

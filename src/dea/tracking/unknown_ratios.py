@@ -21,6 +21,7 @@ from dea.tracking.kalman import HIGHEST_RATIO, Smoothed, likelihood, smooth, thi
 Array = NDArray[np.float64]
 
 _NODES = 12  # ratios of a parameter that its posterior is taken over
+_COMMON_NODES = 48  # those of a common one, which costs no smoothing
 _LEAST = 0.01  # share of the posterior of a ratio that is followed
 
 
@@ -46,21 +47,50 @@ def covariance_with_unknown_ratios(
         As in :func:`dea.tracking.kalman.smooth` and :func:`dea.tracking.kalman.fit_noise_ratio`.
     """
     prior: dict[str, Any] = {"theta_0": theta_0, "prior_variance": prior_variance}
-    # With a smaller one a parameter walks less in the record than the record can tell.
-    edges = np.geomspace(1.0 / max(y.size, 100) ** 2, HIGHEST_RATIO, _NODES + 1)
-    nodes, prior_mass = np.sqrt(edges[:-1] * edges[1:]), np.diff(np.sqrt(edges))
+    nodes, prior_mass = _nodes(y.size, _NODES)
     few = thinned(Phi, y, thinning)
     covariance: Array = found.covariance.copy()
     for ratios in _varied(found.noise_ratio, nodes):
-        log_weight = np.array([likelihood(*few, thinning * q, **prior) for q in ratios])
-        weight = np.exp(log_weight - log_weight.max()) * prior_mass
-        weight /= weight.sum()
+        weight = _posterior(few, thinning * ratios, prior_mass, prior)
         for k in np.flatnonzero(weight > _LEAST):
             other = smooth(Phi, y, ratios[k], at=at, **prior)
             moved = (other.theta - found.theta)[at]
             spread = moved[:, :, None] * moved[:, None, :]
             covariance += weight[k] * (other.covariance - found.covariance + spread)
     return covariance
+
+
+def mean_common_ratio(
+    Phi: Array, y: Array, *, theta_0: Array, prior_variance: float, thinning: int
+) -> float:
+    """Return the mean of the one noise ratio of all parameters over its posterior.
+
+    Parameters are those of :func:`covariance_with_unknown_ratios`.
+    """
+    nodes, prior_mass = _nodes(y.size, _COMMON_NODES)
+    ratios = np.tile(nodes[:, None], Phi.shape[1])
+    prior = {"theta_0": theta_0, "prior_variance": prior_variance}
+    weight = _posterior(thinned(Phi, y, thinning), thinning * ratios, prior_mass, prior)
+    return float(weight @ nodes)
+
+
+def _nodes(samples: int, count: int) -> tuple[Array, Array]:
+    """Return ``count`` ratios at which a posterior is taken, and their shares of the prior.
+
+    With a smaller one a parameter walks less in the record than the record can tell.
+    """
+    edges = np.geomspace(1.0 / max(samples, 100) ** 2, HIGHEST_RATIO, count + 1)
+    return np.sqrt(edges[:-1] * edges[1:]), np.diff(np.sqrt(edges))
+
+
+def _posterior(
+    equations: tuple[Array, Array], ratios: Array, prior_mass: Array, prior: dict[str, Any]
+) -> Array:
+    """Return the share of the posterior of each row of ``ratios`` (nodes, p)."""
+    log_weight = np.array([likelihood(*equations, q, **prior) for q in ratios])
+    weight = np.exp(log_weight - log_weight.max()) * prior_mass
+    share: Array = weight / weight.sum()
+    return share
 
 
 def _varied(noise_ratio: Array, nodes: Array) -> list[Array]:
