@@ -103,15 +103,15 @@ def prepare(
         If there is no record, a record is too short for the split or lacks its outputs there, or
         one is sampled otherwise than the others.
     """
-    recorded, factor = records, decimation_of(records, settings.budget.decimated)
-    records, joined, noise, tolerance, extended = _at(recorded, factor, simulation, settings)
+    factor = decimation_of(records, settings.budget.decimated)
     oversampled = factor > 1
-    while factor > 1 and extended.substeps > 1:
+    made = _at_every(factor, records, simulation, settings)
+    while factor > 1 and made.extended.substeps > 1:
         # With as many steps, more samples cost little, and the input has its corners.
-        factor = max(factor // extended.substeps, 1)
-        records, joined, noise, tolerance, extended = _at(recorded, factor, simulation, settings)
+        factor = max(factor // made.extended.substeps, 1)
+        made = _at_every(factor, records, simulation, settings)
+    records, joined, seen, noise, tolerance, extended = made
     u, interval = joined.u, joined.interval
-    y, seen = filled(joined.y)
     slowest = settings.slowest_time
     if slowest is None:
         slowest = slowest_time(extended, u)
@@ -140,7 +140,7 @@ def prepare(
             )
     problem = Problem(
         u,
-        y,
+        joined.y,
         interval,
         parts.fit,
         parts.select,
@@ -156,17 +156,18 @@ def prepare(
 
 
 class _Prepared(NamedTuple):
-    """Records at one sampling rate, and the simulation to match."""
+    """Records at one rate, joined with missing outputs filled, and a simulation to match."""
 
     records: Sequence[Samples]
     joined: Samples
+    seen: np.ndarray
     noise: float
     tolerance: float
     extended: ExtendedSimulation
 
 
-def _at(
-    records: Sequence[Samples], factor: int, simulation: Simulation, settings: Settings
+def _at_every(
+    factor: int, records: Sequence[Samples], simulation: Simulation, settings: Settings
 ) -> _Prepared:
     """Return records with every ``factor``-th sample, and a simulation with fine enough steps."""
     joined, interpolation = _joined(records), None
@@ -183,7 +184,7 @@ def _at(
     extended = prepared(simulation, joined.u, joined.interval, tolerance, lengths, interpolation)
     # The time offset is as certain as at the recorded rate: fewer samples do not add to it.
     extended = replace(extended, timing_spread=extended.timing_spread / factor)
-    return _Prepared(records, joined, noise, tolerance, extended)
+    return _Prepared(records, replace(joined, y=y), seen, noise, tolerance, extended)
 
 
 def _joined(records: Sequence[Samples]) -> Samples:
