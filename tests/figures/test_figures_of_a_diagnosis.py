@@ -199,6 +199,16 @@ def test_the_band_of_a_law_is_drawn_at_the_samples_of_the_record_alone(panels):
     assert legend == ["95 % band", "law", "without it"]
 
 
+def test_a_law_is_not_drawn_at_samples_that_are_not_used():
+    role = CERTIFICATE["role"].where(TIME >= 3, 0)
+    start = CERTIFICATE.assign(
+        role=role, law_1_value=CERTIFICATE["law_1_value"].where(TIME >= 3, 99)
+    )
+    ax = discrepancy(LOCALISATION, CANDIDATES, start, verdict()).axes[4]
+    np.testing.assert_array_equal(ax.lines[0].get_xdata(), np.sort(np.cos(TIME[3:])))
+    assert ax.get_ylim()[1] < 2.0
+
+
 def test_a_law_over_time_needs_no_marks_of_its_samples():
     over_time = CERTIFICATE["law_1_along"].assign_attrs(long_name="time", units="s")
     changed = CERTIFICATE.assign(law_1_along=over_time)

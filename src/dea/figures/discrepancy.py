@@ -222,11 +222,16 @@ def _shape(
 ) -> None:
     """Draw a named law with its band at the samples of the record, and what would be without it.
 
-    Lengths are in the ``unit`` of the output, where that is one, as are all others of the figure.
+    Samples that are not used, such as those of the first second, say nothing of the law: they are
+    left out, except of a course in time. Lengths are in the ``unit`` of the output, where that is
+    one, as are all others of the figure.
     """
     names = [f"law_{number}_{part}" for part in ("along", "value", "low", "high", "idle")]
     along_units = certificate[names[0]].attrs["units"]
     value_units = certificate[names[1]].attrs["units"]
+    over_time = certificate[names[0]].attrs["long_name"] == "time"
+    if not over_time:
+        certificate = certificate.isel(time=certificate["role"].values > 0)
     parts = [
         _length_in(certificate[name], along_units if name == names[0] else value_units, unit)
         for name in names
@@ -238,7 +243,7 @@ def _shape(
     ax.vlines(along, low, high, color=_BAND, lw=1.2, label="95 % band", zorder=1.5)
     ax.plot(along, value, ".", ms=1.2, color=style.VERMILION, label="law")
     ax.plot(along, idle, color=style.GREY, ls="--", lw=0.8, label="without it")
-    if parts[0].attrs["long_name"] != "time":
+    if not over_time:
         ax.vlines(along, 0.0, _RUG, color=style.BLACK, lw=0.15, transform=ax.get_xaxis_transform())
     for variable, place in ((parts[0], ax.set_xlabel), (parts[1], ax.set_ylabel)):
         name = str(variable.attrs["long_name"]).replace("_", " ")
