@@ -130,7 +130,7 @@ def fit_noise_ratio(
     """
     from scipy.optimize import minimize
 
-    common = fit_common_ratio(
+    common = _common_ratio(
         Phi,
         y,
         theta_0=theta_0,
@@ -168,15 +168,15 @@ def thinned(Phi: Array, y: Array, thinning: int) -> tuple[Array, Array]:
     return np.ascontiguousarray(Phi[chosen]), np.ascontiguousarray(y[chosen])
 
 
-def fit_common_ratio(
+def _common_ratio(
     Phi: Array,
     y: Array,
     *,
     theta_0: Array,
     prior_variance: Array | float,
     thinning: int = 1,
-    lowest: float = LOWEST_RATIO,
-    highest: float = HIGHEST_RATIO,
+    lowest: float,
+    highest: float,
 ) -> float:
     """Return the one noise ratio of all parameters that has the largest likelihood.
 
