@@ -48,13 +48,17 @@ def test_one_sample_at_a_time_is_the_same_and_cheap():
     whole = Rig.from_config(CONFIG, "dea1", seed=5)
     _, measured = whole.advance(counts)
     single = Rig.from_config(CONFIG, "dea1", seed=5)
-    answers, costs = [], []
+    answers, ratios = [], []
+    few = np.arange(8.0)
     for count in counts:
         start = time.process_time()
         answers.append(single.advance(np.array([count]))[1])
-        costs.append(time.process_time() - start)
-    # The quickest tenth: the first sample loads compiled code, and other programs slow the rest.
-    assert np.quantile(costs, 0.1) < 1.0 / 5000.0
+        ended = time.process_time()
+        for _ in range(100):
+            few + few
+        ratios.append((ended - start) / (time.process_time() - ended))
+    # In additions of eight numbers beside each sample: whatever slows the processor slows both.
+    assert np.median(ratios) < 4.0
     np.testing.assert_array_equal(measured, np.concatenate(answers))
 
 
