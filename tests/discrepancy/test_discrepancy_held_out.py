@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dea.discrepancy.evidence.held_out import HeldOut, folds
-from dea.discrepancy.evidence.split import split
+from dea.discrepancy.evidence.split import runs, split
 from dea.discrepancy.fit import fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
@@ -53,3 +53,40 @@ def test_the_size_of_an_event_is_told_by_the_other_blocks(found):
     spread = HeldOut(problem).spread(fitted)
     assert spread[names.index("step_fault.instant")] == pytest.approx(0.0, abs=1e-12)
     assert spread[names.index("step_fault.offset_step")] > 0.0
+
+
+@pytest.fixture(scope="module")
+def drifting():
+    """Return a problem with an input of three periods and a gain that drifts, and a fit of it."""
+    rng = np.random.default_rng(2)
+    u = np.tile(np.repeat(rng.uniform(-2, 2, SIZE // 75), 25), 3)
+    extended = prepared(load_simulation("mass_spring_damper"), u, INTERVAL, 1e-4)
+    time = INTERVAL * np.arange(SIZE)
+    gain = 1.0 + 0.3 * np.sin(2.5 * np.pi * time / time[-1])
+    y = extended.simulate(extended.values(np.zeros(extended.free.size)), gain * u, INTERVAL)
+    y += NOISE * rng.standard_normal(SIZE)
+    parts = split(u, INTERVAL, 0.1)
+    problem = Problem(
+        u, y, INTERVAL, parts.fit, parts.select, parts.certify, NOISE, 1e-4, extended.substeps
+    )
+    nominal = fit(problem, extended, np.zeros(extended.free.size))
+    law = extended.attach(
+        catalogue()["gain_drift"], measured_scales(extended, nominal.values, problem)
+    )
+    return problem, fit(problem, law, np.zeros(law.free.size), iterations=40)
+
+
+def test_a_course_in_time_is_interpolated_between_short_blocks(drifting):
+    """A third of the record would be extrapolated, and say nothing against the right course."""
+    problem, fitted = drifting
+    assert problem.period == SIZE // 3
+    assert problem.seen_rmse(fitted.residual) < 2.0 * NOISE
+    assert problem.seen_rmse(HeldOut(problem).residual(fitted)) < 3.0 * NOISE
+
+
+def test_short_blocks_are_dealt_once_and_all_of_them(drifting):
+    problem, _ = drifting
+    dealt = folds(problem, in_time=True)
+    assert (np.array(dealt).sum(0) == problem.seen).all()
+    assert max(run.stop - run.start for mask in dealt for run in runs(mask)) <= 0.075 * SIZE
+    assert max(run.stop - run.start for mask in folds(problem) for run in runs(mask)) > 0.04 * SIZE

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from dea.discrepancy.evidence.split import runs
+from dea.discrepancy.evidence.certificate import transferable
+from dea.discrepancy.evidence.split import cut, runs
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem
 
@@ -11,6 +12,9 @@ from dea.discrepancy.problem import Problem
 _FOLDS, _LEAST_FOLDS, _ITERATIONS = 6, 3, 6
 # Part of the output's range by which samples that are held out may reach beyond the others.
 _BEYOND = 0.1
+# Part of the record that is held out at once of what follows a course in time: a piece of a
+# drift's spline. Of shorter blocks a drift may also interpolate what follows the input.
+_OF_A_COURSE = 0.1
 
 
 class HeldOut:
@@ -19,7 +23,8 @@ class HeldOut:
     The blocks are dealt into folds, and each is predicted by a fit to all others (Geisser 1975,
     cross-validation). The parameters change so little that the Jacobian of the fit to all is used.
     The state at the start stays that of the fit to all, and the instant of an event: without their
-    blocks nothing tells them.
+    blocks nothing tells them. Nor do distant blocks tell a course in time, so that of an extension
+    that has one only short blocks are held out, between which it is interpolated.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -50,7 +55,8 @@ class HeldOut:
         result = fitted.residual.copy()
         estimates = []
         untold = fitted.extended.at_start | fitted.extended.events
-        for fold in folds(self._problem):
+        in_time = not transferable(fitted.extended)
+        for fold in folds(self._problem, in_time=in_time):
             again = fit(
                 self._problem.seeing(~fold),
                 fitted.extended,
@@ -64,16 +70,20 @@ class HeldOut:
         return result
 
 
-def folds(problem: Problem) -> list[np.ndarray]:
+def folds(problem: Problem, *, in_time: bool = False) -> list[np.ndarray]:
     """Return masks (n, bool) to which the contiguous seen blocks are dealt in turn.
 
     Neighbouring blocks that a period of the input spans are dealt together: a law that only
     repeats what the other periods show would otherwise be predicted from them. Samples whose output
     lies far outside the outputs of the other folds are not held out: there a curve extrapolates,
     whether it is right or not. Where this leaves fewer than three folds, all blocks are dealt.
+    ``in_time`` the blocks are short and dealt singly.
     """
     blocks = runs(problem.seen)
-    groups = _spanning(blocks, problem.period)
+    if in_time:
+        groups = [[block] for block in cut(blocks, _OF_A_COURSE * problem.size)]
+    else:
+        groups = _spanning(blocks, problem.period)
     count = min(_FOLDS, len(groups))
     dealt = []
     for first in range(count):

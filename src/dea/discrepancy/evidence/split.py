@@ -32,18 +32,23 @@ class Split:
 
     def blocks(self, mask: np.ndarray, length: float) -> list[slice]:
         """Cut the contiguous runs of ``mask`` into blocks of about ``length`` samples."""
-        result = []
-        for run in runs(mask):
-            parts = max(1, round((run.stop - run.start) / length))
-            cuts = np.linspace(run.start, run.stop, parts + 1).astype(int)
-            result += [slice(a, b) for a, b in pairwise(cuts)]
-        return result
+        return cut(runs(mask), length)
 
 
 def runs(mask: np.ndarray) -> list[slice]:
     """Return the contiguous runs of a ``mask`` (n, bool)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def cut(blocks: Iterable[slice], length: float) -> list[slice]:
+    """Cut blocks into parts of about ``length`` samples."""
+    result = []
+    for block in blocks:
+        parts = max(1, round((block.stop - block.start) / length))
+        cuts = np.linspace(block.start, block.stop, parts + 1).astype(int)
+        result += [slice(a, b) for a, b in pairwise(cuts)]
+    return result
 
 
 def split(
