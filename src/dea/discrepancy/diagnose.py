@@ -16,6 +16,7 @@ from dea.discrepancy.decision import (
     without_small_drift,
 )
 from dea.discrepancy.diagnosis import Diagnosis, Ladder, Singles, Where
+from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.bootstrap import Gains, gains
 from dea.discrepancy.evidence.certificate import Certificate, certify, certify_elsewhere
 from dea.discrepancy.evidence.confusion import confusion
@@ -149,7 +150,7 @@ def diagnose(
     tell("the answer on samples not used so far")
     tested = certify_elsewhere(others, nominal, answer)
     decision = confirmed(decided, evidence, left_out, tested)
-    final = decision.answer.fit if decision.answer else nominal
+    final = with_events_dated(problem, decision.answer.fit) if decision.answer else nominal
     if decision.answer is not decided.answer:
         left_out, tested = {}, certify_elsewhere(others, nominal, nominal)
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from dea.discrepancy.decision.decision import Decision, Reason, Status
+from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.certificate import Certified, certify, contradicting
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.problem import rmse
@@ -32,7 +33,7 @@ def confirmed(
             return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)
         return decision
     noise = decision.noise(rules, evidence.floor)
-    block = {_CERTIFIED: certify(problem, nominal, answer.fit)}
+    block = {_CERTIFIED: certify(problem, nominal, with_events_dated(problem, answer.fit))}
     for reason, found, allowed in (
         (Reason.CONTRADICTED, block, noise),
         (Reason.OF_ONE_RECORD, left_out, 0.0),
