@@ -7,7 +7,7 @@ import pytest
 
 from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.split import split
-from dea.discrepancy.fit import fit
+from dea.discrepancy.fit import cost_of, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
@@ -63,4 +63,14 @@ def test_of_certified_samples_that_hold_no_event_none_is_fitted():
     wrong = replace(problem, y=problem.y + 0.5 * STEP * problem.certify)
     residual = fitted.residual + 0.5 * STEP * problem.certify
     dated = with_events_dated(wrong, replace(fitted, residual=residual))
-    assert rmse(dated.residual, problem.certify) > 0.4 * STEP
+    assert rmse(dated.residual, problem.certify) > 0.42 * STEP
+
+
+def test_a_date_is_not_replaced_by_a_worse_one():
+    problem, fitted = stepped(certified(0.5), certified(0.5))
+    whole = problem.whole(fitted.records)
+    costs = [cost_of(fitted.residual, fitted.coordinates, whole)]
+    for _ in range(3):
+        fitted = with_events_dated(problem, fitted)
+        costs.append(cost_of(fitted.residual, fitted.coordinates, whole))
+    assert costs == sorted(costs, reverse=True)

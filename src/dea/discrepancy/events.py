@@ -10,34 +10,49 @@ _TRIED = 64
 
 
 def with_events_dated(problem: Problem, fitted: Fit) -> Fit:
-    """Return a fit whose events are dated by all samples, if no seen one dates them.
+    """Return a fit with an event dated by all samples, if no seen one dates it.
 
     An event between the last seen sample before the certified block and the first one after it
-    explains the seen samples equally well at any instant between them. All else stays as it was
-    fitted to the seen samples. Of several records the fit is returned as it is.
+    explains the seen samples about as well at any instant between them. Its instant and how long
+    it took are then fitted to all samples; all else stays as it was fitted to the seen ones. The
+    fit itself is returned if there is no such event, if no other instant is better, or of several
+    records.
     """
     extended = fitted.extended
-    instants = [i for i in extended.free if extended.parameters[i].event]
-    instants = [i for i in instants if not extended.parameters[i].log]
-    if not instants or len(fitted.records) > 1 or not problem.certify.any():
+    if len(fitted.records) > 1 or not problem.certify.any():
         return fitted
-    first, last = np.flatnonzero(problem.certify)[[0, -1]]
-    before, after = np.flatnonzero(problem.seen[:first]), np.flatnonzero(problem.seen[last:])
-    early = problem.interval * (before[-1] if before.size else 0)
-    late = problem.interval * (last + after[0] if after.size else problem.size - 1)
-    whole = problem.whole(fitted.records)
-    for i in instants:
-        if early <= fitted.values[i] <= late:
-            tried = [_moved(fitted, i, instant) for instant in np.linspace(early, late, _TRIED)]
-            costs = [cost_of(whole.residual(extended, extended.values(x)), x, whole) for x in tried]
-            start = tried[int(np.argmin(costs))]
-            dated = fit(whole, extended, start, columns=Columns(held=~extended.events))
-            fitted = at(problem, extended, dated.coordinates)
+    early, late = _undated(problem)
+    for part in extended.effect_slices:
+        own = [i for i in extended.free if part.start <= i < part.stop]
+        events = [i for i in own if extended.parameters[i].event]
+        # How long an event took is positive, and counted by its logarithm; an instant is not.
+        instants = [i for i in events if not extended.parameters[i].log]
+        if any(early <= fitted.values[i] <= late for i in instants):
+            fitted = _dated(problem, fitted, events, instants, np.linspace(early, late, _TRIED))
     return fitted
 
 
-def _moved(fitted: Fit, place: int, value: float) -> np.ndarray:
-    """Return the coordinates (k,) of a fit with another value at a place of its parameters."""
-    values = fitted.values.copy()
-    values[place] = value
-    return fitted.extended.coordinates(values)
+def _undated(problem: Problem) -> tuple[float, float]:
+    """Return the ends (s) of the stretch without seen samples around the certified block."""
+    first, last = np.flatnonzero(problem.certify)[[0, -1]]
+    before, after = np.flatnonzero(problem.seen[:first]), np.flatnonzero(problem.seen[last:])
+    start = before[-1] if before.size else 0
+    stop = last + after[0] if after.size else problem.size - 1
+    return problem.interval * float(start), problem.interval * float(stop)
+
+
+def _dated(
+    problem: Problem, fitted: Fit, events: list[int], instants: list[int], tried: np.ndarray
+) -> Fit:
+    """Return the fit with the ``events`` (places of parameters) of one effect as all samples say.
+
+    They start where a fit to the seen samples left them, or at one of the instants ``tried`` (s).
+    """
+    extended, whole = fitted.extended, problem.whole(fitted.records)
+    values = np.tile(fitted.values, (tried.size + 1, 1))
+    values[1:, instants] = tried[:, np.newaxis]
+    starts = [extended.coordinates(each) for each in values]
+    costs = [cost_of(whole.residual(extended, extended.values(x)), x, whole) for x in starts]
+    held = np.array([i not in events for i in extended.free])
+    best = fit(whole, extended, starts[int(np.argmin(costs))], columns=Columns(held=held))
+    return at(problem, extended, best.coordinates) if best.cost < costs[0] else fitted

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from dea.discrepancy.decision.decision import Decision, Reason, Status
-from dea.discrepancy.events import with_events_dated
 from dea.discrepancy.evidence.certificate import Certified, certify, contradicting
 from dea.discrepancy.evidence.evidence import Evidence
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import rmse
 
 _CERTIFIED = "certified samples"
@@ -14,12 +16,15 @@ _CERTIFIED = "certified samples"
 def confirmed(
     decision: Decision,
     evidence: Evidence,
+    final: Fit,
     left_out: Mapping[str, Certified],
     tested: Mapping[str, Certified],
 ) -> Decision:
     """Withdraw what the certified samples contradict, or other records of the device.
 
-    They choose nothing. ``left_out`` are the errors on records of a joint diagnosis that were left
+    They choose nothing. ``final`` is the fit of the answer, with its events dated, or of the
+    simulation alone; certified samples that dated an event must leave about as little as the seen
+    ones. ``left_out`` are the errors on records of a joint diagnosis that were left
     out in turn, ``tested`` those on test records. These do not contradict ``none``, which says what
     the records that were diagnosed could show.
     """
@@ -33,9 +38,15 @@ def confirmed(
             return Decision(Status.UNKNOWN, None, reason=Reason.ONLY_CERTIFIED)
         return decision
     noise = decision.noise(rules, evidence.floor)
-    block = {_CERTIFIED: certify(problem, nominal, with_events_dated(problem, answer.fit))}
+    block = certify(problem, nominal, final)
+    most = max(noise, rules.near * answer.rmse) if final is not answer.fit else np.inf
+    if block.after > most:
+        contradicted = {_CERTIFIED: block}
+        return Decision(
+            Status.UNKNOWN, answer, reason=Reason.CONTRADICTED, contradicted=contradicted
+        )
     for reason, found, allowed in (
-        (Reason.CONTRADICTED, block, noise),
+        (Reason.CONTRADICTED, {_CERTIFIED: block}, noise),
         (Reason.OF_ONE_RECORD, left_out, 0.0),
         (Reason.CONTRADICTED_ELSEWHERE, tested, noise),
     ):

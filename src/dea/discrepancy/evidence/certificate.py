@@ -1,4 +1,7 @@
-"""Certify an extension on samples, and on records, that nothing was fitted or chosen on."""
+"""Certify an extension on samples, and on records, that chose nothing.
+
+Nor was anything fitted to them but the date of an event that happened there.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +20,7 @@ _HEAD = 0.1
 
 @dataclass(frozen=True)
 class Certified:
-    """Free-run errors before and after, in the output's unit, on so many unused samples."""
+    """Free-run errors before and after, in the output's unit, on so many certified samples."""
 
     before: float
     after: float

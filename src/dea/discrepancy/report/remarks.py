@@ -24,7 +24,7 @@ def remarks(found: "Diagnosis") -> tuple[str, ...]:
     """Return the remarks on a diagnosis, each a sentence."""
     # What a force would cause is no error to live with.
     rest = _force(found) or _noise(found)
-    texts = (_timing(found), _bounds(found), _laws(found), rest)
+    texts = (_timing(found), _dated(found), _bounds(found), _laws(found), rest)
     return tuple(text for text in texts if text)
 
 
@@ -50,6 +50,14 @@ def _timing(found: "Diagnosis") -> str:
         f"The output is logged {1e3 * abs(offset):.3g} ± {2e3 * deviation:.2g} ms {side} "
         f"({abs(offset) / problem.recorded_interval:.2g} samples){doubt}."
     )
+
+
+def _dated(found: "Diagnosis") -> str:
+    """Say that the certified samples told when an event happened."""
+    answer = found.decision.answer
+    if answer is None or found.extended is answer.fit:
+        return ""
+    return "When it happened was found on the certified samples, which do not certify that."
 
 
 def _bounds(found: "Diagnosis") -> str:
