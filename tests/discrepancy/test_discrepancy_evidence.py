@@ -85,7 +85,7 @@ def test_energies_are_those_of_the_blocks():
 def test_a_residual_that_shrinks_alike_everywhere_has_a_sure_gain():
     rng = np.random.default_rng(1)
     before = rng.standard_normal(10_100) * np.linspace(0.1, 3.0, 10_100)
-    found = gains(before, [before / np.e, before, 2.0 * before], BLOCKS, 0.3, rng)
+    found = gains([before] * 3, [before / np.e, before, 2.0 * before], BLOCKS, 0.3, rng)
     for bound in (found.gain, found.low, found.high):
         np.testing.assert_allclose(bound, [1.0, 0.0, -np.log(2.0)], atol=1e-12)
     assert found.null == 0.3
@@ -96,7 +96,7 @@ def test_a_gains_interval_is_that_of_its_sampling():
     """The log of a mean of n squares has a variance of 2/n; a gain is half a difference of two."""
     rng = np.random.default_rng(2)
     before, after = rng.standard_normal((2, 10_100))
-    found = gains(before, [after], BLOCKS, 0.0, rng)
+    found = gains([before], [after], BLOCKS, 0.0, rng)
     deviation = np.sqrt(1.0 / 10_000)
     assert found.high[0] - found.gain[0] == pytest.approx(1.96 * deviation, rel=0.15)
     assert found.gain[0] - found.low[0] == pytest.approx(1.96 * deviation, rel=0.15)
@@ -112,7 +112,7 @@ def test_several_gains_are_bounded_together():
     before = 1e-6 + np.zeros(10_100)
     before[10:10_010] = 1.0  # whose energy is the same in every draw
     after = [rng.standard_normal(10_100) for _ in range(8)]
-    found = gains(before, after, BLOCKS, 0.0, rng)
+    found = gains([before] * len(after), after, BLOCKS, 0.0, rng)
     wide = norm.ppf(1.0 - 0.5 * (1.0 - 0.95 ** (1 / 8))) * np.sqrt(0.5 / 10_000)
     np.testing.assert_allclose(np.mean(found.high - found.gain), wide, rtol=0.12)
     np.testing.assert_allclose(np.mean(found.gain - found.low), wide, rtol=0.12)
@@ -434,7 +434,7 @@ def test_of_two_effects_the_first_contributes_what_it_did_alone():
     ]
     final = attached("a", "b")
     held_out = SimpleNamespace(
-        residual=lambda fitted: np.full(1000, 0.5 if fitted is final else fitted)
+        residual=lambda fitted, _: np.full(1000, 0.5 if fitted is final else fitted)
     )
     evidence = SimpleNamespace(**vars(evidence_of(1000)), held_out=held_out)
     rungs = ladder(evidence, 4.0, final, singles)

@@ -132,7 +132,7 @@ def test_the_lower_bound_of_a_gain_holds_for_the_whole_catalogue():
         size = np.repeat(np.exp(0.5 * rng.standard_normal(30)), 80)
         before = size * rng.standard_normal(2400)
         after = [np.exp(-g) * size * rng.standard_normal(2400) for g in truth]
-        found = gains(before, after, blocks, 0.0, rng)
+        found = gains([before] * len(after), after, blocks, 0.0, rng)
         held += (found.low <= truth).all() and (found.high >= truth).all()
     # 95 % is what resampling reaches with many blocks; with 30 so unequal ones it falls short.
     assert held >= 0.85 * repeats
@@ -335,7 +335,7 @@ def test_the_samples_kept_for_proof_can_only_withdraw_a_verdict(status, before, 
     )
     chosen = None if status == "none" else Candidate(final, 0.0, 0.0, 0.0)
     evidence = replace(judged_by(problem, extended, noise=1.0), nominal=nominal)
-    found = confirmed(Decision(Status(status), chosen), evidence, {}, {})
+    found = confirmed(Decision(Status(status), chosen), evidence, final, {}, {})
     assert found.status == expected
 
 
@@ -357,7 +357,7 @@ def test_other_records_can_only_withdraw_a_verdict(left_out, tested, reason):
     )
     evidence = judged_by(problem, extended, nominal_error=9.0, noise=1.0)
     others = ({"other": Certified(*errors, 100)} for errors in (left_out, tested))
-    found = confirmed(named, evidence, *others)
+    found = confirmed(named, evidence, named.chosen.fit, *others)
     assert (found.status == "named") is (reason is None)
     assert found.reason is reason
     by = {Reason.OF_ONE_RECORD: left_out, Reason.CONTRADICTED_ELSEWHERE: tested}
@@ -374,8 +374,23 @@ def test_beside_coloured_noise_an_answer_may_leave_as_much_elsewhere(reason, aft
     answer = Candidate(at(problem, extended, np.zeros(extended.free.size)), 2.0, 2.0, 0.0)
     named = Decision(Status.NAMED, answer, reason=reason)
     evidence = judged_by(problem, extended, nominal_error=9.0, noise=1.0)
-    found = confirmed(named, evidence, {}, {"other": Certified(1.5, after, 100)})
+    found = confirmed(named, evidence, answer.fit, {}, {"other": Certified(1.5, after, 100)})
     assert found.status == status
+
+
+@pytest.mark.parametrize(("after", "status"), [(2.4, "named"), (2.6, "unknown")])
+def test_samples_that_dated_an_event_must_leave_as_little_as_those_seen(after, status):
+    """Dating lowers their error, so that being below the simulation's says little."""
+    problem, extended = carriage(8)
+    fitted = at(problem, extended, np.zeros(extended.free.size))
+    dated = replace(fitted, residual=np.where(problem.certify, after, 0.0))
+    evidence = judged_by(problem, extended, nominal_error=9.0, noise=0.5)
+    nominal = replace(fitted, residual=np.where(problem.certify, 9.0, 0.0))
+    evidence = replace(evidence, nominal=nominal)
+    named = Decision(Status.NAMED, Candidate(fitted, 1.0, 1.0, 0.0))
+    found = confirmed(named, evidence, dated, {}, {})
+    assert found.status == status
+    assert bool(found.contradicted) is (status == "unknown")
 
 
 @pytest.mark.parametrize(("error", "expected"), [(0.2, "none"), (0.25, "unknown")])

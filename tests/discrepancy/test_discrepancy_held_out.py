@@ -7,7 +7,7 @@ import pytest
 
 from dea.discrepancy.evidence.held_out import HeldOut, folds
 from dea.discrepancy.evidence.split import runs, split
-from dea.discrepancy.fit import fit
+from dea.discrepancy.fit import Columns, fit
 from dea.discrepancy.problem import Problem, rmse
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
@@ -42,7 +42,8 @@ def test_the_instant_of_an_event_is_that_of_the_fit_to_all_blocks(found):
     problem, fitted, instant = found
     own = dict(zip(fitted.extended.names, fitted.values, strict=True))
     assert own["step_fault.instant"] == pytest.approx(instant, abs=2 * INTERVAL)
-    [fold] = [each for each in folds(problem) if each[round(instant / INTERVAL)]]
+    dealt = folds(problem, fitted.records)
+    [fold] = [each for each in dealt if each[round(instant / INTERVAL)]]
     held_out = HeldOut(problem).residual(fitted)
     assert rmse(held_out, fold) < 1.5 * rmse(fitted.residual, fold)
 
@@ -84,9 +85,38 @@ def test_a_course_in_time_is_interpolated_between_short_blocks(drifting):
     assert problem.seen_rmse(HeldOut(problem).residual(fitted)) < 3.0 * NOISE
 
 
-def test_short_blocks_are_dealt_once_and_all_of_them(drifting):
-    problem, _ = drifting
-    dealt = folds(problem, in_time=True)
+def test_what_a_course_is_compared_with_is_held_out_in_the_same_blocks(drifting):
+    problem, fitted = drifting
+    alone = fit(problem, fitted.extended.without(0), np.zeros(fitted.extended.free.size)[:-12])
+    held_out = HeldOut(problem)
+    long, short = held_out.residual(alone), held_out.residual(alone, fitted)
+    assert not np.allclose(long, short)
+    for fold in folds(problem, fitted.records):
+        again = fit(
+            problem.seeing(~fold),
+            alone.extended,
+            alone.coordinates,
+            iterations=6,
+            columns=Columns(held=alone.extended.at_start, kept=alone.jacobian),
+        )
+        assert np.array_equal(short[fold], again.residual[fold])
+
+
+def longest(masks):
+    return max(run.stop - run.start for mask in masks for run in runs(mask))
+
+
+@pytest.mark.parametrize("records", [1, 2, 4])
+def test_short_blocks_are_a_tenth_of_their_record_and_dealt_once(records):
+    """Blocks as long as the device's memory asks for are a fifth of such a record."""
+    length = 600
+    u = np.random.default_rng(3).uniform(-2, 2, length)
+    parts = split(u, INTERVAL, 0.45)
+    masks = (np.tile(mask, records) for mask in (parts.fit, parts.select, parts.certify))
+    u = np.tile(u, records)
+    problem = Problem(u, u, INTERVAL, *masks, NOISE)
+    own = [slice(k * length, (k + 1) * length) for k in range(records)]
+    dealt = folds(problem, own)
     assert (np.array(dealt).sum(0) == problem.seen).all()
-    assert max(run.stop - run.start for mask in dealt for run in runs(mask)) <= 0.075 * SIZE
-    assert max(run.stop - run.start for mask in folds(problem) for run in runs(mask)) > 0.04 * SIZE
+    assert longest(dealt) <= 0.12 * length
+    assert longest(folds(problem)) > 0.15 * length

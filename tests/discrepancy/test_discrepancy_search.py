@@ -301,8 +301,8 @@ def test_one_effect_may_leave_noise_of_any_colour_and_nothing_else(curve, before
     )
     nominal = replace(plain, residual=left * before * NOISE / error)
     held_out = SimpleNamespace(
-        residual=lambda fitted: fitted.residual,
-        rmse=lambda fitted: problem.seen_rmse(fitted.residual),
+        residual=lambda fitted, _=None: fitted.residual,
+        rmse=lambda fitted, _=None: problem.seen_rmse(fitted.residual),
     )
     evidence = Evidence(
         problem, nominal, held_out, [slice(k, k + 100) for k in range(0, 1500, 100)], NOISE, 0.0,
@@ -339,8 +339,8 @@ def graded():
         return Candidate(fitted, problem.seen_rmse(residual), problem.seen_rmse(residual), 9.0)
 
     held_out = SimpleNamespace(
-        residual=lambda fitted: fitted.residual,
-        rmse=lambda fitted: problem.seen_rmse(fitted.residual),
+        residual=lambda fitted, _=None: fitted.residual,
+        rmse=lambda fitted, _=None: problem.seen_rmse(fitted.residual),
     )
     evidence = Evidence(
         problem, candidate(9.0).fit, held_out,
@@ -430,7 +430,7 @@ def test_an_effect_that_acts_rarely_is_sure_where_it_leaves_noise_alone(
     sure = sure_alone(evidence, [Round(evidence.nominal, (rare, other))], weighed)
     assert sure == [rare][:found]
     worse = SimpleNamespace(
-        residual=lambda fitted: (5.0 if fitted is rare.fit else 1.0) * fitted.residual
+        residual=lambda fitted, _=None: (5.0 if fitted is rare.fit else 1.0) * fitted.residual
     )
     evidence = replace(evidence, held_out=worse)
     assert not sure_alone(evidence, [Round(evidence.nominal, (rare, other))], weighed)
@@ -467,11 +467,12 @@ def test_a_drift_that_leaves_noise_alone_need_not_predict_every_block(left, seco
     alone, pair = candidate(4.0, "dead_zone"), candidate(left, "dead_zone", second)
     worse = {pair.fit: 5.0 * pair.fit.residual}
 
-    def residual(fitted):
+    def residual(fitted, _=None):
         return worse.get(fitted, fitted.residual)
 
     held_out = SimpleNamespace(
-        residual=residual, rmse=lambda fitted: evidence.problem.seen_rmse(residual(fitted))
+        residual=residual,
+        rmse=lambda fitted, _=None: evidence.problem.seen_rmse(residual(fitted)),
     )
     evidence = replace(evidence, held_out=held_out)
     rounds = [Round(evidence.nominal, (alone,)), Round(alone.fit, (pair,))]
@@ -573,8 +574,8 @@ def test_a_law_that_predicts_blocks_left_out_worse_is_not_named_by_the_evidence(
     evidence, candidate = graded()
     surest = candidate(1.01, name)
     worse = SimpleNamespace(
-        residual=lambda fitted: (12.0 if fitted is surest.fit else 1.0) * fitted.residual,
-        rmse=lambda fitted: evidence.problem.seen_rmse(fitted.residual),
+        residual=lambda fitted, _=None: (12.0 if fitted is surest.fit else 1.0) * fitted.residual,
+        rmse=lambda fitted, _=None: evidence.problem.seen_rmse(fitted.residual),
     )
     evidence = replace(evidence, rules=Rules(), held_out=worse)
     weighed = Presence((surest,), np.array([1.0]))
@@ -784,7 +785,7 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
     predicted = {sure.fit: 2.0}
     held_out = SimpleNamespace(
         residual=evidence.held_out.residual,
-        rmse=lambda fitted: predicted.get(fitted, 1.0) * evidence.held_out.rmse(fitted),
+        rmse=lambda fitted, _=None: predicted.get(fitted, 1.0) * evidence.held_out.rmse(fitted),
     )
     weighed = Presence((sure, *others), np.array([weight, 1.0 - weight, 0.0]))
     found = decide(
@@ -799,7 +800,8 @@ def named_against(evidence, sure, rival, predicted=None):
     """The answer where one has nearly all the weight; ``predicted`` are held-out residuals."""
     predicted = predicted or {}
     held_out = SimpleNamespace(
-        residual=lambda fitted: predicted.get(fitted, fitted.residual), rmse=evidence.held_out.rmse
+        residual=lambda fitted, _=None: predicted.get(fitted, fitted.residual),
+        rmse=evidence.held_out.rmse,
     )
     weighed = Presence((sure, rival), np.array([0.95, 0.05]))
     return decide(
@@ -878,11 +880,12 @@ def test_a_second_effect_must_remove_half_of_what_is_left_where_it_was_not_fitte
     alone, pair = candidate(4.0, "dead_zone"), candidate(1.1, "dead_zone", "sensor_lag")
     predicted = {pair.fit: candidate(held_out).fit.residual}
 
-    def residual(fitted):
+    def residual(fitted, _=None):
         return predicted.get(fitted, fitted.residual)
 
     of_blocks = SimpleNamespace(
-        residual=residual, rmse=lambda fitted: evidence.problem.seen_rmse(residual(fitted))
+        residual=residual,
+        rmse=lambda fitted, _=None: evidence.problem.seen_rmse(residual(fitted)),
     )
     evidence = replace(evidence, held_out=of_blocks)
     pool = [pair, alone, candidate(6.0, "sensor_lag")]

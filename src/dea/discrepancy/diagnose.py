@@ -143,16 +143,13 @@ def diagnose(
     # Decide, and withdraw what samples not used so far contradict.
     decided = decide(evidence, chosen, pool, proven, weighed)
     decided = without_small_drift(decided, evidence, pool)
-    answer = decided.answer.fit if decided.answer else nominal
-    left_out = (
-        leave_one_out(problem, nominal, answer) if decided.answer and len(records) > 1 else {}
-    )
     tell("the answer on samples not used so far")
-    tested = certify_elsewhere(others, nominal, answer)
-    decision = confirmed(decided, evidence, left_out, tested)
-    final = with_events_dated(problem, decision.answer.fit) if decision.answer else nominal
+    final = with_events_dated(problem, decided.answer.fit) if decided.answer else nominal
+    left_out = leave_one_out(problem, nominal, final) if decided.answer and len(records) > 1 else {}
+    tested = certify_elsewhere(others, nominal, final)
+    decision = confirmed(decided, evidence, final, left_out, tested)
     if decision.answer is not decided.answer:
-        left_out, tested = {}, certify_elsewhere(others, nominal, nominal)
+        final, left_out, tested = nominal, {}, certify_elsewhere(others, nominal, nominal)
 
     # Describe.
     where = Where(
@@ -245,12 +242,13 @@ def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], worke
         workers,
         "single effects on blocks left out",
     )
-    return gains(held_out.residual(nominal), after, blocks, null, evidence.rng)
+    before = [held_out.residual(nominal, c.fit) for c in singles]
+    return gains(before, after, blocks, null, evidence.rng)
 
 
 def _share(evidence: Evidence, final: Fit) -> Share:
     """Return the part of the held-out misfit that the final extension removes."""
-    before, after = (evidence.held_out.residual(each) for each in (evidence.nominal, final))
+    before, after = (evidence.held_out.residual(each, final) for each in (evidence.nominal, final))
     return share_removed(before, after, evidence.blocks, evidence.floor, evidence.rng)
 
 

@@ -57,7 +57,8 @@ def beside_noise(evidence: Evidence, part: Candidate) -> bool:
 def borne_out(evidence: Evidence, candidate: Candidate) -> bool:
     """Return whether a candidate removes most of the gap on blocks left out, too.
 
-    Those of a course in time are extrapolated, and say nothing against it.
+    A course in time is extrapolated at the ends of the record, and where it bends within a block;
+    that says nothing against it.
     """
     if not transferable(candidate.fit.extended):
         return True
@@ -67,5 +68,5 @@ def borne_out(evidence: Evidence, candidate: Candidate) -> bool:
 def share_of(evidence: Evidence, part: Candidate) -> Share:
     """Return the part of the simulation's misfit on held-out blocks that a candidate removes."""
     held_out = evidence.held_out
-    before, after = held_out.residual(evidence.nominal), held_out.residual(part.fit)
+    before, after = held_out.residual(evidence.nominal, part.fit), held_out.residual(part.fit)
     return share_removed(before, after, evidence.blocks, evidence.floor, evidence.rng)

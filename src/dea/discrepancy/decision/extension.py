@@ -60,12 +60,12 @@ def best_extension(
         best = simplest([c for c in larger if len(c.names) == size])
         before = chosen.fit if chosen else rounds[0].before
         _, low = beaten(best.fit.residual, before.residual, evidence.blocks, evidence.rng)
-        # A course in time that leaves noise alone is right, though few blocks may show it, so that
-        # it is extrapolated badly.
+        # A course in time that leaves noise alone is right, though it may be predicted badly at the
+        # ends of the record, or of blocks in which it bends.
         left = evidence.problem.seen_rmse(before.residual)
         in_time = not transferable(best.fit.extended)
         complete = in_time and rules.completes(best.rmse, left, floor)
-        if not complete and held_out.rmse(best.fit) >= held_out.rmse(before):
+        if not complete and held_out.rmse(best.fit) >= held_out.rmse(before, best.fit):
             continue
         if chosen is None:
             # Two effects at once, neither of which is proven alone, must remove twice the margin.

@@ -78,7 +78,7 @@ def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) 
         return True
 
     def left(candidate: Candidate) -> float:
-        return misfit(evidence.held_out.rmse(candidate.fit), evidence.floor)
+        return misfit(evidence.held_out.rmse(candidate.fit, chosen.fit), evidence.floor)
 
     most = [
         (1.0 - evidence.rules.part) * left(min(others, key=lambda c: c.rmse))

@@ -42,7 +42,7 @@ def ladder(
         rungs += [(labels[0], c.fit) for c in singles if c.labels == alone]
     if labels:
         rungs.append((labels[-1], final))
-    return [Rung(label, evidence.held_out.residual(fit)) for label, fit in rungs]
+    return [Rung(label, evidence.held_out.residual(fit, final)) for label, fit in rungs]
 
 
 def contributions(
@@ -65,7 +65,7 @@ def contributions(
             labels = [c.labels for c in singles]
             found, at = gained, labels.index((final.extended.label(effect),))
         else:
-            found, at = gains(before, [after], evidence.blocks, 0.0, evidence.rng), 0
+            found, at = gains([before], [after], evidence.blocks, 0.0, evidence.rng), 0
         seen = evidence.problem.seen
         result.append(
             Contribution(

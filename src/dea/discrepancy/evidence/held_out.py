@@ -1,5 +1,7 @@
 """Held-out residuals: of each block, by parameters that were not fitted to it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from dea.discrepancy.evidence.certificate import transferable
@@ -12,7 +14,7 @@ from dea.discrepancy.problem import Problem
 _FOLDS, _LEAST_FOLDS, _ITERATIONS = 6, 3, 6
 # Part of the output's range by which samples that are held out may reach beyond the others.
 _BEYOND = 0.1
-# Part of the record that is held out at once of what follows a course in time: a piece of a
+# Part of a record that is held out at once of what follows a course in time: about a piece of a
 # drift's spline. Of shorter blocks a drift may also interpolate what follows the input.
 _OF_A_COURSE = 0.1
 
@@ -29,14 +31,19 @@ class HeldOut:
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
-        self._found: dict[Fit, np.ndarray] = {}
-        self._spread: dict[Fit, np.ndarray] = {}
+        self._found: dict[tuple[Fit, bool], np.ndarray] = {}
+        self._spread: dict[tuple[Fit, bool], np.ndarray] = {}
 
-    def residual(self, fitted: Fit) -> np.ndarray:
-        """Return the held-out residual of a fit, shape (n,); that of all where none is held out."""
-        if fitted not in self._found:
-            self._found[fitted] = self._cross_validated(fitted)
-        return self._found[fitted]
+    def residual(self, fitted: Fit, beside: Fit | None = None) -> np.ndarray:
+        """Return the held-out residual of a fit, shape (n,); that of all where none is held out.
+
+        Where it is compared with one ``beside``, the same blocks are held out of both: short ones
+        if either has a course in time.
+        """
+        key = fitted, _has_course(fitted) or (beside is not None and _has_course(beside))
+        if key not in self._found:
+            self._found[key], self._spread[key] = self._cross_validated(*key)
+        return self._found[key]
 
     def spread(self, fitted: Fit) -> np.ndarray:
         """Return standard deviations (k,) of the coordinates by the jackknife over the folds.
@@ -45,18 +52,17 @@ class HeldOut:
         (Tukey 1958, Annals of Mathematical Statistics 29:614).
         """
         self.residual(fitted)
-        return self._spread[fitted]
+        return self._spread[fitted, _has_course(fitted)]
 
-    def rmse(self, fitted: Fit) -> float:
+    def rmse(self, fitted: Fit, beside: Fit | None = None) -> float:
         """Return its root mean square over the seen samples."""
-        return self._problem.seen_rmse(self.residual(fitted))
+        return self._problem.seen_rmse(self.residual(fitted, beside))
 
-    def _cross_validated(self, fitted: Fit) -> np.ndarray:
+    def _cross_validated(self, fitted: Fit, short: bool) -> tuple[np.ndarray, np.ndarray]:
         result = fitted.residual.copy()
         estimates = []
         untold = fitted.extended.at_start | fitted.extended.events
-        in_time = not transferable(fitted.extended)
-        for fold in folds(self._problem, in_time=in_time):
+        for fold in folds(self._problem, fitted.records if short else ()):
             again = fit(
                 self._problem.seeing(~fold),
                 fitted.extended,
@@ -66,24 +72,25 @@ class HeldOut:
             )
             result[fold] = again.residual[fold]
             estimates.append(again.coordinates)
-        self._spread[fitted] = np.sqrt(max(len(estimates) - 1, 0)) * np.std(estimates, axis=0)
-        return result
+        return result, np.sqrt(max(len(estimates) - 1, 0)) * np.std(estimates, axis=0)
 
 
-def folds(problem: Problem, *, in_time: bool = False) -> list[np.ndarray]:
+def _has_course(fitted: Fit) -> bool:
+    return not transferable(fitted.extended)
+
+
+def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
     """Return masks (n, bool) to which the contiguous seen blocks are dealt in turn.
 
     Neighbouring blocks that a period of the input spans are dealt together: a law that only
     repeats what the other periods show would otherwise be predicted from them. Samples whose output
     lies far outside the outputs of the other folds are not held out: there a curve extrapolates,
     whether it is right or not. Where this leaves fewer than three folds, all blocks are dealt.
-    ``in_time`` the blocks are short and dealt singly.
+    Where each of the records ``courses`` has a course in time of its own, the blocks are short and
+    dealt singly.
     """
-    blocks = runs(problem.seen)
-    if in_time:
-        groups = [[block] for block in cut(blocks, _OF_A_COURSE * problem.size)]
-    else:
-        groups = _spanning(blocks, problem.period)
+    short = [[block] for own in courses for block in _short(problem, own)]
+    groups = short or _spanning(runs(problem.seen), problem.period)
     count = min(_FOLDS, len(groups))
     dealt = []
     for first in range(count):
@@ -94,6 +101,12 @@ def folds(problem: Problem, *, in_time: bool = False) -> list[np.ndarray]:
     inside = [mask & _near_range(problem, problem.seen & ~mask) for mask in dealt]
     inside = [mask for mask in inside if mask.any()]
     return inside if len(inside) >= min(count, _LEAST_FOLDS) else dealt
+
+
+def _short(problem: Problem, own: slice) -> list[slice]:
+    """Return the seen blocks of a record, cut into short ones."""
+    blocks = cut(runs(problem.seen[own]), _OF_A_COURSE * (own.stop - own.start))
+    return [slice(own.start + block.start, own.start + block.stop) for block in blocks]
 
 
 def _near_range(problem: Problem, samples: np.ndarray) -> np.ndarray:
