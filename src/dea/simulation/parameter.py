@@ -50,7 +50,7 @@ class Parameter:
     event: bool = False
 
     def __post_init__(self) -> None:
-        if self.spread < 0.0:
+        if not 0.0 <= self.spread < np.inf:
             raise self._error("spread", f"it is {self.spread:g}", "Give a deviation, or zero")
         if self.low > self.high:
             problem = f"it is {self.low:g}, and high is {self.high:g}"

@@ -3,11 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from dea.errors import InputError
+from dea.simulation.equations import beyond, raising
 from dea.simulation.force_port import ForcePort
 from dea.simulation.input_action import InputAction
 from dea.simulation.inputs import RESERVED, Input
@@ -98,6 +100,7 @@ class Simulation:
                 f"two states or parameters are called {doubled[0]!r}", "parameters", "Rename one"
             )
         self._check_inputs()
+        self._check_numbers()
         for drive in self.drives:
             if drive not in self.parameter_names:
                 raise self._error(
@@ -176,6 +179,34 @@ class Simulation:
                 "Leave it out",
             )
 
+    def _check_numbers(self) -> None:
+        """Check that deviations, errors and times are finite and not negative, and bounds hold."""
+
+        def possible(value: Any) -> bool:
+            return isinstance(value, Real) and 0.0 <= float(value) < np.inf
+
+        spreads = ("input_offset_spread", "output_gain_spread", "output_offset_spread")
+        for role in (*spreads, "accuracy", "lead_in"):
+            for value in _each(getattr(self, role)):
+                if not possible(value):
+                    raise self._error(
+                        f"it is {value!r}", role, "Give a finite number that is not negative"
+                    )
+        for state in self.states:
+            if not possible(state.spread):
+                raise self._error(
+                    f"it is {state.spread!r}",
+                    f"states.{state.name}.spread",
+                    "Give a finite deviation that is not negative",
+                )
+        for own in self.parameters:
+            if not own.low <= own.nominal <= own.high:
+                raise self._error(
+                    f"it is {own.nominal:g}, and its bounds are {own.low:g} and {own.high:g}",
+                    f"parameters.{own.name}.nominal",
+                    "Give a value within its bounds",
+                )
+
     def _check_force_port(self, port: ForcePort) -> None:
         for role in ("equation", "position", "velocity", "reaction"):
             name = getattr(port, role)
@@ -205,21 +236,34 @@ class Simulation:
             )
 
     def _check_indices(self, x: np.ndarray, p: np.ndarray) -> None:
-        """Run both equations uncompiled once, since compiled ones do not check indices."""
+        """Read both equations, and run them uncompiled once: compiled ones check no indices."""
+        several = f" of {len(self.inputs)} inputs" * (len(self.inputs) > 1)
+        remedy = f"There are {x.size} states and {p.size} parameters{several}, counted from 0"
         for function, role, own in (
             (self.derivative, "derivative", (np.empty_like(x),)),
             (self.output, "output", ()),
         ):
+            undeclared = beyond(function, (x.size, len(self.inputs), p.size, x.size))
+            if undeclared:
+                raise self._error(
+                    f"it uses a state or parameter that is not declared ({undeclared})",
+                    role,
+                    remedy,
+                )
+            exception = raising(function)
+            if exception:
+                raise self._error(
+                    f"it raises an exception ({exception}), which compiled code cannot",
+                    role,
+                    "Give a value that is not a number instead: such a run counts as unstable",
+                )
             try:
                 with np.errstate(all="ignore"):
                     plain = getattr(function, "py_func", function)
                     plain(x.copy(), self.no_input, p.copy(), *own)
             except IndexError as error:
-                several = f" of {len(self.inputs)} inputs" * (len(self.inputs) > 1)
                 raise self._error(
-                    f"it uses a state or parameter that is not declared ({error})",
-                    role,
-                    f"There are {x.size} states and {p.size} parameters{several}, counted from 0",
+                    f"it uses a state or parameter that is not declared ({error})", role, remedy
                 ) from error
             except (ArithmeticError, ValueError, NameError, TypeError):
                 # Compiled, these give infinities or NaN, or the compiler refuses them.
