@@ -28,10 +28,17 @@ def test_the_time_of_a_sample_is_its_number_over_any_positive_rate(rate):
     assert (record.sampling_rate, record.left_out) == (rate, 1)
 
 
-@pytest.mark.parametrize("rate", [0.0, -1.0, np.nan])
-def test_a_rate_that_is_not_positive_is_refused(rate):
-    with pytest.raises(InputError, match=f"sampling_rate: it is {rate}"):
+@pytest.mark.parametrize("rate", [0.0, -1.0, np.nan, np.inf, "50", None])
+def test_a_rate_that_is_no_positive_number_is_refused(rate):
+    with pytest.raises(InputError, match=f"sampling_rate: it is {rate!r}"):
         Record.of(U, Y, rate)
+
+
+def test_masked_outputs_are_missing_and_complex_signals_refused():
+    masked = Record.of(U, np.ma.masked_where(U == 5.0, np.arange(6.0)), 1.0)
+    np.testing.assert_array_equal(np.isnan(masked.y), U == 5.0)
+    with pytest.raises(InputError, match="u: it is complex"):
+        Record.of(U + 0j, Y, 1.0)
 
 
 def test_two_samples_are_a_record_and_a_missing_input_is_refused():

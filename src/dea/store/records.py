@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import count, islice, takewhile
+from numbers import Real
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -91,7 +92,7 @@ class Record(NamedTuple):
             If the signals differ in length, the input has a missing value, or the rate is not
             positive.
         """
-        inputs, outputs = (np.asarray(each, dtype=float) for each in (u, y))
+        inputs, outputs = (_numbers(each, name) for each, name in ((u, "u"), (y, "y")))
         if inputs.ndim == 2 and inputs.shape[1] == 1:
             inputs = inputs[:, 0]
         if (
@@ -110,9 +111,9 @@ class Record(NamedTuple):
             raise InputError(
                 "the input has missing values", field="u", remedy="Fill them: it is applied, known"
             )
-        if not sampling_rate > 0.0:
+        if not (isinstance(sampling_rate, Real) and 0.0 < float(sampling_rate) < np.inf):
             raise InputError(
-                f"it is {sampling_rate}", field="sampling_rate", remedy="Give it in Hz"
+                f"it is {sampling_rate!r}", field="sampling_rate", remedy="Give a number in Hz"
             )
         carried = [getattr(each, "attrs", {}) for each in (u, y)]
         own = [getattr(each, "name", None) for each in (u, y)]
@@ -174,6 +175,14 @@ def each_text(text: Text) -> tuple[str, ...]:
 def input_names(count: int) -> list[str]:
     """Return what inputs without names of their own are called."""
     return [f"input {k}" for k in range(1, count + 1)]
+
+
+def _numbers(signal: Any, field: str) -> np.ndarray:
+    """Return a signal as an array of real numbers, masked values as missing ones."""
+    values = np.ma.asarray(signal)
+    if np.iscomplexobj(values):
+        raise InputError("it is complex", field=field, remedy="Give its real part")
+    return np.asarray(np.ma.filled(values.astype(float), np.nan))
 
 
 def _for_each(text: Text | Sequence[str], count: int, field: str) -> Text:
