@@ -8,6 +8,7 @@ from synthetic import record
 from dea.acquisition import Quality
 from dea.discrepancy import Settings, diagnose
 from dea.errors import InputError
+from dea.store import Record
 
 OFFERED = ("coulomb_friction", "gain_drift", "sensor_lag", "viscoelastic_creep")
 
@@ -32,3 +33,17 @@ def test_a_record_whose_output_is_known_too_seldom_is_refused_in_one_line():
     whole["displacement"] = whole["displacement"].where(known, np.nan)
     with pytest.raises(InputError, match="missing in every block that could be used to certify on"):
         diagnose(whole, "dea_membrane", settings=Settings(effects=OFFERED, budget=SEARCH))
+
+
+@pytest.mark.parametrize(("role", "keep"), [("input", 0.0), ("output", 1.0)])
+def test_a_record_in_which_nothing_happens_is_refused(role, keep):
+    u = np.sin(np.arange(400.0))
+    still = Record.of(keep * u, (1.0 - keep) * u, 50.0, units=("V", "mm"))
+    with pytest.raises(InputError, match=f"{role}: the {role} is constant"):
+        diagnose(still, "dea_membrane")
+
+
+@pytest.mark.parametrize("given", [np.ones(3), "record.nc", None, [1.0]])
+def test_what_is_no_record_is_refused(given):
+    with pytest.raises(InputError, match=r"record: it is .* Give a dea\.Record"):
+        diagnose(given, "dea_membrane")

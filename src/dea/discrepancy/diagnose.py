@@ -203,7 +203,17 @@ def _listed(
 
     from dea.store import Record
 
-    return [record] if isinstance(record, Record | xr.Dataset) else list(record)
+    if isinstance(record, Record | xr.Dataset):
+        return [record]
+    records = list(record) if isinstance(record, list | tuple) else []
+    known = [each for each in records if isinstance(each, Record | xr.Dataset)]
+    if len(known) < len(records) or not isinstance(record, list | tuple):
+        raise InputError(
+            f"it is {type(record).__name__}",
+            field="record",
+            remedy="Give a dea.Record, a dataset, or a list of them; dea.Record.of makes one",
+        )
+    return known
 
 
 def _offered(names: Sequence[str]) -> list[Effect]:

@@ -100,9 +100,16 @@ def prepare(
     Raises
     ------
     InputError
-        If there is no record, a record is too short for the split or lacks its outputs there, or
-        one is sampled otherwise than the others.
+        If there is no record, input or output is constant, a record is too short for the split or
+        lacks its outputs there, or one is sampled otherwise than the others.
     """
+    for role, signals in (("input", [r.u for r in records]), ("output", [r.y for r in records])):
+        if records and all((np.nanmax(x, axis=0) == np.nanmin(x, axis=0)).all() for x in signals):
+            raise InputError(
+                f"the {role} is constant",
+                field=role,
+                remedy="Give a record in which the device is driven and moves",
+            )
     factor = decimation_of(records, settings.budget.decimated)
     oversampled = factor > 1
     made = _at_every(factor, records, simulation, settings)
