@@ -15,7 +15,8 @@ NOTHING = Answers()
 
 def roles(units, answers=NOTHING, constants=None):
     known = {name: unit for name, unit in units.items() if unit}
-    table = ForeignTable(dict.fromkeys(units, np.arange(5.0)), known, constants or {})
+    columns = [name for name in units if name not in (constants or {})]
+    table = ForeignTable(dict.fromkeys(columns, np.arange(5.0)), known, constants or {})
     return find_roles(table, answers, FILE, "case", {"FILE": "mine.csv"})
 
 
@@ -96,6 +97,24 @@ def test_units_alone_are_asked_where_names_are_clear():
 @pytest.mark.parametrize(("constants", "interval"), [({"Ts": 4.0}, 4.0), ({"fs": 50.0}, 0.02)])
 def test_a_lone_number_may_be_the_interval_or_the_rate(constants, interval):
     assert roles({"u": "V", "y": "mm"}, constants=constants).interval == interval
+
+
+@pytest.mark.parametrize(
+    ("units", "constants", "interval"),
+    [
+        ({"Ts": "ms"}, {"Ts": 20.0}, 0.02),
+        ({"fs": "kHz"}, {"fs": 5.0}, 2e-4),
+        ({"fs": "Hz"}, {"fs": 50.0}, 0.02),
+    ],
+)
+def test_the_interval_or_rate_is_in_its_units(units, constants, interval):
+    found = roles({"u": "V", "y": "mm"} | units, constants=constants)
+    assert found.interval == pytest.approx(interval, rel=1e-12)
+
+
+def test_an_interval_in_unknown_units_is_asked_for():
+    with pytest.raises(UnansweredError, match="how many samples"):
+        roles({"u": "V", "y": "mm", "Ts": "ticks"}, constants={"Ts": 20.0})
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 from dea.errors import InputError
 from dea.intake.questions import UnansweredError, command, described
 from dea.store import ForeignTable
-from dea.units import SECONDS
+from dea.units import HERTZ, SECONDS
 
 # Whole words of a name. Names that could be either (voltage, position) are asked about.
 _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest", "u1"}
@@ -172,11 +172,12 @@ def _timing(
             inferred.append(f"time: column {name!r}, in {units}")
         if (units or "s") in SECONDS:
             return (name, units or "s"), None
-    for known, of in ((_INTERVAL, "interval"), (_RATE, "rate")):
+    for known, plain, scale in ((_INTERVAL, "s", SECONDS), (_RATE, "Hz", HERTZ)):
         constant = next(filter(_named(known), table.constants), None)
-        if constant is not None and table.constants[constant] > 0:
-            value = table.constants[constant]
-            interval = value if of == "interval" else 1.0 / value
+        factor = scale.get(table.units.get(constant, plain)) if constant is not None else None
+        if constant is not None and factor and table.constants[constant] > 0:
+            value = factor * table.constants[constant]
+            interval = value if scale is SECONDS else 1.0 / value
             inferred.append(f"{interval:g} s between samples, from {constant!r}")
             return None, interval
     return None, None

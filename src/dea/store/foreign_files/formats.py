@@ -80,14 +80,16 @@ def _read_netcdf(file: Path) -> ForeignTable:
         for name, each in variables.items()
         if each.ndim == 1 and np.issubdtype(each.dtype, np.number)
     }
+    scalars = {
+        name: each
+        for name, each in variables.items()
+        if each.ndim == 0 and np.issubdtype(each.dtype, np.number)
+    }
+    known = {n: v.attrs["units"] for n, v in (vectors | scalars).items() if "units" in v.attrs}
     return ForeignTable(
         {name: each.values.astype(float) for name, each in vectors.items()},
-        {n: plain_units(v.attrs["units"]) for n, v in vectors.items() if "units" in v.attrs},
-        {
-            name: float(each)
-            for name, each in variables.items()
-            if each.ndim == 0 and np.issubdtype(each.dtype, np.number)
-        },
+        {name: plain_units(units) for name, units in known.items()},
+        {name: float(each) for name, each in scalars.items()},
     )
 
 

@@ -38,7 +38,7 @@ class ForeignTable:
         One-dimensional numbers by name; NaN where there is none. Dates and times of day are
         seconds since the first.
     units
-        Those that the file gives, by column.
+        Those that the file gives, by column or constant.
     constants
         Columns or variables of one number alone.
     words
@@ -135,15 +135,15 @@ def from_columns(
             continue
         if not is_time and (row := _first_word(series, numbers)) is not None:
             words[name] = f"{place(row)}: {str(series.iloc[row]).strip()!r}"
+        said = "s" if is_time else own or other
+        if said is not None:
+            units[name] = said
         there = np.flatnonzero(np.isfinite(numbers))
         if there.size == 1 and there[0] == 0 and numbers.size > 1:
             constants[name] = float(numbers[0])
             continue
         columns[name] = numbers
         clocks += [name] if is_time else []
-        said = "s" if is_time else own or other
-        if said is not None:
-            units[name] = said
     return ForeignTable(columns, units, constants, words, tuple(clocks))
 
 
