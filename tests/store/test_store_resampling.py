@@ -165,3 +165,17 @@ def test_a_value_missing_from_any_column_leaves_its_sample_out(signal, lost):
     found = resample(*columns.values(), 1.0)
     np.testing.assert_array_equal(np.flatnonzero(found.missing), [lost])
     np.testing.assert_allclose(found.u, np.stack(straight(found.time), axis=1))
+
+
+@pytest.mark.parametrize(("interval", "ends"), [(0.02, "1.7e\\+09"), (1e-9, "1.7e\\+09")])
+def test_a_time_that_is_far_off_is_refused_before_memory_is_asked_for(interval, ends):
+    """A logger whose clock was set after its first five samples."""
+    time = 0.02 * np.arange(600)
+    time[5:] += 1.7e9
+    with pytest.raises(InputError, match=rf"time: .*600 were measured; .*ends at {ends}"):
+        resample(time, time, time, interval)
+
+
+def test_a_long_pause_is_a_gap():
+    time = np.concatenate([0.02 * np.arange(300), 3600.0 + 0.02 * np.arange(300)])
+    assert resample(time, time, time, 0.02).missing.sum() == 180_000 - 300

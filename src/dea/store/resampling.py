@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 # between them is interpolated from, how close one sample must be that it stands alone, and by how
 # much rounding the interval may shift the last sample.
 _NEIGHBOURS, _CLOSE, _SHIFT = 1.6, 0.25, 0.05
+# Times for each sample that was measured, above which a time is taken to be wrong.
+_MOST = 1000
 
 
 class Uniform(NamedTuple):
@@ -71,7 +73,7 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
     Raises
     ------
     InputError
-        If times do not ascend.
+        If times do not ascend, or hardly any would hold a sample.
     """
     known = np.isfinite(time) & np.isfinite(u.reshape(y.size, -1)).all(axis=1) & np.isfinite(y)
     if np.count_nonzero(known) < 3:
@@ -84,6 +86,15 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
     several = max(round(interval / usual_interval(at)), 1)
     step = interval / several
     count = (int((at[-1] - at[0]) / step + _CLOSE) + 1) // several * several
+    if count > _MOST * at.size:
+        last = int(np.argmax(np.diff(at))) + 1
+        raise InputError(
+            f"on times {interval:g} s apart the record would hold {count:.4g} samples, of which"
+            f" {at.size} were measured; its longest gap, of {at[last] - at[last - 1]:.4g} s, ends"
+            f" at {at[last]:.6g} s",
+            field="time",
+            remedy="Correct the times or the interval, or cut the record at the gap",
+        )
     grid = at[0] + step * np.arange(count)
     after = np.clip(np.searchsorted(at, grid), 1, at.size - 1)
     gap = at[after] - at[after - 1]
