@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from dea.discrepancy.evidence.split import split
 from dea.errors import InputError
 from dea.intake.bandwidth import band, samples_to_average
 from dea.intake.dynamics import linear_dynamics
@@ -47,6 +48,7 @@ def test_the_settling_time_is_that_of_the_pole(pole):
     u = excitation(4000, 0.5)
     found = linear_dynamics(u, of_pole(u, pole, 1))
     assert found.settling == pytest.approx(np.log(0.02) / np.log(pole), abs=2)
+    assert found.slowest == pytest.approx(-1.0 / np.log(pole), abs=0.6)
 
 
 def signals(size, rate, missing=()):
@@ -90,3 +92,13 @@ def test_an_input_that_no_longer_moves_is_refused():
     u = np.where(np.arange(600) < 300, record.u, 0.0)
     with pytest.raises(InputError, match="constant from sample 400 on"):
         infer_settings(record._replace(u=u))
+
+
+@pytest.mark.parametrize("pole", [0.9, 0.98, 0.995])
+def test_a_diagnosis_can_split_the_record_at_the_slowest_time(pole):
+    """The slowest time is that of the device where the record is long enough, else shorter."""
+    record = signals(600, 50.0)
+    sections = infer_settings(record._replace(y=of_pole(record.u, pole, 1))).sections
+    slowest, warm_up = (sections["split"][key] for key in ("slowest_time", "warm_up"))
+    assert slowest == pytest.approx(min(-0.02 / np.log(pole), 600 / 50.0 / 26), rel=0.1)
+    assert split(record.u, 0.02, slowest, min(warm_up, 0.02 * 12.0)).certify.any()

@@ -50,6 +50,11 @@ class Dynamics:
     error: float
 
     @property
+    def slowest(self) -> float:
+        """Time constant, in samples, of a first-order lag that settles as slowly."""
+        return max(self.settling, 2) / -float(np.log(_SETTLED))
+
+    @property
     def longest(self) -> int:
         """The largest lag of an input."""
         return max(lags[-1] for lags in self.u_lags)

@@ -26,6 +26,7 @@ _MOST_LAGS = 4
 _WINDOWS = 3
 _RESAMPLES = 10
 _RESPONSES = 120  # times at which responses are taken, at most
+_SLOWEST_TIMES = 26  # slowest time constants in a record, without which a diagnosis cannot split it
 _SETTLINGS = 20  # settling times in a window of the local tracker
 
 
@@ -110,7 +111,7 @@ def infer_settings(signals: Record) -> CaseSettings:
         "tracking": _tracking(y.size, linear.settling, lags),
         "gfrf": _responses(low, max(high, band(outputs, rate)[1]), rate, y.size),
         "split": {
-            "slowest_time": float(f"{min(max(linear.settling, 2) / rate, time / 8):.3g}"),
+            "slowest_time": float(f"{min(linear.slowest / rate, time / _SLOWEST_TIMES):.3g}"),
             "warm_up": float(f"{min(linear.settling / rate, time / 20):.3g}"),
         },
     }
