@@ -143,3 +143,20 @@ def test_the_plot_goes_into_axes_that_are_given(found):
     axes = Figure().add_subplot()
     assert found.plot(record(), axes=axes) is axes
     assert len(axes.lines) == 2
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"sampling_rate": 1000.0}, "sampling_rate: the record has 1000 Hz, the model"),
+        ({"u_units": "kV"}, "units: the record has kV, "),
+        ({"y_units": "m"}, "units: the record has .*, m, the model"),
+    ],
+)
+def test_a_record_unlike_the_model_s_is_refused(found, changed, message):
+    own = record(200, 1)
+    for use in (found.score, found.predict):
+        with pytest.raises(InputError, match=message):
+            use(own._replace(**changed))
+    near = own._replace(sampling_rate=1.0005 * own.sampling_rate, u_name="another name")
+    assert found.score(near) == found.score(own)

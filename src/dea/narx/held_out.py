@@ -61,7 +61,7 @@ def held_out_error(
             field="start",
             remedy="Start runs after as many outputs as the largest lag.",
         )
-    whole = pair(u, y, model.max_lag)
+    whole = pair(model.labels, u, y, model.max_lag)
     inputs, outputs = as_record(*whole, model.max_lag, len(model.terms))
     check_parts(parts, outputs.size, given)
     edges = np.linspace(0, outputs.size, parts + 1).astype(int)

@@ -11,6 +11,9 @@ from dea.missing import stretches
 from dea.narx.checks import Array, as_record
 from dea.store import Record, Text, each_text
 
+# Part by which the rate of a record may differ from the model's: a clock may be off by as much.
+_RATES_APART = 1e-3
+
 
 @dataclass(frozen=True)
 class Labels:
@@ -96,14 +99,44 @@ def unpacked(u: Any, y: Any, lag: int, terms: int) -> tuple[Any, Any, Labels]:
     return inputs, outputs, labels
 
 
-def pair(u: Any, y: Any, samples: int) -> tuple[Array, Array]:
-    """Return input and output, whether as two signals or as one record; NaN where missing."""
+def pair(labels: Labels, u: Any, y: Any, samples: int) -> tuple[Array, Array]:
+    """Return input and output, whether as two signals or as one record; NaN where missing.
+
+    Raises
+    ------
+    InputError
+        If a record has another rate or other units than the model, whose ``labels`` are given, or
+        its inputs in another order.
+    """
     if isinstance(u, Record):
+        _refuse_other(labels, Labels.of(u))
         u, y = u.u, u.y
     if y is None:
         raise InputError("there is no output", field="y", remedy="Give it, or a dea.Record")
     inputs, outputs = as_record(u, y, samples, missing=True)
     return inputs, outputs
+
+
+def _refuse_other(model: Labels, record: Labels) -> None:
+    own, other = model.sampling_rate, record.sampling_rate
+    if own is None or other is None:
+        return
+    if abs(other / own - 1.0) > _RATES_APART:
+        raise _unlike("sampling_rate", f"{other:g} Hz", f"{own:g} Hz")
+    units, others = ((*each_text(of.u_units), of.y_units) for of in (model, record))
+    if units != others:
+        raise _unlike("units", ", ".join(others), ", ".join(units))
+    names, called = (each_text(of.u_name) for of in (model, record))
+    if names != called and sorted(names) == sorted(called):
+        raise _unlike("names", ", ".join(called), ", ".join(names))
+
+
+def _unlike(field: str, record: str, model: str) -> InputError:
+    return InputError(
+        f"the record has {record}, the model {model}",
+        field=field,
+        remedy="Convert the record, or select a model from one like it",
+    )
 
 
 def records_in(u: Any) -> list[Record] | None:

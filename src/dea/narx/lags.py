@@ -13,7 +13,7 @@ from dea.inputs import input_count
 from dea.narx.candidate_terms import InputLags, Lags, input_lag_lists, lag_list
 from dea.narx.checks import Array, as_record, as_signal
 from dea.narx.held_out import check_parts, held_out_error
-from dea.narx.labels import pair
+from dea.narx.labels import Labels, pair
 from dea.narx.model import NarxModel
 from dea.narx.search import Refined
 from dea.narx.selection import select_terms
@@ -87,7 +87,7 @@ def select_lags(
     InputError
         If there is nothing to choose from, or no choice is left.
     """
-    inputs, outputs = as_record(*pair(u, y, 1))
+    inputs, outputs = as_record(*pair(Labels(), u, y, 1))
     offered: Sequence[tuple[Lags, InputLags]] = (
         lag_choices(outputs, even_in_input=even_in_input) if choices is None else choices
     )

@@ -187,7 +187,7 @@ class NarxModel:
             Predicted output in physical units, shape (samples,); its first ``max_lag + steps - 1``
             samples, whose past is unknown, are the measured ones.
         """
-        inputs, outputs = pair(u, y, self.max_lag + steps)
+        inputs, outputs = pair(self.labels, u, y, self.max_lag + steps)
         return predicted(self.terms, self.parameters, self.scaling, inputs, outputs, steps)
 
     def score(self, u: ArrayLike | Record, y: ArrayLike | None = None) -> float:
@@ -196,7 +196,7 @@ class NarxModel:
         The run starts from the first measured outputs, which are not scored; missing ones are not
         either. A run that diverges scores minus infinity.
         """
-        inputs, recorded = pair(u, y, self.max_lag + 1)
+        inputs, recorded = pair(self.labels, u, y, self.max_lag + 1)
         outputs, seen = filled(recorded)
         seen[: self.max_lag] = False
         run = self.simulate(inputs, outputs)
@@ -208,7 +208,7 @@ class NarxModel:
         """Draw measured output and free run over time into matplotlib's ``axes``, or new ones."""
         from dea.narx.plot import plot_run
 
-        inputs, outputs = pair(u, y, self.max_lag + 1)
+        inputs, outputs = pair(self.labels, u, y, self.max_lag + 1)
         return plot_run(self.labels, outputs, self.simulate(inputs, filled(outputs)[0]), axes)
 
     def with_parameters(

@@ -149,7 +149,7 @@ def track_parameters(
         instants=instants,
     )
     model = with_constant(model)
-    signals = normalised_signals(model, *pair(u, y, model.max_lag))
+    signals = normalised_signals(model, *pair(model.labels, u, y, model.max_lag))
     if method == "local" and chosen["window"] is None:
         chosen["window"] = usual_window(model, signals.y.size)
     rate = sampling_rate or (u.sampling_rate if isinstance(u, store.Record) else None)
