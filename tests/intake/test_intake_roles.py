@@ -94,6 +94,20 @@ def test_units_alone_are_asked_where_names_are_clear():
     assert "which column" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("time_ms", "ms"), ("t_us", "us"), ("millis", "ms"), ("Time (sec", "s"), ("time", "s")],
+)
+def test_the_name_of_a_time_may_tell_its_units(name, unit):
+    assert roles({name: None, "u": "V", "y": "mm"}).time == (name, unit)
+
+
+def test_units_that_are_given_count_more_than_a_name():
+    assert roles({"time_ms": "us", "u": "V", "y": "mm"}).time == ("time_ms", "us")
+    answers = Answers(time="time_ms:s")
+    assert roles({"time_ms": None, "u": "V", "y": "mm"}, answers).time == ("time_ms", "s")
+
+
 @pytest.mark.parametrize(("constants", "interval"), [({"Ts": 4.0}, 4.0), ({"fs": 50.0}, 0.02)])
 def test_a_lone_number_may_be_the_interval_or_the_rate(constants, interval):
     assert roles({"u": "V", "y": "mm"}, constants=constants).interval == interval

@@ -15,7 +15,12 @@ from dea.units import HERTZ, SECONDS
 # Whole words of a name. Names that could be either (voltage, position) are asked about.
 _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest", "u1"}
 _OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest", "y1"}
-_TIME = {"t", "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock"}
+_TIME = {
+    "t", "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock", "millis",
+    "micros",
+}  # fmt: skip
+# Units of a time that its name says, beside those in its last word.
+_BY_NAME = {"millis": "ms", "micros": "us", "sec": "s", "seconds": "s", "minutes": "min"}
 _INTERVAL = {"ts", "dt", "tsample", "sampling_interval", "sample_time"}
 _Column = tuple[str, str | None]  # its name and its units, where they are known
 _RATE = {"fs", "rate", "sampling_rate", "samplerate", "sample_rate"}
@@ -165,7 +170,7 @@ def _timing(
         return None, 1.0 / rate
     name, units = said or (_time_column(table), None)
     if name is not None:
-        units = units or table.units.get(name)
+        units = units or table.units.get(name) or _named_units(name)
         if units is None:
             inferred.append(f"time: column {name!r}, taken to be in s")
         elif said is None:
@@ -181,6 +186,12 @@ def _timing(
             inferred.append(f"{interval:g} s between samples, from {constant!r}")
             return None, interval
     return None, None
+
+
+def _named_units(name: str) -> str | None:
+    """Return the units of a time of which the last word of its name tells: ``time_ms``."""
+    last = re.split(r"[^a-z0-9]+", name.lower())[-1]
+    return last if last in SECONDS else _BY_NAME.get(last)
 
 
 def _time_column(table: ForeignTable) -> str | None:
