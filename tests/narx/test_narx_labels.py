@@ -54,6 +54,8 @@ def test_labels_survive_a_file(found, tmp_path):
 def test_a_response_takes_the_rate_of_the_model_and_asks_where_there_is_none(found):
     known = dea.frequency_response(found, 1, 2.0)
     np.testing.assert_array_equal(known, dea.frequency_response(found, 1, 2.0, RATE))
+    with pytest.raises(InputError, match="sampling_rate: it is 1000 Hz, and the model is of 20 Hz"):
+        dea.frequency_response(found, 1, 2.0, 1000.0)
     plain = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 1.0})
     with pytest.raises(InputError, match="does not know its sampling rate"):
         dea.frequency_response(plain, 1, 0.1)

@@ -55,9 +55,16 @@ def rate_of(labels: Labels, given: float | None) -> float:
     Raises
     ------
     InputError
-        If there is neither.
+        If there is neither, or both and they differ.
     """
-    rate = labels.sampling_rate if given is None else given
+    own = labels.sampling_rate
+    rate = own if given is None else given
+    if own is not None and rate is not None and abs(rate / own - 1.0) > _RATES_APART:
+        raise InputError(
+            f"it is {rate:g} Hz, and the model is of {own:g} Hz",
+            field="sampling_rate",
+            remedy="Leave it out, or select a model from a record of that rate",
+        )
     if rate is None:
         raise InputError(
             "the model does not know its sampling rate",
