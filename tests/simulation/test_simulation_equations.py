@@ -38,9 +38,14 @@ def raising(x, u, p, dx):
         raise ValueError("too far")
 
 
+def returning(x, u, p, dx):
+    return [x[1], u - x[0]]
+
+
 @pytest.mark.parametrize(
     ("derivative", "problem"),
     [
+        (returning, r"returns a value \(return \[x\[1\], u - x\[0\]\]\).*dx\[0\] to dx\[1\]"),
         (in_a_branch_parameter, r"not declared \(p\[9\]\)"),
         (in_a_branch_state, r"not declared \(dx\[2\]\)"),
         (asserting, r"raises an exception \(assert abs\(x\[1\]\) < 6.0\)"),

@@ -38,6 +38,18 @@ def raising(function: Callable[..., Any]) -> str | None:
     return ast.unparse(first) if first else None
 
 
+def returning(function: Callable[..., Any]) -> str | None:
+    """Return the first statement that returns a value, as it is written, or None."""
+    tree = _parsed(function)
+    found = (n for n in _own(tree) if isinstance(n, ast.Return)) if tree else iter(())
+    first = next((node for node in found if not _nothing(node.value)), None)
+    return ast.unparse(first) if first else None
+
+
+def _nothing(value: ast.expr | None) -> bool:
+    return value is None or (isinstance(value, ast.Constant) and value.value is None)
+
+
 def _parsed(function: Callable[..., Any]) -> ast.FunctionDef | None:
     plain = getattr(function, "py_func", function)
     try:

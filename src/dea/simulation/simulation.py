@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dea.errors import InputError
-from dea.simulation.equations import beyond, raising
+from dea.simulation.equations import beyond, raising, returning
 from dea.simulation.force_port import ForcePort
 from dea.simulation.input_action import InputAction
 from dea.simulation.inputs import RESERVED, Input
@@ -249,6 +249,13 @@ class Simulation:
                     f"it uses a state or parameter that is not declared ({undeclared})",
                     role,
                     remedy,
+                )
+            returned = returning(function) if own else None
+            if returned:
+                raise self._error(
+                    f"it returns a value ({returned})",
+                    role,
+                    f"Write the rates into its last argument: dx[0] to dx[{x.size - 1}]",
                 )
             exception = raising(function)
             if exception:
