@@ -35,8 +35,8 @@ def concentrated(rms):
     return Localisation(None, None, BAND, rms, "mm")
 
 
-def candidate(*names, at_bounds=()):
-    return SimpleNamespace(names=names, at_bounds=at_bounds)
+def candidate(*names, at_bounds=(), fit=None):
+    return SimpleNamespace(names=names, at_bounds=at_bounds, fit=fit)
 
 
 def extension(*names):
@@ -67,7 +67,7 @@ def found(
         coordinates=np.array(coordinates),
         covariance=lambda seen, variance: np.diag([0.1, 0.1, 0.0025]),
     )
-    chosen = candidate(*names, at_bounds=at_bounds) if names else None
+    chosen = candidate(*names, at_bounds=at_bounds, fit=fit) if names else None
     rivals = tuple(candidate(*each) for each in rivals)
     return SimpleNamespace(
         decision=Decision(status, chosen, rivals, reason, whole),
@@ -359,6 +359,16 @@ def test_priors_that_exclude_the_record_are_told(coordinates, remark):
         "asks for.",
     )
     assert remarks(found(Status.UNKNOWN, coordinates=(2.99, -2.99, 3.0))) == ()
+
+
+def test_it_is_told_that_certified_samples_dated_an_event():
+    diagnosis = found(Status.NAMED, "step_fault")
+    assert "certified samples, which" not in " ".join(remarks(diagnosis))
+    diagnosis.extended = SimpleNamespace(**vars(diagnosis.extended))
+    assert (
+        "When it happened was found on the certified samples, which do not certify that."
+        in remarks(diagnosis)
+    )
 
 
 @pytest.mark.parametrize(
