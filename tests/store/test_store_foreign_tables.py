@@ -327,7 +327,7 @@ def test_netcdf_holds_vectors_and_lone_numbers_and_times_stay_numbers(tmp_path):
     assert list(found.columns) == ["t", "u"]
     np.testing.assert_array_equal(found.columns["t"], [0.0, 1.0, 2.0])
     assert found.columns["u"].dtype == float
-    assert found.units == {"t": "s"}
+    assert found.units == {"t": "s", "rate": "Hz"}
     assert found.constants == {"rate": 50.0}
 
 
