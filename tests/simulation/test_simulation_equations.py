@@ -84,6 +84,18 @@ def test_deviations_and_nominal_values_are_checked():
         replace(CARRIAGE, parameters=(beyond, *rest))
 
 
+def test_functions_within_an_equation_and_replaced_arguments_are_its_own_matter():
+    def derivative(x, u, p, dx):
+        def squared(x):
+            return x[5] * x[5]
+
+        p = (p[0], p[1], p[2], 1.0)
+        dx[0] = x[1]
+        dx[1] = p[3] * (u - x[0]) - p[1] * x[1] + 0.0 * squared((0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
+
+    assert isinstance(replace(CARRIAGE, derivative=derivative), Simulation)
+
+
 def test_a_simulation_without_source_at_hand_is_taken():
     made = {}
     exec("def derivative(x, u, p, dx):\n    dx[0] = x[1]\n    dx[1] = u - x[0]", made)

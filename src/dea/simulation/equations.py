@@ -1,13 +1,15 @@
 """What the source of a simulation's equations must not hold, since compiled code does not check it.
 
 A branch that no trial run enters is read as well, unless it depends on how many states,
-parameters or inputs there are.
+parameters or inputs there are. Functions within the equations, and arguments that they replace, are
+left out.
 """
 
 import ast
 import inspect
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from typing import Any
 
 
@@ -20,8 +22,11 @@ def beyond(function: Callable[..., Any], sizes: Sequence[int]) -> str | None:
     tree = _parsed(function)
     if tree is None:
         return None
-    known = dict(zip((each.arg for each in tree.args.args), sizes, strict=False))
-    for node in _own(tree):
+    nodes = list(_own(tree))
+    stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    arguments = zip((each.arg for each in tree.args.args), sizes, strict=False)
+    known = {name: size for name, size in arguments if name not in stored}
+    for node in nodes:
         if not (isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name)):
             continue
         size, index = known.get(node.value.id), _literal(node.slice)
@@ -50,6 +55,7 @@ def _nothing(value: ast.expr | None) -> bool:
     return value is None or (isinstance(value, ast.Constant) and value.value is None)
 
 
+@lru_cache(maxsize=16)
 def _parsed(function: Callable[..., Any]) -> ast.FunctionDef | None:
     plain = getattr(function, "py_func", function)
     try:
@@ -61,8 +67,10 @@ def _parsed(function: Callable[..., Any]) -> ast.FunctionDef | None:
 
 
 def _own(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield what a node holds, but nothing beneath a condition on the size of an array."""
+    """Yield what a node holds, but no function and no condition on the size of an array."""
     for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef | ast.Lambda):
+            continue
         if isinstance(child, ast.If | ast.IfExp) and _counts(child.test):
             continue
         yield child
