@@ -12,6 +12,7 @@ from dea.discrepancy.decision import (
     confirmed,
     decide,
     proven_alone,
+    share_of,
     sure_alone,
     without_small_drift,
 )
@@ -30,11 +31,9 @@ from dea.discrepancy.evidence.noise import quantisation
 from dea.discrepancy.evidence.null import null_gain
 from dea.discrepancy.evidence.presence import (
     Presence,
-    Share,
     log_prior,
     log_volume,
     presence,
-    share_removed,
 )
 from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.evidence.transfer import leave_one_out
@@ -177,7 +176,7 @@ def diagnose(
         floor=floor,
         presence=weighed,
         error=error,
-        share=_share(evidence, final) if decision.answer else None,
+        share=share_of(evidence, final) if decision.answer else None,
         rules=rules,
         not_offered=not_offered(rounds, offered),
     )
@@ -203,11 +202,10 @@ def _listed(
 
     from dea.store import Record
 
-    if isinstance(record, Record | xr.Dataset):
-        return [record]
-    records = list(record) if isinstance(record, list | tuple) else []
-    known = [each for each in records if isinstance(each, Record | xr.Dataset)]
-    if len(known) < len(records) or not isinstance(record, list | tuple):
+    single = isinstance(record, Record | xr.Dataset) or not isinstance(record, list | tuple)
+    given = [record] if single else list(record)
+    known = [each for each in given if isinstance(each, Record | xr.Dataset)]
+    if len(known) < len(given):
         raise InputError(
             f"it is {type(record).__name__}",
             field="record",
@@ -254,12 +252,6 @@ def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], worke
     )
     before = [held_out.residual(nominal, c.fit) for c in singles]
     return gains(before, after, blocks, null, evidence.rng)
-
-
-def _share(evidence: Evidence, final: Fit) -> Share:
-    """Return the part of the held-out misfit that the final extension removes."""
-    before, after = (evidence.held_out.residual(each, final) for each in (evidence.nominal, final))
-    return share_removed(before, after, evidence.blocks, evidence.floor, evidence.rng)
 
 
 def _weighed(

@@ -1,5 +1,6 @@
 """From fitted candidates to a name, several, none, or "unknown"."""
 
+from dea.discrepancy.decision.adequacy import share_of
 from dea.discrepancy.decision.confirmation import confirmed
 from dea.discrepancy.decision.decision import Decision, Reason, Status
 from dea.discrepancy.decision.extension import best_extension, proven_alone, sure_alone
@@ -16,6 +17,7 @@ __all__ = [
     "decide",
     "proven_alone",
     "same_class",
+    "share_of",
     "sure_alone",
     "without_small_drift",
 ]

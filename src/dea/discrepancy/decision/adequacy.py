@@ -6,6 +6,7 @@ from dea.discrepancy.evidence.colour import PREDICTED, leaves_coloured_noise
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence, Share, share_removed
 from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.fit import Fit
 from dea.discrepancy.rules import misfit
 from dea.discrepancy.search.candidates import Candidate
 
@@ -47,7 +48,7 @@ def leaves_noise(evidence: Evidence, chosen: Candidate, weighed: Presence) -> bo
 
 def beside_noise(evidence: Evidence, part: Candidate) -> bool:
     """Return whether a candidate explains most of the gap, and leaves what looks like noise."""
-    if share_of(evidence, part).low < evidence.rules.part:
+    if share_of(evidence, part.fit).low < evidence.rules.part:
         return False
     # Several laws leave little of what they do not explain to be seen.
     most = PREDICTED / len(part.names)
@@ -62,11 +63,11 @@ def borne_out(evidence: Evidence, candidate: Candidate) -> bool:
     """
     if not transferable(candidate.fit.extended):
         return True
-    return share_of(evidence, candidate).value >= evidence.rules.part
+    return share_of(evidence, candidate.fit).value >= evidence.rules.part
 
 
-def share_of(evidence: Evidence, part: Candidate) -> Share:
-    """Return the part of the simulation's misfit on held-out blocks that a candidate removes."""
+def share_of(evidence: Evidence, extended: Fit) -> Share:
+    """Return the part of the simulation's misfit on held-out blocks that an extension removes."""
     held_out = evidence.held_out
-    before, after = held_out.residual(evidence.nominal, part.fit), held_out.residual(part.fit)
+    before, after = held_out.residual(evidence.nominal, extended), held_out.residual(extended)
     return share_removed(before, after, evidence.blocks, evidence.floor, evidence.rng)

@@ -45,7 +45,7 @@ def decide(
         if part is not None:
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
         # If an effect lowers the error on held-out blocks, the residual is not noise.
-        unaffected = share_of(evidence, chosen).low <= rules.margin
+        unaffected = share_of(evidence, chosen.fit).low <= rules.margin
         if unaffected and leaves_coloured_noise(evidence.problem, alone, evidence.blocks):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
@@ -134,7 +134,7 @@ def _stands_alone(
     complete = before > rules.grow * floor and not rules.leaves_room(surest.rmse, before, floor)
     if complete and not of_readings:
         return borne_out(evidence, surest)
-    return share_of(evidence, surest).low >= rules.part
+    return share_of(evidence, surest.fit).low >= rules.part
 
 
 def _nothing_proven(evidence: Evidence) -> Decision:

@@ -61,7 +61,7 @@ def certain_part(
     certain = sorted(
         (c for c in finished if c.effects <= sure), key=lambda c: (len(c.effects), c.error)
     )
-    most = (c for c in certain if needed(c) and share_of(evidence, c).low >= rules.part)
+    most = (c for c in certain if needed(c) and share_of(evidence, c.fit).low >= rules.part)
     part = next(most, None)
     if part is None:
         return None
