@@ -1,5 +1,7 @@
 """What foreign files say: times, units, numbers and words, in files written by hand."""
 
+from datetime import datetime, time
+
 import netCDF4
 import numpy as np
 import openpyxl
@@ -276,6 +278,56 @@ def test_lines_without_two_numbers_are_no_table(text, tmp_path):
         read(tmp_path, text)
 
 
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_every_number_may_be_quoted_whatever_marks_its_decimals(decimal, tmp_path):
+    rows = [f'"{k / 4:.2f}","{-k:.1f}"'.replace(".", decimal) for k in range(9)]
+    found = read(tmp_path, "\n".join(['"u","y"', *rows]))
+    np.testing.assert_array_equal(found.columns["u"], np.arange(9) / 4)
+    np.testing.assert_array_equal(found.columns["y"], -np.arange(9.0))
+
+
+@pytest.mark.parametrize("above", ["Film 3,,\n", "Film 3,,\n,,\nOperator,Volta,\n", "Film 3\n"])
+@pytest.mark.parametrize("units", ["", "s,V,mm\n", "s,,mm\n"])
+def test_a_title_padded_by_a_spreadsheet_is_no_heading(above, units, tmp_path):
+    found = read(tmp_path, f"{above}time,u,y\n{units}" + "".join(f"{k},1,2\n" for k in range(5)))
+    assert list(found.columns) == ["time", "u", "y"]
+    assert found.units.get("y") == ("mm" if units else None)
+
+
+@pytest.mark.parametrize("heading", ["u,y,remarks", "u,y,", "u,y"])
+@pytest.mark.parametrize("end", [",", ",,"])
+def test_a_column_in_which_there_is_nothing_is_none(heading, end, tmp_path):
+    found = read(tmp_path, f"{heading}\n" + "".join(f"{k},{-k}{end}\n" for k in range(5)))
+    assert list(found.columns) == ["u", "y"]
+    np.testing.assert_array_equal(found.columns["y"], -np.arange(5.0))
+
+
+@pytest.mark.parametrize(
+    ("day", "times"),
+    [
+        ("2026-11-26", ["23:59:59.5", "00:00:00.25"]),
+        ("26.11.2026", ["23:59:59,5", "00:00:00,25"]),
+        ("11/26/2026", ["11:59:59.5 PM", "12:00:00.25 AM"]),
+        ("11/26/2026", ["11:59:59.5 AM", "12:00:00.25 PM"]),
+    ],
+)
+def test_dates_and_times_of_day_in_two_columns_are_one_time(day, times, tmp_path):
+    midnight = times[1].startswith("0") or times[1].endswith("AM")
+    days = [day, day.replace("26", "27", 1) if midnight else day]
+    if midnight and day.startswith("2026"):
+        days[1] = "2026-11-27"
+    rows = [f"{d};{t};1;2" for d, t in zip(days, times, strict=True)]
+    found = read(tmp_path, "\n".join(["Date;Time;u;y", *rows]))
+    assert (list(found.columns), found.clocks) == (["Time", "u", "y"], ("Time",))
+    np.testing.assert_allclose(found.columns["Time"], [0.0, 0.75], atol=1e-6)
+
+
+def test_dates_that_cannot_be_read_leave_the_times_of_day(tmp_path):
+    rows = [f"26/Nov/2026;10:00:0{k};1;2" for k in range(3)]
+    found = read(tmp_path, "\n".join(["Date;Time;u;y", *rows]))
+    np.testing.assert_allclose(found.columns["Time"], [0.0, 1.0, 2.0])
+
+
 # Other programs
 
 
@@ -294,11 +346,27 @@ def test_a_spreadsheet_names_a_word_by_its_row(units, tmp_path):
     assert found.units == ({"t": "s", "u": "V", "y": "1"} if units else {})
 
 
-def test_a_spreadsheet_of_headings_alone_holds_no_samples(tmp_path):
+def test_a_spreadsheet_of_headings_alone_is_no_table(tmp_path):
     book = openpyxl.Workbook()
     book.active.append(["t", "u"])
     book.save(tmp_path / "mine.xlsx")
-    assert not any(each.size for each in read_foreign(tmp_path / "mine.xlsx").columns.values())
+    with pytest.raises(InputError, match="no row of it holds numbers"):
+        read_foreign(tmp_path / "mine.xlsx")
+
+
+def test_a_spreadsheet_may_have_titles_and_a_date_beside_the_time(tmp_path):
+    book = openpyxl.Workbook()
+    day, morning = datetime(2026, 11, 26), time(9, 30, 0)
+    for row in (["Film 3"], [], ["Operator", "A. Volta"], ["Date", "Time", "u", "y"],
+                [None, None, "V", "mm"], [day, morning, 1.0, 2],
+                [day, morning.replace(second=1, microsecond=500_000), 3.0, 4]):  # fmt: skip
+        book.active.append(row)
+    book.save(tmp_path / "mine.xlsx")
+    found = read_foreign(tmp_path / "mine.xlsx")
+    assert list(found.columns) == ["Time", "u", "y"]
+    np.testing.assert_allclose(found.columns["Time"], [0.0, 1.5])
+    np.testing.assert_array_equal(found.columns["y"], [2.0, 4.0])
+    assert found.units == {"Time": "s", "u": "V", "y": "mm"}
 
 
 def test_an_index_with_a_name_is_a_column_of_a_parquet_file(tmp_path, monkeypatch):

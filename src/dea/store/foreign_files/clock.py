@@ -9,12 +9,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 DAY = 86_400.0
-_CLOCK = re.compile(r"^(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d*)?)$")
+_CLOCK = re.compile(r"^(\d{1,3}):(\d{2}):(\d{2}(?:[.,]\d*)?)(?:\s*([AP])M)?$", re.IGNORECASE)
+_DATE = re.compile(r"^\d{1,4}[-./]\d{1,2}[-./]\d{1,4}$")
 # As people write dates; what is tried first is ISO 8601.
 _FORMATS = "ISO8601", "%d.%m.%Y %H:%M:%S", "%d.%m.%Y %H:%M:%S.%f", "%d.%m.%Y %H:%M"
 # Of these several may be read.
 _SLASHED = ("%m/%d/%Y %H:%M:%S", "%m/%d/%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S %p",
-            "%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f")  # fmt: skip
+            "%m/%d/%Y %I:%M:%S.%f %p", "%d/%m/%Y %H:%M:%S", "%d/%m/%Y %H:%M:%S.%f")  # fmt: skip
 
 
 def is_clock(text: str) -> bool:
@@ -47,6 +48,35 @@ def seconds(column: pd.Series) -> NDArray[np.float64] | None:
     return _since_first(likeliest.reindex(column.index))
 
 
+def is_day(column: pd.Series) -> bool:
+    """Tell whether a column holds dates without a time of day."""
+    if pd.api.types.is_datetime64_any_dtype(column):
+        return bool(
+            column.notna().any() and (column.dropna() == column.dropna().dt.floor("D")).all()
+        )
+    return _all_match(_DATE, column)
+
+
+def is_time_of_day(column: pd.Series) -> bool:
+    """Tell whether a column holds times of day without a date."""
+    return _all_match(_CLOCK, column)
+
+
+def joined(days: pd.Series, times: pd.Series) -> pd.Series:
+    """Return the dates of one column with the times of day of another."""
+    if pd.api.types.is_datetime64_any_dtype(days):
+        days = days.dt.strftime("%Y-%m-%d")
+    both = days.notna() & times.notna()
+    return (days.astype(str).str.strip() + " " + times.astype(str).str.strip()).where(both)
+
+
+def _all_match(pattern: re.Pattern[str], column: pd.Series) -> bool:
+    if not pd.api.types.is_object_dtype(column) and not pd.api.types.is_string_dtype(column):
+        return False
+    given = (str(each).strip() for each in column.dropna())
+    return bool(column.notna().any()) and all(map(pattern.match, given))
+
+
 def _readings(given: pd.Series, formats: Iterable[str]) -> Iterator[pd.Series]:
     """Yield what a column of dates is by each format by which it can be read and ascends."""
     for form in formats:
@@ -65,8 +95,9 @@ def _of_day(texts: pd.Series, given: NDArray[np.bool_]) -> NDArray[np.float64]:
     for i in np.flatnonzero(given):
         found = _CLOCK.match(texts.iloc[i])
         if found is not None:
-            hours, minutes, rest = found.groups()
-            told[i] = 3600 * int(hours) + 60 * int(minutes) + float(rest.replace(",", "."))
+            hours, minutes, rest, half = found.groups()
+            hour = int(hours) if half is None else int(hours) % 12 + 12 * (half in "Pp")
+            told[i] = 3600 * hour + 60 * int(minutes) + float(rest.replace(",", "."))
     known = np.flatnonzero(np.isfinite(told))
     midnights = np.cumsum(np.diff(told[known], prepend=told[known[0]]) < -DAY / 2)
     told[known] += DAY * midnights - told[known[0]]

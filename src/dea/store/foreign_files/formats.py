@@ -9,6 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from dea.errors import InputError
+from dea.store.foreign_files.headings import LOOKED_AT, headings_and_units, is_data
 from dea.store.foreign_files.table import Array, ForeignTable, from_columns, plain_units
 from dea.store.foreign_files.text import read_text
 
@@ -53,16 +54,18 @@ def read_foreign(file: Path) -> ForeignTable:
 
 
 def _read_sheet(file: Path) -> ForeignTable:
-    frame = pd.read_excel(file)
-    headings = [str(name) for name in frame.columns]
-    first = frame.iloc[0] if len(frame) else frame.iloc[:0]
-    if len(first) and all(isinstance(cell, str) or pd.isna(cell) for cell in first):
-        units = [plain_units("" if pd.isna(cell) else str(cell)) for cell in first]
-        rest = frame.iloc[1:].reset_index(drop=True)
-        columns = [rest[name] for name in frame.columns]
-        return from_columns(headings, columns, units, place=lambda row: f"row {row + 3}")
+    cells = pd.read_excel(file, header=None)
+    rows = [
+        ["" if pd.isna(cell) else str(cell).strip() for cell in row]
+        for row in cells.head(LOOKED_AT).itertuples(index=False)
+    ]
+    begin = next((i for i, row in enumerate(rows) if is_data(row)), None)
+    if begin is None:
+        raise InputError("no row of it holds numbers", remedy="Write it as a table of numbers")
+    headings, units = headings_and_units(rows[:begin], cells.shape[1])
+    frame = cells.iloc[begin:].reset_index(drop=True).infer_objects()
     columns = [frame[name] for name in frame.columns]
-    return from_columns(headings, columns, place=lambda row: f"row {row + 2}")
+    return from_columns(headings, columns, units, place=lambda row: f"row {begin + row + 1}")
 
 
 def _read_parquet(file: Path) -> ForeignTable:

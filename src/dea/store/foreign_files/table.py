@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dea.errors import InputError
-from dea.store.foreign_files.clock import seconds
+from dea.store.foreign_files.clock import is_day, is_time_of_day, joined, seconds
 
 Array = NDArray[np.float64]
 
@@ -96,7 +96,9 @@ def from_columns(
     decimal: str = ".",
     place: Callable[[int], str] = lambda row: f"row {row + 1}",
 ) -> ForeignTable:
-    """Return the table of these columns, of which some may be text.
+    """Return the table of these columns, of which some may be text, and others empty.
+
+    A column of dates and one of times of day are one time, by the name of the latter.
 
     Parameters
     ----------
@@ -129,7 +131,9 @@ def from_columns(
     words: dict[str, str] = {}
     clocks: list[str] = []
     apart = list(given) if given is not None else [None] * len(names)
-    for name, (_, own), other, series in zip(names, parts, apart, values, strict=True):
+    for name, (_, own), other, series in zip(names, parts, apart, _dated(values), strict=True):
+        if series is None:
+            continue
         numbers, is_time = _numbers(series, decimal)
         if numbers is None:
             continue
@@ -145,6 +149,22 @@ def from_columns(
         columns[name] = numbers
         clocks += [name] if is_time else []
     return ForeignTable(columns, units, constants, words, tuple(clocks))
+
+
+def _dated(values: Iterable[pd.Series]) -> list[pd.Series | None]:
+    """Return the columns, the only one of times of day with the dates of the only one of these.
+
+    Those of dates, and those in which nothing is, become None.
+    """
+    columns: list[pd.Series | None] = [s if s.notna().any() or s.empty else None for s in values]
+    days = [i for i, s in enumerate(columns) if s is not None and is_day(s)]
+    times = [i for i, s in enumerate(columns) if s is not None and is_time_of_day(s)]
+    if len(days) == len(times) == 1:
+        day, time = days[0], times[0]
+        whole = joined(columns[day], columns[time])
+        if seconds(whole) is not None:
+            columns[day], columns[time] = None, whole
+    return columns
 
 
 def _numbers(series: pd.Series, decimal: str) -> tuple[Array | None, bool]:

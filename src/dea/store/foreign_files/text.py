@@ -1,7 +1,6 @@
 """Tables of text as instruments write them: which character separates, where the numbers begin."""
 
 import csv
-import re
 from collections.abc import Sequence
 from io import StringIO
 from itertools import product
@@ -11,15 +10,17 @@ from typing import NamedTuple
 import pandas as pd
 
 from dea.errors import InputError
-from dea.store.foreign_files.clock import is_clock
-from dea.store.foreign_files.table import MISSING, ForeignTable, from_columns, plain_units
+from dea.store.foreign_files.headings import (
+    LOOKED_AT,
+    headings_and_units,
+    is_data,
+    is_number,
+)
+from dea.store.foreign_files.table import MISSING, ForeignTable, from_columns
 
 _COMMENTS = ("#", "%", "//", "!")
 _SEPARATORS = ("\t", ";", ",", "|", " ")
 _DECIMALS = (".", ",")
-_NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
-_LOOKED_AT = 400  # lines among which the numbers must have begun
-_LONGEST_UNITS = 12  # characters
 
 
 class Layout(NamedTuple):
@@ -34,7 +35,7 @@ def read_text(file: Path) -> ForeignTable:
     """Read a table of text: tab, semicolon, comma, bar or spaces, decimal point or comma.
 
     Lines of comment, lines before the table, a line of units below the headings, headings within
-    the last comment, and a separator at the end of each line are understood.
+    the last comment, quoted numbers, and a separator at the end of each line are understood.
 
     Raises
     ------
@@ -44,15 +45,17 @@ def read_text(file: Path) -> ForeignTable:
     whole = [line.rstrip() for line in _decoded(file).splitlines()]
     remarks, numbered = _without_comments(whole)
     rows = [whole[i] for i in numbered]
-    layout = _layout(rows[:_LOOKED_AT])
+    layout = _layout(rows[:LOOKED_AT])
     if layout is None:
         raise InputError(
             "no line of it holds two numbers", file=file, remedy="Write it as a table of numbers"
         )
-    begin = next(i for i, row in enumerate(rows) if _is_data(_fields(row, layout), layout))
+    begin = next(i for i, row in enumerate(rows) if _is_row(_fields(row, layout), layout))
     _refuse_wide_rows(rows[begin:], numbered[begin:], layout, file)
-    above = _of_width(rows[:begin], layout) or _of_width(remarks[-1:], layout)
-    headings, units = _headings(above, layout.columns)
+    # Above a last column in which there is nothing a heading may stand.
+    widest = layout.columns + rows[begin].endswith(layout.separator)
+    above = _of_width(rows[:begin], layout, widest) or _of_width(remarks[-1:], layout, widest)
+    headings, units = headings_and_units(above, layout.columns)
     frame = pd.read_csv(
         StringIO("\n".join(rows[begin:])),
         sep=r"\s+" if layout.separator == " " else layout.separator,
@@ -88,7 +91,7 @@ def _refuse_wide_rows(
         if row.count(layout.separator) < layout.columns:
             continue
         fields = _fields(row, layout)
-        if any(map(_is_number, _pointed(fields[layout.columns :], layout.decimal))):
+        if any(map(is_number, _pointed(fields[layout.columns :], layout.decimal))):
             raise InputError(
                 f"line {number + 1} has {len(fields)} fields, and the table {layout.columns}",
                 file=file,
@@ -125,7 +128,8 @@ def _layout(rows: Sequence[str]) -> Layout | None:
     sample = rows[len(rows) // 2 :]
     best, most = None, 0.0
     for separator, decimal in product(_SEPARATORS, _DECIMALS):
-        if separator == decimal:
+        # Numbers with the mark that separates them are quoted.
+        if separator == decimal and not any('"' in row for row in sample):
             continue
         split = [_fields(row, Layout(separator, decimal, 0)) for row in sample]
         counts = [len(row) for row in split]
@@ -133,7 +137,7 @@ def _layout(rows: Sequence[str]) -> Layout | None:
         if columns < 2:
             continue
         fields = [field for row in split if len(row) == columns for field in row]
-        numeric = sum(map(_is_number, _pointed(fields, decimal))) + 0.5 * sum(
+        numeric = sum(map(is_number, _pointed(fields, decimal))) + 0.5 * sum(
             field.lower() in MISSING for field in fields
         )
         share = numeric / len(fields) * counts.count(columns) / len(counts)
@@ -150,12 +154,11 @@ def _fields(row: str, layout: Layout) -> list[str]:
     return stripped[:-1] if len(stripped) > 2 and not stripped[-1] else stripped
 
 
-def _of_width(rows: Sequence[str], layout: Layout) -> list[list[str]]:
-    """Return the fields of the rows as wide as the table, the last of which may be empty."""
-    padded = [[*row, ""] if len(row) == layout.columns - 1 else row for row in (
-        _fields(row, layout) for row in rows
-    )]  # fmt: skip
-    return [row for row in padded if len(row) == layout.columns]
+def _of_width(rows: Sequence[str], layout: Layout, widest: int) -> list[list[str]]:
+    """Return the fields of the rows as wide as the table, or not much; the last may be empty."""
+    fields = (_fields(row, layout) for row in rows)
+    near = (row for row in fields if layout.columns - 1 <= len(row) <= widest)
+    return [[*row, ""][: layout.columns] for row in near]
 
 
 def _pointed(fields: Sequence[str], decimal: str) -> list[str]:
@@ -164,24 +167,5 @@ def _pointed(fields: Sequence[str], decimal: str) -> list[str]:
     return ["x" if "." in field else field.replace(",", ".") for field in fields]
 
 
-def _is_number(field: str) -> bool:
-    return bool(_NUMBER.match(field)) or is_clock(field)
-
-
-def _is_data(fields: Sequence[str], layout: Layout) -> bool:
-    if len(fields) != layout.columns:
-        return False
-    numbers = sum(map(_is_number, _pointed(fields, layout.decimal)))
-    empty = sum(field.lower() in MISSING for field in fields)
-    return numbers > 0 and numbers + empty > len(fields) / 2
-
-
-def _headings(
-    above: Sequence[Sequence[str]], columns: int
-) -> tuple[list[str], list[str | None] | None]:
-    """Return the headings, numbered where there are none, and the units below them."""
-    if not above:
-        return [f"column {i + 1}" for i in range(columns)], None
-    if len(above) > 1 and all(len(field) <= _LONGEST_UNITS for field in above[-1]):
-        return list(above[-2]), [plain_units(field) for field in above[-1]]
-    return [field or f"column {i + 1}" for i, field in enumerate(above[-1])], None
+def _is_row(fields: Sequence[str], layout: Layout) -> bool:
+    return len(fields) == layout.columns and is_data(_pointed(fields, layout.decimal))

@@ -1,0 +1,53 @@
+"""Where the numbers of a table begin, and which of the rows above them name its columns."""
+
+import re
+from collections.abc import Sequence
+
+from dea.store.foreign_files.clock import is_clock
+from dea.store.foreign_files.table import MISSING, plain_units
+
+_NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
+LOOKED_AT = 400  # rows among which the numbers must have begun
+_LONGEST_UNITS = 12  # characters
+
+
+def is_number(field: str) -> bool:
+    """Tell whether a field is a number with a decimal point, or a date or time of day."""
+    return bool(_NUMBER.match(field)) or is_clock(field)
+
+
+def is_data(fields: Sequence[str]) -> bool:
+    """Tell whether most of a row is numbers, or marks of missing ones beside a number."""
+    numbers = sum(map(is_number, fields))
+    empty = sum(field.lower() in MISSING for field in fields)
+    return numbers > 0 and numbers + empty > len(fields) / 2
+
+
+def headings_and_units(
+    above: Sequence[Sequence[str]], columns: int
+) -> tuple[list[str], list[str | None] | None]:
+    """Return the headings, numbered where there are none, and the units below them.
+
+    Parameters
+    ----------
+    above
+        Rows above the numbers, each as wide as the table. A title, or a remark, fills fewer of its
+        fields than the headings do, where a spreadsheet has padded it to that width.
+    """
+    if not above:
+        return [f"column {i + 1}" for i in range(columns)], None
+    *_, last = above
+    with_units = (
+        len(above) > 1 and _filled(above[-2]) >= _filled(last) and all(map(_is_short, last))
+    )
+    names = above[-2] if with_units else last
+    headings = [field or f"column {i + 1}" for i, field in enumerate(names)]
+    return headings, [plain_units(field) for field in last] if with_units else None
+
+
+def _filled(row: Sequence[str]) -> int:
+    return sum(map(bool, row))
+
+
+def _is_short(field: str) -> bool:
+    return len(field) <= _LONGEST_UNITS
