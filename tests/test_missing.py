@@ -5,16 +5,19 @@ The oracle is the estimate that the same equations give by least squares on the 
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from dea.autoregression import fit_autoregression
 from dea.errors import InputError
 from dea.missing import filled, stretches
 from dea.narx import (
     ForecastPlan,
+    FreeRun,
     NarxModel,
     Windows,
     baselines,
     forecast_errors,
+    noise_model,
     select_terms,
     validate,
 )
@@ -115,11 +118,36 @@ def test_validation_and_forecasts_score_what_is_there():
     assert np.isfinite(gappy["rmse"].values).all()
 
 
-def test_the_noise_of_a_residual_with_gaps_is_that_without():
-    noise = np.zeros(4000)
-    for t in range(1, noise.size):
-        noise[t] = 0.8 * noise[t - 1] + RNG.standard_normal()
-    gappy = noise.copy()
-    gappy[::200] = np.nan
-    whole, found = fit_autoregression([noise]), fit_autoregression([gappy])
-    assert found.coefficients[1] == pytest.approx(whole.coefficients[1], abs=0.03)
+@pytest.mark.parametrize("missing", [0.01, 0.1])
+def test_the_noise_of_a_residual_with_gaps_is_that_without(missing):
+    """20 records in the mean, against the coefficients and the variance that made them."""
+    found = []
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        noise = lfilter([1.0], [1.0, -0.9], rng.standard_normal(6000))
+        noise[rng.random(noise.size) < missing] = np.nan
+        fitted = fit_autoregression([noise])
+        found.append((fitted.coefficients[1], fitted.variance, fitted.order))
+    first, variance, order = np.mean(found, axis=0)
+    assert first == pytest.approx(-0.9, abs=0.01)
+    assert variance == pytest.approx(1.0, abs=0.02)
+    if missing == 0.01:
+        assert order < 1.1
+
+
+@pytest.mark.parametrize("missing", [0.0, 0.01, 0.1])
+def test_noise_on_the_output_is_told_from_noise_in_the_equation_beside_gaps(missing):
+    rng = np.random.default_rng(5)
+    terms, theta = (Term((1,), ()), Term((), (1,))), np.array([0.8, 0.2])
+    u = rng.standard_normal(6000)
+    run = lfilter([0.0, 0.2], [1.0, -0.8], u)
+    driven = 0.1 * rng.standard_normal(u.size)
+    gone = rng.random(u.size) < missing
+    # A linear model passes noise on as an autoregression of the output does, of a higher order.
+    for noise, told in (([1.0, -0.9], True), ([1.0, -0.8], missing < 0.1)):
+        error = np.where(gone, np.nan, lfilter([1.0], noise, driven))
+        left = FreeRun(u, run, error, np.empty((0, 0)))
+        (feedback,), found = noise_model(terms, theta, [left])
+        if told:
+            assert feedback.any() == (noise == [1.0, -0.8])
+        assert found.variance == pytest.approx(0.01, rel=0.1)

@@ -72,16 +72,14 @@ def noise_model(
     """
     lag = max_lag(terms)
     through = [feedback_slope(terms, theta, run.u, run.output) for run in runs]
-    directly = [np.zeros((run.residual.size, lag + 1)) for run in runs]
-    fits = []
-    for feedback in (directly, through):
-        driving = [
-            remove_feedback(slopes, run.residual)
-            for run, slopes in zip(runs, feedback, strict=True)
-        ]
-        fits.append((fit_autoregression(driving), feedback))
-    noise, feedback = min(fits, key=lambda fit: fit[0].criterion)
-    return feedback, noise
+    driving = [
+        remove_feedback(slopes, run.residual) for run, slopes in zip(runs, through, strict=True)
+    ]
+    in_equation = fit_autoregression(driving)
+    on_output = fit_autoregression([run.residual for run in runs])
+    if in_equation.criterion < on_output.criterion:
+        return through, in_equation
+    return [np.zeros((run.residual.size, lag + 1)) for run in runs], on_output
 
 
 def feedback_slope(terms: Sequence[Term], theta: Array, u: Array, y: Array) -> Array:
