@@ -12,9 +12,17 @@ import pytest
 from made_device import ECHO, module
 from memory_link import MemoryLink
 
-from dea.acquisition import AcquisitionSettings, LinkError, by_hand, duty, latch
+from dea.acquisition import (
+    AcquisitionSettings,
+    LinkError,
+    ZeroNotVerifiedError,
+    by_hand,
+    duty,
+    latch,
+)
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.configuration.safety import Safety
+from dea.errors import InputError
 from dea.progress import heard_by, tell
 
 
@@ -100,7 +108,7 @@ def test_a_guardian_that_raises_its_alarm_is_dismissed_until_it_goes(device, mon
                 guardian.put(Phase.DISMISSED, 3.0)
 
         monkeypatch.setattr(by_hand.time, "sleep", wait)
-        by_hand.dismiss(device)
+        assert "was dismissed before zero was shown" in by_hand.dismiss(device)
         assert orders == [Order.DISMISS] * 3
         monkeypatch.undo()
 
@@ -109,14 +117,16 @@ def test_a_guardian_that_raises_its_alarm_is_dismissed_until_it_goes(device, mon
 def test_a_guardian_without_an_alarm_is_not_dismissed(device, phase):
     with Duty(device) as guardian:
         guardian.put(phase, 3.0)
-        by_hand.dismiss(device)
+        with pytest.raises(InputError, match=r"no guardian raises an alarm: .*acquisition zero"):
+            by_hand.dismiss(device)
         assert asked(device) == Order.NONE
 
 
 def test_an_alarm_whose_guardian_is_gone_is_not_dismissed(device):
     with Duty(device) as guardian:
         guardian.put(Phase.ALARM, 3.0)
-    by_hand.dismiss(device)
+    with pytest.raises(InputError, match=r"no guardian raises an alarm: .* was killed"):
+        by_hand.dismiss(device)
     assert asked(device) == Order.NONE
 
 
@@ -178,6 +188,19 @@ def test_zero_is_asked_of_the_guardian_until_it_ends_and_then_shown(device, jobs
     [job] = jobs
     assert (job.reset, job.token) == (False, 0)
     np.testing.assert_array_equal(job.counts, [])
+
+
+def test_zero_is_not_awaited_for_longer_than_an_alarm_takes(device, jobs, clock, monkeypatch):
+    monkeypatch.setattr(by_hand.time, "monotonic", lambda: clock.now)
+    monkeypatch.setattr(by_hand.time, "sleep", clock.sleep)
+    settings = AcquisitionSettings(reconnect_time=20.0)
+    with Duty(device) as guardian:
+        guardian.put(Phase.ALARM, 3.0)
+        with pytest.raises(ZeroNotVerifiedError, match=r"ALARM.* asked for 3 V"):
+            by_hand.zero(device, settings)
+        assert asked(device) == Order.ZERO
+    assert clock.now == pytest.approx(20.0, abs=1.5)
+    assert jobs == []
 
 
 def test_a_device_that_is_off_hides_neither_guardian_nor_trip(device, monkeypatch):

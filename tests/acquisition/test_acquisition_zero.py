@@ -8,7 +8,7 @@ from memory_link import MemoryLink
 from dea.acquisition import LinkError, ZeroNotVerifiedError
 from dea.acquisition.output import Output
 from dea.acquisition.retrying_link import DeviceRefusedError
-from dea.acquisition.zero import LONGEST_STEP, WayToZero, ZeroEvidence
+from dea.acquisition.zero import LONGEST_STEP, READINGS, WayToZero, ZeroEvidence
 from dea.errors import InputError
 from dea.modbus import Command, to_physical
 
@@ -94,8 +94,12 @@ class ModuleLink:
         self.device, self.clock, self.reads, self.takes = device, clock, reads, takes
         self.fails, self.count, self.written = fails, 0, []
         self.check = self.on_connect = None
+        self.silent = 0  # readings that are not answered
 
     def read(self, address, count, table):
+        if self.silent:
+            self.silent -= 1
+            raise LinkError("no reply")
         return [round(self.reads * self.count)] * count
 
     def write(self, address, words, table="holding", *, retry=True):
@@ -147,6 +151,39 @@ def test_the_way_to_zero_begins_where_the_output_is(clock, case, start, takes):
     passed, fallen = steps(link, start)
     assert (fallen >= 0.0).all()
     assert (fallen <= RAMP_RATE * passed + COUNT).all(), "faster in time than its rate"
+    assert (fallen <= RAMP_RATE * LONGEST_STEP + COUNT).all()
+
+
+@pytest.mark.parametrize("silent", [0, 1, READINGS - 1])
+def test_where_nobody_knows_the_ramp_begins_at_the_first_reading_that_is_answered(clock, silent):
+    link = ModuleLink(device(**CASES["echo"]), clock)
+    link.count, link.silent = round(6.0 / COUNT), silent
+    to_zero(link, None)
+    passed, fallen = steps(link, 6.0)
+    assert (fallen[1:] <= RAMP_RATE * passed[1:] + COUNT).all()
+    assert fallen[0] <= RAMP_RATE * LONGEST_STEP + COUNT
+    assert len(link.written) >= 6.0 * RATE / RAMP_RATE - 2
+
+
+def test_an_output_that_cannot_be_read_is_taken_to_zero_all_the_same(clock):
+    link = ModuleLink(device(**CASES["echo"]), clock)
+    link.count, link.silent = round(6.0 / COUNT), 10**9
+    way = WayToZero(Output(link), ramp_rate=RAMP_RATE, requested=None)
+    for _ in range(READINGS - 1):
+        with pytest.raises(LinkError):
+            way()
+        assert not link.written
+    with pytest.raises(LinkError):  # nothing shows that it is there
+        way()
+    assert link.count == 0
+
+
+def test_a_network_that_comes_back_late_is_asked_for_the_reading_first(clock):
+    link = ModuleLink(device(**CASES["echo"]), clock)
+    link.count, link.silent = round(6.0 / COUNT), 3 * READINGS
+    link.fails = lambda _: LinkError("gone") if link.silent else None
+    to_zero(link, None)
+    _, fallen = steps(link, 6.0)
     assert (fallen <= RAMP_RATE * LONGEST_STEP + COUNT).all()
 
 

@@ -150,7 +150,7 @@ def dismiss(options: argparse.Namespace) -> None:
             "a guardian is dismissed only by somebody who has switched the amplifier off",
             remedy="Switch it off, then repeat with --amplifier-is-off.",
         )
-    by_hand.dismiss(_device(options))
+    print(by_hand.dismiss(_device(options)))
 
 
 def rescue(options: argparse.Namespace) -> None:

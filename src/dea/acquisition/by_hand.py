@@ -15,6 +15,7 @@ from dea.acquisition.recorder import Recorder
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.transport import at_address
+from dea.acquisition.zero import ZeroNotVerifiedError
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device
 from dea.progress import tell
@@ -67,7 +68,7 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     Raises
     ------
     ZeroNotVerifiedError
-        Where it cannot be shown yet; a guardian goes on trying.
+        Where it cannot be shown yet, for longer than ``reconnect_time``; a guardian goes on trying.
     InputError
         Where another master owns the outputs, or a guardian that gives no sign of life is another
         user's.
@@ -78,8 +79,13 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
         settings = replace(settings, ramp_rate=allowed)
     device = _known(device)
     path = duty_file(device)
-    watched = _Watched(path, settings)
+    watched, in_alarm = _Watched(path, settings), 0.0
     while (notice := look(path)).alive:
+        in_alarm = (in_alarm or time.monotonic()) if notice.phase == Phase.ALARM else 0.0
+        if in_alarm and time.monotonic() - in_alarm >= settings.reconnect_time:
+            raise ZeroNotVerifiedError(
+                f"{device.name}: {_guardian(notice)}. It goes on trying: switch the amplifier off."
+            )
         order(path, Order.ZERO)
         tell(f"{device.name}: {_guardian(notice)}")
         if watched.ended(notice):
@@ -96,14 +102,31 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     return recorder.evidence
 
 
-def dismiss(device: Device) -> None:
-    """End a guardian that raises its alarm: somebody has switched the amplifier off."""
+def dismiss(device: Device) -> str:
+    """End a guardian that raises its alarm: somebody has switched the amplifier off.
+
+    Returns what has become of it.
+
+    Raises
+    ------
+    InputError
+        Where no guardian raises one.
+    """
     path = duty_file(_known(device))
     watched = _Watched(path, AcquisitionSettings())
-    while (notice := look(path)).alive and notice.phase == Phase.ALARM:
+    notice = look(path)
+    if not (notice.alive and notice.phase == Phase.ALARM):
+        raise InputError(
+            f"no guardian raises an alarm: {_guardian(notice)}",
+            file=device.source,
+            remedy="Take the output to zero: python -m dea.acquisition zero.",
+        )
+    while notice.alive and notice.phase == Phase.ALARM:
         order(path, Order.DISMISS)
         watched.ended(notice)
         time.sleep(0.1)
+        notice = look(path)
+    return _guardian(notice)
 
 
 class _Watched:

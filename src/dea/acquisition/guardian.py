@@ -21,7 +21,7 @@ from dea.acquisition import buffered, polled
 from dea.acquisition.alarm import Alarm
 from dea.acquisition.closed_loop import Asked, ControllerError
 from dea.acquisition.drive_job import DriveJob
-from dea.acquisition.duty import Duty, Order, Phase, within_limits
+from dea.acquisition.duty import Duty, Order, Phase
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.first_trip import FirstTrip
 from dea.acquisition.launch import serve_nursery
@@ -186,20 +186,15 @@ class Guardian:
         if time.monotonic() - self._hired > self.job.settings.reconnect_time and self.job.replaces:
             self._raise_alarm(InputError("another program has the lock of the output"))
 
-    def _last_known(self) -> float:
-        """Return what the guardian before asked for last, V, or else what the device says.
+    def _last_known(self) -> float | None:
+        """Return what the guardian before asked for last, V, or None where nobody knows.
 
         Where the last guardian has shown zero, a reading is no reason to write anything else.
         """
         before = self.duty.before
         if before.abandoned:
             return self.duty.left
-        if before.phase == Phase.AT_ZERO:
-            return 0.0
-        try:
-            return within_limits(self.device, self.output.applied() or 0.0)
-        except Exception:  # whatever failed: the way to zero tries again until it is there
-            return 0.0
+        return 0.0 if before.phase == Phase.AT_ZERO else None
 
     def _refuse_after_a_crash(self) -> None:
         if self.duty.before.abandoned and not self.device.virtual:
@@ -335,7 +330,7 @@ class Guardian:
         last = self.output.panel.last_output
         return 0.0 if last is None else float(to_physical(self.device["output"], last))
 
-    def _end_at_zero(self, requested: float) -> None:
+    def _end_at_zero(self, requested: float | None) -> None:
         """Take the output to zero, whatever fails and however long it takes."""
         # Each attempt is short: what repeats them is the loop below.
         retries = min(self.job.settings.retries, ZERO_RETRIES)
@@ -345,7 +340,9 @@ class Guardian:
         failing: float | None = None
 
         def alive() -> None:
-            self.duty.put(Phase.ALARM if failing else Phase.TO_ZERO, way.volts)
+            # A guardian that follows this one is not to take a voltage for known that is not.
+            arriving = Phase.TO_ZERO if way.known else Phase.CHECKING
+            self.duty.put(Phase.ALARM if failing else arriving, way.volts)
             self._alive()
 
         self.link.check = alive

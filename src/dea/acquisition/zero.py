@@ -1,13 +1,14 @@
 """The way of an output to zero volts, and what shows that it has arrived.
 
 It begins at the voltage that was asked for last, which the guardian knows, and not at a reading,
-which may be wrong.
+which may be wrong. A reading is used only where nobody knows what was asked for.
 """
 
 import math
 import time
 from enum import StrEnum
 
+from dea.acquisition.duty import within_limits
 from dea.acquisition.laws import TripError
 from dea.acquisition.output import Output
 from dea.acquisition.retrying_link import DeviceRefusedError, LinkError
@@ -15,6 +16,7 @@ from dea.errors import DeviceError
 from dea.modbus import Command, DeviceState, to_counts
 
 LONGEST_STEP = 0.2  # s of ramp in one write, however long the last one is past
+READINGS = 5  # that may fail before zero is written whatever the output is at
 LOOKS = 3  # that may fail, and beats: no register that is silent holds up a ramp for longer
 HOLDING_PAUSE = 0.1  # s between the writes of zero during the quarantine
 QUARANTINES = 3  # that one attempt lasts at most
@@ -44,14 +46,16 @@ class WayToZero:
     ramp_rate
         V/s.
     requested
-        V, asked for last.
+        V, asked for last; None where that is not known: the way begins at what the device reads.
 
-    ``trip`` is what was broken of the safety model on the way, if anything was.
+    ``volts`` is what was asked for last, ``known`` whether that is known by now, and ``trip`` what
+    was broken of the safety model on the way, if anything was.
     """
 
-    def __init__(self, output: Output, *, ramp_rate: float, requested: float) -> None:
+    def __init__(self, output: Output, *, ramp_rate: float, requested: float | None) -> None:
         self.output, self.panel, self.device = output, output.panel, output.device
-        self.ramp_rate, self.volts = ramp_rate, requested
+        self.ramp_rate, self.volts = ramp_rate, requested or 0.0
+        self.known, self._readings = requested is not None, READINGS
         self._written = time.monotonic()
         self.trip: TripError | None = None
         self._looks = LOOKS if self.device.safety else 0
@@ -91,6 +95,8 @@ class WayToZero:
 
     def _ramp(self) -> None:
         """Write ever lower voltages, no faster in time than the ramp's rate."""
+        if not self.known:
+            self._find()
         while self.volts:
             passed = min(time.monotonic() - self._written, LONGEST_STEP)
             left = max(abs(self.volts) - self.ramp_rate * passed, 0.0)
@@ -101,6 +107,20 @@ class WayToZero:
             self._look()
             self.output.link.rest(min(1 / self.device.sampling_rate, LONGEST_STEP))
         self.panel.set("output", self.panel.zero)
+        self.known = True
+
+    def _find(self) -> None:
+        """Begin at what the device reads; where it reads nothing time and again, at zero.
+
+        A step to zero is then better than a voltage that is left on.
+        """
+        try:
+            self.volts = within_limits(self.device, self.output.applied() or 0.0)
+            self._written, self.known = time.monotonic(), True
+        except (LinkError, DeviceRefusedError):
+            self._readings -= 1
+            if self._readings > 0:
+                raise
 
     def _beat(self) -> None:
         """Give the sign of life; one that is not answered does not keep the output up."""
