@@ -45,10 +45,8 @@ def write(
         If the dataset breaks the contract of its file name; nothing is written then.
     """
     path = Path(path)
-    contract = _contract_name(dataset, path)
-    if contract in CONTRACTS:
-        CONTRACTS[contract].check(dataset, path)
-        check_units(dataset, path)
+    contract = _check_contract(dataset, path)
+    check_units(dataset, path)
     attributes = {
         "Conventions": "CF-1.11",
         "title": title,
@@ -98,9 +96,7 @@ def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
             remedy="Make it again; a record of another format is read by read_record with its"
             " columns named, or by a case of config/cases",
         ) from error
-    name = contract or _contract_name(dataset, path)
-    if name in CONTRACTS:
-        CONTRACTS[name].check(dataset, path)
+    _check_contract(dataset, path, contract)
     return dataset
 
 
@@ -110,8 +106,23 @@ def sha256(path: str | Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _contract_name(dataset: xr.Dataset, path: Path) -> str:
-    return str(dataset.attrs.get("contract", path.stem))
+def _check_contract(dataset: xr.Dataset, path: Path, asked: str | None = None) -> str:
+    """Check the contract that is asked for, or that a dataset or its file's name gives; return it.
+
+    The name of a file may be that of no contract.
+    """
+    given = asked or dataset.attrs.get("contract")
+    name = str(given or path.stem)
+    if name in CONTRACTS:
+        CONTRACTS[name].check(dataset, path)
+    elif given is not None and name != path.stem:
+        raise InputError(
+            f"there is no contract {name!r}",
+            file=path,
+            field="contract",
+            remedy=f"There are {', '.join(CONTRACTS)}",
+        )
+    return name
 
 
 @cache
