@@ -1,4 +1,6 @@
 import hashlib
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from threading import Thread
 
 import pytest
 import yaml
@@ -76,6 +78,30 @@ def sampled(place):
 def test_a_table_without_times_becomes_a_record_with_them(place, sampled):
     record = sampled()
     assert bring(place)[0].read_bytes() == record
+
+
+def test_a_download_that_breaks_off_is_told_and_leaves_nothing(place, sampled):
+    sampled()
+
+    class Short(BaseHTTPRequestHandler):
+        def do_GET(self):
+            self.send_response(200)
+            self.send_header("Content-Length", "1000")
+            self.end_headers()
+            self.wfile.write(b"0.1 0.2")
+
+        def log_message(self, *_):
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Short) as server:
+        Thread(target=server.handle_request).start()
+        catalogue = place / "catalogue.yaml"
+        entries = yaml.safe_load(catalogue.read_text())
+        entries["tanks/data.csv"]["url"] = f"http://127.0.0.1:{server.server_port}/data.csv"
+        catalogue.write_text(yaml.safe_dump(entries))
+        with pytest.raises(InputError, match=r"not to the end.*993 more expected"):
+            bring(place)
+    assert not list((place / "data").rglob("*.csv"))
 
 
 def test_a_record_that_a_folder_holds_is_copied_as_it_is(place, sampled):

@@ -4,8 +4,8 @@ import argparse
 import hashlib
 import sys
 from collections.abc import Iterable, Mapping
+from http.client import HTTPException
 from pathlib import Path
-from urllib.error import URLError
 from urllib.request import urlopen
 
 from dea.configuration.files import read_yaml
@@ -65,9 +65,9 @@ def _fetch_one(
     try:
         with urlopen(address, timeout=60) as answer:
             content = answer.read()
-    except URLError as error:
+    except (OSError, HTTPException) as error:
         raise InputError(
-            f"{address} does not answer ({error.reason})",
+            f"{address} does not answer, or not to the end ({getattr(error, 'reason', error)})",
             file=catalogue,
             field=name,
             remedy="Check the connection, or give a folder that holds the records with --from",
