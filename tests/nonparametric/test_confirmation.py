@@ -92,23 +92,39 @@ def test_no_line_is_looked_for_beyond_half_the_sampling_rate(found):
     assert intermodulation(short, H2, last // 2 + 2).lines.max() <= last // 2 + 2
 
 
+def pairs(found, H2, realisation, line, highest=10):
+    """Return what all pairs of lines put at a line, and those of them beyond the band."""
+    signed = [*-found.lines[::-1], *found.lines]
+    of = {k: found.input[realisation, abs(k)] for k in signed}
+    spectrum = {k: value.conjugate() if k < 0 else value for k, value in of.items()}
+    total = outside = 0.0
+    for i, first in enumerate(signed):
+        for j, second in enumerate(signed):
+            if first + second == line:
+                part = H2[i, j] * spectrum[first] * spectrum[second]
+                total += part
+                outside += part * (max(abs(first), abs(second)) > highest)
+    return total, outside
+
+
+def test_a_response_without_a_second_order_predicts_no_even_line(found):
+    _, H2 = responses(found[0].lines)
+    even = intermodulation(found[0], 0.0 * H2, 10)
+    assert np.isnan(even.ratio).all()
+    assert np.isnan(even.in_band).all()
+
+
 def test_predicted_even_lines_are_the_sums_over_all_pairs(found):
     each = found[0]
     _, H2 = responses(each.lines)
     even = intermodulation(each, H2, 10)
-    signed = [*-each.lines[::-1], *each.lines]
-    spectrum = {line: each.input[1, abs(line)] for line in signed}
-    spectrum |= {line: value.conj() for line, value in spectrum.items() if line < 0}
     for at, line in enumerate(even.lines):
-        total = inside = 0.0
-        for i, first in enumerate(signed):
-            for j, second in enumerate(signed):
-                if first + second == line:
-                    part = H2[i, j] * spectrum[first] * spectrum[second]
-                    total += part
-                    inside += part * (abs(first) <= 10 and abs(second) <= 10)
-        assert even.predicted[1, at] == pytest.approx(total)
-        assert 0 <= even.in_band[at] <= 1 or abs(inside) == pytest.approx(0.0)
+        outside, whole = 0.0, np.sum(np.abs(even.predicted[:, at]) ** 2)
+        for realisation in range(each.realisations):
+            total, foreign = pairs(each, H2, realisation, line)
+            assert even.predicted[realisation, at] == pytest.approx(total)
+            outside += abs(foreign) ** 2
+        assert even.in_band[at] == pytest.approx(1 - outside / whole)
 
 
 def test_the_joint_region_holds_95_percent_of_agreeing_lines():

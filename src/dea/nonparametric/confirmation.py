@@ -91,7 +91,7 @@ def confirmation(
             at_even,
             np.stack([each.in_band for each in even]),
             "1",
-            "share of the predicted power from pairs of lines in the band",
+            "1 less the squared part of the prediction by pairs of lines outside the band",
         ),
     }
     for name, field, units_of, label in (

@@ -16,13 +16,14 @@ class Intermodulation(NamedTuple):
     """Even lines of the output, measured and as a second-order response predicts them.
 
     ``ratio`` is the measured line over the predicted one, by least squares over realisations; 1
-    where they agree.
+    where they agree. ``in_band`` is below 0 where pairs inside and outside the band cancel, and NaN
+    where nothing is predicted.
     """
 
     lines: Lines  # (even lines,) harmonics of the period
     measured: Complex  # (realisations, even lines) two-sided Fourier coefficients
     predicted: Complex  # (realisations, even lines)
-    in_band: Array  # (even lines,) share of the prediction's power from pairs inside the band
+    in_band: Array  # (even lines,) 1 less |prediction by pairs outside the band|^2 / |prediction|^2
     ratio: Complex  # (even lines,)
     radius: Array  # (even lines,) of the 95 % disc around the ratio
 
@@ -56,11 +57,10 @@ def intermodulation(found: BestLinear, H2: Complex, highest: int) -> Intermodula
     predicted = np.stack([contribution[:, sums == s].sum(axis=-1) for s in even], axis=-1)
     within = np.stack([(contribution * inside)[:, sums == s].sum(axis=-1) for s in even], axis=-1)
     power = np.sum(np.abs(predicted) ** 2, axis=0)
-    foreign = np.sum(np.abs(predicted - within) ** 2, axis=0)
+    over_power = 1.0 / np.where(power > 0.0, power, np.nan)
+    foreign = np.sum(np.abs(predicted - within) ** 2, axis=0) * over_power
     measured = found.output[:, even]
-    ratio = np.sum(predicted.conj() * measured, axis=0) / power
+    ratio = np.sum(predicted.conj() * measured, axis=0) * over_power
     left = np.sum(np.abs(measured - ratio * predicted) ** 2, axis=0) / (found.realisations - 1)
-    quantile = fdtri(2, 2 * (found.realisations - 1), 0.95)
-    return Intermodulation(
-        even, measured, predicted, 1.0 - foreign / power, ratio, np.sqrt(quantile * left / power)
-    )
+    radius = np.sqrt(fdtri(2, 2 * (found.realisations - 1), 0.95) * left * over_power)
+    return Intermodulation(even, measured, predicted, 1.0 - foreign, ratio, radius)
