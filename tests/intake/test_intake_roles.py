@@ -36,6 +36,25 @@ def test_of_two_columns_the_other_is_the_other():
     assert found.output == ("displacement", "um")
 
 
+@pytest.mark.parametrize(
+    ("driving", "measured"),
+    [("Voltage", "Position in chamber"), ("Laser out of plane", "Piezo"), ("Piezo", "Length_in")],
+)
+def test_a_preposition_makes_no_column_the_input_or_the_output(driving, measured):
+    with pytest.raises(UnansweredError, match="which column is the input"):
+        roles({"time": "s", driving: "V", measured: "mm"})
+
+
+@pytest.mark.parametrize(
+    ("driving", "measured"),
+    [("in", "out"), ("In 1", "OUT 1"), ("in2", "out_2"), ("voltage", "displacement in frame"),
+     ("drive_in", "length_in")],
+)  # fmt: skip
+def test_names_beside_a_preposition_count(driving, measured):
+    found = roles({"time": "s", measured: "mm", driving: "V"})
+    assert (found.inputs, found.output) == (((driving, "V"),), (measured, "mm"))
+
+
 def test_everything_unknown_is_asked_at_once_with_the_command_that_answers():
     with pytest.raises(UnansweredError) as caught:
         roles({"a": None, "b": None})

@@ -15,6 +15,8 @@ from dea.units import HERTZ, SECONDS
 # Whole words of a name. Names that could be either (voltage, position) are asked about.
 _INPUT = {"u", "in", "input", "inputs", "command", "cmd", "excitation", "drive", "uest", "u1"}
 _OUTPUT = {"y", "out", "output", "outputs", "response", "measured", "displacement", "yest", "y1"}
+# Whole names, a number behind them at most: as words of a longer one they are prepositions.
+_ALONE = {"in", "out"}
 _TIME = {
     "t", "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock", "millis",
     "micros",
@@ -290,8 +292,10 @@ def _guess(free: list[str], words: set[str], table: ForeignTable) -> list[_Colum
 
 def _named(words: set[str]) -> Callable[[str], bool]:
     def matches(name: str) -> bool:
-        parts = re.split(r"[^a-z0-9]+", name.lower())
-        return name.lower() in words or bool(words.intersection(parts))
+        whole = name.lower()
+        parts = re.split(r"[^a-z0-9]+", whole)
+        alone = re.sub(r"[^a-z]*\d*$", "", whole) in words & _ALONE
+        return whole in words or alone or bool((words - _ALONE).intersection(parts))
 
     return matches
 
