@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+import dea
 from dea.errors import InputError
 from dea.gfrf import zero_input_response
 from dea.narx import NarxModel, Scaling, UnstableModel, select_terms
@@ -32,6 +33,16 @@ def test_the_status_tells_stable_slow_and_unstable_models_apart(model, status):
     assert report.status == status
     assert report.stable == (status == "stable")
     assert str(report).startswith(status)
+
+
+def test_a_record_alone_is_the_one_that_the_model_is_tried_on():
+    u = 50.0 * inputs()
+    y = CALM.simulate(u)
+    report = RUNAWAY.stability(dea.Record.of(u, y, sampling_rate=10.0))
+    assert str(report) == str(RUNAWAY.stability(u, y))
+    assert report.inputs[-1] == pytest.approx(u.max())
+    with pytest.raises(InputError, match="there is no output"):
+        RUNAWAY.stability(u)
 
 
 def test_poles_are_those_of_the_equation_over_the_whole_input_range():

@@ -13,7 +13,7 @@ from dea import store
 from dea.equation import equation_html, equation_latex, scaled_signals
 from dea.errors import InputError
 from dea.missing import filled
-from dea.narx.checks import Array, as_input, as_record, as_signal
+from dea.narx.checks import Array, as_input, as_signal
 from dea.narx.labels import Labels, pair
 from dea.narx.metrics import nmse
 from dea.narx.prediction import predicted
@@ -220,7 +220,9 @@ class NarxModel:
             self, parameters=values, covariance=covariance, withheld=withheld, checked=None
         )
 
-    def stability(self, u: ArrayLike | None = None, y: ArrayLike | None = None) -> Stability:
+    def stability(
+        self, u: ArrayLike | Record | None = None, y: ArrayLike | None = None
+    ) -> Stability:
         """Try the model on inputs like those of a record.
 
         Poles at rest over the whole input range, holds at twenty levels, a hundred long random
@@ -229,7 +231,7 @@ class NarxModel:
         Parameters
         ----------
         u, y
-            The record in physical units, as for :func:`dea.select_terms`. By default that of the
+            The record in physical units, or a :class:`dea.Record` alone. By default that of the
             selection, whose report the model holds.
 
         Raises
@@ -237,7 +239,7 @@ class NarxModel:
         InputError
             Without a record, if the model does not come from a selection.
         """
-        if u is None or y is None:
+        if u is None:
             if self.checked is None:
                 raise InputError(
                     "the model was not selected from a record",
@@ -245,7 +247,8 @@ class NarxModel:
                     remedy="Give the input and output of a record that it is meant for.",
                 )
             return self.checked
-        inputs, outputs = as_record(u, y, self.max_lag)
+        inputs, recorded = pair(self.labels, u, y, self.max_lag + 1)
+        outputs, _ = filled(recorded)
         segment = self.scaling.normalise_input(inputs), self.scaling.normalise_output(outputs)
         return assess(self.terms, self.parameters, self.scaling, StabilityTest([segment]))
 
