@@ -11,7 +11,6 @@ from dea.plant.amplifier import amplify
 from dea.plant.array import Array
 from dea.plant.film import FAULT, SUBSTEP, Y, rest
 from dea.plant.film import advance as advance_film
-from dea.plant.history import History
 from dea.plant.membrane import capacitance
 from dea.plant.parameters import Parameters, read_parameters
 from dea.plant.sensor import AntiAliasFilter
@@ -51,7 +50,6 @@ class Rig:
         cutoff = parameters.sensor.cutoff
         self._filter = AntiAliasFilter(cutoff, start) if cutoff < np.inf else None
         self.applied_count = self.zero_count
-        self.history = History()
 
     @classmethod
     def from_config(cls, path: Path, actuator: str, seed: int) -> Self:
@@ -74,10 +72,6 @@ class Rig:
         """0 without a fault, 1 after pull-in, 2 after electrical breakdown; latched."""
         return int(self._state.scalars[FAULT])
 
-    def zero(self) -> None:
-        """Set the output to 0 V at once; the film follows with time."""
-        self.applied_count = self.zero_count
-
     def advance(
         self, output_counts: NDArray[np.uint16]
     ) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
@@ -98,22 +92,25 @@ class Rig:
             displacement, each of shape (samples,).
         """
         applied = np.asarray(output_counts, dtype=np.uint16)
-        displacement, film_voltage, reading = self._drive(applied)
+        reading = self.respond(applied)
         sensor = self._parameters.sensor
         noisy = reading + sensor.noise * self._noise.standard_normal(reading.size)
         measured = self._parameters.displacement_converter.to_counts(1e3 * noisy)
-        self.history.append(applied, measured, displacement[::SUBSTEPS], film_voltage[::SUBSTEPS])
         if applied.size:
             self.applied_count = int(applied[-1])
         return applied, measured
 
     def respond(self, output_counts: NDArray[np.uint16]) -> Array:
-        """Return the readings in m without noise, shape (samples,); nothing is added to history."""
-        return self._drive(np.asarray(output_counts, dtype=np.uint16))[2]
+        """Return the readings in m without noise, shape (samples,)."""
+        return self.drive(output_counts)[2]
 
-    def _drive(self, applied: NDArray[np.uint16]) -> tuple[Array, Array, Array]:
-        """Return displacement and film voltage at every sub-step, and a reading per sample."""
-        parameters = self._parameters
+    def drive(self, output_counts: NDArray[np.uint16]) -> tuple[Array, Array, Array]:
+        """Return what happens in the rig, which :meth:`advance` does not measure.
+
+        Displacement in m and film voltage in V at every sub-step, and the reading in m without
+        noise of every sample.
+        """
+        parameters, applied = self._parameters, np.asarray(output_counts, dtype=np.uint16)
         command = np.repeat(parameters.output_converter.to_values(applied), SUBSTEPS)
         supply = np.empty_like(command)
         amplify(parameters.amplifier, self._output, self._load, command, supply)
