@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.control.feedback import Gains
+from dea.control.feedback import FilteredError, Gains
 from dea.control.online import OnlineTracker
 from dea.control.planning import RecedingHorizonInverse
 from dea.control.reference import least_jerk
@@ -101,13 +101,13 @@ class AdaptiveInverse:
         renewal: int = 3000,
         guard: Guard | None = None,
     ) -> None:
-        self._inverse, self._gains, self._task = inverse, gains, task
+        self._inverse, self._task = inverse, task
         self._guard, self._renewal = guard or Guard(), renewal
         self._new_tracker = new_tracker
         self._tracker = new_tracker(None) if new_tracker is not None else None
         self._sum, self._summed = np.zeros(1), 0
         self._ahead, self._last, self._sample = np.empty(0), task.start, 0
-        self._added = self._integral = self._filtered = 0.0
+        self._added, self._feedback = 0.0, FilteredError(gains)
         self._off = self._silent = self._trusted = 0
         self.fallbacks = 0
 
@@ -175,15 +175,12 @@ class AdaptiveInverse:
 
     def _feed_back(self, error: float) -> None:
         self._judge(abs(error) / self._task.stroke)
-        gains, bound = self._gains, self._guard.authority * self._task.stroke
-        period = 1.0 / gains.sampling_rate
-        self._filtered += (error - self._filtered) / (1.0 + gains.filter_time / period)
-        growth = gains.proportional * period / gains.integral_time * self._filtered
-        wanted = self._integral + growth + gains.proportional * self._filtered
+        bound = self._guard.authority * self._task.stroke
+        wanted, growth = self._feedback.take(error)
         low, high = self._task.limits
         held = (self._last >= high and growth > 0.0) or (self._last <= low and growth < 0.0)
         if abs(wanted) <= bound and not held:
-            self._integral += growth
+            self._feedback.integral += growth
         self._added = min(max(wanted, -bound), bound)
 
     def _judge(self, share: float) -> None:

@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from dea.control.adaptive_inverse import AdaptiveInverse, RunIn, Task
 from dea.control.feedback import Follower, Gains, tune_feedback
 from dea.control.limits import InputLimits
-from dea.control.online import OnlineTracker
+from dea.control.online import OnlineTracker, scale_of_record
 from dea.control.planning import RecedingHorizonInverse, inverse_of
 from dea.control.reference import design_reference, reach_of
 from dea.control.through_inverse import tune_through_inverse
 from dea.control.whole_inverse import InverseInputs, whole_inverse
 from dea.gfrf import ResponseBand, frequency_response_band, zero_input_interval
-from dea.narx import NarxModel, regressor_matrix
-from dea.tracking import root_mean_square, with_constant
+from dea.missing import filled
+from dea.narx import NarxModel
+from dea.tracking import with_constant
 
 Array = NDArray[np.float64]
 Controller = Callable[[float], float]
@@ -84,10 +85,7 @@ class ControllerDesign:
         rests = rests_of(model, limits, np.linspace(reach.low, reach.high, RESTS))
         middle = 0.5 * (reach.low + reach.high)
         start = min(rests, key=lambda rest: abs(rest[1] - middle))[0]
-        scaling, tracked = model.scaling, with_constant(model)
-        kept = np.isfinite(u) & np.isfinite(y)
-        inputs, outputs = scaling.normalise_input(u[kept]), scaling.normalise_output(y[kept])
-        scale = root_mean_square(regressor_matrix(tracked.terms, inputs, outputs))
+        scale = scale_of_record(model, filled(u)[0], y)
         task = Task(reference, reach.stroke, start, run_in, limits)
         return cls(model, scale, task, rests, settings, sampling_rate)
 

@@ -1,6 +1,7 @@
 """A proportional-integral controller with feedforward, tuned for every response in a band."""
 
 from dataclasses import dataclass, field
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +118,28 @@ def _nearest(controller: NDArray[np.complex128], band: ResponseBand) -> Array:
     return distance
 
 
+class FilteredError:
+    """Proportional and integral part of the filtered error; without a reading both are held."""
+
+    def __init__(self, gains: Gains) -> None:
+        period = 1.0 / gains.sampling_rate
+        self._proportional = gains.proportional
+        self._of_integral = gains.proportional * period / gains.integral_time
+        self._new = 1.0 / (1.0 + gains.filter_time / period)
+        self._filtered = self.integral = 0.0
+
+    def take(self, error: float) -> tuple[float, float]:
+        """Return the sum of both parts, and by how much the integral has grown in it.
+
+        The caller adds that to ``integral`` unless the actuator is at a limit.
+        """
+        growth = 0.0
+        if isfinite(error):
+            self._filtered += self._new * (error - self._filtered)
+            growth = self._of_integral * self._filtered
+        return self.integral + growth + self._proportional * self._filtered, growth
+
+
 @dataclass
 class Follower:
     """The controller at work: one call for each sample, within limits of input and rate.
@@ -141,8 +164,7 @@ class Follower:
     highest: float
     rate: float
     start: float
-    _integral: float = field(default=0.0, init=False)
-    _filtered: float = field(default=0.0, init=False)
+    _feedback: FilteredError = field(init=False)
     _last: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -157,7 +179,7 @@ class Follower:
                 field="lowest, highest, rate, start",
                 remedy="Let the start lie between rising limits, and the rate be positive.",
             )
-        self._last = self.start
+        self._last, self._feedback = self.start, FilteredError(self.gains)
 
     def step(self, reference: float, measured: float, feedforward: float) -> float:
         """Return the input of this sample.
@@ -166,21 +188,15 @@ class Follower:
         ----------
         reference, measured
             Output wanted now, and measured now; NaN where the sensor gave none: the feedback then
-            keeps its integral and the feedforward acts alone.
+            stays as it is.
         feedforward
             Input that a model has for the reference.
         """
-        K, T = self.gains.proportional, 1.0 / self.gains.sampling_rate
-        error = 0.0
-        if np.isfinite(measured):
-            new = 1.0 / (1.0 + self.gains.filter_time / T)
-            self._filtered = new * (reference - measured) + (1.0 - new) * self._filtered
-            error = self._filtered
-        growth = K * T / self.gains.integral_time * error
-        reach = self.rate * T
+        added, growth = self._feedback.take(reference - measured)
+        reach = self.rate / self.gains.sampling_rate
         low, high = max(self.lowest, self._last - reach), min(self.highest, self._last + reach)
-        wanted = feedforward + K * error + self._integral + growth
+        wanted = feedforward + added
         if low <= wanted <= high or (wanted > high) == (growth < 0.0):
-            self._integral += growth
+            self._feedback.integral += growth
         self._last = min(max(wanted, low), high)
         return self._last

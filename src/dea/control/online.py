@@ -15,6 +15,27 @@ from dea.tracking import check_settings, initial_state, root_mean_square, with_c
 Array = NDArray[np.float64]
 
 
+def scale_of_record(model: NarxModel, u: ArrayLike, y: ArrayLike) -> Array:
+    """Return the root mean square of each regressor of ``with_constant(model)`` in a record.
+
+    Parameters
+    ----------
+    u, y
+        In physical units, shape (samples,); a missing output is NaN, and filled.
+
+    Raises
+    ------
+    InputError
+        As :meth:`dea.narx.NarxModel.predict`, which checks the record.
+    """
+    tracked, scaling = with_constant(model), model.scaling
+    outputs, _ = filled(np.asarray(y, dtype=float))
+    tracked.predict(u, outputs)
+    inputs = scaling.normalise_input(np.asarray(u, dtype=float))
+    Phi = regressor_matrix(tracked.terms, inputs, scaling.normalise_output(outputs))
+    return root_mean_square(Phi)
+
+
 class OnlineTracker:
     """Recursive least squares (11)-(16) with forgetting and leakage, one sample at a time.
 
@@ -88,17 +109,12 @@ class OnlineTracker:
         Raises
         ------
         InputError
-            As :meth:`dea.narx.NarxModel.predict`, which checks the record; its outputs may be NaN.
+            As :func:`scale_of_record`.
         """
-        tracked = with_constant(model)
-        outputs, _ = filled(np.asarray(y, dtype=float))
-        tracked.predict(u, outputs)
-        scaling = model.scaling
-        inputs = scaling.normalise_input(np.asarray(u, dtype=float))
-        Phi = regressor_matrix(tracked.terms, inputs, scaling.normalise_output(outputs))
         return cls(
-            model, root_mean_square(Phi), forgetting=forgetting, leakage=leakage, delta=delta
-        )
+            model, scale_of_record(model, u, y),
+            forgetting=forgetting, leakage=leakage, delta=delta,
+        )  # fmt: skip
 
     @property
     def model(self) -> NarxModel:
