@@ -86,8 +86,16 @@ class NarxRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def score(self, X: Any, y: Any, sample_weight: None = None) -> float:
         """Return the share of the output's variance that the free run explains (R^2).
 
-        The run starts from the first measured outputs, which are not scored.
+        The run starts from the first measured outputs, which are not scored. Samples in the order
+        of time have no weights.
+
+        Raises
+        ------
+        InputError
+            If there are weights.
         """
+        if sample_weight is not None:
+            raise InputError("are not used", field="sample_weight", remedy="Leave them out")
         inputs = self._checked(X)
         return self.model_.score(inputs, np.asarray(y, dtype=float))
 

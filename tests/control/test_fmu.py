@@ -221,6 +221,15 @@ def test_the_same_model_gives_the_same_bytes(version, tmp_path):
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
+def test_what_the_compiler_says_is_told_and_nothing_is_written(tmp_path):
+    compiler = tmp_path / "cc"
+    compiler.write_text("#!/bin/sh\necho 'stdlib.h: no such file' >&2\nexit 1\n")
+    compiler.chmod(0o755)
+    with pytest.raises(InputError, match=r"cannot compile it: stdlib\.h: no such file.*libc6-dev"):
+        write_fmu(scaled("DEA4"), tmp_path / "a.fmu", RATE, compiler=str(compiler))
+    assert not (tmp_path / "a.fmu").exists()
+
+
 def test_without_a_compiler_it_says_what_to_do_and_writes_nothing(tmp_path):
     with pytest.raises(InputError, match="no C compiler 'no-such-cc'"):
         write_fmu(scaled("DEA4"), tmp_path / "a.fmu", RATE, compiler="no-such-cc")

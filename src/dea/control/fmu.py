@@ -156,7 +156,17 @@ def _compiled(folder: Path, compiler: str, wrapper: str, name: str) -> Path:
         )
     # Relative names, so that the binary does not depend on where it was made.
     sources = "model.c", f"{wrapper}.c"
-    subprocess.run([command, *_FLAGS, *sources, "-o", name], cwd=folder, check=True)
+    called = [command, *_FLAGS, *sources, "-o", name]
+    try:
+        subprocess.run(called, cwd=folder, check=True, capture_output=True, text=True)
+    except subprocess.CalledProcessError as error:
+        said = (error.stderr or error.stdout).strip().splitlines() or [f"status {error.returncode}"]
+        raise InputError(
+            f"{compiler} cannot compile it: {said[0]}",
+            field="compiler",
+            remedy="Install the headers of the C library too (Debian: libc6-dev), or give None"
+            " for sources alone.",
+        ) from error
     return folder / name
 
 
