@@ -72,7 +72,7 @@ def test_what_a_device_measured_beside_the_staircase_is_left_out(module, tmp_pat
     report = commission(target, tmp_path / "c.partial", SETTINGS, 0.03)
     assert report["read_back_gain"] == pytest.approx(1.0, abs=1e-3)
     assert 0 <= report["read_back_delay"] < 0.02
-    assert report["late_samples"] >= 3
+    assert report["flagged_samples"] >= 3
 
 
 def test_a_staircase_without_a_good_sample_is_said_in_a_line(module, tmp_path, capsys):

@@ -62,12 +62,13 @@ def commission(
     polled = replace(settings, mode="polled", paced=True)
     together = _read_together(device)
     acquired = acquire(device, np.repeat(stairs, hold), partial, polled)
-    partial.unlink()
     report: dict[str, Any] = {"device": device.name, "time": utc_now()}
     report |= {"armed_by": settings.armed_by, "read_together": together}
     report |= {"highest": float(stairs[-1])} | _learnt(acquired.record, acquired.link, hold)
     if "watchdog_time" in device and "watchdog_latched" in device:
+        partial.unlink()
         report["watchdog"] = _trip_watchdog(device, np.repeat(stairs, hold), partial, polled)
+    partial.unlink(missing_ok=True)
     return report
 
 
@@ -101,7 +102,7 @@ def _learnt(record: "xr.Dataset", link: "xr.Dataset", hold: int) -> dict[str, An
         "displacement_noise": _noise(asked, displacement),
         "round_trip_median": float(np.median(trips)),
         "round_trip_longest": float(trips.max()),
-        "late_samples": int(np.count_nonzero(record.quality.values)),
+        "flagged_samples": int(np.count_nonzero(record.quality.values)),
     }
 
 
