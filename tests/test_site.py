@@ -43,6 +43,15 @@ def test_every_page_is_in_the_navigation():
     assert named - {"decisions/README.md"} == pages
 
 
+def test_every_decision_is_in_their_table_in_order():
+    folder = ROOT / "docs/decisions"
+    rows = [row for row in (folder / "README.md").read_text().splitlines() if row.startswith("|")]
+    listed = [re.findall(r"\((\d{4}-[^)]*\.md)\)", row) for row in rows]
+    assert all(row == sorted(row) for row in listed)
+    written = {file.name for file in folder.glob("0*.md")}
+    assert sorted(name for row in listed for name in row) == sorted(written)
+
+
 def test_every_public_name_of_the_library_has_a_place_in_the_reference():
     entries = re.findall(
         r"^::: \S+\.(\w+)$", (ROOT / "docs/reference.md").read_text(), re.MULTILINE
