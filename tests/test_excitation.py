@@ -84,11 +84,6 @@ def test_the_binary_sequence_has_its_power_in_the_band():
     assert power_above(design("binary", **STUDY, band=1.0), 2.0) < 1e-3
 
 
-def test_a_binary_sequence_switches_no_faster_than_there_are_samples():
-    with pytest.raises(InputError, match="band"):
-        design("binary", **STUDY, band=51.0)
-
-
 @pytest.mark.parametrize(("band", "clock"), [(1.0, 25), (0.5, 50), (0.4, 62)])
 def test_the_binary_sequence_may_switch_every_half_period_of_its_band(band, clock):
     signal = design("binary", **STUDY, band=band)

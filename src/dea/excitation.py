@@ -71,7 +71,7 @@ def gaussian(span: Span, *, band: float = 1.0) -> Signal:
 def bursts(span: Span, *, band: float = 1.0, active: float = 20.0, rest: float = 10.0) -> Signal:
     """Gaussian noise in bursts of ``active`` seconds with rests at ``low`` between them.
 
-    Half-cosine edges of one second join the two. The response in the rests shows memory.
+    A Hann window of one second smooths the edges. The response in the rests shows memory.
     """
     _require(active > 0.0, "active", "is not positive")
     on, off = max(span.length(active), 1), span.length(rest)
@@ -101,8 +101,8 @@ def staircase(
 ) -> Signal:
     """Equally spaced levels in random order, each held, with a rest at ``low`` between them.
 
-    Steps are half-cosines of ``rise`` seconds. Creep recovers in the rests, drift does not. Every
-    level occurs once before any occurs again.
+    A Hann window of ``rise`` seconds smooths the steps. Creep recovers in the rests, drift does
+    not. Every level occurs once before any occurs again.
     """
     _require(levels >= 1, "levels", "is below 1")
     held, rested = (max(span.length(seconds), 0) for seconds in (hold, rest))
@@ -121,7 +121,6 @@ def binary(span: Span, *, band: float = 1.0) -> Signal:
     1e-3 of the power lies above twice that frequency.
     """
     clock = round(span.sampling_rate / (2.0 * band))
-    _require(clock > 0, "band", "is above half the sampling rate")
     bits = np.repeat(span.rng.integers(0, 2, -(-span.samples // clock)), clock)
     steps = np.where(bits, span.high, span.low)
     return _smooth(steps, span.sampling_rate / band)[: span.samples]

@@ -37,7 +37,7 @@ def inclusion_frequency(
     rng
         Draws the blocks.
     resamples, blocks
-        Number of selections, and of blocks that the records are cut into; each is one at least.
+        Number of selections, one at least, and of blocks that the records are cut into, two.
     selection
         Further arguments of :func:`dea.narx.select_terms`. The scaling is by default that of the
         whole records, so that terms are comparable between resamples.
@@ -47,12 +47,9 @@ def inclusion_frequency(
     ndarray
         Shape (terms,), each 0 to 1.
     """
-    if resamples < 1 or blocks < 2:
-        raise InputError(
-            f"{resamples} resamples of {blocks} blocks",
-            field="resamples",
-            remedy="Use at least 1 resample of at least 2 blocks.",
-        )
+    for field, given, least in (("resamples", resamples, 1), ("blocks", blocks, 2)):
+        if given < least:
+            raise InputError(f"is {given}", field=field, remedy=f"Use {least} at least.")
     records = as_segments(u, y)
     scaling = scaling_of(records, not selection.get("even_in_input", False))
     settings = {"scaling": scaling} | selection

@@ -92,8 +92,9 @@ def track_parameters(
         enters are left out.
     method
         ``rls``: recursive least squares (11)-(16) with forgetting and leakage towards the model's
-        own parameters; uses the past alone. ``kalman``: random-walk Kalman filter and smoother;
-        each estimate uses the whole record. ``output_error``: the same smoother on the free run
+        own parameters; uses the past alone, but for the scale of the regressors. ``kalman``:
+        random-walk Kalman filter and smoother; each estimate uses the whole record.
+        ``output_error``: the same smoother on the free run
         instead of the one-step prediction, starting from ``kalman``; unbiased where the output is
         noisy. ``local``: the parameters that minimise the error of the free run over a window
         around each time.
