@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,9 +18,9 @@ from dea.narx.refinement import minimise
 from dea.narx.residual_verdict import joint_tests, verdict
 from dea.narx.residuals import band, correlation_tests, each_test
 from dea.narx.scaling import Scaling
-from dea.store import Text, each_text
+from dea.narx.validation_dataset import Measured, Validated, validation_dataset
+from dea.store import Text
 from dea.terms import Term, input_symbol
-from dea.units import power
 
 
 def _estimate_free_run(
@@ -46,7 +45,6 @@ APPROACHES = {
     "forecast, one-step": (False, estimate),
     PUBLISHED: (True, estimate),
 }
-_RUN = ("model", "approach", "window")
 
 
 @dataclass(frozen=True)
@@ -114,21 +112,60 @@ def validate(
     driving, recorded = as_record(u, y, missing=True)
     outputs, seen = filled(recorded)
     count = input_count(driving)
-    listed = list(each_test(count))
     names = list(inputs) or [input_symbol(k, count) for k in range(count)]
     spans = _spans(windows, sampling_rate, outputs.size)
+    cut = [window for _, window in spans]
+    listed = list(each_test(count))
+    found = _tried(list(models.values()), driving, outputs, seen, spans, windows.max_lag)
+    forecast = list(APPROACHES).index(FORECAST)
+    verdicts = [
+        verdict(
+            found.p_value[row, forecast],
+            found.explained[row, forecast],
+            float(np.sqrt(np.mean(found.scores["rmse"][row, forecast] ** 2))),
+            float(np.std([outputs[window] for window in cut])),
+            units[1],
+            names if count > 1 else ("the input",),
+        )
+        for row in range(len(models))
+    ]
+    measured = Measured(
+        np.array([np.arange(w.start, w.stop) / sampling_rate for w in cut]),
+        np.array([driving[w] for w in cut]),
+        np.array([recorded[w] for w in cut]),
+        units,
+        names,
+    )
+    coordinates = {
+        "model": np.array(list(models)),
+        "approach": np.array(list(APPROACHES)),
+        "test": np.array(listed),
+        "lag": np.arange(1, windows.max_lag + 1),
+    }
+    return validation_dataset(measured, found._replace(verdicts=verdicts), coordinates)
+
+
+def _tried(
+    models: Sequence[NarxModel],
+    driving: Array,
+    outputs: Array,
+    seen: NDArray[np.bool_],
+    spans: Sequence[tuple[slice, slice]],
+    max_lag: int,
+) -> Validated:
+    """Estimate and simulate each model by each approach on each window; no verdicts yet."""
+    tests = len(list(each_test(input_count(driving))))
     samples = spans[0][1].stop - spans[0][1].start
     shape = (len(models), len(APPROACHES), len(spans))
     simulated = np.empty((*shape, samples))
     scores = {name: np.empty(shape) for name in ("nmse", "fit", "fpe", "rmse")}
-    tests = {name: np.empty((*shape, len(listed))) for name in ("p_value", "explained")}
-    correlation = np.empty((*shape, len(listed), windows.max_lag))
+    p_value, explained = np.empty((*shape, tests)), np.empty((*shape, tests))
+    correlation = np.empty((*shape, tests, max_lag))
     for at in np.ndindex(shape):
-        model = list(models.values())[at[0]]
+        model = models[at[0]]
         earlier, window = spans[at[2]]
         own, estimator = list(APPROACHES.values())[at[1]]
-        known = window if own else earlier
-        good = stretches(seen, known, model.max_lag, len(model.terms))
+        good = stretches(seen, window if own else earlier, model.max_lag, len(model.terms))
         segments = [driving[part] for part in good], [outputs[part] for part in good]
         fitted = estimator(model.terms, *segments, scaling=model.scaling)
         measured = outputs[window]
@@ -142,94 +179,10 @@ def validate(
         scores["fpe"][at] = fpe(*pair, len(model.terms))
         residual, known_input = np.zeros(there.size), driving[window][start:]
         residual[there] = pair[0] - pair[1]
-        correlation[at] = correlation_tests(residual, known_input, windows.max_lag)
-        found = joint_tests(residual, known_input, windows.max_lag)
-        tests["p_value"][at], tests["explained"][at] = found
-    u_units, y_units = units
-    size = samples - max(model.max_lag for model in models.values())
-    cut = [window for _, window in spans]
-    forecast = list(APPROACHES).index(FORECAST)
-    verdicts = [
-        verdict(
-            tests["p_value"][row, forecast],
-            tests["explained"][row, forecast],
-            float(np.sqrt(np.mean(scores["rmse"][row, forecast] ** 2))),
-            float(np.std([outputs[window] for window in cut])),
-            y_units,
-            names if count > 1 else ("the input",),
-        )
-        for row in range(len(models))
-    ]
-    over = ("window", "sample")
-    score_units = {"rmse": y_units, "fpe": power(y_units, 2)}
-    variables: dict[str, tuple[tuple[str, ...], NDArray[Any], str, str]] = {
-        "time": (
-            over,
-            np.array([np.arange(w.start, w.stop) / sampling_rate for w in cut]),
-            "s",
-            "time",
-        ),
-        "input": (
-            (*over, "signal")[: 1 + driving.ndim],
-            np.array([driving[w] for w in cut]),
-            ", ".join(dict.fromkeys(each_text(u_units))),
-            "input",
-        ),
-        "measured": (over, np.array([recorded[w] for w in cut]), y_units, "measured output"),
-        "simulated": (
-            ("model", "approach", *over),
-            simulated,
-            y_units,
-            "free-run simulation",
-        ),
-        **{
-            name: (_RUN, values, score_units.get(name, "1"), name)
-            for name, values in scores.items()
-        },
-        "correlation": (
-            (*_RUN, "test", "lag"),
-            correlation,
-            "1",
-            "correlation coefficient of the free run's residual",
-        ),
-        "band": (
-            ("test",),
-            np.full(len(listed), band(size)),
-            "1",
-            "half-width of the 95 % band",
-        ),
-        "p_value": (
-            (*_RUN, "test"),
-            tests["p_value"],
-            "1",
-            "probability of as much in a residual without that relation, all lags together",
-        ),
-        "explained": (
-            (*_RUN, "test"),
-            tests["explained"],
-            "1",
-            "share of the whitened residual's power that all lags explain",
-        ),
-        "verdict": (("model",), np.array(verdicts), "1", "what the residuals of forecasts hold"),
-    }
-    coordinates = {
-        **({"signal": np.array(names)} if count > 1 else {}),
-        "model": np.array(list(models)),
-        "approach": np.array(list(APPROACHES)),
-        "window": np.arange(len(spans)),
-        "test": np.array(listed),
-        "lag": np.arange(1, windows.max_lag + 1),
-    }
-    return xr.Dataset(
-        {
-            name: (dims, values, {"units": unit, "long_name": label})
-            for name, (dims, values, unit, label) in variables.items()
-        },
-        coords={
-            name: (name, values, {"units": "1", "long_name": name})
-            for name, values in coordinates.items()
-        },
-    )
+        correlation[at] = correlation_tests(residual, known_input, max_lag)
+        p_value[at], explained[at] = joint_tests(residual, known_input, max_lag)
+    width = band(samples - max(model.max_lag for model in models))
+    return Validated(simulated, scores, correlation, p_value, explained, width, [])
 
 
 def _spans(windows: Windows, rate: float, samples: int) -> list[tuple[slice, slice]]:
