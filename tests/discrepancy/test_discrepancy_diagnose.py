@@ -133,6 +133,20 @@ def test_effects_that_find_no_port_are_refused():
         diagnose(record(duration=20.0), simulation, settings=Settings(effects=("end_stop",)))
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"blocks": 0}, {"blocks": 2.5}, {"warm_up": -1.0}, {"slowest_time": 0.0}]
+)
+def test_a_setting_outside_its_range_is_named(wrong):
+    with pytest.raises(InputError) as caught:
+        Settings(**wrong)
+    assert caught.value.field == next(iter(wrong))
+
+
+def test_what_is_no_simulation_is_refused():
+    with pytest.raises(InputError, match="it is a int"):
+        diagnose(record(duration=20.0), 5)
+
+
 def test_an_unknown_effect_is_refused():
     with pytest.raises(InputError, match="no effect 'magic'"):
         diagnose(record(duration=20.0), "dea_membrane", settings=Settings(effects=("magic",)))

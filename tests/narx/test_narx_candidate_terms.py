@@ -27,7 +27,16 @@ def test_lags_may_start_after_a_dead_time():
     assert [str(term) for term in linear_terms(1, [4, 5])] == ["1", "y(t-1)", "u(t-4)", "u(t-5)"]
 
 
-@pytest.mark.parametrize("wrong", [{"y_lags": -1}, {"y_lags": [0, 1]}, {"degree": 0}])
+def test_more_candidates_than_can_be_chosen_from_are_refused_at_once():
+    with pytest.raises(InputError, match="8 lagged signals to the degree 20 make 3108105 terms"):
+        candidate_terms(4, 4, 20)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"y_lags": -1}, {"y_lags": [0, 1]}, {"y_lags": 2.5}, {"u_lags": None}, {"u_lags": [1.5]},
+     {"degree": 0}, {"degree": 2.5}, {"degree": "2"}],
+)  # fmt: skip
 def test_impossible_candidates_are_refused(wrong):
     with pytest.raises(InputError):
         candidate_terms(**({"y_lags": 2, "u_lags": 2, "degree": 2} | wrong))

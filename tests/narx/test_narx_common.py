@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import dea
 from dea.errors import InputError
 from dea.narx import NarxModel, Refined, nmse, select_common_terms, select_terms
 
@@ -45,6 +46,17 @@ def test_one_system_alone_has_the_model_of_its_own_selection():
     settings = {"y_lags": 2, "u_lags": 2, "degree": 2, "search": Refined(1e-4)}
     (common,), own = select_common_terms([(u, y)], **settings), select_terms(u, y, **settings)
     assert str(common) == str(own)
+
+
+def test_records_carry_their_labels_and_missing_samples_are_left_out():
+    signals = [record(ONE, seed) for seed in (0, 1)]
+    records = [dea.Record.of(*each, 10.0, units=("V", "mm")) for each in signals]
+    settings = {"y_lags": 2, "u_lags": 2, "degree": 2, "search": Refined(1e-4)}
+    found, plain = (select_common_terms(each, **settings) for each in (records, signals))
+    assert list(map(str, found)) == list(map(str, plain))
+    assert [model.labels.y_units for model in found] == ["mm", "mm"]
+    records[0].y[500] = np.nan
+    assert select_common_terms(records, **settings)[0].terms == found[0].terms
 
 
 def test_no_record_is_refused():

@@ -307,3 +307,10 @@ def test_a_record_whose_thirds_are_no_longer_than_a_lag_is_refused_in_words():
     u, y = np.random.default_rng(0).standard_normal((2, 20))
     with pytest.raises(InputError, match="no longer than the largest lag, 10"):
         select_terms(u, y, y_lags=[10], u_lags=[10], degree=1)
+
+
+@pytest.mark.parametrize("search", ["forward", Forward])
+def test_what_is_no_search_is_refused(search):
+    u = np.sin(np.arange(200.0))
+    with pytest.raises(InputError, match=r"search: .* dea\.narx\.Forward\(\)"):
+        select_terms(u, 0.5 * u, search=search)

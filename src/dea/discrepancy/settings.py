@@ -6,6 +6,7 @@ from typing import Any
 
 from dea.discrepancy.rules import Rules
 from dea.discrepancy.search.budget import Budget
+from dea.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,26 @@ class Settings:
     rules: Rules = field(default_factory=Rules)
     seed: int = 0
     name: str = "case"
+
+    def __post_init__(self) -> None:
+        for field_name, holds, range_ in (
+            (
+                "slowest_time",
+                self.slowest_time is None or self.slowest_time > 0.0,
+                "positive, in s",
+            ),
+            ("warm_up", self.warm_up >= 0.0, "zero or more, in s"),
+            ("blocks", self.blocks == int(self.blocks) >= 2, "a whole number, two at least"),
+            ("noise_margin", self.noise_margin > 0.0, "positive"),
+            ("step_error", self.step_error > 0.0, "positive"),
+            ("relative_step_error", self.relative_step_error > 0.0, "positive"),
+        ):
+            if not holds:
+                raise InputError(
+                    f"it is {getattr(self, field_name)}",
+                    field=field_name,
+                    remedy=f"It is {range_}",
+                )
 
     @classmethod
     def of(cls, leaves: Mapping[str, Any]) -> "Settings":

@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from itertools import combinations_with_replacement
+from math import comb
 from numbers import Integral
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from dea.terms import Term
 Lags = int | Sequence[int]
 InputLags = Lags | Sequence[Sequence[int]]
 _WHOLE = int, np.integer
+MOST = 20_000  # terms: their cross products take 3 GB
 
 
 def candidate_terms(
@@ -34,13 +36,27 @@ def candidate_terms(
     -------
     tuple of Term
         (n + degree choose degree) terms for n lagged signals: 84 for 3, 3, 3.
+
+    Raises
+    ------
+    InputError
+        If lags or degree are not whole numbers in their range, or there are too many terms.
     """
-    if degree < 1:
-        raise InputError(f"a degree of {degree}", field="degree", remedy="It is at least 1.")
+    if not isinstance(degree, _WHOLE) or degree < 1:
+        raise InputError(
+            f"a degree of {degree!r}", field="degree", remedy="It is a whole number, at least 1."
+        )
     variables = [Term((lag,)) for lag in lag_list(y_lags, "y_lags")]
     for column, lags in enumerate(input_lag_lists(u_lags, inputs)):
         numbers = (column + 1,) if inputs > 1 else ()
         variables += [Term((), (lag,), numbers) for lag in lags]
+    count = comb(len(variables) + int(degree), int(degree))
+    if count > MOST:
+        raise InputError(
+            f"{len(variables)} lagged signals to the degree {degree} make {count} terms",
+            field="degree",
+            remedy=f"Lower it, or give fewer lags: at most {MOST} terms can be chosen from.",
+        )
     return tuple(
         Term.of(
             (lag for factor in factors for lag in factor.y_lags),
@@ -65,8 +81,10 @@ def input_lag_lists(u_lags: InputLags, inputs: int) -> list[list[int]]:
     InputError
         Where lags are listed for another number of inputs.
     """
-    if isinstance(u_lags, _WHOLE) or not any(isinstance(each, Sequence) for each in u_lags):
+    listed = isinstance(u_lags, Sequence)
+    if not listed or not any(isinstance(each, Sequence) for each in cast(Sequence[Any], u_lags)):
         return [lag_list(cast(Lags, u_lags), "u_lags")] * inputs
+    u_lags = cast(Sequence[Any], u_lags)
     if len(u_lags) != inputs or not all(isinstance(each, Sequence) for each in u_lags):
         raise InputError(
             f"{u_lags} for {inputs} input{'s' if inputs > 1 else ''}",
@@ -82,8 +100,8 @@ def lag_list(lags: Lags, field: str) -> list[int]:
         if lags < 0:
             raise InputError(f"a lag of {lags}", field=field, remedy="Lags are 0 or more.")
         return list(range(1, int(lags) + 1))
-    if not all(isinstance(lag, Integral) for lag in lags):
+    if not np.iterable(lags) or not all(isinstance(lag, Integral) for lag in lags):
         raise InputError(
-            f"{lags}", field=field, remedy="Give the largest lag, or a list of whole numbers."
+            f"{lags!r}", field=field, remedy="Give the largest lag, or a list of whole numbers."
         )
     return sorted({int(lag) for lag in lags})

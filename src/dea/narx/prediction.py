@@ -31,8 +31,10 @@ def predicted(
     ndarray
         In physical units, shape (samples,), the first ``max_lag + steps - 1`` as measured.
     """
-    if steps < 1:
-        raise InputError(f"it is {steps}", field="steps", remedy="Predict one sample or more")
+    if not isinstance(steps, int | np.integer) or steps < 1:
+        raise InputError(
+            f"it is {steps!r}", field="steps", remedy="Predict a whole number of samples ahead"
+        )
     lag = max_lag(terms)
     inputs, outputs = scaling.normalise_input(u), scaling.normalise_output(y)
     first = lag + steps - 1

@@ -91,7 +91,8 @@ def select_terms(
     Raises
     ------
     InputError
-        If the records are not usable or too short, or if no model's run on them is bounded.
+        If the records are not usable or too short, a setting is not one that there is, or if no
+        model's run on them is bounded.
     """
     found = search_terms(
         u, y, y_lags=y_lags, u_lags=u_lags, degree=degree, even_in_input=even_in_input,
@@ -130,6 +131,12 @@ def search_terms(
     scaling: Scaling | None = None,
 ) -> Searched:
     """Search as :func:`select_terms` does, which makes and assesses a model of what is found."""
+    if search is not None and not isinstance(search, Search):
+        raise InputError(
+            f"{search!r}",
+            field="search",
+            remedy="Give dea.narx.Refined(), dea.narx.Forward() or dea.narx.Orthogonal()",
+        )
     candidates = _candidates(y_lags, u_lags, degree, even_in_input, _inputs_in(u))
     lag, linear = max_lag(candidates), _linear(candidates)
     inputs, outputs, labels = unpacked(u, y, lag, linear)
@@ -145,7 +152,7 @@ def search_terms(
 
 
 def select_common_terms(
-    records: Sequence[tuple[Signals, Signals]],
+    records: Sequence[Record | tuple[Signals, Signals]],
     *,
     y_lags: Lags = 3,
     u_lags: InputLags = 3,
@@ -161,7 +168,7 @@ def select_common_terms(
     Parameters
     ----------
     records
-        Input and output of each system, as for :func:`select_terms`.
+        A :class:`dea.Record` of each system, or its input and output as for :func:`select_terms`.
 
     Other parameters are those of :func:`select_terms`.
 
@@ -172,17 +179,21 @@ def select_common_terms(
     """
     if not records:
         raise InputError("there is none", field="records", remedy="Give one pair per system.")
-    inputs = _inputs_in(records[0][0])
+    pairs = [(each, None) if isinstance(each, Record) else each for each in records]
+    inputs = _inputs_in(pairs[0][0])
     candidates = _candidates(y_lags, u_lags, degree, even_in_input, inputs)
     lag, linear = max_lag(candidates), _linear(candidates)
-    checked = [as_segments(u, y, lag, linear) for u, y in records]
+    known = [unpacked(u, y, lag, linear) for u, y in pairs]
+    checked = [as_segments(u, y, lag, linear) for u, y, _ in known]
     scales = [scaling_of(each, not even_in_input) for each in checked]
     systems = [normalised(*each) for each in zip(checked, scales, strict=True)]
     trace, tests = Trace(), [StabilityTest(segments) for segments in systems]
     found = find(candidates, systems, tests, search or Refined(), trace)
     return [
-        _model(found.terms, fit.parameters, fit.covariance, scale, test, trace)
-        for fit, scale, test in zip(found.fits, scales, tests, strict=True)
+        replace(
+            _model(found.terms, fit.parameters, fit.covariance, scale, test, trace), labels=labels
+        )
+        for fit, scale, test, (_, _, labels) in zip(found.fits, scales, tests, known, strict=True)
     ]
 
 

@@ -1,5 +1,6 @@
 """The best linear approximation of a record with probing stretches, as a labelled dataset."""
 
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,12 @@ def best_linear_approximation(
         If the record does not number stretches and realisations, its period is unknown, or
         realisations hold fewer than two whole periods.
     """
+    if not isinstance(record, xr.Dataset | str | PathLike):
+        raise InputError(
+            f"it is a {type(record).__name__}, which does not number stretches and realisations",
+            field="record",
+            remedy="Give the path of the record, or its dataset (dea.read_record)",
+        )
     content = record if isinstance(record, xr.Dataset) else read_record(record)
     units = signals(content)
     u_units = units.unit_of_one_input("A measured response")

@@ -27,6 +27,12 @@ def load_simulation(name: str | Path) -> Simulation:
         If there is no such simulation, the file cannot be run, it lacks a ``simulation``, or the
         simulation has a missing port or an equation that does not give numbers.
     """
+    if not isinstance(name, str | Path):
+        raise InputError(
+            f"it is a {type(name).__name__}",
+            field="simulation",
+            remedy="Give a Simulation, the name of one, or a Python file that defines `simulation`",
+        )
     if str(name) in built_in():
         result: Simulation = import_module(f"{devices.__name__}.{name}").simulation
         return result

@@ -182,7 +182,12 @@ def _numbers(signal: Any, field: str) -> np.ndarray:
     values = np.ma.asarray(signal)
     if np.iscomplexobj(values):
         raise InputError("it is complex", field=field, remedy="Give its real part")
-    return np.asarray(np.ma.filled(values.astype(float), np.nan))
+    try:
+        return np.asarray(np.ma.filled(values.astype(float), np.nan))
+    except ValueError as error:
+        raise InputError(
+            f"it holds no numbers: {error}", field=field, remedy="Give an array of numbers"
+        ) from error
 
 
 def _for_each(text: Text | Sequence[str], count: int, field: str) -> Text:

@@ -306,9 +306,10 @@ def _settings(method: str, **given: Any) -> dict[str, Any]:
     chosen = known | {name: given[name] for name in known if given[name] is not None}
     if not chosen.get("delta", 1.0) > 0.0:
         raise InputError(f"it is {chosen['delta']}", field="delta", remedy="It is more than zero")
-    for name in {"thinning", "instants"} & chosen.keys():
-        if chosen[name] < 1:
-            raise InputError(f"it is {chosen[name]}", field=name, remedy="It is 1 or more")
+    for name in ("thinning", "instants", "window"):
+        value = chosen.get(name)
+        if value is not None and (value != int(value) or value < 1):
+            raise InputError(f"it is {value}", field=name, remedy="It is a whole number, 1 or more")
     return chosen
 
 
