@@ -50,14 +50,18 @@ class Presence:
         """The same for each family of effects."""
         return self._of(families_of)
 
+    @property
+    def _counted(self) -> dict[str, float]:
+        return self._of(lambda c: set(c.effects))
+
     def sure(self, certain: float) -> set[str]:
-        """Return the effects that are ``certain``."""
-        return {name for name, value in self.effects.items() if value >= certain}
+        """Return the effects that are ``certain``, as candidates count them."""
+        return {name for name, value in self._counted.items() if value >= certain}
 
     def least_of(self, candidate: Candidate) -> float:
         """Return the probability of the effect of a candidate that is least sure."""
-        found = self.effects
-        return min(found.get(name, 0.0) for name in candidate.names)
+        found = self._counted
+        return min(found.get(name, 0.0) for name in candidate.effects)
 
     def surest(self, certain: float) -> Candidate | None:
         """Return the candidate whose own weight makes it ``certain``, if there is one."""

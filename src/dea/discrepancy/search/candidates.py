@@ -69,9 +69,16 @@ class Candidate:
         return tuple(extended.names[i] for i in counted)
 
     @cached_property
+    def counted(self) -> tuple[str, ...]:
+        """The names, one that is there before marked as such: a stop may act at two places."""
+        return tuple(
+            name + " again" * self.names[:i].count(name) for i, name in enumerate(self.names)
+        )
+
+    @cached_property
     def effects(self) -> EffectSet:
-        """The effect set, whatever the order and the force ports."""
-        return frozenset(self.names)
+        """The effect set, :attr:`counted`, whatever the order and the force ports."""
+        return frozenset(self.counted)
 
 
 def judged(problem: Problem, fit: Fit, finished: bool = True) -> Candidate:
