@@ -86,6 +86,23 @@ def test_what_changes_with_time_is_shown_over_time():
         np.testing.assert_array_equal(course.idle, np.full(SAMPLES, at_rest))
 
 
+@pytest.mark.parametrize(
+    ("steps", "shown", "size"),
+    [
+        ({"gain_step": -0.4}, "factor on", 0.4),
+        ({"gain_step": -0.4, "offset_step": 0.01}, "factor on", 0.4),
+        ({"offset_step": 0.3}, "change of the reading", 0.3),
+        ({"offset_step": 0.3, "gain_step": -0.01}, "change of the reading", 0.3),
+    ],
+)
+def test_a_step_is_shown_where_it_changes_more(steps, shown, size):
+    law = {"instant": 10.0, "gain_step": 0.0, "offset_step": 0.0, "scale_step": 0.0} | steps
+    [course] = law_courses(*attached(("step_fault", law)), U, INTERVAL)
+    assert course.value.name.startswith(shown)
+    np.testing.assert_array_equal(course.along.values, TIME)
+    assert np.ptp(course.value.values) == pytest.approx(size, rel=1e-6)
+
+
 def test_a_law_on_the_reading_is_shown_over_the_output():
     extended, values = attached(("sensor_lag", {}))
     [course] = law_courses(extended, values, U, INTERVAL)

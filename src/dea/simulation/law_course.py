@@ -83,6 +83,11 @@ def law_courses(
             )
         elif effect.shape_output is not None:
             before, y = y, effect.shape_output(y, time, q, interval)
+            factor = effect.scale_drive(time, q) if effect.scale_drive else np.ones(time.size)
+            # An event may be one of the drive and of the reading: what changes the output more.
+            if np.ptp(factor) * np.ptp(y) > np.ptp(y - before):
+                courses[index] = _scaled(own.drives[place], time, factor)
+                continue
             courses[index] = (
                 LawCourse(
                     Axis(time, "time", "s"),
@@ -97,15 +102,16 @@ def law_courses(
                 )
             )
         elif effect.scale_drive is not None:
-            factor = effect.scale_drive(time, q)
-            courses[index] = LawCourse(
-                Axis(time, "time", "s"),
-                Axis(factor, f"factor on {own.drives[place].replace('_', ' ')}", "1"),
-                np.ones(time.size),
-            )
+            courses[index] = _scaled(own.drives[place], time, effect.scale_drive(time, q))
         else:
             courses[index] = _pushed(extended, extended.attached[index], q, position, interval)
     return courses
+
+
+def _scaled(drive: str, time: np.ndarray, factor: np.ndarray) -> LawCourse:
+    """Return the course of a factor (n,) on a drive."""
+    acting = Axis(factor, f"factor on {drive.replace('_', ' ')}", "1")
+    return LawCourse(Axis(time, "time", "s"), acting, np.ones(time.size))
 
 
 def _order(attached: Sequence[Attached]) -> list[int]:
