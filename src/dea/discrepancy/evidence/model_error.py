@@ -62,8 +62,13 @@ def model_error(
     """
     left = misfit(_rms(best), noise)
     expected = law_error * misfit(_rms(before), noise)
-    coloured = best if left > expected else before
-    return ModelError(noise, left, max(left, expected, accuracy), _memory_beside(coloured, noise))
+    # What is left shows the memory, the less of it there is the less surely: the error of a law
+    # that cannot be seen is taken to be as long as the gap.
+    sure = min(left / expected, 1.0) if expected > 0.0 else 1.0
+    long, short = (_memory_beside(residual, noise) for residual in (before, best))
+    return ModelError(
+        noise, left, max(left, expected, accuracy), long ** (1.0 - sure) * short**sure
+    )
 
 
 def _memory_beside(residual: np.ndarray, noise: float) -> float:
