@@ -144,7 +144,7 @@ def _certified(
         return replace(found, pending=CERTIFICATE)
     other = {"fresh": signals_of(record, simulation)}
     certified = certify_elsewhere(other, diagnosis.nominal, diagnosis.final)["fresh"]
-    if certified.worse(diagnosis.decision.noise(diagnosis.rules, diagnosis.floor)):
+    if certified.worse(diagnosis.decision.noise(diagnosis.rules, diagnosis.complete)):
         last = found.rounds[-1]
         after = replace(last.after, withdrawn=ResolutionOutcome.CONTRADICTED)
         rounds = (*found.rounds[:-1], replace(last, after=after))
