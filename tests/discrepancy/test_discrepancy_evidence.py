@@ -246,6 +246,9 @@ def test_an_effect_is_as_visible_as_what_the_parameters_leave_of_it():
     assert both.independent == pytest.approx(np.sqrt((left**2 + 16.0) / 52.0))
     weak = visibility(problem, before, simulated(a, np.column_stack([a, 0.01 * b])))
     assert (weak.size, weak.independent) == pytest.approx((0.01 * across.size, 1.0))
+    # Of two parameters of a law the one that is seen tells its own independence.
+    both = visibility(problem, before, simulated(a, np.column_stack([a, 50.0 * a, b])))
+    assert both.independent == pytest.approx(1.0, abs=0.05)
     nothing = visibility(problem, before, before)
     assert (nothing.size, nothing.independent) == (0.0, 0.0)
 

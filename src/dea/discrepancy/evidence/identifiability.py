@@ -19,7 +19,7 @@ class Visibility:
         RMS change of the output, in units of the noise, by one prior spread of the effect's most
         visible parameter, after the simulation's own parameters have absorbed what they can.
     independent
-        Part of the change that they cannot absorb.
+        Part of the change by that parameter that they cannot absorb.
     """
 
     size: float
@@ -36,5 +36,6 @@ def visibility(problem: Problem, before: Fit, candidate: Fit) -> Visibility:
     law = J[:, own:]
     rest = unabsorbed(J[:, :own], problem.noise)(law)
     energy, left = np.sum(law**2, axis=0), np.sum(rest**2, axis=0)
-    size = float(np.sqrt(left.max() / seen.sum()) / problem.noise)
-    return Visibility(size, float(np.sqrt(left.max() / max(energy.max(), 1e-300))))
+    seen_best = int(left.argmax())
+    size = float(np.sqrt(left[seen_best] / seen.sum()) / problem.noise)
+    return Visibility(size, float(np.sqrt(left[seen_best] / max(energy[seen_best], 1e-300))))
