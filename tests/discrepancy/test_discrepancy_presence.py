@@ -22,6 +22,7 @@ from dea.discrepancy.evidence.presence import (
     share_removed,
 )
 from dea.discrepancy.problem import Problem
+from dea.discrepancy.search.candidates import Candidate
 
 BLOCKS = [slice(k, k + 50) for k in range(0, 5000, 50)]
 WHITE = ModelError(1.0, 0.0, 0.0, 1.0)
@@ -84,6 +85,26 @@ def test_a_parameter_at_its_bound_counts_against_its_law():
     found = presence(9.0 * unit, candidates, BLOCKS, WHITE, prior, rng)
     assert found.candidates[0] is candidates[0]
     assert found.weights[0] / found.weights[1] == pytest.approx(np.exp(3.0))
+
+
+def test_an_effect_at_two_places_counts_twice():
+    def at(*places):
+        attached = [SimpleNamespace(name="end_stop", place=place) for place in places]
+        extended = SimpleNamespace(
+            attached=attached, name_of=lambda a: a.name, label=lambda a: f"{a.name}@{a.place}"
+        )
+        return Candidate(SimpleNamespace(extended=extended), 1.0, 1.0, 1.0)
+
+    one, two = at("upper"), at("upper", "lower")
+    assert one.effects == at("lower").effects < two.effects
+    assert two.effects == {"end_stop", "end_stop again"}
+    stub = SimpleNamespace(effects=two.effects, names=two.names, at_bounds=())
+    assert log_prior([stub], 20, 3.0)[0] == pytest.approx(-np.log(190.0))
+    weighed = Presence((two, one), np.array([0.6, 0.4]))
+    assert weighed.effects == {"end_stop": 1.0}
+    assert weighed.least_of(two) == pytest.approx(0.6)
+    assert weighed.wider_than(one) == pytest.approx(0.6)
+    assert weighed.sure(0.9) == {"end_stop"}
 
 
 def test_of_many_effects_offered_each_is_less_likely():
@@ -186,6 +207,24 @@ def test_a_model_error_is_what_the_best_leaves_or_what_laws_leave_anyway():
     assert model_error(before, best, 1.0, 0.05, 3.0).coloured == 3.0
     assert ModelError(3.0, 4.0, 5.0, 10.0).level == 5.0
     assert ModelError(3.0, 2.0, 4.0, 10.0).density == 169.0
+
+
+def test_the_memory_of_a_law_that_leaves_less_than_expected_goes_over_to_that_of_the_gap():
+    """The gap has 199 samples of memory, what the best leaves 19; they meet at a twentieth."""
+    rng = np.random.default_rng(8)
+
+    def coloured(pole):
+        noise = lfilter([1.0], [1.0, -pole], rng.standard_normal(400_000))
+        return noise / noise.std()
+
+    white, gap, rest = rng.standard_normal(400_000), coloured(0.99), coloured(0.9)
+    memory = [
+        model_error(20.0 * gap + white, size * rest + white, 1.0, 0.05).memory
+        for size in (0.0, 0.25, 0.5, 0.99, 1.01, 2.0)
+    ]
+    assert memory[0] == pytest.approx(199.0, rel=0.2)
+    assert memory[1:3] == pytest.approx([199.0**0.75 * 19.0**0.25, (199.0 * 19.0) ** 0.5], rel=0.3)
+    assert memory[3:] == pytest.approx([19.0] * 3, rel=0.25)
 
 
 def test_the_memory_of_a_model_error_is_its_own_beside_white_noise():

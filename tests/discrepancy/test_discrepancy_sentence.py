@@ -24,6 +24,7 @@ BEFORE = (
     "1 Hz"
 )
 AFTER = BEFORE.replace("0.3", "0.02")
+NEAR = f"near the simulation's priors {BEFORE}"
 NOISE = "noise floor 0.01 mm"
 NAMES = "stiffness", "gain", "timing_offset"
 SHARE = Share(0.724, 0.63, 0.79)
@@ -137,7 +138,7 @@ def test_an_equation_that_explains_nothing_is_left_out(equation, explained, text
 
 def test_a_name_leads_with_its_share_and_its_proof():
     text = sentence(found(Status.NAMED, "dead_zone"))
-    assert text == f"{REMOVES}: {PROOF}. Without it {BEFORE}."
+    assert text == f"{REMOVES}: {PROOF}. Without it, {NEAR}."
 
 
 def test_two_names_are_spoken_of_as_two():
@@ -145,7 +146,7 @@ def test_two_names_are_spoken_of_as_two():
     assert text == (
         f"{ZONE} and `sensor_lag` (threshold 0.4 ± 0.1 V) remove 72 % (63 to 79 %) of the gap: "
         f"the error on the certified samples falls from 0.2 to 0.02 mm, {NOISE}. "
-        f"Their laws are too poor here: 2 noise floors remain. Without them {BEFORE}."
+        f"Their laws are too poor here: 2 noise floors remain. Without them, {NEAR}."
     )
 
 
@@ -168,7 +169,7 @@ def test_a_law_is_too_poor_where_more_remains_than_of_a_complete_simulation(
     )
     assert text == (
         f"{REMOVES}: the error on the certified samples falls from 0.2 to {after:.3g} mm, {NOISE}."
-        f"{clause} Without it {BEFORE}."
+        f"{clause} Without it, {NEAR}."
     )
 
 
@@ -179,7 +180,7 @@ def test_a_rival_of_the_class_that_would_do_as_well_is_told():
         "In this record input_saturation or sensor_lag+end_stop at left of its class would do as "
         "well."
     )
-    assert text == f"{REMOVES}: {PROOF}. {doubt} Without it {BEFORE}."
+    assert text == f"{REMOVES}: {PROOF}. {doubt} Without it, {NEAR}."
 
 
 @pytest.mark.parametrize(
@@ -195,7 +196,7 @@ def test_a_part_is_certain_and_not_said_to_be_all(families, hint):
     assert sentence(part) == (
         f"Certain part of the answer: {REMOVES}; {PROOF}. "
         f"What remains is not named{hint}: {AFTER}. "
-        f"Without it {BEFORE}."
+        f"Without it, {NEAR}."
     )
 
 
@@ -217,7 +218,7 @@ def test_of_rivals_none_leads_alone():
         found(Status.AMBIGUOUS, "dead_zone", rivals=[("sensor_lag",)], reason=Reason.RIVAL)
     )
     assert text == (
-        f"It is {ZONE}, or sensor_lag: {PROOF}. Without it {BEFORE}. "
+        f"It is {ZONE}, or sensor_lag: {PROOF}. Without it, {NEAR}. "
         "`make resolve` designs the record that decides."
     )
     of_two = found(Status.AMBIGUOUS, "dead_zone", rivals=[("sensor_lag",)], reason=Reason.RIVAL)
@@ -252,8 +253,8 @@ def test_what_is_unknown_is_described(reason):
             effects={"end_stop@left": 0.7, "dead_zone": 0.65},
             equation=EQUATION,
             pool=[
-                SimpleNamespace(labels=labels, rmse=left, finished=finished)
-                for labels, left, finished in (
+                SimpleNamespace(names=names, rmse=left, finished=finished)
+                for names, left, finished in (
                     (("end_stop@left",), 0.01, False),
                     (("end_stop@right",), 0.02, True),
                     (("dead_zone", "end_stop@left"), 0.03, True),
@@ -265,7 +266,7 @@ def test_what_is_unknown_is_described(reason):
     assert text == (
         f"Something is missing, but {reason}: the simulation alone has an error of 0.2 mm, "
         f"{NOISE}. "
-        f"Most explanations hold `end_stop` at left; the best leaves 0.03 mm. T{BEFORE[1:]}. "
+        f"Most explanations hold `end_stop` at left; the best leaves 0.03 mm. N{NEAR[1:]}. "
         "The best equation for the residual: 0.3 u(t-1) (explains 40 %)."
     )
 
@@ -297,7 +298,7 @@ def test_what_only_the_certified_samples_show_is_not_described_by_the_others():
     )
     assert text == (
         "Something is missing, but only the certified samples show it: the simulation alone has an "
-        f"error of 0.2 mm, {NOISE}. T{BEFORE[1:]}."
+        f"error of 0.2 mm, {NOISE}. N{NEAR[1:]}."
     )
 
 
@@ -313,8 +314,8 @@ def test_a_place_is_told_with_its_numbers():
     bin_ = Concentration("direction", 2, 0.5, 1.5, "1", 0.4, 0.1, "direction", "the output")
     diagnosis.where.before = Localisation(None, bin_, BAND, 0.3, "mm")
     assert sentence(diagnosis).endswith(
-        "Without it the residual is 0.4 mm (RMS) while the output is rising, 0.1 mm elsewhere; "
-        "40 % of its energy lies between 0.5 and 1 Hz."
+        "Without it, near the simulation's priors the residual is 0.4 mm (RMS) while the output is "
+        "rising, 0.1 mm elsewhere; 40 % of its energy lies between 0.5 and 1 Hz."
     )
 
 

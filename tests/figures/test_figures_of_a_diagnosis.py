@@ -53,6 +53,7 @@ CANDIDATES = xr.Dataset(
         "gain_high": ("candidate", [0.3, 1.0]),
         "null_gain": ((), 0.2),
         "share": ("candidate", [0.8, 0.104]),
+        "finished": ("candidate", [1.0, 1.0]),
     },
     coords={"candidate": NAMES},
 )
@@ -94,6 +95,19 @@ def test_the_series_is_measured_minus_simulated_and_the_certified_block_is_shade
         np.testing.assert_array_equal(drawn[name].get_ydata(), MEASURED - simulated)
     block = ax.patches[0].get_extents().transformed(ax.transData.inverted())
     assert (block.x0, block.x1) == pytest.approx((12, 19))
+
+
+def test_of_joint_records_each_certified_run_is_shaded_by_itself_and_the_worst_is_drawn():
+    role = ("time", np.isin(TIME, [3, 4, 5, 13, 14]) * 2 + 1)
+    measured = ("time", np.where(TIME == 13, 9.0, MEASURED), {"units": "mm"})
+    joint = CERTIFICATE.assign(role=role, measured=measured).assign_attrs(records=2)
+    series, runs = discrepancy(LOCALISATION, CANDIDATES, joint, verdict()).axes[:2]
+    to_data = series.transData.inverted()
+    shaded = [each.get_extents().transformed(to_data) for each in series.patches]
+    assert [each.x0 for each in shaded] == pytest.approx([3, 13])
+    assert [each.x1 for each in shaded] == pytest.approx([5, 14])
+    np.testing.assert_array_equal(runs.lines[0].get_xdata(), [13, 14])
+    assert runs.get_xlabel() == "time, records in a row (s)"
 
 
 def test_residuals_are_shown_along_the_quantity_that_the_verdict_names(panels):
@@ -261,6 +275,17 @@ def test_an_effect_at_a_port_or_input_has_the_share_of_its_best_place():
     assert texts == ["0.50", "alone 30 %", "0.40", "alone 20 %", "0.10", "not fitted alone"]
 
 
+def test_an_effect_that_acts_at_two_places_has_the_sum_of_its_shares():
+    said = verdict()
+    first = said["effects"][0] | {"balance": "upper", "share": 0.6}
+    said["effects"] = [first, first | {"balance": "lower", "share": 0.1}]
+    certificate = CERTIFICATE.assign(
+        {f"law_2_{part}": CERTIFICATE[f"law_1_{part}"] for part in PARTS}
+    )
+    ax = discrepancy(LOCALISATION, CANDIDATES, certificate, said).axes[-1]
+    assert "removes 70 %" in [text.get_text() for text in ax.texts]
+
+
 def test_effects_that_were_only_fitted_together_have_no_shares_of_their_own():
     said = verdict()
     said["effects"][0]["share"] = None
@@ -294,3 +319,9 @@ def test_without_a_name_the_gains_of_the_candidates_are_shown_best_first():
     np.testing.assert_allclose(ends, [[0.7, 1.0], [0.0, 0.3]])
     assert [text.get_text() for text in ax.get_yticklabels()] == ["sensor lag", "dead zone"]
     assert figure.get_suptitle() == "unknown"
+
+
+def test_gains_that_are_not_held_out_are_not_shown():
+    screened = CANDIDATES.assign(finished=("candidate", [1.0, 0.0]))
+    ax = discrepancy(LOCALISATION, screened, CERTIFICATE, verdict("unknown")).axes[4]
+    assert [text.get_text() for text in ax.get_yticklabels()] == ["dead zone"]

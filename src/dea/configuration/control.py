@@ -52,7 +52,7 @@ class Adaptation(Section):
 class Control(Section):
     """Controllers tried on the actuators (docs/control.md)."""
 
-    duration: Annotated[float, Field(ge=2.0)] = key("time that the reference lasts", unit="s")
+    duration: Number = key("time that the reference lasts", unit="s", ge=2)
     reference: Reference = key("what the displacement is to follow")
     hold: Positive = key("time at the first voltage before the reference begins", unit="s")
     approach: Positive = key("time of the way to the reference", unit="s")

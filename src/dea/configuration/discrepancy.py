@@ -75,7 +75,11 @@ class Budget(Section):
 class Rules(Section):
     """When an effect is named."""
 
-    margin: Number = key("part of the held-out error that an effect must remove", gt=0, lt=1)
+    margin: Number = key(
+        "part of the held-out error that an effect must remove; twice that of two at once",
+        gt=0,
+        lt=0.5,
+    )
     clean: Positive = key(
         "residual up to which the record counts as explained", unit="noise floors"
     )
@@ -160,7 +164,7 @@ class Discrepancy(Section):
 class Split(Section):
     """How a case's record is split for the diagnosis."""
 
-    slowest_time: NotNegative | None = key(
+    slowest_time: Positive | None = key(
         "slowest time constant of the device, where better known than simulated",
         unit="s",
         default=None,

@@ -67,6 +67,8 @@ if TYPE_CHECKING:
 
 # Candidates that are weighed against each other: so many leading ones.
 _WEIGHED = 14
+# Rivals whose confusion is shown.
+_SHOWN = 8
 
 
 def diagnose(
@@ -152,8 +154,12 @@ def diagnose(
 
     # Describe.
     where = Where(
-        localise(problem, near.residual, own.inputs, own.output_unit, problem.seen, rng),
-        localise(problem, final.residual, own.inputs, own.output_unit, problem.seen, rng),
+        *(
+            localise(
+                problem, each.residual, own.inputs, own.output_unit, problem.seen, rng, each.records
+            )
+            for each in (near, final)
+        )
     )
     noisy = problem.with_noise(evidence.floor)
     rungs = ladder(evidence, nominal, final, singles)
@@ -250,7 +256,10 @@ def _gains(evidence: Evidence, nominal: Fit, singles: Sequence[Candidate], worke
         workers,
         "single effects on blocks left out",
     )
-    before = [held_out.residual(nominal, c.fit) for c in singles]
+    # Of one that was only screened both residuals are those of fits to the same blocks.
+    before = [
+        held_out.residual(nominal, c.fit) if c.finished else nominal.residual for c in singles
+    ]
     return gains(before, after, blocks, null, evidence.rng)
 
 
@@ -277,13 +286,11 @@ def _weighed(
     return weighed, error
 
 
-def _rivals_to_show(
-    decision: Decision, pool: Sequence[Candidate], most: int = 8
-) -> tuple[Candidate, ...]:
-    """Return the finished candidates of as many effects as the chosen one, best first."""
+def _rivals_to_show(decision: Decision, pool: Sequence[Candidate]) -> tuple[Candidate, ...]:
+    """Return the best finished candidates of as many effects as the chosen one, best first."""
     count = len(decision.chosen.names) if decision.chosen else 1
     shown: dict[frozenset[str], Candidate] = {}
     for c in pool:
         if c.finished and len(c.names) == count:
             shown.setdefault(c.effects, c)
-    return tuple(shown.values())[:most]
+    return tuple(shown.values())[:_SHOWN]

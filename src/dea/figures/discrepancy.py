@@ -132,26 +132,40 @@ def _simulations(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [nominal, extended] if verdict["effects"] else [nominal]
 
 
+def _certified(certificate: xr.Dataset) -> list[tuple[int, int]]:
+    """Return the first and last sample of each run of role certify; of records one each."""
+    held = np.concatenate([[False], certificate["role"].values == 3, [False]])
+    edges = np.flatnonzero(np.diff(held.astype(int)))
+    return list(zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True))
+
+
+def _time_label(certificate: xr.Dataset) -> str:
+    return "time, records in a row (s)" if certificate.attrs.get("records", 1) > 1 else "time (s)"
+
+
 def _series(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None:
     """Draw the residual of both simulations over time and shade the samples of role certify."""
     time, measured = certificate["time"].values, certificate["measured"].values
     unit = certificate["measured"].attrs["units"]
     for name, colour in _simulations(verdict):
         ax.plot(time, measured - certificate[name].values, color=colour, lw=0.5, label=name)
-    held = certificate["role"].values == 3
-    if held.any():
-        ax.axvspan(time[held][0], time[held][-1], color=style.PALE, zorder=0, label="certified")
-    ax.set(xlabel="time (s)", ylabel=style.quantity("residual", unit), xlim=(time[0], time[-1]))
+    for number, (first, last) in enumerate(_certified(certificate)):
+        label = "" if number else "certified"
+        ax.axvspan(time[first], time[last], color=style.PALE, zorder=0, label=label)
+    ax.set(
+        xlabel=_time_label(certificate),
+        ylabel=style.quantity("residual", unit),
+        xlim=(time[0], time[-1]),
+    )
     ax.legend(**_ABOVE)
 
 
 def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None:
     """Draw what was measured and simulated where the certified samples, or all, disagree most."""
-    held = certificate["role"].values == 3
-    shown = held if held.any() else np.ones(held.size, bool)
-    first, last = np.flatnonzero(shown)[[0, -1]].tolist()
     gap = np.abs((certificate["measured"] - certificate["nominal"]).values)
-    worst = int(np.nanargmax(np.where(shown, gap, np.nan)))
+    runs = _certified(certificate) or [(0, gap.size - 1)]
+    worst_of = [first + int(np.nanargmax(gap[first : last + 1])) for first, last in runs]
+    worst, (first, last) = max(zip(worst_of, runs, strict=True), key=lambda each: gap[each[0]])
     first = max(first, min(worst - _RUN // 2, last + 1 - _RUN))
     part = certificate.isel(time=slice(first, min(first + _RUN, last + 1)))
     time = part["time"].values
@@ -159,7 +173,11 @@ def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None
     for name, colour in _simulations(verdict):
         ax.plot(time, part[name], color=colour, lw=0.7, label=name)
     unit = certificate["measured"].attrs["units"]
-    ax.set(xlabel="time (s)", ylabel=style.quantity("output", unit), xlim=(time[0], time[-1]))
+    ax.set(
+        xlabel=_time_label(certificate),
+        ylabel=style.quantity("output", unit),
+        xlim=(time[0], time[-1]),
+    )
     ax.legend(**_ABOVE)
 
 
@@ -303,6 +321,8 @@ def _parameters(ax: Axes, effects: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _gains(ax: Axes, candidates: xr.Dataset) -> None:
+    """Draw the gains of the best candidates; of one that was only screened none is held out."""
+    candidates = candidates.isel(candidate=candidates["finished"].values > 0)
     order = np.argsort(candidates["gain"].values)[::-1][:8]
     gain, low, high = (candidates[n].values[order] for n in ("gain", "gain_low", "gain_high"))
     ax.errorbar(
@@ -321,11 +341,12 @@ def _presence(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> N
     Beside it stands the part of the gap that it removes: of those named one after the other, of the
     rest alone.
     """
-    named = {
-        name: effect["share"]
-        for effect in verdict["effects"]
-        for name in (effect["name"], f"{effect['name']}@{effect['balance']}")
-    }
+    named: dict[str, float | None] = {}
+    for effect in verdict["effects"]:
+        for name in (effect["name"], f"{effect['name']}@{effect['balance']}"):
+            before, own = named.get(name), effect["share"]
+            # An effect may act at two places.
+            named[name] = own if before is None else before + (own or 0.0)
     found = sorted(verdict["presence"]["effects"].items(), key=lambda pair: -pair[1])[:_MOST_BARS]
     colours = [style.VERMILION if name in named else style.GREY for name, _ in found]
     values = [value for _, value in found]
@@ -333,8 +354,8 @@ def _presence(ax: Axes, verdict: Mapping[str, Any], candidates: xr.Dataset) -> N
     for y, (name, value) in enumerate(found):
         ax.text(value + 0.02, y, f"{value:.2f}", va="center", fontsize=6)
         alone = _share_alone(candidates, name)
-        if named.get(name) is not None:
-            ax.text(_SHARES_AT, y, f"removes {_percent(named[name])}", va="center", fontsize=6)
+        if (removed := named.get(name)) is not None:
+            ax.text(_SHARES_AT, y, f"removes {_percent(removed)}", va="center", fontsize=6)
         elif name not in named:
             said = f"alone {_percent(alone)}" if np.isfinite(alone) else "not fitted alone"
             ax.text(

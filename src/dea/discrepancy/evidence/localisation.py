@@ -113,10 +113,12 @@ def localise(
     unit: str,
     samples: np.ndarray,
     rng: np.random.Generator,
+    records: Sequence[slice] = (),
 ) -> Localisation:
     """Find where a ``residual`` (n,) is concentrated among ``samples`` (n, bool).
 
-    ``unit`` is that of the output. Of several ``inputs`` each is a quantity of its own.
+    ``unit`` is that of the output. Of several ``inputs`` each is a quantity of its own. The time is
+    that since the start of each of the ``records``.
 
     The null distribution comes from its energy, shuffled in blocks that keep its own correlation:
     the largest standardised bin over all quantities (max statistic).
@@ -125,7 +127,7 @@ def localise(
     energy = residual[where] ** 2
     signals = _inputs(problem, inputs)
     quantities = {}
-    for name, quantity in _quantities(problem, residual, signals, unit).items():
+    for name, quantity in _quantities(problem, residual, signals, unit, records).items():
         values = quantity.values[where]
         edges = _edges(values, name)
         label = np.clip(np.searchsorted(edges, values, "right") - 1, 0, edges.size - 2)
@@ -238,8 +240,15 @@ def _label(units: str, long_name: str) -> dict[str, str]:
 
 
 def _quantities(
-    problem: Problem, residual: np.ndarray, inputs: Sequence[_Signal], unit: str
+    problem: Problem,
+    residual: np.ndarray,
+    inputs: Sequence[_Signal],
+    unit: str,
+    records: Sequence[slice],
 ) -> dict[str, _Quantity]:
+    time = problem.time.copy()
+    for record in records:
+        time[record] -= time[record.start]
     simulated = problem.y - np.where(np.isfinite(residual), residual, 0.0)
     rate = np.gradient(simulated, problem.interval)
     still = 0.05 * np.std(rate)
@@ -247,7 +256,7 @@ def _quantities(
     turned = np.flatnonzero(np.diff(np.sign(rate)) != 0)
     last = np.concatenate([[0], turned + 1])
     since = np.arange(rate.size) - last[np.searchsorted(last, np.arange(rate.size), "right") - 1]
-    found = {"time": _Quantity(problem.time, "s", "time", "time", "")}
+    found = {"time": _Quantity(time, "s", "time", "time", "")}
     several = len(inputs) > 1
     for name, called, u, own in inputs:
         found[name] = _Quantity(u, own, "input", called, called if several else "the input")
@@ -269,7 +278,7 @@ def _edges(values: np.ndarray, name: str) -> np.ndarray:
     if name == "direction":
         return np.array([-0.5, 0.5, 1.5, 2.5])
     if name == "time":
-        return np.linspace(values[0], values[-1] + 1e-9, 2 * BINS + 1)
+        return np.linspace(values.min(), values.max() + 1e-9, 2 * BINS + 1)
     edges = np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)))
     return (
         edges if edges.size > 2 else np.array([values.min(), values.mean(), values.max() + 1e-12])

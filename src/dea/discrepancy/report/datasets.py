@@ -127,14 +127,16 @@ def certificate_dataset(diagnosis: Diagnosis) -> xr.Dataset:
             np.array([getattr(diagnosis.certificate.records[n], key) for n in names], float),
             _attributes(unit, f"free-run RMSE on another record {meaning} the effects"),
         )
+    records = len(diagnosis.nominal.records)
+    along = "time since the start" if records == 1 else "time, one record after the other"
     coords = {
-        "time": ("time", problem.time, _attributes("s", "time since the start")),
+        "time": ("time", problem.time, _attributes("s", along)),
         "record": ("record", np.array(names, object), _attributes("1", "other record")),
     }
     if len(diagnosis.inputs) > 1:
         called = np.array([each.name for each in diagnosis.inputs], object)
         coords["signal"] = ("signal", called, _attributes("1", "name of the input"))
-    return xr.Dataset(data, coords=coords)
+    return xr.Dataset(data, coords=coords, attrs={"records": records})
 
 
 def _laws(diagnosis: Diagnosis) -> dict[str, tuple[str, np.ndarray, dict[str, str]]]:

@@ -61,7 +61,7 @@ def verdict_sentence(
 def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     unit, floor = found.units[1], found.floor
     decision, block, unexplained = found.decision, found.certificate.block, found.unexplained
-    place = where_sentence(found.where.before)
+    place = f"near the simulation's priors {where_sentence(found.where.before)}"
     noise = f"noise floor {floor:.3g} {unit}"
     if decision.status is Status.NONE:
         return (
@@ -85,7 +85,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
     )
     rivals = " or ".join(rivals_in_words(found))
     alone = len(effects) == 1
-    place = f"Without {'it' if alone else 'them'} {place}"
+    place = f"Without {'it' if alone else 'them'}, {place}"
     proof = f"the error on the certified samples {_change(block, unit)}, {noise}"
     if decision.status is Status.AMBIGUOUS:
         advice = (
@@ -151,7 +151,7 @@ def _nearest(found: "Diagnosis") -> str:
     likely = [name for name, value in found.presence.effects.items() if value >= found.rules.likely]
     if not likely:
         return ""
-    best = next((c for c in found.pool if c.finished and likely[0] in c.labels), None)
+    best = next((c for c in found.pool if c.finished and likely[0] in c.names), None)
     left = f"; the best leaves {best.rmse:.3g} {found.units[1]}" if best else ""
     return f" Most explanations hold {label_in_words(likely[0])}{left}."
 
