@@ -39,6 +39,34 @@ def segment(
     return slice(first, last)
 
 
+def with_independent(
+    signals: store.Record, identification: Mapping[str, Any], orders: Mapping[str, Any], file: Path
+) -> tuple[slice, slice]:
+    """Return the samples that models come from and independent ones after them, for ``orders``.
+
+    A short record spares independent data only by identifying from less than the segment.
+
+    Raises
+    ------
+    InputError
+        If the record ends before, or the independent data leave nothing of the segment.
+    """
+    start, end = identification["start"], identification["start"] + identification["length"]
+    later = orders.get("start", end)
+    if later <= start:
+        raise InputError(
+            f"the independent data from {later:g} s on leave nothing of the segment from "
+            f"{start:g} s on",
+            file=file,
+            field="orders.start, identification.start",
+            remedy="Begin the segment earlier, or the independent data later.",
+        )
+    return (
+        segment(signals, start, min(end, later) - start, file),
+        segment(signals, later, orders["length"], file, "orders"),
+    )
+
+
 def good_stretches(
     signals: store.Record, part: slice, file: Path, identification: Mapping[str, Any]
 ) -> tuple[list[Any], list[Any]]:

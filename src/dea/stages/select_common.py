@@ -15,19 +15,20 @@ def select_common(
 
     from dea import store
     from dea.narx import NarxModel, Refined, compare_structures, select_common_terms
-    from dea.stages.identification import good_stretches, segment, selection_arguments
+    from dea.stages.identification import (
+        good_stretches,
+        selection_arguments,
+        with_independent,
+    )
 
     identification, orders = settings["identification"], settings["orders"]
     signals = [store.signals(store.read_record(record)) for record in records]
     own = [NarxModel.load(model) for model in models]
-    start, length = identification["start"], identification["length"]
-    pieces = []
+    identify, tests = [], []
     for each, record in zip(signals, records, strict=True):
-        chosen = segment(each, start, length, record)
-        later = segment(each, start + length, orders["length"], record, "orders")
-        identify = good_stretches(each, chosen, record, identification)
-        longest = max(zip(*identify, strict=True), key=lambda stretch: stretch[0].size)
-        pieces.append([longest, (each.u[later], each.y[later])])
+        chosen, later = with_independent(each, identification, orders, record)
+        identify.append(good_stretches(each, chosen, record, identification))
+        tests.append((each.u[later], each.y[later]))
     selection = selection_arguments(identification)
     if not isinstance(selection["search"], Refined) or selection["search"].threshold is None:
         reached = [
@@ -36,11 +37,11 @@ def select_common(
             if model.trace is not None and "threshold" in model.trace
         ]
         selection["search"] = Refined(float(np.median(reached)) if reached else None)
-    found = select_common_terms([identify for identify, _ in pieces], **selection)
+    found = select_common_terms(identify, **selection)
     dataset = compare_structures(
         {record.parent.name: model for record, model in zip(records, found, strict=True)},
         own,
-        [test for _, test in pieces],
+        tests,
     )
     dataset.attrs["samples_left_out"] = sum(each.left_out for each in signals)
     store.write(
