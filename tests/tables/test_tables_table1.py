@@ -80,8 +80,11 @@ def test_table1_orders_terms_by_degree():
 
 @given(st.floats(-100, 100), st.floats(1e-9, 50))
 def test_an_estimate_has_the_digits_that_its_error_leaves(value, error):
-    shown, shown_error = map(float, _estimate(value, error).split(" ± "))
-    assert abs(shown - value) <= max(0.5 * error, 0.5)
+    text, error_text = _estimate(value, error).split(" ± ")
+    shown, shown_error = float(text), float(error_text)
+    decimals = len(error_text.partition(".")[2])
+    assert abs(shown - value) <= 0.5001 * 10.0**-decimals
+    assert len(text.partition(".")[2]) == decimals
     assert shown_error == pytest.approx(error, rel=0.5 if error > 1 else 0.17)
 
 

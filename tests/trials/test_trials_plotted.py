@@ -1,5 +1,7 @@
 """What the figures of the blind trials plot."""
 
+import re
+
 import numpy as np
 import pytest
 from made_trials import FAMILY, campaign
@@ -10,6 +12,7 @@ from dea.figures.trials_confusion import trials_confusion
 from dea.figures.trials_gap import COLOURS, trials_gap
 from dea.figures.trials_risk_coverage import trials_risk_coverage
 from dea.figures.trials_strength import trials_strength
+from dea.tables.trials_effects import effects
 
 
 @pytest.fixture(scope="module")
@@ -83,3 +86,13 @@ def test_outcomes_are_stacked_shares_with_the_interval_of_right_names(scores, pa
     texts = [text.get_text() for text in ax.get_xticklabels()]
     names = zip(scores[dim].values, counts.sum(axis=1), strict=True)
     assert texts == [f"{name}\n({count})" for name, count in names]
+
+
+def test_what_gives_no_name_is_not_what_an_effect_was_taken_for(scores):
+    table = effects(scores).exact.set_index("hidden")
+    for hidden, given in table["taken for"].items():
+        names = re.findall(r"(\w[\w ]*) \(", given)
+        assert not {"none", "unknown", "ambiguous", hidden}.intersection(names)
+        row = scores["confusion"].sel(hidden_effect=hidden).to_pandas()
+        wrong = row[(row > 0) & ~row.index.isin([hidden, "none", "unknown", "ambiguous"])]
+        assert names == ([] if hidden == "two effects" else list(wrong.index))

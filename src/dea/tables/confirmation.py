@@ -46,6 +46,7 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
     even = part.isel(even_frequency=part["even_in_band"].values >= _OF_THE_BAND)
     gain = np.hypot(*band["response"].transpose("part", "frequency").values)
     frequency = part["frequency"].values
+    sizes = np.hypot(*even["ratio"].transpose("part", "even_frequency").values)
     row: dict[str, str | float] = {
         "lines": int(band["inside"].size),
         "lines in band": int(band["inside"].sum()),
@@ -57,8 +58,7 @@ def _row(part: xr.Dataset) -> dict[str, str | float]:
         "odd distortion (%)": 100 * float(np.median(band["distortion"].values / gain)),
         "even lines": int(even["even_inside"].size),
         "even lines in band": int(even["even_inside"].sum()),
-        "median ratio": float(np.median(even["ratio"].sel(part="real"))) if even["even_inside"].size
-        else np.nan,
+        "median ratio": float(np.median(sizes)) if sizes.size else np.nan,
     }  # fmt: skip
     for beyond in _BEYOND:
         nearest = int(np.argmin(np.abs(np.log(frequency / beyond))))

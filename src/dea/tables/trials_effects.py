@@ -6,6 +6,9 @@ from dea.number_format import DASH
 from dea.store import Sources
 from dea.tables.table import Table
 
+_TWO = "two effects"
+_NO_NAME = "ambiguous", "unknown", "none"
+
 
 def tabulate(sources: Sources) -> Table:
     """Make it from ``scores.nc`` of a set of trials."""
@@ -13,7 +16,10 @@ def tabulate(sources: Sources) -> Table:
 
 
 def effects(scores: xr.Dataset) -> Table:
-    """Number of trials by hidden effect and outcome, and the wrong names given."""
+    """Number of trials by hidden effect and outcome, and the wrong names given.
+
+    Of two effects a single name may be that of one of them.
+    """
     counts = scores["effect_outcomes"].to_pandas()
     counts = counts[counts.sum(axis=1) > 0]
     confusion = scores["confusion"].to_pandas().loc[counts.index]
@@ -21,7 +27,7 @@ def effects(scores: xr.Dataset) -> Table:
         ", ".join(
             f"{said} ({count})"
             for said, count in row.items()
-            if count and said not in (hidden, "ambiguous", "unknown")
+            if count and hidden != _TWO and said not in (hidden, *_NO_NAME)
         )
         for hidden, row in confusion.iterrows()
     ]
