@@ -272,6 +272,20 @@ def test_a_page_of_one_system_is_wide_and_readable(draw):
     assert {"dea1", "at 5 min", "at 15 min", "at 25 min"} <= set(said)
 
 
+def test_curves_of_records_of_unequal_length_are_after_a_part_of_each():
+    records = {name: made.record(seed) for seed, name in ((1, "dea1"), (2, "dea2"))}
+    responses = {name: made.gfrf(seed) for seed, name in ((1, "dea1"), (2, "dea2"))}
+    said = [text.get_text() for text in fig3(records, responses).legends[0].get_texts()]
+    assert not any("of the record" in text for text in said)
+    responses["dea2"] = responses["dea2"].assign_coords(time=responses["dea2"]["time"] / 6.0)
+    for names in (["dea1", "dea2"], ["dea2", "dea1"]):
+        figure = fig3({n: records[n] for n in names}, {n: responses[n] for n in names})
+        said = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert [text for text in said if text.startswith("at ")] == [
+            "at 5 % of the record", "at 50 % of the record", "at 95 % of the record",
+        ]  # fmt: skip
+
+
 def test_nothing_is_said_of_extrapolation_where_all_that_is_shown_was_excited():
     gfrf = made.gfrf(1)
     known = gfrf["frequency"].values[-1]

@@ -81,11 +81,10 @@ def h1_over_time(
         of_curves[name] = curves
     _span_alike(of_curves, responses, shown)
     colour_bar(figure, mesh, np.array(figure.axes), shown.map_label)
-    time = next(iter(responses.values()))["time"].values
     veiled = any(map(_extrapolates, responses.values()))
     handles = [
         *([veil_handle()] if veiled else []),
-        *_curve_handles(time, responses, shown),
+        *_curve_handles(responses, shown),
         *missing_handles(shown.maps),
     ]
     figure.legend(
@@ -204,18 +203,25 @@ def _log_if_wide(ax: Axes, which: str) -> None:
         axis.set_minor_formatter("")
 
 
-def _curve_handles(
-    time: NDArray[np.float64], responses: Mapping[str, xr.Dataset], shown: H1Quantity
-) -> list[Line2D | Patch]:
-    """Return the handles of the times at which some curve is drawn, and of bands if there are."""
+def _curve_handles(responses: Mapping[str, xr.Dataset], shown: H1Quantity) -> list[Line2D | Patch]:
+    """Return the handles of the times at which some curve is drawn, and of bands if there are.
+
+    Where systems were recorded for different times, a curve is after that part of its record.
+    """
     handles: list[Line2D | Patch] = []
     for share, colour in zip(_TIMES, style.THREE, strict=True):
         rows = [
             each.isel(time=round(share * (each["time"].size - 1))) for each in shown.curves.values()
         ]
         if any(bool(np.isfinite(row.values).any()) for row in rows):
-            at = style.moment(time[round(share * (time.size - 1))], time)
-            handles.append(Line2D([], [], color=colour, lw=0.9, label=f"at {at}"))
+            times = [each["time"].values for each in responses.values()]
+            moments = {style.moment(t[round(share * (t.size - 1))], t) for t in times}
+            label = (
+                f"at {moments.pop()}"
+                if len(moments) == 1
+                else f"at {100 * share:.0f} % of the record"
+            )
+            handles.append(Line2D([], [], color=colour, lw=0.9, label=label))
     if any(bool(np.isfinite(each[shown.low].values).any()) for each in responses.values()):
         handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))
     return handles
