@@ -6,10 +6,11 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import yaml
 from copied_project import ROOT
 
 from dea.errors import InputError
-from dea.report import write
+from dea.report import page, write
 
 pytestmark = pytest.mark.slow
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
@@ -71,6 +72,24 @@ def test_the_report_shows_the_diagnosis_of_a_case(tmp_path, monkeypatch):
     ]  # fmt: skip
     assert "mine lacks a dead zone." in later
     assert "dea1" not in later
+
+
+@pytest.mark.parametrize("room", ["figures", "tables"])
+def test_every_caption_is_filled_in(room, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    captions = sorted(Path("workflow/report", room).glob("*.rst"))
+    assert captions
+    for file in captions:
+        filled = page._caption(room, file.stem, "dea3")
+        assert filled.startswith("<p>"), file
+        assert "{" not in filled, file
+
+
+@pytest.mark.parametrize("room", ["figures", "tables"])
+def test_every_figure_and_table_has_a_place_in_the_report(room):
+    text = (ROOT / "workflow/report/report.md").read_text()
+    for name in yaml.safe_load((ROOT / f"workflow/{room}.yaml").read_text()):
+        assert re.search(rf'{room[:-1]}\("[^)]*{name}', text), name
 
 
 def test_the_report_refuses_a_figure_that_is_not_what_its_job_made(study):
