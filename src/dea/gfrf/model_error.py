@@ -19,7 +19,7 @@ from dea.narx import NarxModel, as_input, simulate_varying
 Array = NDArray[np.float64]
 
 _LONGEST = 4000  # samples of a segment, which overlap by half
-_SEGMENTS = 8  # without common samples, at least
+_SEGMENTS = 8  # independent ones, at least: nine that overlap by half
 # Segments that overlap by half are correlated, with Hann's window by 1/6: so many of them count as
 # one independent one (P. D. Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70).
 _ALIKE = 1.0 + 2.0 / 6.0**2
