@@ -433,7 +433,8 @@ def test_a_single_effect_contributes_what_it_gained_among_the_catalogue():
 
 def test_of_two_effects_the_first_contributes_what_it_did_alone():
     singles = [
-        SimpleNamespace(labels=(label,), fit=size) for label, size in (("a", 2.0), ("b", 3.0))
+        SimpleNamespace(labels=(label,), fit=size, finished=True)
+        for label, size in (("a", 2.0), ("b", 3.0))
     ]
     final = attached("a", "b")
     held_out = SimpleNamespace(
@@ -447,6 +448,30 @@ def test_of_two_effects_the_first_contributes_what_it_did_alone():
     gained = Gains(np.array([2.0, 3.0]), np.zeros(2), np.full(2, 9.0), 0.1)
     [alone] = contributions(evidence, rungs[:2], attached("a"), singles, gained)
     assert alone.gain == 2.0
+
+
+@pytest.mark.parametrize(
+    ("there", "steps"),
+    [
+        ("a ab", [(4.0, 2.0), (2.0, 1.0), (1.0, 0.5)]),
+        ("a", [(4.0, 2.0), (2.0, 0.5), (2.0, 0.5)]),  # b and c make one step
+        ("ab", [(4.0, 1.0), (4.0, 1.0), (1.0, 0.5)]),
+        ("", [(4.0, 0.5)] * 3),
+    ],
+)
+def test_of_three_effects_each_contributes_its_step_where_the_part_before_was_fitted(there, steps):
+    pool = [
+        SimpleNamespace(labels=tuple(part), fit={"a": 2.0, "ab": 1.0}[part], finished=True)
+        for part in there.split()
+    ]
+    final = attached("a", "b", "c")
+    held_out = SimpleNamespace(
+        residual=lambda fitted, _: np.full(1000, 0.5 if fitted is final else fitted)
+    )
+    evidence = SimpleNamespace(**vars(evidence_of(1000)), held_out=held_out)
+    rungs = ladder(evidence, 4.0, final, pool)
+    found = contributions(evidence, rungs, final, pool, None)
+    assert [(each.before, each.after) for each in found] == steps
 
 
 def test_of_two_effects_each_contributes_the_step_that_it_makes():

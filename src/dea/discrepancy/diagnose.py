@@ -162,7 +162,7 @@ def diagnose(
         )
     )
     noisy = problem.with_noise(evidence.floor)
-    rungs = ladder(evidence, nominal, final, singles)
+    rungs = ladder(evidence, nominal, final, pool)
     return Diagnosis(
         problem=noisy,
         split=parts,

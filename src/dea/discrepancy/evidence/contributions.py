@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -31,15 +32,18 @@ class Contribution:
     high: float
 
 
-def ladder(
-    evidence: Evidence, nominal: Fit, final: Fit, singles: Sequence[Candidate]
-) -> list[Rung]:
-    """Return the nominal simulation, its first effect alone, and all effects together."""
+def ladder(evidence: Evidence, nominal: Fit, final: Fit, pool: Sequence[Candidate]) -> list[Rung]:
+    """Return the nominal simulation, and with one effect of an extension more at a time.
+
+    There is no rung for a part of the extension that is not among the candidates of the ``pool``.
+    """
     labels = [final.extended.label(a) for a in final.extended.attached]
     rungs: list[tuple[str | None, Fit]] = [(None, nominal)]
-    if len(labels) > 1:
-        alone = (labels[0],)
-        rungs += [(labels[0], c.fit) for c in singles if c.labels == alone]
+    best_first = sorted(pool, key=lambda c: not c.finished)
+    for count in range(1, len(labels)):
+        part = set(labels[:count])
+        there = (c.fit for c in best_first if set(c.labels) == part)
+        rungs += [(labels[count - 1], fitted) for fitted in islice(there, 1)]
     if labels:
         rungs.append((labels[-1], final))
     return [Rung(label, evidence.held_out.residual(fit, final)) for label, fit in rungs]
@@ -52,14 +56,16 @@ def contributions(
     singles: Sequence[Candidate],
     gained: Gains,
 ) -> list[Contribution]:
-    """Return what each attached effect contributes.
+    """Return what each attached effect contributes: the step to the first rung that it is part of.
 
     The interval of a single effect is that over the whole catalogue, ``gained``.
     """
     attached = final.extended.attached
+    order = [final.extended.label(effect) for effect in attached]
+    reached = [-1, *(order.index(rung.label) for rung in rungs if rung.label is not None)]
     result = []
     for index, effect in enumerate(attached):
-        last = min(index + 1, len(rungs) - 1)
+        last = next(k for k, at in enumerate(reached) if at >= index)
         before, after = (rung.residual for rung in rungs[last - 1 : last + 1])
         if len(attached) == 1:
             labels = [c.labels for c in singles]
