@@ -69,11 +69,6 @@ def certain_part(
     return next(wider, part)
 
 
-def _without(chosen: Candidate, at: int) -> list[str]:
-    """Return the names of a candidate's effects but one, sorted."""
-    return sorted(name for other, name in enumerate(chosen.names) if other != at)
-
-
 def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) -> bool:
     """Return whether each of several effects removes much of what the others leave.
 
@@ -85,10 +80,9 @@ def each_adds(evidence: Evidence, chosen: Candidate, pool: Sequence[Candidate]) 
     def left(candidate: Candidate) -> float:
         return misfit(evidence.held_out.rmse(candidate.fit, chosen.fit), evidence.floor)
 
-    without = [_without(chosen, at) for at in range(len(chosen.names))]
     most = [
         (1.0 - evidence.rules.part) * left(min(others, key=lambda c: c.rmse))
-        for names in without
-        if (others := [c for c in pool if c.finished and sorted(c.names) == names])
+        for effect in chosen.effects
+        if (others := [c for c in pool if c.finished and c.effects == chosen.effects - {effect}])
     ]
     return left(chosen) <= min(most, default=np.inf)
