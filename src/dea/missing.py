@@ -39,6 +39,12 @@ def filled(y: Array) -> tuple[Array, NDArray[np.bool_]]:
     return np.where(seen, y, between), seen
 
 
+def runs(mask: NDArray[np.bool_]) -> list[slice]:
+    """Return the contiguous runs of a ``mask`` (samples,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]]))).tolist()
+    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
 def stretches(seen: NDArray[np.bool_], part: slice, lag: int, terms: int = 0) -> list[slice]:
     """Return the stretches of ``part`` without a missing output, as slices of the record.
 
@@ -50,10 +56,12 @@ def stretches(seen: NDArray[np.bool_], part: slice, lag: int, terms: int = 0) ->
         Where there is none.
     """
     first = part.indices(seen.size)[0]
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], seen[part].astype(int), [0]])))
-    runs = [slice(first + a, first + b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
     shortest = max(_SHORTEST * lag, lag + terms) + 1
-    found = [run for run in runs if run.stop - run.start >= shortest]
+    found = [
+        slice(first + run.start, first + run.stop)
+        for run in runs(seen[part])
+        if run.stop - run.start >= shortest
+    ]
     if not found:
         raise InputError(
             f"samples {first} to {part.indices(seen.size)[1] - 1} hold no {shortest} in a row that"

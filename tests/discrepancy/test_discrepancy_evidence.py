@@ -17,10 +17,11 @@ from dea.discrepancy.evidence.localisation import localise
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.evidence.null import long_parts, null_gain
 from dea.discrepancy.evidence.residual_model import dictionary, residual_model
-from dea.discrepancy.evidence.split import runs, split
+from dea.discrepancy.evidence.split import split
 from dea.discrepancy.problem import Problem
 from dea.discrepancy.rules import Rules, misfit
 from dea.errors import InputError
+from dea.missing import runs
 from dea.simulation import Input
 
 INTERVAL = 0.02

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from dea.discrepancy.evidence.held_out import HeldOut, folds
-from dea.discrepancy.evidence.split import runs, split
+from dea.discrepancy.evidence.split import split
 from dea.discrepancy.fit import Columns, fit
 from dea.discrepancy.problem import Problem, rmse
+from dea.missing import runs
 from dea.simulation import catalogue, load_simulation, measured_scales, prepared
 
 INTERVAL, NOISE, STEP, SIZE = 0.02, 0.002, 0.4, 3000

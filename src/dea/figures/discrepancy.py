@@ -132,11 +132,11 @@ def _simulations(verdict: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [nominal, extended] if verdict["effects"] else [nominal]
 
 
-def _certified(certificate: xr.Dataset) -> list[tuple[int, int]]:
-    """Return the first and last sample of each run of role certify; of records one each."""
-    held = np.concatenate([[False], certificate["role"].values == 3, [False]])
-    edges = np.flatnonzero(np.diff(held.astype(int)))
-    return list(zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True))
+def _certified(certificate: xr.Dataset) -> list[slice]:
+    """Return the runs of role certify; of several records one each."""
+    held = np.concatenate([[0], certificate["role"].values == 3, [0]])
+    edges = np.flatnonzero(np.diff(held)).tolist()
+    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _time_label(certificate: xr.Dataset) -> str:
@@ -149,9 +149,9 @@ def _series(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> No
     unit = certificate["measured"].attrs["units"]
     for name, colour in _simulations(verdict):
         ax.plot(time, measured - certificate[name].values, color=colour, lw=0.5, label=name)
-    for number, (first, last) in enumerate(_certified(certificate)):
+    for number, run in enumerate(_certified(certificate)):
         label = "" if number else "certified"
-        ax.axvspan(time[first], time[last], color=style.PALE, zorder=0, label=label)
+        ax.axvspan(time[run][0], time[run][-1], color=style.PALE, zorder=0, label=label)
     ax.set(
         xlabel=_time_label(certificate),
         ylabel=style.quantity("residual", unit),
@@ -163,11 +163,11 @@ def _series(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> No
 def _runs(ax: Axes, certificate: xr.Dataset, verdict: Mapping[str, Any]) -> None:
     """Draw what was measured and simulated where the certified samples, or all, disagree most."""
     gap = np.abs((certificate["measured"] - certificate["nominal"]).values)
-    runs = _certified(certificate) or [(0, gap.size - 1)]
-    worst_of = [first + int(np.nanargmax(gap[first : last + 1])) for first, last in runs]
-    worst, (first, last) = max(zip(worst_of, runs, strict=True), key=lambda each: gap[each[0]])
-    first = max(first, min(worst - _RUN // 2, last + 1 - _RUN))
-    part = certificate.isel(time=slice(first, min(first + _RUN, last + 1)))
+    shown = _certified(certificate) or [slice(0, gap.size)]
+    run = max(shown, key=lambda each: float(np.nanmax(gap[each])))
+    worst = run.start + int(np.nanargmax(gap[run]))
+    first = max(run.start, min(worst - _RUN // 2, run.stop - _RUN))
+    part = certificate.isel(time=slice(first, min(first + _RUN, run.stop)))
     time = part["time"].values
     ax.plot(time, part["measured"], color=style.PALE, lw=2.5, label="measured")
     for name, colour in _simulations(verdict):

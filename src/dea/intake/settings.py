@@ -12,7 +12,7 @@ from dea.errors import InputError
 from dea.inputs import by_input
 from dea.intake.bandwidth import band
 from dea.intake.dynamics import Dynamics, linear_dynamics, samples_needed, written
-from dea.missing import filled
+from dea.missing import filled, runs
 from dea.store import Record
 
 Array = NDArray[np.float64]
@@ -212,10 +212,7 @@ def _moves(u: Array, lag: int) -> bool:
 
 
 def _longest_stretch(seen: NDArray[np.bool_]) -> slice:
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], seen.astype(int), [0]])))
-    runs = list(zip(edges[::2], edges[1::2], strict=True))
-    first, last = max(runs, key=lambda run: run[1] - run[0])
-    return slice(int(first), int(last))
+    return max(runs(seen), key=lambda run: run.stop - run.start)
 
 
 def _in_seconds(samples: int, rate: float) -> float:

@@ -9,11 +9,11 @@ from dea.autoregression import fit_autoregression, innovations
 from dea.discrepancy.evidence.null import long_parts
 from dea.discrepancy.evidence.regression import part_predicted
 from dea.discrepancy.evidence.residual_model import residual_model
-from dea.discrepancy.evidence.split import runs
 from dea.discrepancy.evidence.unknown_force import unknown_force
 from dea.discrepancy.fit import Fit
 from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
+from dea.missing import runs
 
 # A flexible model of the residual that predicts more than this part of it has found a cause.
 PREDICTED = 0.2

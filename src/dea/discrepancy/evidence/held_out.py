@@ -5,9 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from dea.discrepancy.evidence.certificate import transferable
-from dea.discrepancy.evidence.split import cut, runs
+from dea.discrepancy.evidence.split import cut
 from dea.discrepancy.fit import Columns, Fit, fit
 from dea.discrepancy.problem import Problem
+from dea.missing import runs
 
 # Parts of the blocks that are held out in turn, and at least; steps of the fit to the others, from
 # where the fit to all of them ended.

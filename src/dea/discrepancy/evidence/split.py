@@ -9,6 +9,7 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.inputs import by_input
+from dea.missing import runs
 
 # Blocks to fit on and to choose by alternate, so that both see changes with time and rare events.
 # Each pattern is the number of such blocks, the length of the certified block in theirs, and the
@@ -33,12 +34,6 @@ class Split:
     def blocks(self, mask: np.ndarray, length: float) -> list[slice]:
         """Cut the contiguous runs of ``mask`` into blocks of about ``length`` samples."""
         return cut(runs(mask), length)
-
-
-def runs(mask: np.ndarray) -> list[slice]:
-    """Return the contiguous runs of a ``mask`` (n, bool)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
-    return [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def cut(blocks: Iterable[slice], length: float) -> list[slice]:
