@@ -5,7 +5,7 @@ import pytest
 
 import dea
 from dea.errors import InputError
-from dea.narx import NarxModel, Refined, nmse, select_common_terms, select_terms
+from dea.narx import Forward, NarxModel, Refined, nmse, select_common_terms, select_terms
 
 ONE = {"y(t-1)": 0.6, "u(t-1)": 0.4, "u(t-1)^2": 0.2}
 OTHER = {"y(t-1)": 0.8, "u(t-1)": 0.1, "u(t-1)^2": -0.15}
@@ -57,6 +57,12 @@ def test_records_carry_their_labels_and_missing_samples_are_left_out():
     assert [model.labels.y_units for model in found] == ["mm", "mm"]
     records[0].y[500] = np.nan
     assert select_common_terms(records, **settings)[0].terms == found[0].terms
+
+
+@pytest.mark.parametrize("search", ["refined", Forward()])
+def test_a_common_structure_is_searched_by_refining_alone(search):
+    with pytest.raises(InputError, match=r"search: .* Give dea\.narx\.Refined\(\)$"):
+        select_common_terms([record(ONE, 0)], search=search)
 
 
 def test_no_record_is_refused():

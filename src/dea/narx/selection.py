@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -131,12 +131,7 @@ def search_terms(
     scaling: Scaling | None = None,
 ) -> Searched:
     """Search as :func:`select_terms` does, which makes and assesses a model of what is found."""
-    if search is not None and not isinstance(search, Search):
-        raise InputError(
-            f"{search!r}",
-            field="search",
-            remedy="Give dea.narx.Refined(), dea.narx.Forward() or dea.narx.Orthogonal()",
-        )
+    _check_search(search, Refined, Forward, Orthogonal)
     candidates = _candidates(y_lags, u_lags, degree, even_in_input, _inputs_in(u))
     lag, linear = max_lag(candidates), _linear(candidates)
     inputs, outputs, labels = unpacked(u, y, lag, linear)
@@ -177,6 +172,7 @@ def select_common_terms(
     list of NarxModel
         One for each system, all with the same terms in the same order.
     """
+    _check_search(search, Refined)
     if not records:
         raise InputError("there is none", field="records", remedy="Give one pair per system.")
     pairs = [(each, None) if isinstance(each, Record) else each for each in records]
@@ -195,6 +191,12 @@ def select_common_terms(
         )
         for fit, scale, test, (_, _, labels) in zip(found.fits, scales, tests, known, strict=True)
     ]
+
+
+def _check_search(search: Any, *known: type) -> None:
+    if search is not None and not isinstance(search, known):
+        each = " or ".join(f"dea.narx.{kind.__name__}()" for kind in known)
+        raise InputError(f"{search!r}", field="search", remedy=f"Give {each}")
 
 
 def _by_least_squares(
