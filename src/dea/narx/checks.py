@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dea.errors import InputError
 from dea.inputs import input_count
+from dea.store import real_numbers
 
 Array = NDArray[np.float64]
 
@@ -19,7 +20,7 @@ def as_signal(values: ArrayLike, name: str, *, missing: bool = False) -> Array:
     InputError
         If it is not one-dimensional or holds a value that is not a finite number.
     """
-    signal = np.ascontiguousarray(_numbers(values, name))
+    signal = np.ascontiguousarray(real_numbers(values, name))
     if signal.ndim != 1:
         raise InputError(
             f"it has {signal.ndim} dimensions", field=name, remedy="A signal is one-dimensional."
@@ -44,7 +45,7 @@ def as_input(values: ArrayLike, name: str = "u") -> Array:
     InputError
         As :func:`as_signal`.
     """
-    numbers = _numbers(values, name)
+    numbers = real_numbers(values, name)
     if numbers.ndim == 2 and numbers.shape[1] == 1:
         numbers = numbers[:, 0]
     if numbers.ndim != 2:
@@ -79,15 +80,6 @@ def check_inputs(numbered: int | None, u: Array) -> None:
         field="u",
         remedy="Give the inputs of the model in its order, as the columns of u.",
     )
-
-
-def _numbers(values: ArrayLike, name: str) -> Array:
-    try:
-        return np.asarray(values, dtype=float)
-    except ValueError as error:
-        raise InputError(
-            f"it holds no numbers: {error}", field=name, remedy="Give an array of numbers."
-        ) from error
 
 
 def as_record(

@@ -13,6 +13,7 @@ from dea.store.records import (
     each_text,
     flag_counts,
     input_names,
+    real_numbers,
     signals,
 )
 from dea.store.resampling import check_order, usual_interval
@@ -36,6 +37,7 @@ __all__ = [
     "read",
     "read_foreign",
     "read_record",
+    "real_numbers",
     "sha256",
     "signals",
     "usual_interval",

@@ -92,7 +92,7 @@ class Record(NamedTuple):
             If the signals differ in length, the input has a missing value, or the rate is not
             positive.
         """
-        inputs, outputs = (_numbers(each, name) for each, name in ((u, "u"), (y, "y")))
+        inputs, outputs = (real_numbers(each, name) for each, name in ((u, "u"), (y, "y")))
         if inputs.ndim == 2 and inputs.shape[1] == 1:
             inputs = inputs[:, 0]
         if (
@@ -177,8 +177,14 @@ def input_names(count: int) -> list[str]:
     return [f"input {k}" for k in range(1, count + 1)]
 
 
-def _numbers(signal: Any, field: str) -> np.ndarray:
-    """Return a signal as an array of real numbers, masked values as missing ones."""
+def real_numbers(signal: Any, field: str) -> np.ndarray:
+    """Return a signal as an array of real numbers, masked values as missing ones.
+
+    Raises
+    ------
+    InputError
+        Where it is complex, or holds none.
+    """
     values = np.ma.asarray(signal)
     if np.iscomplexobj(values):
         raise InputError("it is complex", field=field, remedy="Give its real part")
