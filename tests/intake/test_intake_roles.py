@@ -115,7 +115,15 @@ def test_units_alone_are_asked_where_names_are_clear():
 
 @pytest.mark.parametrize(
     ("name", "unit"),
-    [("time_ms", "ms"), ("t_us", "us"), ("millis", "ms"), ("Time (sec", "s"), ("time", "s")],
+    [
+        ("time_ms", "ms"),
+        ("t_us", "us"),
+        ("millis", "ms"),
+        ("time_hours", "h"),
+        ("t_usec", "us"),
+        ("Time (sec", "s"),
+        ("time", "s"),
+    ],
 )
 def test_the_name_of_a_time_may_tell_its_units(name, unit):
     assert roles({name: None, "u": "V", "y": "mm"}).time == (name, unit)

@@ -9,7 +9,7 @@ import numpy as np
 
 from dea.errors import InputError
 from dea.intake.questions import UnansweredError, command, described
-from dea.store import ForeignTable
+from dea.store import ForeignTable, plain_units
 from dea.units import HERTZ, SECONDS
 
 # Whole words of a name. Names that could be either (voltage, position) are asked about.
@@ -21,8 +21,6 @@ _TIME = {
     "t", "time", "times", "timestamp", "date", "datetime", "zeit", "uhrzeit", "clock", "millis",
     "micros",
 }  # fmt: skip
-# Units of a time that its name says, beside those in its last word.
-_BY_NAME = {"millis": "ms", "micros": "us", "sec": "s", "seconds": "s", "minutes": "min"}
 _INTERVAL = {"ts", "dt", "tsample", "sampling_interval", "sample_time"}
 _Column = tuple[str, str | None]  # its name and its units, where they are known
 _RATE = {"fs", "rate", "sampling_rate", "samplerate", "sample_rate"}
@@ -192,8 +190,8 @@ def _timing(
 
 def _named_units(name: str) -> str | None:
     """Return the units of a time of which the last word of its name tells: ``time_ms``."""
-    last = re.split(r"[^a-z0-9]+", name.lower())[-1]
-    return last if last in SECONDS else _BY_NAME.get(last)
+    units = plain_units(re.split(r"[^a-z0-9]+", name.lower())[-1])
+    return units if units in SECONDS else None
 
 
 def _time_column(table: ForeignTable) -> str | None:

@@ -4,7 +4,7 @@ from dea.atomic_file import atomic
 from dea.store.contracts import CONTRACTS, Contract, Variable
 from dea.store.files import read, sha256, write
 from dea.store.foreign import import_record
-from dea.store.foreign_files import ForeignTable, read_foreign
+from dea.store.foreign_files import ForeignTable, plain_units, read_foreign
 from dea.store.record_file import read_record
 from dea.store.records import (
     Record,
@@ -34,6 +34,7 @@ __all__ = [
     "flag_counts",
     "import_record",
     "input_names",
+    "plain_units",
     "read",
     "read_foreign",
     "read_record",

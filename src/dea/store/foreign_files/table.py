@@ -20,7 +20,8 @@ _HEADING = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<units>[^\])]*)[\])]$")
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d+\s*$)")
 _SPELLINGS = {
     "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms",
-    "milliseconds": "ms", "µs": "us", "μs": "us", "usec": "us", "minute": "min", "minutes": "min",
+    "milliseconds": "ms", "millis": "ms", "µs": "us", "μs": "us", "usec": "us", "micros": "us",
+    "minute": "min", "minutes": "min",
     "hour": "h", "hours": "h", "hr": "h", "volt": "V", "volts": "V", "-": "1", "": "1",
 }  # fmt: skip
 _NO_NUMBERS = 9.9e37, 9.91e37  # infinity, and not a number
