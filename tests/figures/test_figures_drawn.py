@@ -277,13 +277,27 @@ def test_curves_of_records_of_unequal_length_are_after_a_part_of_each():
     responses = {name: made.gfrf(seed) for seed, name in ((1, "dea1"), (2, "dea2"))}
     said = [text.get_text() for text in fig3(records, responses).legends[0].get_texts()]
     assert not any("of the record" in text for text in said)
-    responses["dea2"] = responses["dea2"].assign_coords(time=responses["dea2"]["time"] / 6.0)
+    short = responses["dea2"]
+    responses["dea2"] = short.assign_coords(
+        {name: short[name] / 6.0 for name in ("time", "time_h2")}
+    )
     for names in (["dea1", "dea2"], ["dea2", "dea1"]):
         figure = fig3({n: records[n] for n in names}, {n: responses[n] for n in names})
         said = [text.get_text() for text in figure.legends[0].get_texts()]
         assert [text for text in said if text.startswith("at ")] == [
             "at 5 % of the record", "at 50 % of the record", "at 95 % of the record",
         ]  # fmt: skip
+        figure = fig4_h2({n: responses[n] for n in names})
+        said = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert all("% of the record" in text for text in said if text.startswith("at "))
+
+
+def test_the_legend_promises_no_band_where_none_is_drawn():
+    gfrf = made.gfrf(1)
+    for name in ("H2_gain_low", "H2_gain_high"):
+        gfrf[name] = gfrf[name] * np.nan
+    said = [text.get_text() for text in fig4_h2({"dea1": gfrf}).legends[0].get_texts()]
+    assert "95 % band" not in said
 
 
 def test_nothing_is_said_of_extrapolation_where_all_that_is_shown_was_excited():

@@ -117,6 +117,12 @@ def reservations(responses: Mapping[str, xr.Dataset], width: float, *, banded: b
     )
 
 
+def common_moment(of_each: Iterable[str], part: float) -> str:
+    """Say when: the moment in each record, or the part of each where the moments differ."""
+    moments = set(of_each)
+    return moments.pop() if len(moments) == 1 else f"{100 * part:.0f} % of the record"
+
+
 def magnitude_scale(trusted: Array) -> Normalize:
     """Return the colour scale of the magnitudes ``trusted``, logarithmic if they span a decade.
 

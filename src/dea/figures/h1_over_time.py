@@ -16,7 +16,14 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from dea.figures import style
-from dea.figures.frequency_maps import colour_bar, hatch, missing_handles, reservations, veil_handle
+from dea.figures.frequency_maps import (
+    colour_bar,
+    common_moment,
+    hatch,
+    missing_handles,
+    reservations,
+    veil_handle,
+)
 from dea.store import signals
 
 _COLUMNS = 2
@@ -209,18 +216,14 @@ def _curve_handles(responses: Mapping[str, xr.Dataset], shown: H1Quantity) -> li
     Where systems were recorded for different times, a curve is after that part of its record.
     """
     handles: list[Line2D | Patch] = []
+    times = [each["time"].values for each in responses.values()]
     for share, colour in zip(_TIMES, style.THREE, strict=True):
         rows = [
             each.isel(time=round(share * (each["time"].size - 1))) for each in shown.curves.values()
         ]
         if any(bool(np.isfinite(row.values).any()) for row in rows):
-            times = [each["time"].values for each in responses.values()]
-            moments = {style.moment(t[round(share * (t.size - 1))], t) for t in times}
-            label = (
-                f"at {moments.pop()}"
-                if len(moments) == 1
-                else f"at {100 * share:.0f} % of the record"
-            )
+            of_each = (style.moment(own[round(share * (own.size - 1))], own) for own in times)
+            label = f"at {common_moment(of_each, share)}"
             handles.append(Line2D([], [], color=colour, lw=0.9, label=label))
     if any(bool(np.isfinite(each[shown.low].values).any()) for each in responses.values()):
         handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))

@@ -1,6 +1,6 @@
 """Frequency responses of higher order over time: maps on a plane of frequencies, and curves."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import count
 from typing import NamedTuple
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from dea.figures import style
 from dea.figures.frequency_maps import (
     colour_bar,
+    common_moment,
     hatch,
     missing_handles,
     reservations,
@@ -67,7 +68,7 @@ def planes_over_time(responses: Mapping[str, xr.Dataset], shown: PlaneQuantity) 
     responses
         Contract ``gfrf``, by the systems' names.
     """
-    times = next(iter(shown.maps.values()))["time_h2"].values
+    times = _moments([responses[name] for name in shown.maps])
     draw = _one_system if len(shown.maps) == 1 else _several_systems
     figure, width = draw(times, responses, shown)
     veiled = any(_extrapolates(responses[name]) for name in shown.maps)
@@ -83,22 +84,32 @@ def planes_over_time(responses: Mapping[str, xr.Dataset], shown: PlaneQuantity) 
     return figure
 
 
+def _moments(responses: Sequence[xr.Dataset]) -> list[str]:
+    """Say of each row when it is."""
+    times = [each["time_h2"].values for each in responses]
+    parts = times[0] / float(responses[0]["time"].values[-1])
+    return [
+        common_moment((style.moment(own[row], own) for own in times), part)
+        for row, part in enumerate(parts)
+    ]
+
+
 def _several_systems(
-    times: Array, responses: Mapping[str, xr.Dataset], shown: PlaneQuantity
+    times: Sequence[str], responses: Mapping[str, xr.Dataset], shown: PlaneQuantity
 ) -> tuple[Figure, float]:
     """Draw a column per system, and return the figure with its width (mm)."""
     panel = min((style.FULL_WIDTH - _MARGIN) / len(shown.maps), _LARGEST_PANEL)
-    height = panel * times.size + _CURVES + _MARGIN
+    height = panel * len(times) + _CURVES + _MARGIN
     width = panel * len(shown.maps) + _MARGIN
     figure = style.page_figure(width, min(height, style.PAGE_HEIGHT))
-    ratios = [*[panel] * times.size, _CURVES]
-    axes = figure.subplots(times.size + 1, len(shown.maps), squeeze=False, height_ratios=ratios)
+    ratios = [*[panel] * len(times), _CURVES]
+    axes = figure.subplots(len(times) + 1, len(shown.maps), squeeze=False, height_ratios=ratios)
     for column, (name, values) in enumerate(shown.maps.items()):
         for row, time in enumerate(times):
             ax = axes[row, column]
             mesh = _panel(ax, responses[name], values.isel(time_h2=row), shown)
-            ax.tick_params(labelleft=column == 0, labelbottom=row == times.size - 1)
-            axes[row, 0].set_ylabel(f"at {style.moment(time, times)}\n$f_2$ (Hz)")
+            ax.tick_params(labelleft=column == 0, labelbottom=row == len(times) - 1)
+            axes[row, 0].set_ylabel(f"at {time}\n$f_2$ (Hz)")
         axes[0, column].set_title(name.replace(", ", "\n"))
         axes[-2, column].set_xlabel("$f_1$ (Hz)")
         _diagonal(axes[-1, column], name, responses[name], shown)
@@ -110,20 +121,20 @@ def _several_systems(
 
 
 def _one_system(
-    times: Array, responses: Mapping[str, xr.Dataset], shown: PlaneQuantity
+    times: Sequence[str], responses: Mapping[str, xr.Dataset], shown: PlaneQuantity
 ) -> tuple[Figure, float]:
     """Draw a column per time of the only system, and return the figure with its width (mm)."""
     [(name, values)] = shown.maps.items()
-    panel = min((style.FULL_WIDTH - _MARGIN) / times.size, _LARGEST_PANEL)
-    width = max(panel * times.size, 2 * _LARGEST_PANEL) + _MARGIN
+    panel = min((style.FULL_WIDTH - _MARGIN) / len(times), _LARGEST_PANEL)
+    width = max(panel * len(times), 2 * _LARGEST_PANEL) + _MARGIN
     figure = style.page_figure(width, panel + _TITLE + _CURVES + _MARGIN)
-    grid = figure.add_gridspec(2, times.size, height_ratios=[panel + _TITLE, _CURVES])
-    axes = np.array([figure.add_subplot(grid[0, column]) for column in range(times.size)])
+    grid = figure.add_gridspec(2, len(times), height_ratios=[panel + _TITLE, _CURVES])
+    axes = np.array([figure.add_subplot(grid[0, column]) for column in range(len(times))])
     for column, (ax, time) in enumerate(zip(axes, times, strict=True)):
         mesh = _panel(ax, responses[name], values.isel(time_h2=column), shown)
         ax.tick_params(labelleft=column == 0)
         ax.set_xlabel("$f_1$ (Hz)")
-        ax.set_title(f"at {style.moment(time, times)}")
+        ax.set_title(f"at {time}")
     axes[0].set_ylabel("$f_2$ (Hz)")
     curves = figure.add_subplot(grid[1, :])
     _diagonal(curves, name, responses[name], shown)
@@ -166,16 +177,15 @@ def _diagonal(ax: Axes, name: str, response: xr.Dataset, shown: PlaneQuantity) -
     ax.set_xlabel("$f$ (Hz)")
 
 
-def _curve_handles(times: Array, shown: PlaneQuantity) -> list[Line2D | Patch]:
+def _curve_handles(times: Sequence[str], shown: PlaneQuantity) -> list[Line2D | Patch]:
     handles: list[Line2D | Patch] = [
-        Line2D([], [], color=style.THREE[row % len(style.THREE)], lw=0.9,
-               label=f"at {style.moment(time, times)}")
+        Line2D([], [], color=style.THREE[row % len(style.THREE)], lw=0.9, label=f"at {time}")
         for row, time in enumerate(times)
-    ]  # fmt: skip
-    if shown.low:
-        handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))
-    else:
+    ]
+    if not shown.low:
         handles.append(Line2D([], [], ls="none", label="no band is computed"))
+    elif any(bool(np.isfinite(low.values).any()) for low in shown.low.values()):
+        handles.append(Patch(facecolor=style.GREY, alpha=_PALENESS, label="95 % band"))
     return handles
 
 
