@@ -226,6 +226,25 @@ def test_a_record_as_long_as_asked_for_can_be_split(slowest, warm_up):
         split(np.sin(np.arange(round(0.97 * samples))), INTERVAL, slowest, warm_up)
 
 
+@pytest.mark.parametrize(("samples", "apart"), [(620, 3.0), (500, 2.5), (300, 1.5), (201, 1.0)])
+def test_a_short_record_has_blocks_as_far_apart_as_it_allows(samples, apart):
+    """Of three blocks, each longer than the time constants (25 samples) between them, one quarter
+    shorter than the others: a record of eight such spacings."""
+    parts = split(np.sin(np.arange(samples) * 0.05), INTERVAL, 25 * INTERVAL)
+    assert parts.spacing == pytest.approx(25 * apart, abs=1)
+    assert parts.time_constants == pytest.approx(apart, abs=0.04)
+    assert parts.close == (apart < 3.0)
+    blocks = sorted(
+        (run.start, run.stop)
+        for mask in (parts.fit, parts.select, parts.certify)
+        for run in runs(mask)
+    )
+    assert len(blocks) == 4
+    for a, b in pairwise(blocks):
+        assert b[0] - a[1] == pytest.approx(parts.spacing, abs=1)
+    assert min(stop - start for start, stop in blocks) >= parts.spacing - 1
+
+
 # What the record shows
 
 

@@ -11,6 +11,7 @@ from dea.discrepancy.evidence.localisation import Band, Concentration, Localisat
 from dea.discrepancy.evidence.model_error import ModelError
 from dea.discrepancy.evidence.presence import Share
 from dea.discrepancy.evidence.residual_model import ResidualModel
+from dea.discrepancy.evidence.split import Split
 from dea.discrepancy.evidence.unknown_force import UnknownForce
 from dea.discrepancy.report.remarks import remarks
 from dea.discrepancy.report.sentence import equation_sentence, label_in_words, verdict_sentence
@@ -58,7 +59,7 @@ def extension(*names):
 def found(
     status, *names, reason=None, whole=True, rivals=(), at_bounds=(), block=(0.2, 0.011),
     white=0.01, left=0.0, accuracy=0.0, coordinates=(0.0, 0.0, 0.0), share=SHARE,
-    effects=None, families=None, equation=NO_EQUATION, force=None, pool=(),
+    effects=None, families=None, equation=NO_EQUATION, force=None, pool=(), apart=3.0,
 ):  # fmt: skip
     """A diagnosis as far as its sentence needs one, at 50 Hz."""
     extended = extension(*names)
@@ -81,6 +82,7 @@ def found(
         extended=fit,
         final=fit,
         problem=SimpleNamespace(recorded_interval=0.02, seen=np.ones(4, bool)),
+        split=Split(*3 * [np.ones(4, bool)], spacing=1, time_constants=apart),
         floor=white,
         complete=float(np.hypot(white, accuracy)),
         error=ModelError(white, left, left, 1.0),
@@ -360,6 +362,12 @@ def test_priors_that_exclude_the_record_are_told(coordinates, remark):
         "asks for.",
     )
     assert remarks(found(Status.UNKNOWN, coordinates=(2.99, -2.99, 3.0))) == ()
+
+
+def test_it_is_told_that_the_certified_samples_are_close_to_the_others():
+    [text] = remarks(found(Status.NONE, apart=1.53))
+    assert "its certified samples are 1.5 of the slowest time constants away" in text
+    assert remarks(found(Status.NONE)) == ()
 
 
 def test_it_is_told_that_certified_samples_dated_an_event():

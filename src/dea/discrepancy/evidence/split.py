@@ -1,7 +1,7 @@
 """Split a record into contiguous blocks: to fit on, to choose by, and to certify on, once."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 
@@ -15,7 +15,10 @@ from dea.missing import runs
 # Each pattern is the number of such blocks, the length of the certified block in theirs, and the
 # least length of a block in spacings; the first pattern that the record is long enough for is used.
 _PATTERNS = ((18, 3.0, 3.0), (8, 1.5, 1.0), (3, 0.75, 1.0))
-_SPACING_IN_TIME_CONSTANTS = 3.0
+# Between blocks lie as many of the slowest time constants, or fewer where the record is short.
+_TIME_CONSTANTS = 3.0
+# Samples of the shortest block.
+_SHORTEST = 10
 # Part of the input's range by which the certified block may go beyond the others.
 _BEYOND = 0.02
 # Part of its outputs that may be missing.
@@ -24,12 +27,21 @@ _MISSING = 0.5
 
 @dataclass(frozen=True)
 class Split:
-    """Masks over the samples of a record, and the spacing (samples) between blocks."""
+    """Masks over the samples of a record, and the spacing between blocks.
+
+    The spacing is given in samples, and in the slowest time constants of the device.
+    """
 
     fit: np.ndarray
     select: np.ndarray
     certify: np.ndarray
     spacing: int
+    time_constants: float = _TIME_CONSTANTS
+
+    @property
+    def close(self) -> bool:
+        """Whether the record is too short for blocks as far apart as they ought to be."""
+        return self.time_constants < _TIME_CONSTANTS
 
     def blocks(self, mask: np.ndarray, length: float) -> list[slice]:
         """Cut the contiguous runs of ``mask`` into blocks of about ``length`` samples."""
@@ -55,8 +67,9 @@ def split(
 ) -> Split:
     """Split a record of input ``u`` (n,) with spacings of three of the ``slowest`` times (s).
 
-    Several inputs are columns. Where outputs are missing, half of those of the certified block are
-    ``known`` (n, bool), if they are at any place.
+    A record that is too short for three blocks with such spacings gets the widest that it allows,
+    of one ``slowest`` time at least. Several inputs are columns. Where outputs are missing, half of
+    those of the certified block are ``known`` (n, bool), if they are at any place.
 
     The certified block lies inside the record, so that a drift is interpolated in it, and as near
     the middle as possible without its input leaving the range of the other blocks: there, no
@@ -65,20 +78,22 @@ def split(
     Raises
     ------
     InputError
-        If the record is too short for three blocks with such spacings.
+        If the record is too short for three blocks with spacings of one ``slowest`` time.
     """
-    spacing = max(1, int(np.ceil(_SPACING_IN_TIME_CONSTANTS * slowest / interval)))
+    slow = slowest / interval
     skipped, size = int(np.ceil(warm_up / interval)), len(u)
-    for count, certified, in_spacings in _PATTERNS:
-        usable = size - skipped - spacing * count
-        if usable / (count + certified) * min(1.0, certified) < max(in_spacings * spacing, 10):
-            continue
-        candidates = _placed(size, skipped, spacing, usable, count, certified)
-        return min(candidates, key=partial(_unfit, by_input(u), known))
-    needed = shortest_record(spacing, skipped) * interval
+    spacing = max(1, int(np.ceil(_TIME_CONSTANTS * slow)))
+    for pattern in _PATTERNS:
+        if skipped + _least(pattern, spacing) <= size:
+            return _placed_best(u, known, skipped, spacing, pattern)
+    widest, narrowest = _widest(_PATTERNS[-1], size - skipped), int(np.ceil(max(1.0, slow)))
+    if widest >= narrowest:
+        found = _placed_best(u, known, skipped, widest, _PATTERNS[-1])
+        return replace(found, time_constants=widest / slow)
+    needed = shortest_record(narrowest, skipped)
     raise InputError(
         f"the record holds {size * interval:g} s; with a slowest time constant of "
-        f"{slowest:g} s the split needs {needed:g} s",
+        f"{slowest:g} s the split needs {needed * interval:g} s",
         field="record",
         remedy="Record longer, or give the case a shorter `split.slowest_time`",
     )
@@ -86,9 +101,35 @@ def split(
 
 def shortest_record(spacing: int, skipped: int = 0) -> float:
     """Return the samples of the shortest record that can be split with this ``spacing``."""
-    count, certified, in_spacings = _PATTERNS[-1]
-    shortest = (count + certified) / min(1.0, certified) * max(in_spacings * spacing, 10)
-    return skipped + spacing * count + shortest
+    return skipped + _least(_PATTERNS[-1], spacing)
+
+
+def _least(pattern: tuple[int, float, float], spacing: int) -> float:
+    """Return the samples that a pattern needs with this spacing."""
+    count, certified, in_spacings = pattern
+    shortest = max(in_spacings * spacing, _SHORTEST)
+    return spacing * count + (count + certified) / min(1.0, certified) * shortest
+
+
+def _widest(pattern: tuple[int, float, float], size: int) -> int:
+    """Return the widest spacing with which a pattern needs no more than ``size`` samples."""
+    count, certified, in_spacings = pattern
+    parts = (count + certified) / min(1.0, certified)
+    return int(min(size / (count + parts * in_spacings), (size - parts * _SHORTEST) / count))
+
+
+def _placed_best(
+    u: np.ndarray,
+    known: np.ndarray | None,
+    skipped: int,
+    spacing: int,
+    pattern: tuple[int, float, float],
+) -> Split:
+    """Return the split by a pattern whose certified block is the fittest."""
+    count, certified, _ = pattern
+    usable = len(u) - skipped - spacing * count
+    candidates = _placed(len(u), skipped, spacing, usable, count, certified)
+    return min(candidates, key=partial(_unfit, by_input(u), known))
 
 
 def _placed(
@@ -104,7 +145,7 @@ def _placed(
             length = usable / (count + certified) * (certified if role == "certify" else 1.0)
             masks[role][round(position) : round(position + length)] = True
             position += length + spacing
-        yield Split(**masks, spacing=spacing)
+        yield Split(masks["fit"], masks["select"], masks["certify"], spacing)
 
 
 def _unfit(

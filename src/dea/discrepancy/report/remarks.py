@@ -24,7 +24,7 @@ def remarks(found: "Diagnosis") -> tuple[str, ...]:
     """Return the remarks on a diagnosis, each a sentence."""
     # What a force would cause is no error to live with.
     rest = _force(found) or _noise(found)
-    texts = (_timing(found), _dated(found), _bounds(found), _laws(found), rest)
+    texts = (_timing(found), _dated(found), _bounds(found), _laws(found), rest, _close(found))
     return tuple(text for text in texts if text)
 
 
@@ -58,6 +58,17 @@ def _dated(found: "Diagnosis") -> str:
     if answer is None or found.extended is answer.fit:
         return ""
     return "When it happened was found on the certified samples, which do not certify that."
+
+
+def _close(found: "Diagnosis") -> str:
+    """Say that the certified samples are less apart from the others than they ought to be."""
+    if not found.split.close:
+        return ""
+    return (
+        f"The record is short for a device as slow as this: its certified samples are "
+        f"{found.split.time_constants:.2g} of the slowest time constants away from those fitted "
+        "to, so that the certified error may be too small."
+    )
 
 
 def _bounds(found: "Diagnosis") -> str:
