@@ -113,6 +113,8 @@ def test_an_edited_case_is_never_written_over(folder, capsys):
     [
         (["absent.csv"], "absent.csv: it does not exist"),
         (["mine.csv", "--name", "dea1"], "'dea1' is an actuator's name"),
+        (["mine.csv", "--name", "tables"], "NAME: 'tables' is the name of a folder of results/"),
+        (["mine.csv", "--name", "provenance"], "NAME: 'provenance' is the name of a folder"),
         (["mine.csv", "--rate", "0"], "RATE: it is '0'. Give samples per second"),
         (["mine.csv", "--rate", "50Hz"], "RATE: it is '50Hz'. Give samples per second"),
         (["mine.csv", "--rate", "nan"], "RATE: it is 'nan'"),

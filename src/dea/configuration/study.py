@@ -25,7 +25,9 @@ from dea.errors import InputError
 
 FILE = "config/config.yaml"
 # Folders of results/ that belong to no system.
-RESERVED = ("benchmark", "discrepancy", "figures", "log", "resolve", "tables", "trials")
+RESERVED = (
+    "benchmark", "discrepancy", "figures", "log", "provenance", "resolve", "tables", "trials",
+)  # fmt: skip
 
 
 class Study(Section):

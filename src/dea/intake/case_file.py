@@ -114,14 +114,14 @@ def write_case(inferred: Inferred, name: str, folder: Path, command: str) -> Pat
     Raises
     ------
     InputError
-        If the name is an actuator's, the content does not fit the study's configuration, or the
-        file there was written or edited by a person.
+        If the name is an actuator's or that of a folder of results, the content does not fit the
+        study's configuration, or the file there was written or edited by a person.
     """
     study = _study()
-    if name in {actuator.name for actuator in study.actuators}:
-        raise InputError(
-            f"{name!r} is an actuator's name", field="NAME", remedy="Give another: NAME=other"
-        )
+    of_actuator = name in {actuator.name for actuator in study.actuators}
+    if of_actuator or name in RESERVED:
+        whose = "an actuator's name" if of_actuator else "the name of a folder of results/"
+        raise InputError(f"{name!r} is {whose}", field="NAME", remedy="Give another: NAME=other")
     file = folder / f"{name}.yaml"
     check_case(dict(inferred.content), study, file)
     text = _text(inferred, command)
