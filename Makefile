@@ -9,6 +9,16 @@ export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
+# A value as one word of the shell, whatever is in it.
+quoted = '$(subst ','\'',$(if $(filter ~/%,$(1)),$(patsubst ~/%,$(HOME)/%,$(1)),$(1)))'
+# An option with the value of a variable, where it is given.
+option = $(if $($(2)),--$(1)=$(call quoted,$($(2))))
+# Ends make unless the variable is a whole number above 0; programs would hang, or not name it.
+counted = $(if $(shell printf %s $(call quoted,$($(1))) | grep -xE '0*[1-9][0-9]*'),,\
+	$(error $(1)=$($(1)) is no whole number above 0. Give one, such as $(1)=2))
+$(call counted,CORES)
+$(if $(JOBS),$(call counted,JOBS))
+
 # PROFILE=slurm JOBS=100 runs the jobs on a cluster.
 PLACE := $(if $(PROFILE),--workflow-profile workflow/profiles/default \
 	--profile workflow/profiles/$(PROFILE) --jobs $(or $(JOBS),100),\
@@ -44,19 +54,19 @@ study: $(VENV)/installed ## regenerate every figure and table
 	@echo "Figures are in results/figures, tables in results/tables; make report-page shows them on one page."
 
 results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
-	@python -m dea.stages.intake --result $@
-	$(SNAKEMAKE) $@
+	@python -m dea.stages.intake --result=$(call quoted,$@)
+	$(SNAKEMAKE) $(call quoted,$@)
 
 record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 OPERATOR=A.Volta
 	$(if $(NAME),,$(error Name an actuator of config/config.yaml without bench: make record NAME=film1))
-	python -m dea.stages.record $(NAME) $(EXCITATION:%=--excitation %) \
-		$(if $(OPERATOR),--operator "$(OPERATOR)")
+	python -m dea.stages.record $(call option,excitation,EXCITATION) \
+		$(call option,operator,OPERATOR) -- $(call quoted,$(NAME))
 
 # What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50;
 # several inputs: INPUT=left:V,right:V.
-INTAKE = python -m dea.stages.intake $(if $(FILE),"$(FILE)") $(if $(INPUT),--input "$(INPUT)") \
-	$(if $(OUTPUT),--output "$(OUTPUT)") $(if $(TIME),--time "$(TIME)") $(RATE:%=--rate %) \
-	$(NAME:%=--name %) $(SIMULATION:%=--simulation %)
+INTAKE = python -m dea.stages.intake $(1) $(call option,input,INPUT) $(call option,output,OUTPUT) \
+	$(call option,time,TIME) $(call option,rate,RATE) $(call option,name,NAME) \
+	$(call option,simulation,SIMULATION) $(if $(FILE),-- $(call quoted,$(FILE)))
 
 case: $(VENV)/installed ## identify and follow a record made elsewhere: make case FILE=mine.csv
 	$(if $(FILE)$(NAME),,$(error Name a file, or a case of config/cases: make case FILE=mine.csv))
@@ -68,7 +78,7 @@ cases: $(VENV)/installed ## every case of config/cases, and their errors on unse
 
 handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handover: make handover NAME=dea1
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make handover NAME=dea1))
-	@python -m dea.stages.intake --name $(NAME) --goal handover > /dev/null
+	@python -m dea.stages.intake $(call option,name,NAME) --goal handover > /dev/null
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 	pytest -m campaign tests/control/test_handed_over.py
 
@@ -89,18 +99,18 @@ report-page: $(VENV)/installed ## results/report.html of the results that there 
 diagnose: $(VENV)/installed ## what a simulation is missing: make diagnose FILE=mine.csv SIMULATION=mine.py
 	$(if $(FILE)$(NAME),,$(error Name a file, a case of config/cases, or an actuator: make diagnose NAME=dea1))
 	$(if $(FILE),$(if $(SIMULATION),,$(error Name its simulation: make diagnose FILE=mine.csv SIMULATION=mine.py)))
-	@name=$$($(INTAKE) --goal diagnose) && \
+	@name=$$($(call INTAKE,--goal diagnose)) && \
 		$(SNAKEMAKE) $(if $(FILE),case_$$name,results/figures/discrepancy/$(NAME).png) && \
 		$(if $(FILE),cat results/$$name/summary.txt,python -c "import json; \
 		print(json.load(open('results/discrepancy/$(NAME)/verdict.json'))['sentence'])")
 
 resolve: $(VENV)/installed ## designed records until one explanation is left: make resolve NAME=dea1 OPERATOR=A.Volta
 	$(if $(NAME),,$(error Name an actuator or a file of config/cases: make resolve NAME=dea1))
-	@for name in $(NAME); do \
-		python -m dea.stages.intake --name $$name --goal resolve > /dev/null || exit; done
+	@for name in $(foreach name,$(NAME),$(call quoted,$(name))); do \
+		python -m dea.stages.intake --name="$$name" --goal resolve > /dev/null || exit; done
 	$(SNAKEMAKE) $(NAME:%=resolvable_%)
 	workflow/alone.sh python -m dea.stages.resolve $(NAME) --threads $(CORES) \
-		$(if $(OPERATOR),--operator "$(OPERATOR)")
+		$(call option,operator,OPERATOR)
 
 resolution-trials: $(VENV)/installed ## how often designed records decide (COUNT=20 SET=ambiguous_tuning)
 	python -m benchmarks.resolution --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %)
@@ -117,7 +127,7 @@ trials: $(VENV)/installed ## blind trials: hide, name, unseal, score (COUNT=24 F
 		'trials={$(FIRST:%=first: %$(comma) )$(COUNT:%=count: %$(comma) )$(SET:%=set: %)}'
 
 records: $(VENV)/installed ## fetch the public measured records into data/ (FROM=folder copies them)
-	python -m dea.public_records $(if $(FROM),--from $(FROM))
+	python -m dea.public_records $(call option,from,FROM)
 
 container: ## an Apptainer image of the pinned environment, for clusters (needs apptainer)
 	apptainer build --force workflow/container.sif workflow/container.def
@@ -150,7 +160,7 @@ soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
 	touch $@
 
 docs: .venv-docs/installed ## the documentation as a site, in build/site (installs 1 GB in .venv-docs)
-	NO_MKDOCS_2_WARNING=1 PYTHONPATH=$(CURDIR)/src .venv-docs/bin/mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 PYTHONPATH=$(call quoted,$(CURDIR)/src) .venv-docs/bin/mkdocs build --quiet
 	@echo build/site/index.html
 
 configuration: $(VENV)/installed ## write docs/configuration.md from the models of the config
@@ -160,7 +170,8 @@ laws: $(VENV)/installed ## write docs/laws.md, priors, bounds and starts of ever
 	python -m dea.simulation > docs/laws.md
 
 audit: $(VENV)/installed ## compare the results with what their jobs made (SAMPLE=5 makes that many again)
-	python -m dea.audit $(SAMPLE:%=--sample %) $(SEED:%=--seed %) $(SIGNERS:%=--signers "%")
+	python -m dea.audit $(call option,sample,SAMPLE) $(call option,seed,SEED) \
+		$(call option,signers,SIGNERS)
 
 sign: ## sign the manifest of the results: make sign KEY=~/.ssh/id_ed25519
 	$(if $(KEY),,$(error Name a private key: make sign KEY=~/.ssh/id_ed25519))

@@ -1,0 +1,115 @@
+"""What make gives to its programs, for which others stand that print what they are given."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+STANDIN = f"""#!{sys.executable}
+import json, os, sys
+print("ran", json.dumps([os.path.basename(sys.argv[0]), *sys.argv[1:]]), file=sys.stderr)
+print("known")
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder, whose path has a space, with the Makefile and with stand-ins for its programs."""
+    folder = tmp_path / "my project"
+    for place in (".venv/bin", ".venv-docs/bin", "workflow", "results/known"):
+        (folder / place).mkdir(parents=True)
+    shutil.copy(ROOT / "Makefile", folder)
+    shutil.copy(ROOT / "workflow/alone.sh", folder / "workflow")
+    (folder / "results/known/summary.txt").touch()
+    for program in (".venv/bin/python", ".venv/bin/snakemake", ".venv/bin/pytest"):
+        write_program(folder / program, STANDIN)
+    write_program(folder / ".venv-docs/bin/mkdocs", '#!/bin/sh\necho "from $PYTHONPATH"\n')
+    for made in (".venv/installed", ".venv-docs/installed"):
+        (folder / made).touch()
+    return folder
+
+
+def write_program(path, text):
+    path.write_text(text)
+    path.chmod(0o755)
+
+
+def make(folder, *arguments):
+    """Run make there; return its status, and what it and the stand-ins printed."""
+    free = {key: value for key, value in os.environ.items() if not key.startswith("MAKE")}
+    run = subprocess.run(
+        ["make", "--old-file=.venv/installed", "--old-file=.venv-docs/installed", *arguments],
+        cwd=folder, env=free | {"CORES": "1"}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return run.returncode, run.stdout + run.stderr
+
+
+def programs(said):
+    """The command lines of the stand-ins."""
+    return [json.loads(line[4:]) for line in said.splitlines() if line.startswith("ran ")]
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "abc", "2 3", "1.5", "$$(touch x)", "'"])
+@pytest.mark.parametrize("name", ["CORES", "JOBS"])
+def test_a_number_of_cores_or_jobs_that_is_none_is_named(folder, name, value):
+    status, said = make(folder, "study", f"{name}={value}")
+    assert status == 2
+    assert len(said.splitlines()) == 1
+    assert f"{name}=" in said
+    assert "is no whole number above 0" in said
+    assert not (folder / "x").exists()
+
+
+WORDS = ["my case", 'it\'s "$$b"; #']
+
+
+@pytest.mark.parametrize("word", WORDS)
+@pytest.mark.parametrize(
+    ("target", "variable", "option"),
+    [
+        ("case", "NAME", "--name"),
+        ("case", "RATE", "--rate"),
+        ("case", "INPUT", "--input"),
+        ("case", "SIMULATION", "--simulation"),
+        ("diagnose", "SIMULATION", "--simulation"),
+        ("diagnose", "NAME", "--name"),
+        ("handover", "NAME", "--name"),
+        ("record", "EXCITATION", "--excitation"),
+        ("record", "OPERATOR", "--operator"),
+        ("audit", "SAMPLE", "--sample"),
+        ("audit", "SIGNERS", "--signers"),
+        ("records", "FROM", "--from"),
+    ],
+)
+def test_a_value_reaches_its_program_as_one_word(folder, target, variable, option, word):
+    given = {"case": ["FILE=a b.csv"], "diagnose": ["FILE=a b.csv", "SIMULATION=own.py"]}
+    first = {"record": ["NAME=film1"], **given}.get(target, [])
+    _, said = make(folder, target, *first, f"{variable}={word}")
+    plain = word.replace("$$", "$")
+    assert f"{option}={plain}" in programs(said)[0]
+    if target in given:
+        assert programs(said)[0][-2:] == ["--", "a b.csv"]
+
+
+def test_several_names_are_one_wrong_name_but_where_several_are_meant(folder):
+    for target in ("record", "handover", "diagnose"):
+        words = programs(make(folder, target, "NAME=dea1 dea2")[1])[0]
+        assert "dea1 dea2" in [word.removeprefix("--name=") for word in words]
+    ran = programs(make(folder, "resolve", "NAME=dea1 dea2")[1])
+    assert [line[3] for line in ran[:2]] == ["--name=dea1", "--name=dea2"]
+
+
+def test_the_home_folder_is_found_where_no_shell_has_replaced_it(folder):
+    _, said = make(folder, "case", "FILE=~/my file.csv")
+    assert programs(said)[0][-1] == f"{Path.home()}/my file.csv"
+
+
+def test_the_documentation_is_built_in_a_folder_with_a_space(folder):
+    status, said = make(folder, "docs")
+    assert status == 0
+    assert f"from {folder}/src\n" in said
