@@ -175,8 +175,14 @@ audit: $(VENV)/installed ## compare the results with what their jobs made (SAMPL
 
 sign: ## sign the manifest of the results: make sign KEY=~/.ssh/id_ed25519
 	$(if $(KEY),,$(error Name a private key: make sign KEY=~/.ssh/id_ed25519))
-	rm -f results/MANIFEST.json.sig
-	ssh-keygen -Y sign -f $(KEY) -n dea-study results/MANIFEST.json
+	@test -f results/MANIFEST.json || { \
+		echo "error: results/MANIFEST.json: there is none. Make results first: make study" >&2; exit 2; }
+	@ssh-keygen -Y sign -f $(call quoted,$(KEY)) -n dea-study < results/MANIFEST.json \
+		> results/MANIFEST.json.sig.partial || { rm -f results/MANIFEST.json.sig.partial; \
+		printf 'error: KEY: %s does not sign. Name a private key: make sign KEY=~/.ssh/id_ed25519\n' \
+			$(call quoted,$(KEY)) >&2; exit 2; }
+	@mv results/MANIFEST.json.sig.partial results/MANIFEST.json.sig
+	@echo results/MANIFEST.json.sig
 
 $(VALIDATOR)/installed: workflow/validator.txt
 	$(PYTHON) -m venv $(VALIDATOR)
@@ -256,5 +262,5 @@ benchmark: $(VENV)/installed ## speed of identification, tracking and simulation
 	python -m benchmarks
 
 clean: ## remove every generated result (the environment stays)
-	find results -mindepth 1 ! -path results/README.md -delete
-	rm -rf .snakemake
+	workflow/alone.sh --no-manifest sh -c \
+		'find results -mindepth 1 ! -path results/README.md -delete && rm -rf .snakemake'

@@ -1,5 +1,6 @@
 """What make gives to its programs, for which others stand that print what they are given."""
 
+import fcntl
 import json
 import os
 import shutil
@@ -113,3 +114,49 @@ def test_the_documentation_is_built_in_a_folder_with_a_space(folder):
     status, said = make(folder, "docs")
     assert status == 0
     assert f"from {folder}/src\n" in said
+
+
+@pytest.fixture
+def signed(folder):
+    """The signature of a manifest, and a key."""
+    (folder / "results/MANIFEST.json").write_text("{}")
+    subprocess.run(
+        ["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", folder / "my key"], check=True
+    )
+    assert make(folder, "sign", "KEY=my key")[0] == 0
+    return folder / "results/MANIFEST.json.sig"
+
+
+@pytest.mark.skipif(not shutil.which("ssh-keygen"), reason="ssh-keygen is not installed")
+def test_a_key_that_does_not_sign_leaves_the_signature(folder, signed):
+    before = signed.read_text()
+    assert "BEGIN SSH SIGNATURE" in before
+    (folder / "no key").write_text("text")
+    for key in ("absent", "no key"):
+        status, said = make(folder, "sign", f"KEY={key}")
+        assert status == 2
+        assert f"error: KEY: {key} does not sign. Name a private key" in said
+    assert signed.read_text() == before
+    assert {file.name for file in (folder / "results").iterdir()} == {
+        "MANIFEST.json", "MANIFEST.json.sig", "known",
+    }  # fmt: skip
+    (folder / "results/MANIFEST.json").unlink()
+    status, said = make(folder, "sign", "KEY=my key")
+    assert status == 2
+    assert "results/MANIFEST.json: there is none. Make results first" in said
+    assert signed.read_text() == before
+
+
+def test_results_are_not_removed_under_a_run(folder):
+    (folder / "build").mkdir()
+    with (folder / "build/lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        status, said = make(folder, "clean")
+    assert status == 2
+    assert "error: another run of this project" in said
+    assert (folder / "results/known/summary.txt").exists()
+    (folder / "results/README.md").touch()
+    status, said = make(folder, "clean")
+    assert status == 0
+    assert [file.name for file in (folder / "results").iterdir()] == ["README.md"]
+    assert not programs(said), "there is no manifest to write"
