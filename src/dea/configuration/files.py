@@ -8,9 +8,29 @@ import yaml
 
 from dea.errors import InputError
 
+_REMEDY = "Correct that line or the one before it; indent with spaces, not tabs."
+_KINDS = {"int": "whole number", "float": "number", "bool": "truth value", "timestamp": "date"}
+
 
 class _Loader(yaml.CSafeLoader):
-    """Refuses a key that is given twice, of which YAML would keep the last."""
+    """Refuses a key that is given twice, of which YAML would keep the last.
+
+    It also says where a value is that looks like a number or a date and is none. The notes of its
+    errors are remedies.
+    """
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)
+        except (ValueError, OverflowError, LookupError, AttributeError):
+            value = str(node.value)
+            shown = value if len(value) <= 60 else f"{value[:57]}..."
+            name = node.tag.rpartition(":")[2]
+            raise yaml.MarkedYAMLError(
+                problem=f"{shown!r} is no {_KINDS.get(name, name)}",
+                problem_mark=node.start_mark,
+                note="Correct it, or put it in quotes where it is meant as text.",
+            ) from None
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         seen = set()
@@ -18,7 +38,9 @@ class _Loader(yaml.CSafeLoader):
             if isinstance(key, yaml.ScalarNode):
                 if (key.tag, key.value) in seen:
                     raise yaml.MarkedYAMLError(
-                        problem=f"the key {key.value!r} is given twice", problem_mark=key.start_mark
+                        problem=f"the key {key.value!r} is given twice",
+                        problem_mark=key.start_mark,
+                        note="Delete one of the two.",
                     )
                 seen.add((key.tag, key.value))
         return super().construct_mapping(node, deep)
@@ -40,7 +62,8 @@ def read_text_and_yaml(path: str | Path, *, what: str, example: str) -> tuple[st
     Raises
     ------
     InputError
-        If it cannot be read, is not valid YAML, or gives a key twice.
+        If it cannot be read, is not valid YAML, gives a key twice, or holds a value that looks like
+        a number or a date and is none.
     """
     try:
         text = Path(path).read_bytes().decode("utf-8")
@@ -55,7 +78,7 @@ def read_text_and_yaml(path: str | Path, *, what: str, example: str) -> tuple[st
         raise InputError(
             f"not valid YAML{_described(error)}",
             file=path,
-            remedy="Correct that line or the one before it; indent with spaces, not tabs.",
+            remedy=getattr(error, "note", None) or _REMEDY,
         ) from None
 
 
