@@ -169,6 +169,18 @@ def test_the_simulation_of_a_named_case_is_checked(folder, capsys):
     assert "or delete config/cases/mine.yaml" in said
 
 
+def test_numbers_that_are_too_large_are_told_with_their_column(folder, capsys, recwarn):
+    table = pd.read_csv("mine.csv")
+    table["y (mm)"] *= 1e300
+    table.to_csv("large.csv", index=False)
+    assert main(["large.csv"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: large.csv: y: sample 0 is ")
+    assert said.count("\n") == 1
+    assert not recwarn.list
+    assert not list((folder / "config" / "cases").iterdir())
+
+
 def test_a_short_record_is_refused_with_what_it_needs(folder):
     from dea.intake import Answers, infer_case
 

@@ -63,6 +63,12 @@ def test_rows_cut_the_record(tmp_path):
     ("changes", "message"),
     [
         ({"file": "absent.csv"}, r"record\.file: the record .* does not exist"),
+        ({"file": ""}, r"record\.file: the record .* is no file"),
+        ({"rows": [5, 5]}, r"record\.rows: rows 5 to 5 of .*mine\.csv, which has 20\. Give the"),
+        ({"rows": [5, 21]}, r"record\.rows: rows 5 to 21 of .* at least two, from 0 to 20"),
+        ({"rows": [-21, 15]}, r"record\.rows: rows -21 to 15 of"),
+        ({"rows": [19, -1]}, r"record\.rows: rows 19 to -1 of"),
+        ({"resample": 100}, r"record\.resample: .*mine\.csv: on times 100 s .* holds 0 samples"),
         ({"file": "mine.doc"}, r"record\.file: .*cannot read \.doc"),
         ({"input": {"column": "v", "units": "V"}}, r"record\.input\.column: .* no column 'v'"),
         (
@@ -85,7 +91,22 @@ def test_a_wrong_case_names_file_field_and_remedy(changes, message, tmp_path):
         (tmp_path / name).write_text("u,y\n1,2\nx,3\n")
     with pytest.raises(InputError, match=message) as caught:
         store.import_record(case(**{"file": "mine.csv"} | changes), CASE, tmp_path)
-    assert str(CASE) in str(caught.value)
+    assert str(caught.value).startswith(f"{CASE}: ")
+
+
+def test_rows_may_count_from_the_end_and_end_with_the_table(tmp_path):
+    write_csv(tmp_path)
+    for rows, part in (([-20, 20], slice(0, 20)), ([5, -1], slice(5, 19))):
+        record = store.import_record(case("mine.csv", rows=rows), CASE, tmp_path)
+        np.testing.assert_array_equal(record["output"], Y[part])
+
+
+def test_a_message_names_a_file_without_a_case_once(tmp_path):
+    write_netcdf(tmp_path)
+    wrong = NAMED | {"output": {"column": "y", "units": "kg"}}
+    with pytest.raises(InputError, match="it has 'y' in 'mm', not in 'kg'") as caught:
+        store.read_record(tmp_path / "mine.nc", **wrong)
+    assert str(caught.value).count("mine.nc") == 1
 
 
 NAMED = {

@@ -1,5 +1,6 @@
 """Records made of arrays, parts of them, and what makes a record of a file unusable."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -46,6 +47,17 @@ def test_two_samples_are_a_record_and_a_missing_input_is_refused():
     for missing in (np.nan, np.inf):
         with pytest.raises(InputError, match="u: the input has missing values"):
             Record.of(np.where(U == 5.0, missing, U), Y, 1.0)
+
+
+@pytest.mark.parametrize("large", [1e300, -1e160])
+def test_numbers_whose_squares_overflow_are_refused(large):
+    u, y = np.array([1.0, 2.0, large, large]), np.array([1.0, np.nan, 2.0, 3.0])
+    message = re.escape(f"sample 2 is {large:.4g}, too large to compute with. Give it in larger")
+    with pytest.raises(InputError, match=f"u: {message}"):
+        Record.of(u, y, 1.0)
+    with pytest.raises(InputError, match=f"y: {message}"):
+        Record.of([1.0, 2.0, 3.0, 4.0], u, 1.0)
+    assert Record.of(u * (1e140 / large), y, 1.0).u.size == 4
 
 
 def test_names_and_units_are_those_that_signals_carry():

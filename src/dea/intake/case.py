@@ -114,6 +114,8 @@ def _resampling(
     """Return the interval to which the record is resampled, None where it may stay as it is."""
     y = table.columns[roles.output[0]]
     _check_lengths(table, roles)
+    for name, _ in (roles.output, *roles.inputs):
+        store.require_squares(table.columns[name], name)
     known = np.isfinite(time) & np.isfinite(y)
     for name, _ in roles.inputs:
         known &= np.isfinite(table.columns[name])

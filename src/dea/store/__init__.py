@@ -14,6 +14,7 @@ from dea.store.records import (
     flag_counts,
     input_names,
     real_numbers,
+    require_squares,
     signals,
 )
 from dea.store.resampling import check_order, usual_interval
@@ -39,6 +40,7 @@ __all__ = [
     "read_foreign",
     "read_record",
     "real_numbers",
+    "require_squares",
     "sha256",
     "signals",
     "usual_interval",

@@ -1,6 +1,6 @@
 """Records made elsewhere: files of other programs, whose columns a case file names."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +9,8 @@ import xarray as xr
 
 from dea.errors import InputError
 from dea.store.foreign_files import ForeignTable, read_foreign
-from dea.store.records import check_record, input_variables
-from dea.store.resampling import Uniform, resample
+from dea.store.records import check_record, input_variables, require_squares
+from dea.store.resampling import IntervalError, resample
 from dea.units import SECONDS
 
 if TYPE_CHECKING:
@@ -48,13 +48,14 @@ def import_record(
     described = validated(RecordFile, settings, case_file, "record" if case_file else "")
     file = root / described.file
     place = "record." if case_file else ""
-    if not file.exists():
+    if not file.is_file():
         raise InputError(
-            f"the record {file} does not exist",
+            f"the record {file} {'is no file' if file.exists() else 'does not exist'}",
             file=case_file,
             field=f"{place}file",
             remedy="Correct the path, or fetch the public records with `make records`",
         )
+    named, it = (case_file, str(file)) if case_file else (file, "it")
     table = _read(file, case_file)
     columns, units = table.columns, table.units
     rows = slice(*(described.rows or (None,)))
@@ -63,21 +64,24 @@ def import_record(
         name = declared.column
         if name not in columns:
             raise InputError(
-                f"{file} has no column {name!r}",
-                file=case_file,
+                f"{it} has no column {name!r}",
+                file=named,
                 field=f"{place}{role}.column",
                 remedy=f"Its columns of numbers are {', '.join(columns) or 'none'}",
             )
         stored = units.get(name, declared.units)
         if declared.units != stored:
             raise InputError(
-                f"{file} has {name!r} in {stored!r}, not in {declared.units!r}",
-                file=case_file,
+                f"{it} has {name!r} in {stored!r}, not in {declared.units!r}",
+                file=named,
                 field=f"{place}{role}.units",
                 remedy="Correct the units, or convert the record",
             )
+        if described.rows is not None:
+            _require_rows(described.rows, columns[name].size, it, named, f"{place}rows")
         if not np.isfinite(columns[name][rows]).all():
             table.refuse_words([name], file)
+        require_squares(columns[name][rows], name, file)
         return columns[name][rows]
 
     driving = described.driving
@@ -92,7 +96,19 @@ def import_record(
         time = float(described.sampling_interval) * np.arange(y.size, dtype=float)
     flags = {}
     if described.resample is not None:
-        time, u, y, missing = _resampled(time, u, y, float(described.resample), file)
+        try:
+            time, u, y, missing = resample(time, u, y, float(described.resample))
+        except IntervalError as error:
+            raise InputError(
+                f"{it}: {error.problem}" if case_file else error.problem,
+                file=named,
+                field=f"{place}resample",
+                remedy=error.remedy,
+            ) from error
+        except InputError as error:
+            raise InputError(
+                error.problem, file=file, field=error.field, remedy=error.remedy
+            ) from error
         flags["quality"] = ("time", missing.astype("uint8"), FLAG)
     else:
         _require_whole(time, u, y, file)
@@ -152,12 +168,19 @@ def _require_whole(time: np.ndarray, u: np.ndarray, y: np.ndarray, file: Path) -
     )
 
 
-def _resampled(
-    time: np.ndarray, u: np.ndarray, y: np.ndarray, interval: float, file: Path
-) -> Uniform:
-    try:
-        return resample(time, u, y, interval)
-    except InputError as error:
+def _require_rows(rows: Sequence[int], count: int, table: str, file: Path, field: str) -> None:
+    """Refuse rows that a table of ``count`` rows has not, or that are fewer than two.
+
+    Raises
+    ------
+    InputError
+        Naming the field, and which rows there are.
+    """
+    first, last = (row + count if row < 0 else row for row in rows)
+    if not (first >= 0 and first + 2 <= last <= count):
         raise InputError(
-            error.problem, file=file, field=error.field, remedy=error.remedy
-        ) from error
+            f"rows {rows[0]} to {rows[1]} of {table}, which has {count}",
+            file=file,
+            field=field,
+            remedy=f"Give the first row and one past the last, at least two, from 0 to {count}",
+        )

@@ -14,6 +14,8 @@ from dea.inputs import input_count
 
 _INPUTS = ("voltage", "input")
 _OUTPUTS = ("displacement", "output")
+# Factor that the sum of squares keeps below overflow, for models whose terms are multiples of it.
+_ROOM = 1e6
 
 
 Text = str | tuple[str, ...]
@@ -89,8 +91,8 @@ class Record(NamedTuple):
         Raises
         ------
         InputError
-            If the signals differ in length, the input has a missing value, or the rate is not
-            positive.
+            If the signals differ in length, the input has a missing value, a value is too large to
+            square, or the rate is not positive.
         """
         inputs, outputs = (real_numbers(each, name) for each, name in ((u, "u"), (y, "y")))
         if inputs.ndim == 2 and inputs.shape[1] == 1:
@@ -111,6 +113,8 @@ class Record(NamedTuple):
             raise InputError(
                 "the input has missing values", field="u", remedy="Fill them: it is applied, known"
             )
+        for signal, name in ((inputs, "u"), (outputs, "y")):
+            require_squares(signal, name)
         if not (isinstance(sampling_rate, Real) and 0.0 < float(sampling_rate) < np.inf):
             raise InputError(
                 f"it is {sampling_rate!r}", field="sampling_rate", remedy="Give a number in Hz"
@@ -269,7 +273,9 @@ def check_record(record: xr.Dataset, file: Path) -> None:
     for variable in (*driving, _first(record, _OUTPUTS, file)):
         if "units" not in variable.attrs:
             raise InputError("its units are not given", file=file, field=str(variable.name))
-        _require_finite(np.where(flagged, 0.0, variable.values), str(variable.name), file)
+        values = np.where(flagged, 0.0, variable.values)
+        _require_finite(values, str(variable.name), file)
+        require_squares(values, str(variable.name), file)
     _require_finite(time, "time", file)
     _require_uniform(time, file)
     if "device_index" in record.variables:
@@ -331,6 +337,25 @@ def _require_finite(values: np.ndarray, name: str, file: Path) -> None:
             file=file,
             field=name,
             remedy="Cut the record before the first, or record it again",
+        )
+
+
+def require_squares(values: np.ndarray, name: str, file: Path | None = None) -> None:
+    """Refuse numbers whose squares have a sum that overflows; those that are missing do not count.
+
+    Raises
+    ------
+    InputError
+        Naming the first sample at fault.
+    """
+    top = np.sqrt(np.finfo(float).max / max(values.size, 1)) / _ROOM
+    large = np.argwhere(np.abs(values) > top)
+    if large.size:
+        raise InputError(
+            f"sample {large[0, 0]} is {values[tuple(large[0])]:.4g}, too large to compute with",
+            file=file,
+            field=name,
+            remedy="Give it in larger units; where it stands for a missing value, leave it empty",
         )
 
 

@@ -17,6 +17,10 @@ _NEIGHBOURS, _CLOSE, _SHIFT = 1.6, 0.25, 0.05
 _MOST = 1000
 
 
+class IntervalError(InputError):
+    """The interval does not suit the record."""
+
+
 class Uniform(NamedTuple):
     """Samples on uniform times; NaN in ``y`` where ``missing``, ``u`` interpolated there."""
 
@@ -73,7 +77,8 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
     Raises
     ------
     InputError
-        If times do not ascend, or hardly any would hold a sample.
+        If times do not ascend, or hardly any would hold a sample; :class:`IntervalError` if there
+        would be fewer than two.
     """
     known = np.isfinite(time) & np.isfinite(u.reshape(y.size, -1)).all(axis=1) & np.isfinite(y)
     if np.count_nonzero(known) < 3:
@@ -86,6 +91,12 @@ def resample(time: Array, u: Array, y: Array, interval: float) -> Uniform:
     several = max(round(interval / usual_interval(at)), 1)
     step = interval / several
     count = (int((at[-1] - at[0]) / step + _CLOSE) + 1) // several * several
+    if count < 2 * several:
+        raise IntervalError(
+            f"on times {interval:g} s apart a record of {at[-1] - at[0]:.4g} s holds"
+            f" {count // several} samples",
+            remedy="Give a shorter interval",
+        )
     if count > _MOST * at.size:
         last = int(np.argmax(np.diff(at))) + 1
         raise InputError(
