@@ -6,6 +6,8 @@ from pathlib import Path
 class InputError(ValueError):
     """Something that the user supplied is wrong; the message is one line.
 
+    Texts of several lines, as of another library's errors, are put on one.
+
     Parameters
     ----------
     problem
@@ -24,10 +26,15 @@ class InputError(ValueError):
         field: str | None = None,
         remedy: str | None = None,
     ) -> None:
-        self.problem, self.file, self.field, self.remedy = problem, file, field, remedy
-        place = ": ".join(str(part) for part in (file, field) if part is not None)
-        message = f"{place}: {problem}" if place else problem
-        super().__init__(f"{message}. {remedy}" if remedy else message)
+        self.problem, self.file, self.field = _one_line(problem), file, field
+        self.remedy = None if remedy is None else _one_line(remedy)
+        place = ": ".join(_one_line(str(part)) for part in (file, field) if part is not None)
+        message = f"{place}: {self.problem}" if place else self.problem
+        super().__init__(f"{message}. {self.remedy}" if remedy else message)
+
+
+def _one_line(text: str) -> str:
+    return " ".join(filter(None, map(str.strip, text.splitlines())))
 
 
 class DeviceError(Exception):

@@ -112,6 +112,15 @@ def test_an_edited_case_is_never_written_over(folder, capsys):
     ("arguments", "message"),
     [
         (["absent.csv"], "absent.csv: it does not exist"),
+        (["config"], "config: it is no file"),
+        (
+            ["mine.csv", "--simulation", "lines.py"],
+            "lines.py: it cannot be run (ValueError: a b). See docs/discrepancy.md",
+        ),
+        (
+            ["mine.csv", "--simulation", "exit.py"],
+            "exit.py: it cannot be run (SystemExit: 3). See docs/discrepancy.md",
+        ),
         (["mine.csv", "--name", "dea1"], "'dea1' is an actuator's name"),
         (["mine.csv", "--name", "tables"], "NAME: 'tables' is the name of a folder of results/"),
         (["mine.csv", "--name", "provenance"], "NAME: 'provenance' is the name of a folder"),
@@ -132,6 +141,8 @@ def test_an_edited_case_is_never_written_over(folder, capsys):
 )
 def test_a_mistake_writes_nothing(folder, capsys, arguments, message):
     write_simulation(folder / "typo.py", slope="p[0] * (dampng * u - x[0])")
+    (folder / "lines.py").write_text("raise ValueError('a\\nb')")
+    (folder / "exit.py").write_text("import sys\nsys.exit(3)")
     volt = write_simulation(folder / "volt.py")
     volt.write_text(volt.read_text().replace('output_unit="mm"', 'output_unit="V"'))
     assert main(arguments) == 2
@@ -167,6 +178,13 @@ def test_the_simulation_of_a_named_case_is_checked(folder, capsys):
     said = capsys.readouterr().err
     assert "config/cases/mine.yaml: simulation: there is no file 'mine.py'" in said
     assert "or delete config/cases/mine.yaml" in said
+
+
+def test_what_a_simulation_prints_is_no_name_of_a_case(folder, capsys):
+    path = write_simulation(folder / "mine.py")
+    path.write_text(f"print('loaded')\n{path.read_text()}")
+    assert main(["mine.csv", "--simulation", "mine.py"]) == 0
+    assert capsys.readouterr().out == "mine\n"
 
 
 def test_numbers_that_are_too_large_are_told_with_their_column(folder, capsys, recwarn):

@@ -52,8 +52,9 @@ def infer_case(
     InputError
         If it cannot be read, or its record is not usable.
     """
-    if not file.exists():
-        raise InputError("it does not exist", file=file, remedy="Correct the path")
+    if not file.is_file():
+        problem = "it is no file" if file.exists() else "it does not exist"
+        raise InputError(problem, file=file, remedy="Correct the path")
     table = store.read_foreign(file)
     roles = find_roles(table, answers, file, goal, given or {})
     record = _described(file, roles)

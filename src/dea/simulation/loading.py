@@ -37,7 +37,7 @@ def load_simulation(name: str | Path) -> Simulation:
         result: Simulation = import_module(f"{devices.__name__}.{name}").simulation
         return result
     path = Path(name)
-    if path.suffix != ".py" or not path.exists():
+    if path.suffix != ".py" or not path.is_file():
         raise InputError(
             f"there is no {'file' if path.suffix == '.py' else 'simulation'} {str(name)!r}",
             field="simulation",
@@ -54,7 +54,7 @@ def load_simulation(name: str | Path) -> Simulation:
         spec.loader.exec_module(module)
     except InputError as error:
         raise _explained(error, path) from error
-    except Exception as error:  # whatever the user's file raises is what is wrong with it
+    except (Exception, SystemExit) as error:  # whatever it raises is what is wrong with it
         raise InputError(
             f"it cannot be run ({type(error).__name__}: {error})",
             file=path,

@@ -7,6 +7,7 @@ What a case of the file already says of its columns is not asked again.
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
 from functools import partial
 from math import inf, nan
 from pathlib import Path
@@ -128,7 +129,9 @@ def _check_simulation(name: str, record: Mapping[str, Any], file: Path | None, f
     from dea.simulation import load_simulation
 
     try:
-        own = load_simulation(name)
+        # What it prints is no name of a case.
+        with redirect_stdout(sys.stderr):
+            own = load_simulation(name)
     except InputError as error:
         if error.file is not None:
             raise
