@@ -92,6 +92,7 @@ def test_a_wrong_case_names_file_field_and_remedy(changes, message, tmp_path):
     with pytest.raises(InputError, match=message) as caught:
         store.import_record(case(**{"file": "mine.csv"} | changes), CASE, tmp_path)
     assert str(caught.value).startswith(f"{CASE}: ")
+    assert "\n" not in str(caught.value)
 
 
 def test_rows_may_count_from_the_end_and_end_with_the_table(tmp_path):

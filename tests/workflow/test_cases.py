@@ -81,6 +81,8 @@ def mine(project):
     ("role", "change", "words"),
     [
         ("file", "absent.csv", ["absent.csv does not exist", "make records"]),
+        ("file", "", ["mine.yaml: record.file: the record '' does not exist. Correct the path"]),
+        ("rows", [5, 5], ["record.rows: rows 5 to 5 of mine.csv, which has"]),
         ("input", {"column": "volt", "units": "V"}, ["record.input.column", "t, volts, position"]),
     ],
 )
@@ -92,6 +94,16 @@ def test_a_wrong_record_is_named_with_file_field_and_remedy(mine, role, change, 
     for word in [f"config/cases/{path.name}", *words]:
         assert word in said
     assert not (mine.project.folder / "results" / "mine" / "record.nc").exists()
+
+
+def test_a_test_record_is_named_with_its_keys_and_logs_to_a_file_of_its_own(mine):
+    parts = {"record": mine.record | {"rows": [500, 9000]}}
+    mine(test_records=parts)
+    run = mine.project.snakemake("results/mine/test/record.nc", small=False)
+    said = run.stdout + run.stderr
+    assert run.returncode != 0
+    assert "results/mine/log/import_test_record.log: error: config/cases/mine.yaml: " in said
+    assert "test_records.record.rows: rows 500 to 9000 of mine.csv, which has" in said
 
 
 def test_a_misspelt_key_of_a_case_stops_before_the_dag(mine):

@@ -57,6 +57,11 @@ def test_a_seventh_actuator_goes_on_another_page(project):
         ("name: dea2", "name: silverbox", "'silverbox' is taken"),
         ("name: dea2", "name: figures", "'figures' is taken"),
         ("bench: dea2", "bench: dea9", "dea2 is to be 'dea9'"),
+        (
+            "models: config/published_models.yaml",
+            "models: nosuch.yaml",
+            "config/config.yaml: recovery.models: there is no file 'nosuch.yaml'. Correct the path",
+        ),
         ("zoom: [100, 130]", "zoom: [1790, 1820]", "figures.zoom: [1790, 1820] s lies outside"),
         ("batch: 6", "batch: six", "trials.batch: it is 'six'"),
         ("effects: []", "effects: [dead_zon]", "Did you mean 'dead_zone'?"),

@@ -9,7 +9,12 @@ from dea.audit import collect, withdraw
 from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.case import read_cases, simulation_of
 from dea.configuration.record import is_part_of
-from dea.configuration.study import check_actuators, check_names, check_study
+from dea.configuration.study import (
+    check_actuators,
+    check_files,
+    check_names,
+    check_study,
+)
 from dea.configuration.study import settings as written
 
 STARTED = time.time()
@@ -31,6 +36,7 @@ def configuration():
         plants = read_bench(BENCH).actuators
         check_actuators(study, list(plants), BENCH)
         check_names(study, DEVICES, EFFECTS)
+        check_files(study)
         return study, plants, read_cases("config/cases", study)
     except InputError as error:
         raise WorkflowError(str(error)) from None

@@ -17,10 +17,11 @@ rule import_record:
             record_settings(wildcards), sort_keys=True
         ),
         case=lambda wildcards: CASES[wildcards.case],
+        place=lambda wildcards: ".".join(record_place(wildcards)),
     shell:
         stage(
-            "import_record --case {params.case:q} --settings {params.settings:q}"
-            " --record {output.record:q} 2> {log:q}"
+            "import_record --case {params.case:q} --place {params.place:q}"
+            " --settings {params.settings:q} --record {output.record:q} 2> {log:q}"
         )
 
 
@@ -28,9 +29,9 @@ use rule import_record as import_test_record with:
     output:
         record="results/{case}/test/{part}.nc",
     log:
-        "results/{case}/log/import_{part}.log",
+        "results/{case}/log/import_test_{part}.log",
     benchmark:
-        "results/{case}/benchmark/import_{part}.tsv"
+        "results/{case}/benchmark/import_test_{part}.tsv"
 
 
 use rule import_record as import_further_record with:

@@ -168,13 +168,7 @@ def check_actuators(
         for index, actuator in enumerate(study.actuators)
     } | {"trials.device": study.trials.device}
     for place, device in devices.items():
-        if not Path(device).is_file():
-            raise InputError(
-                f"there is no file {device!r}",
-                file=file,
-                field=place,
-                remedy="Correct the path, or copy a description of config/devices there.",
-            )
+        _require_file(device, file, place, "copy a description of config/devices there")
     for device in dict.fromkeys(devices.values()):
         content = read_yaml(
             device, what="the device description", example="one of config/devices/*.yaml"
@@ -196,6 +190,29 @@ def check_actuators(
                 field=f"actuators[{index}].bench",
                 remedy=f"Name one of {', '.join(served)}, or add an entry there.",
             )
+
+
+def check_files(study: Study, file: str | Path = FILE) -> None:
+    """Check that there is every other file that the study names.
+
+    Raises
+    ------
+    InputError
+        Naming the key.
+    """
+    _require_file(
+        study.recovery.models, file, "recovery.models", "name config/published_models.yaml"
+    )
+
+
+def _require_file(named: str, file: str | Path, field: str, remedy: str) -> None:
+    if not Path(named).is_file():
+        raise InputError(
+            f"there is no file {named!r}",
+            file=file,
+            field=field,
+            remedy=f"Correct the path, or {remedy}.",
+        )
 
 
 def check_simulation(name: str, known: Collection[str], file: str | Path, field: str) -> None:

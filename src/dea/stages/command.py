@@ -31,8 +31,8 @@ def run(
     Each name in ``inputs`` and ``outputs`` becomes an option ``--name PATH``; a name ending in
     ``*`` takes several paths. ``--settings`` is the JSON of the config leaves the stage needs. Each
     name in ``numbers`` becomes an option for a whole number that no result depends on. ``named``
-    are dotted keys of the settings that name input files, ``mentioned`` options for files that
-    messages name and no result depends on. Within the workflow, inputs are compared
+    are dotted keys of the settings that name input files, ``mentioned`` options for files, or keys
+    in them, that messages name and no result depends on. Within the workflow, inputs are compared
     with what their jobs made, and a description of the job is kept beside each product
     (:mod:`dea.provenance`).
     An :class:`~dea.errors.InputError` is printed without a traceback and exits with status 2; where

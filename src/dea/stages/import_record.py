@@ -7,11 +7,11 @@ from typing import Any
 from dea.stages.command import run
 
 
-def import_record(settings: Mapping[str, Any], case: Path, record: Path) -> None:
-    """Import the record that a case file describes."""
+def import_record(settings: Mapping[str, Any], case: Path, place: Path, record: Path) -> None:
+    """Import the record that a case file describes at a ``place``, its dotted key."""
     from dea import store
 
-    dataset = store.import_record(settings, case)
+    dataset = store.import_record(settings, case, place=str(place))
     store.write(
         dataset,
         record,
@@ -23,4 +23,4 @@ def import_record(settings: Mapping[str, Any], case: Path, record: Path) -> None
 
 if __name__ == "__main__":
     # What the case says of the record is in the settings.
-    run(import_record, mentioned=("case",), outputs=("record",), named=("file",))
+    run(import_record, mentioned=("case", "place"), outputs=("record",), named=("file",))

@@ -20,7 +20,10 @@ FLAG = {"units": "1", "long_name": "quality of the sample", "flag_meanings": "go
 
 
 def import_record(
-    settings: Mapping[str, Any], case_file: Path | None = None, root: Path = Path()
+    settings: Mapping[str, Any],
+    case_file: Path | None = None,
+    root: Path = Path(),
+    place: str = "record",
 ) -> xr.Dataset:
     """Read the record a case file describes as time (s), input and output.
 
@@ -32,8 +35,8 @@ def import_record(
         a ``time`` column or a ``sampling_interval`` in seconds; optionally ``rows`` =
         [first, last + 1], and ``resample``, the time in seconds to which samples that jitter are
         interpolated and closer ones averaged.
-    case_file
-        Named in error messages, where the settings come from one.
+    case_file, place
+        Named in error messages, where the settings come from one, and their key in it.
 
     Raises
     ------
@@ -45,18 +48,18 @@ def import_record(
     from dea.configuration.problems import validated
     from dea.configuration.record import RecordFile
 
-    described = validated(RecordFile, settings, case_file, "record" if case_file else "")
+    described = validated(RecordFile, settings, case_file, place if case_file else "")
     file = root / described.file
-    place = "record." if case_file else ""
+    below = f"{place}." if case_file else ""
     if not file.is_file():
         raise InputError(
             f"the record {file} {'is no file' if file.exists() else 'does not exist'}",
             file=case_file,
-            field=f"{place}file",
+            field=f"{below}file",
             remedy="Correct the path, or fetch the public records with `make records`",
         )
     named, it = (case_file, str(file)) if case_file else (file, "it")
-    table = _read(file, case_file)
+    table = _read(file, case_file, f"{below}file")
     columns, units = table.columns, table.units
     rows = slice(*(described.rows or (None,)))
 
@@ -66,7 +69,7 @@ def import_record(
             raise InputError(
                 f"{it} has no column {name!r}",
                 file=named,
-                field=f"{place}{role}.column",
+                field=f"{below}{role}.column",
                 remedy=f"Its columns of numbers are {', '.join(columns) or 'none'}",
             )
         stored = units.get(name, declared.units)
@@ -74,11 +77,11 @@ def import_record(
             raise InputError(
                 f"{it} has {name!r} in {stored!r}, not in {declared.units!r}",
                 file=named,
-                field=f"{place}{role}.units",
+                field=f"{below}{role}.units",
                 remedy="Correct the units, or convert the record",
             )
         if described.rows is not None:
-            _require_rows(described.rows, columns[name].size, it, named, f"{place}rows")
+            _require_rows(described.rows, columns[name].size, it, named, f"{below}rows")
         if not np.isfinite(columns[name][rows]).all():
             table.refuse_words([name], file)
         require_squares(columns[name][rows], name, file)
@@ -102,7 +105,7 @@ def import_record(
             raise InputError(
                 f"{it}: {error.problem}" if case_file else error.problem,
                 file=named,
-                field=f"{place}resample",
+                field=f"{below}resample",
                 remedy=error.remedy,
             ) from error
         except InputError as error:
@@ -132,7 +135,7 @@ def _attributes(column: "Column") -> dict[str, str]:
     return {"units": column.units, "long_name": column.name or column.column}
 
 
-def _read(file: Path, case_file: Path | None) -> ForeignTable:
+def _read(file: Path, case_file: Path | None, field: str) -> ForeignTable:
     try:
         return read_foreign(file)
     except InputError as error:
@@ -141,7 +144,7 @@ def _read(file: Path, case_file: Path | None) -> ForeignTable:
         raise InputError(
             f"{file}: {error.problem}" if error.file else error.problem,
             file=case_file,
-            field="record.file",
+            field=field,
             remedy=f"{error.remedy}, or name another file",
         ) from error
 
