@@ -253,6 +253,12 @@ def test_a_case_with_another_suffix_is_not_left_out_silently(tmp_path):
         read_cases(tmp_path, check_study(STUDY))
 
 
+def test_hidden_files_beside_cases_are_none(tmp_path):
+    for name in (".#mine.yaml", "._mine.yaml", ".mine.yml"):
+        (tmp_path / name).write_bytes(b"\x00\x05")
+    assert read_cases(tmp_path, check_study(STUDY)) == {}
+
+
 def test_simulations_and_effects_are_those_of_the_catalogue(tmp_path):
     names = ["dea_film"], ["dead_zone", "end_stop"]
     check_names(check_study(STUDY), *names)

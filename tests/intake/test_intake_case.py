@@ -151,9 +151,12 @@ def test_a_mistake_writes_nothing(folder, capsys, arguments, message):
 
 
 def test_a_name_is_checked_with_the_nearest_one(folder, capsys):
+    (folder / "config/cases/.#mine.yaml").symlink_to("nobody@nowhere")
     main(["mine.csv"])
     assert main(["--name", "mime"]) == 2
-    assert "Did you mean 'mine'?" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "Did you mean 'mine'?" in said
+    assert said.endswith("Known: mine\n")
     assert main(["--name", "dea1", "--goal", "diagnose"]) == 0
 
 

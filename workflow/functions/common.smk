@@ -22,7 +22,7 @@ STARTED = time.time()
 
 def catalogue(folder):
     """The names in a folder of the simulations, each of which has a file."""
-    paths = Path("src/dea/simulation", folder).glob("[!_]*.py")
+    paths = Path("src/dea/simulation", folder).glob("[!_.]*.py")
     return sorted(path.stem for path in paths)
 
 

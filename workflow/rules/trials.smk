@@ -9,7 +9,7 @@ TRIALS = config["trials"]
 NUMBERS = range(TRIALS["first"], TRIALS["first"] + TRIALS["count"])
 # What the devices with loggers are compared with, as a user of theirs would write it.
 SIMULATIONS_OF_TRIALS = sorted(
-    str(path) for path in Path("config/simulations").glob("*.py")
+    str(path) for path in Path("config/simulations").glob("[!.]*.py")
 )
 
 

@@ -111,6 +111,14 @@ def check_case(content: Any, study: Study, file: str | Path | None = None) -> Ca
     return validated(Case, content, file)
 
 
+def case_files(folder: str | Path, *endings: str) -> list[Path]:
+    """Return the files of a folder with one of these endings, without those that are hidden.
+
+    Editors and file managers keep hidden ones of their own beside a file.
+    """
+    return sorted(file for file in Path(folder).glob("[!.]*") if file.suffix in endings)
+
+
 def read_cases(folder: str | Path, study: Study) -> dict[Path, Case]:
     """Read and check every case of a folder.
 
@@ -122,7 +130,7 @@ def read_cases(folder: str | Path, study: Study) -> dict[Path, Case]:
     """
     taken = {*RESERVED, *(actuator.name for actuator in study.actuators)}
     cases = {}
-    for file in sorted(file for kind in ("*.yaml", "*.yml") for file in Path(folder).glob(kind)):
+    for file in case_files(folder, ".yaml", ".yml"):
         if file.suffix == ".yml" or not re.fullmatch(NAME, file.stem):
             raise InputError(
                 f"{file.name!r} is no name of a case",

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from dea.configuration.case import Case, check_case
+from dea.configuration.case import Case, case_files, check_case
 from dea.configuration.files import read_yaml
 from dea.configuration.problems import did_you_mean
 from dea.configuration.record import Column
@@ -56,7 +56,7 @@ def known_name(name: str, folder: Path, *, actuators: bool, field: str = "NAME")
         With the nearest name that is known.
     """
     names = [actuator.name for actuator in _study().actuators] if actuators else []
-    names += [file.stem for file in sorted(folder.glob("*.yaml"))]
+    names += [file.stem for file in case_files(folder, ".yaml")]
     if name not in names:
         raise InputError(
             f"there is none called {name!r}",
