@@ -9,7 +9,8 @@ import pytest
 import yaml
 from pydantic import create_model
 
-from dea.configuration.case import check_case
+from dea.configuration.bench import Plant
+from dea.configuration.case import Case, check_case
 from dea.configuration.page import FILES, json_schema, page
 from dea.configuration.problems import validated
 from dea.configuration.section import Section
@@ -149,6 +150,17 @@ def test_every_key_has_a_unit_or_none_and_a_description():
 def test_the_page_of_the_documentation_is_up_to_date():
     written = (ROOT / "docs/configuration.md").read_text()
     assert written == page(), "run `make configuration`"
+
+
+def test_every_key_that_may_be_left_away_has_a_default_on_the_page():
+    shown = page()
+    for model in (*FILES.values(), Case, Plant):
+        for name, section in model.model_json_schema().get("$defs", {}).items():
+            table = shown.partition(f"\n### {name}\n")[2].partition("\n#")[0]
+            for key in section.get("properties", ()) if table else ():
+                row = next(line for line in table.splitlines() if line.startswith(f"| `{key}` |"))
+                default = re.split(r"(?<!\\)\|", row)[3].strip()
+                assert bool(default) == (key not in section.get("required", ())), (name, key)
 
 
 def test_two_sections_of_one_name_are_refused_on_the_page(monkeypatch):

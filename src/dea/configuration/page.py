@@ -82,9 +82,12 @@ def page() -> str:
 def _table(section: Schema, definitions: Schema) -> Iterator[str]:
     yield "| key | allowed | default | meaning |"
     yield "| --- | --- | --- | --- |"
-    keys = section.get("properties", {"NAME": section.get("additionalProperties")})
+    own_names = {"NAME": section.get("additionalProperties")}
+    keys = section.get("properties", own_names)
+    # pydantic leaves the list out where no key is required.
+    required = section.get("required", ()) if "properties" in section else own_names
     for name, node in keys.items():
-        default = "" if name in section.get("required", keys) else _default(node)
+        default = "" if name in required else _default(node)
         said = f"{_allowed(node, definitions)} | {default} | {node.get('description', '')}"
         yield f"| `{name}` | {said} |"
     yield ""
