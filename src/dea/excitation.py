@@ -26,6 +26,7 @@ __all__ = [
 ]
 
 Signal = NDArray[np.float64]
+MOST = 100_000_000  # samples; a design of that many takes some GB
 CLIP = 3.0  # standard deviations between the middle of the range and its ends
 
 
@@ -210,6 +211,7 @@ def design(
     _require(np.isfinite([low, high]).all() and low < high, "low", f"{low} is not below {high}")
     samples = round(duration * sampling_rate)
     _require(samples >= 2, "duration", "holds fewer than two samples")
+    _require(samples <= MOST, "duration", f"holds more than {MOST:g} samples")
     if "band" in own:
         band = settings.get("band", own["band"])
         _require(band > 0.0, "band", "is not a positive number")

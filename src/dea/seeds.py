@@ -4,8 +4,18 @@ import hashlib
 
 import numpy as np
 
+from dea.errors import InputError
+
 
 def generator(seed: int, *names: str) -> np.random.Generator:
-    """Return the generator of the job ``names``, which follows from the study's ``seed``."""
+    """Return the generator of the job ``names``, which follows from the study's ``seed``.
+
+    Raises
+    ------
+    InputError
+        If the seed is below 0.
+    """
+    if seed < 0:
+        raise InputError(f"it is {seed}", field="seed", remedy="Give a whole number of at least 0.")
     digest = hashlib.sha256("/".join(names).encode()).digest()
     return np.random.default_rng([seed, int.from_bytes(digest[:8], "big")])

@@ -147,6 +147,55 @@ def test_a_wrong_voltage_is_an_error_without_a_traceback(serve_bench, tmp_path, 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--seed", "-1"], "seed: it is -1. Give a whole number of at least 0"),
+        (
+            ["--duration", "1e12"],
+            "duration: it is 1000000000000.0. Give a number above 0 and up to",
+        ),
+        (["--duration", "9e6"], "duration: the excitation's duration holds more than 1e+08"),
+        (["--duration", "nan"], "duration: it is nan. Give a number above 0 and up to"),
+        (["--low", "nan"], "low: it is nan. Give a number"),
+        (["--low", "4"], "low: 4 is not below high, 3.75"),
+        (["--setting", "[1]"], "setting: it is [1]. Give a mapping"),
+        (["--setting", '{"duration": 3}'], "setting.duration: it has an option of its own"),
+        (["--setting", '{"bnad": 3}'], "bnad: unknown key 'bnad'. Did you mean 'band'?"),
+        (["--setting", '{"band": "x"}'], "band: it is 'x'. Give a number above 0 Hz"),
+        (
+            ["--kind", "staircase", "--setting", '{"levels": 1}'],
+            "levels: it is 1. Give a whole number of at least 2",
+        ),
+        (["--port", "70000"], "port: it is 70000. Give a whole number from 0 to 65535"),
+    ],
+)
+def test_a_wrong_option_is_an_error_of_one_line(tmp_path, capsys, options, message):
+    output = tmp_path / "record.nc"
+    with pytest.raises(SystemExit) as ended:
+        main(["drive", "--device", str(DEVICE), "--dry-run", "--output", str(output), *options])
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"error: {message}"), said
+    assert said.count("\n") == 1
+
+
+def test_a_number_of_a_setting_may_be_text(tmp_path, capsys):
+    words = ["drive", "--device", str(DEVICE), "--dry-run", "--output", str(tmp_path / "record.nc")]
+    main([*words, "--setting", '{"band": 2.0}'])
+    shown = capsys.readouterr().out
+    main([*words, "--setting", '{"band": "2.0"}'])
+    assert capsys.readouterr().out == shown
+
+
+@pytest.mark.parametrize("share", ["nan", "0", "5"])
+def test_a_share_that_is_none_commissions_nothing(tmp_path, capsys, share):
+    with pytest.raises(SystemExit) as ended:
+        main(["commission", "--device", str(DEVICE), "--share", share])
+    assert ended.value.code == 2
+    assert f"error: share: it is {float(share)}. Give a number above 0" in capsys.readouterr().err
+
+
 def test_a_broken_acquisition_is_rescued_with_its_flags(serve_bench, tmp_path, capsys):
     bench, output = serve_bench(ring_length=200, fifo_length=512), tmp_path / "record.nc"
     with pytest.raises(SystemExit) as caught:  # the ring is too short for the samples waiting
@@ -343,6 +392,9 @@ def without(name):
         ("dea1", {"registers": without("block_crc")}, [], "no register 'block_crc'"),
         ("dea1", {"registers": without("boot")}, [], "no register 'boot'"),
         ("dea1", {"framing": "serial", "serial": {"port": "x"}}, [], "cannot be reached by serial"),
+        ("dea1", {}, ["--port", "70000"], "port: it is 70000. Give a whole number from 0 to 65535"),
+        ("dea1", {}, ["--seed", "-1"], "seed: it is -1. Give a whole number of at least 0"),
+        ("dea1", {}, ["--watchdog", "nan"], "watchdog_time: it is nan. Give a number above 0 s"),
         ("dea1", {"framing": "tls"}, [], "Give --tls-certificate and --tls-key"),
         ("dea1", {"framing": "tls"}, ["--tls-certificate", "missing.pem"], "missing.pem"),
     ],

@@ -4,7 +4,6 @@ import argparse
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +23,9 @@ from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.verify import answering_as_described, open_described, verify_device
 from dea.acquisition.voltage_plan import plan_sequence
 from dea.acquisition.watched import acquire_watched
+from dea.configuration.excitation import checked_excitation
+from dea.configuration.problems import validated
+from dea.configuration.section import Section, Share, key
 from dea.errors import DeviceError, InputError
 from dea.excitation import KINDS, design
 from dea.modbus import BLOCK, REPLY, Device, Register, Value, read_device
@@ -31,6 +33,12 @@ from dea.progress import heard_by
 
 WHOLE = 2.0**53  # up to which a float holds every whole number
 Command = Callable[[argparse.Namespace], None]
+
+
+class Commissioned(Section):
+    """How far an output is commissioned."""
+
+    share: Share = key("of its upper limit")
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -74,6 +82,7 @@ def commission(options: argparse.Namespace) -> None:
     settings = AcquisitionSettings.from_mapping(
         {"ramp_rate": options.ramp_rate, "armed_by": options.arm}
     )
+    validated(Commissioned, {"share": options.share})
     partial = options.device.with_suffix(".commissioning.partial")
     report = commissioning.commission(device, partial, settings, options.share)
     print(json.dumps(report, indent=2, sort_keys=True))
@@ -81,10 +90,19 @@ def commission(options: argparse.Namespace) -> None:
 
 
 def _excitation_volts(options: argparse.Namespace, device: Device) -> np.ndarray:
-    return design(
-        options.kind, duration=options.duration, sampling_rate=device.sampling_rate,
-        low=options.low, high=options.high, seed=options.seed, **options.setting,
-    )  # fmt: skip
+    given = {key: getattr(options, key) for key in ("kind", "duration", "low", "high")}
+    if not isinstance(options.setting, dict):
+        raise InputError(
+            f"it is {options.setting!r}",
+            field="setting",
+            remedy="Give a mapping: '{\"band\": 1.0}'.",
+        )
+    for name in given.keys() & options.setting.keys():
+        raise InputError(
+            "it has an option of its own", field=f"setting.{name}", remedy=f"Give --{name}."
+        )
+    excitation = checked_excitation(given | options.setting)
+    return design(**excitation, sampling_rate=device.sampling_rate, seed=options.seed)
 
 
 def check(options: argparse.Namespace) -> None:
@@ -197,9 +215,7 @@ def _write_record(record: xr.Dataset, options: argparse.Namespace, title: str) -
 
 
 def _device(options: argparse.Namespace) -> Device:
-    device = read_device(options.device)
-    changes = {"host": options.host, "port": options.port}
-    return replace(device, **{key: value for key, value in changes.items() if value is not None})
+    return read_device(options.device).at(options.host, options.port)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -22,6 +22,8 @@ import numpy as np
 from dea.bench.device import BenchDevice
 from dea.bench.player import OutputLimits, Player
 from dea.bench.server import WRITER, BenchServer, serve
+from dea.configuration.acquisition import Bench
+from dea.configuration.problems import validated
 from dea.errors import InputError
 from dea.modbus import Device, limit_counts, read_device
 from dea.plant import (
@@ -146,11 +148,8 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _server(options: argparse.Namespace) -> BenchServer:
-    description = read_device(options.device)
-    if options.host is not None:
-        description = replace(description, host=options.host)
-    if options.port is not None:
-        description = replace(description, port=options.port)
+    description = read_device(options.device).at(options.host, options.port)
+    validated(Bench, {"watchdog_time": options.watchdog})
     if options.trial is not None:
         trial = Trial.read(options.trial)
         name, parameters = trial.name, read_plain(options.config)

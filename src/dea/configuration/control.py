@@ -5,6 +5,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from dea.configuration.section import (
+    LONGEST,
     NotNegative,
     Number,
     Part,
@@ -52,7 +53,7 @@ class Adaptation(Section):
 class Control(Section):
     """Controllers tried on the actuators (docs/control.md)."""
 
-    duration: Number = key("time that the reference lasts", unit="s", ge=2)
+    duration: Number = key("time that the reference lasts", unit="s", ge=2, le=LONGEST)
     reference: Reference = key("what the displacement is to follow")
     hold: Positive = key("time at the first voltage before the reference begins", unit="s")
     approach: Positive = key("time of the way to the reference", unit="s")

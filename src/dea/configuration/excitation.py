@@ -5,7 +5,17 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from dea.configuration.section import NotNegative, Number, Positive, Section, Whole, key, refuse
+from dea.configuration.problems import validated
+from dea.configuration.section import (
+    Duration,
+    NotNegative,
+    Number,
+    Positive,
+    Section,
+    Whole,
+    key,
+    refuse,
+)
 from dea.errors import InputError
 
 RECORD, PROBED = "record", "probed"  # names of excitations; the second is the first with probing
@@ -15,7 +25,7 @@ PASSAGE = 1.0  # s, from an excitation to a probing stretch and back
 class Sequence(Section):
     """What every kind of excitation has."""
 
-    duration: Positive = key("length of the record", unit="s")
+    duration: Duration = key("length of the record", unit="s")
     low: Number = key("lowest voltage, before the amplifier", unit="V")
     high: Number = key("highest voltage, before the amplifier", unit="V")
 
@@ -103,6 +113,14 @@ class Triangle(Sequence):
         return self
 
 
+_KINDS: dict[str, type[Sequence]] = {
+    "gaussian": Gaussian,
+    "bursts": Bursts,
+    "multisine": Multisine,
+    "staircase": Staircase,
+    "binary": Binary,
+    "triangle": Triangle,
+}
 Kind = Annotated[
     Gaussian | Bursts | Multisine | Staircase | Binary | Triangle, Field(discriminator="kind")
 ]
@@ -148,6 +166,17 @@ class Excitation(Section):
         "put into the record's excitation in a further run, which confirms frequency responses",
         default=None,
     )
+
+
+def checked_excitation(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return one excitation, whose ``kind`` is known, its numbers no longer text.
+
+    Raises
+    ------
+    InputError
+        Naming the key and the remedy.
+    """
+    return validated(_KINDS[content["kind"]], content).model_dump(exclude_unset=True)
 
 
 def sections(excitations: Mapping[str, Any], name: str) -> dict[str, Any]:

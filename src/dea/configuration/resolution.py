@@ -1,6 +1,6 @@
 """How an open diagnosis is resolved by further records: ``resolution`` of config/config.yaml."""
 
-from dea.configuration.section import Count, NotNegative, Number, Positive, Section, key
+from dea.configuration.section import Count, Duration, NotNegative, Number, Positive, Section, key
 
 
 class Resolution(Section):
@@ -12,7 +12,7 @@ class Resolution(Section):
         " diagnose, and the small errors of its laws outweigh what a short one tells",
         default=6000,
     )
-    duration: Positive = key("longest duration of one", unit="s", default=120.0)
+    duration: Duration = key("longest duration of one", unit="s", default=120.0)
     level: Number = key(
         "probability at which the right explanation may be rejected, over all records together",
         default=0.01,

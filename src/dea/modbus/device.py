@@ -1,18 +1,21 @@
 """A Modbus device as its description gives it: where it is, how it is framed, its registers."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Self
 
 from dea.configuration.device import (
     WORDS,
     Access,
+    Endpoint,
     Framing,
     Order,
     Parity,
     RegisterType,
     Table,
 )
+from dea.configuration.problems import validated
 from dea.configuration.safety import Safety
 from dea.errors import InputError
 
@@ -100,6 +103,20 @@ class Device:
     safety: Safety | None = None
     source: Path | None = None
     described: str = ""
+
+    def at(self, host: str | None = None, port: int | None = None) -> Self:
+        """Return the same device at another host or TCP port, where they are given.
+
+        Raises
+        ------
+        InputError
+            If the port is none.
+        """
+        there = {
+            "host": self.host if host is None else host,
+            "port": self.port if port is None else port,
+        }
+        return replace(self, **validated(Endpoint, there).model_dump())
 
     def __getitem__(self, name: str) -> Register:
         """Return the register called ``name``; raise InputError where the device has none."""
