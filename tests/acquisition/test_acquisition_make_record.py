@@ -194,3 +194,14 @@ def test_a_changed_record_is_not_taken_into_the_study(study, capsys, tmp_path):
     with pytest.raises(ValueError, match=r"record\.nc: is not what was recorded"):
         take_record({}, folder / archive.MANIFEST, tmp_path / "r.nc", tmp_path / "l.nc")
     assert not (tmp_path / "r.nc").exists()
+
+
+def test_an_excitation_that_is_none_is_told_in_one_line(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["film1", "--excitation", "probe"])
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert said == (
+        "error: EXCITATION: there is no excitation 'probe'. Did you mean 'probed'?"
+        " Use one of record, second, probed.\n"
+    )

@@ -302,6 +302,29 @@ def test_the_signature_of_a_stranger_is_refused(study, signers, capsys):
     assert "nobody in signers made it" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--sample=-1"], "SAMPLE: it is '-1'. Give a whole number of at least 0"),
+        (["--sample=abc"], "SAMPLE: it is 'abc'. Give a whole number of at least 0"),
+        (["--seed=1.5"], "SEED: it is '1.5'. Give a whole number of at least 0"),
+    ],
+)
+def test_a_wrong_variable_of_make_is_named(study, capsys, options, message):
+    with pytest.raises(SystemExit) as exit_:
+        main(options)
+    assert exit_.value.code == 2
+    assert capsys.readouterr().err == f"error: {message}\n"
+
+
+@pytest.mark.skipif(not shutil.which("ssh-keygen"), reason="ssh-keygen is not installed")
+def test_a_missing_file_of_signers_is_named(study, signers, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        main(["--signers", "absent"])
+    assert exit_.value.code == 2
+    assert "error: SIGNERS: there is no file 'absent'. Name" in capsys.readouterr().err
+
+
 def test_a_config_file_that_has_changed_is_named(study):
     Path("config/device.yaml").write_text("other\n")
     assert first() == ("config/device.yaml", "has changed since results were made from it")

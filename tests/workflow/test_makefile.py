@@ -66,6 +66,13 @@ def test_a_number_of_cores_or_jobs_that_is_none_is_named(folder, name, value):
     assert not (folder / "x").exists()
 
 
+def test_a_profile_that_is_none_is_named(folder):
+    status, said = make(folder, "study", "PROFILE=slrum")
+    assert status == 2
+    assert len(said.splitlines()) == 1
+    assert "PROFILE=slrum is none. Name a folder of workflow/profiles" in said
+
+
 WORDS = ["my case", 'it\'s "$$b"; #']
 
 

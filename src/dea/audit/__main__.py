@@ -5,6 +5,7 @@ there is no manifest to compare with. ``results/audit.md`` says it for people.
 """
 
 import argparse
+import re
 import sys
 import time
 from pathlib import Path
@@ -23,8 +24,8 @@ SHOWN = 10  # results and sentences named on the terminal; the page names all
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line."""
     parser = argparse.ArgumentParser(prog="python -m dea.audit", description=__doc__)
-    parser.add_argument("--sample", type=int, default=0, metavar="N", help="jobs to run again")
-    parser.add_argument("--seed", type=int, default=None, help="of the draw; the time otherwise")
+    parser.add_argument("--sample", default="0", metavar="N", help="jobs to run again")
+    parser.add_argument("--seed", metavar="N", help="of the draw; the time otherwise")
     parser.add_argument("--signers", type=Path, help="who may have signed the manifest")
     parser.add_argument("--collect", action="store_true", help="write a manifest where none is")
     options = parser.parse_args(arguments)
@@ -32,8 +33,9 @@ def main(arguments: list[str] | None = None) -> None:
         if not FILE.exists():
             collect().write()
         return
-    seed = int(time.time()) if options.seed is None else options.seed
     try:
+        sample = _whole("SAMPLE", options.sample)
+        seed = int(time.time()) if options.seed is None else _whole("SEED", options.seed)
         manifest = Manifest.read()
         findings = unsigned(options.signers) if options.signers else []
     except InputError as error:
@@ -41,10 +43,10 @@ def main(arguments: list[str] | None = None) -> None:
         raise SystemExit(2) from None
     findings += verify(manifest)
     repeated = []
-    if options.sample and not findings:
+    if sample and not findings:
         from dea.audit.recompute import recompute
 
-        for products, different in recompute(manifest, options.sample, seed):
+        for products, different in recompute(manifest, sample, seed):
             print(f"made again: {products}: {'differs' if different else 'the same'}", flush=True)
             repeated.append(products)
             findings += different
@@ -67,6 +69,19 @@ def main(arguments: list[str] | None = None) -> None:
     if len(findings) > 1:
         print(f"{len(findings) - 1} more findings; see results/audit.md")
     raise SystemExit(1)
+
+
+def _whole(name: str, text: str) -> int:
+    """Return the number that a variable of make is.
+
+    Raises
+    ------
+    InputError
+        If it is no whole number of at least 0.
+    """
+    if not re.fullmatch(r"[0-9]{1,18}", text):
+        raise InputError(f"it is {text!r}", field=name, remedy="Give a whole number of at least 0")
+    return int(text)
 
 
 if __name__ == "__main__":

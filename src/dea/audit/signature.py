@@ -17,11 +17,17 @@ def signer(signers: Path) -> str:
     Raises
     ------
     InputError
-        If there is no signature, or nobody of ``signers`` made it for any file.
+        If there is no signature or no file ``signers``, or nobody of it made it for any file.
     """
     if not SIGNATURE.exists():
         remedy = "Sign it with `make sign KEY=…`, or leave SIGNERS away"
         raise InputError("there is no signature", file=SIGNATURE, remedy=remedy)
+    if not signers.is_file():
+        raise InputError(
+            f"there is no file {str(signers)!r}",
+            field="SIGNERS",
+            remedy="Name a file of lines NAME ssh-ed25519 AAAA…",
+        )
     found = _keygen("find-principals", "-s", str(SIGNATURE), "-f", str(signers))
     names = found.stdout.split()
     if found.returncode or not names:

@@ -21,6 +21,8 @@ from dea.configuration.study import settings as written
 from dea.errors import DeviceError, InputError
 from dea.stages.driving import PlayedExcitation, excitation, write
 
+EXCITATIONS = ("record", "second", "probed")
+
 
 def record(name: str, excitation_name: str, operator: str) -> Path:
     """Drive the actuator ``name`` of the study with one of its excitations and keep its record.
@@ -143,12 +145,19 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line; exits as :func:`dea.acquisition.reported`."""
     parser = argparse.ArgumentParser(prog="python -m dea.stages.record", description=__doc__)
     parser.add_argument("name", help="an actuator of config/config.yaml without `bench`")
-    parser.add_argument("--excitation", choices=("record", "second", "probed"), default="record")
+    parser.add_argument("--excitation", metavar="{record,second,probed}", default="record")
     parser.add_argument(
         "--operator", default="", help="your name: you have checked the setup and arm the device"
     )
     options = parser.parse_args(arguments)
     with acquisition.reported():
+        if options.excitation not in EXCITATIONS:
+            raise InputError(
+                f"there is no excitation {options.excitation!r}",
+                field="EXCITATION",
+                remedy=f"{did_you_mean(options.excitation, EXCITATIONS)}"
+                f"Use one of {', '.join(EXCITATIONS)}.",
+            )
         print(record(options.name, options.excitation, options.operator))
 
 
