@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from dea.discrepancy import records
 from dea.discrepancy.evidence.split import split
 from dea.errors import InputError
 from dea.intake.bandwidth import band, samples_to_average
 from dea.intake.dynamics import linear_dynamics
-from dea.intake.settings import infer_settings
+from dea.intake.settings import WARM_UP, infer_settings
 from dea.store import Record
 
 
@@ -101,4 +102,7 @@ def test_a_diagnosis_can_split_the_record_at_the_slowest_time(pole):
     sections = infer_settings(record._replace(y=of_pole(record.u, pole, 1))).sections
     slowest, warm_up = (sections["split"][key] for key in ("slowest_time", "warm_up"))
     assert slowest == pytest.approx(min(-0.02 / np.log(pole), 600 / 50.0 / 26), rel=0.1)
-    assert split(record.u, 0.02, slowest, min(warm_up, 0.02 * 12.0)).certify.any()
+    assert split(record.u, 0.02, slowest, warm_up).certify.any()
+    # What the diagnosis would shorten is not promised.
+    assert WARM_UP == records.WARM_UP
+    assert warm_up == pytest.approx(WARM_UP * 600 / 50.0)

@@ -156,7 +156,10 @@ class Discrepancy(Section):
     effects: Annotated[list[str], Different] = key(
         "names of the effects offered; all of the catalogue where empty"
     )
-    warm_up: NotNegative = key("time at the start of a record that no error counts", unit="s")
+    warm_up: NotNegative = key(
+        "time at the start of a record that no error counts; no more than 2 % of the record",
+        unit="s",
+    )
     budget: Budget = key("how far the search goes")
     rules: Rules = key("when an effect is named")
 
@@ -170,8 +173,8 @@ class Split(Section):
         default=None,
     )
     warm_up: NotNegative | None = key(
-        "time at the start of the record that no error counts; `discrepancy.warm_up` where it is"
-        " not given",
+        "time at the start of each record that no error counts, no more than 2 % of the record;"
+        " `discrepancy.warm_up` where it is not given",
         unit="s",
         default=None,
     )
