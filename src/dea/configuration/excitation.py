@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from dea.configuration.problems import validated
 from dea.configuration.section import (
+    LONGEST,
     Duration,
     NotNegative,
     Number,
@@ -50,8 +51,8 @@ class Bursts(Sequence):
 
     kind: Literal["bursts"] = key("bursts of Gaussian noise")
     band: Positive = key("highest frequency of the noise", unit="Hz", default=1.0)
-    active: Positive = key("length of a burst", unit="s", default=20.0)
-    rest: NotNegative = key("length of a rest", unit="s", default=10.0)
+    active: Duration = key("length of a burst", unit="s", default=20.0)
+    rest: NotNegative = key("length of a rest", unit="s", default=10.0, le=LONGEST)
 
 
 class Multisine(Sequence):
@@ -59,7 +60,7 @@ class Multisine(Sequence):
 
     kind: Literal["multisine"] = key("sum of sines")
     band: Positive = key("highest frequency", unit="Hz", default=1.0)
-    period: Positive = key("time after which it repeats", unit="s", default=30.0)
+    period: Duration = key("time after which it repeats", unit="s", default=30.0)
 
     @model_validator(mode="after")
     def _period(self) -> Self:
@@ -83,9 +84,9 @@ class Staircase(Sequence):
 
     kind: Literal["staircase"] = key("levels in random order")
     levels: Whole = key("number of levels", default=6, ge=2)
-    hold: Positive = key("time at each level", unit="s", default=10.0)
-    rest: NotNegative = key("time at rest between levels", unit="s", default=10.0)
-    rise: Positive = key("length of a step's edge", unit="s", default=0.5)
+    hold: Duration = key("time at each level", unit="s", default=10.0)
+    rest: NotNegative = key("time at rest between levels", unit="s", default=10.0, le=LONGEST)
+    rise: Duration = key("length of a step's edge", unit="s", default=0.5)
 
 
 class Binary(Sequence):
@@ -99,8 +100,8 @@ class Triangle(Sequence):
     """Triangles between ``low`` and random peaks, at three rates."""
 
     kind: Literal["triangle"] = key("triangles of random height and rate")
-    slowest: Positive = key("longest full-range period", unit="s", default=20.0)
-    fastest: Positive = key("shortest full-range period", unit="s", default=4.0)
+    slowest: Duration = key("longest full-range period", unit="s", default=20.0)
+    fastest: Duration = key("shortest full-range period", unit="s", default=4.0)
 
     @model_validator(mode="after")
     def _periods(self) -> Self:
