@@ -17,7 +17,7 @@ option = $(if $($(2)),--$(1)=$(call quoted,$($(2))))
 counted = $(if $(shell printf %s $(call quoted,$($(1))) | grep -xE '0*[1-9][0-9]*'),,\
 	$(error $(1)=$($(1)) is no whole number above 0. Give one, such as $(1)=2))
 $(call counted,CORES)
-$(if $(JOBS),$(call counted,JOBS))
+$(and $(PROFILE),$(JOBS),$(call counted,JOBS))
 $(if $(PROFILE),$(if $(wildcard workflow/profiles/$(PROFILE)/profile.yaml),,\
 	$(error PROFILE=$(PROFILE) is none. Name a folder of workflow/profiles, such as PROFILE=slurm)))
 

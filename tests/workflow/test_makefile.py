@@ -58,7 +58,7 @@ def programs(said):
 @pytest.mark.parametrize("value", ["0", "-1", "abc", "2 3", "1.5", "$$(touch x)", "'"])
 @pytest.mark.parametrize("name", ["CORES", "JOBS"])
 def test_a_number_of_cores_or_jobs_that_is_none_is_named(folder, name, value):
-    status, said = make(folder, "study", f"{name}={value}")
+    status, said = make(folder, "study", "PROFILE=slurm", f"{name}={value}")
     assert status == 2
     assert len(said.splitlines()) == 1
     assert f"{name}=" in said
