@@ -27,6 +27,13 @@ def test_the_interval_is_wilsons(counts):
     assert share.high == pytest.approx(expected.high, abs=1e-12)
 
 
+def test_the_interval_of_a_part_of_a_trial_ends_where_the_score_test_does():
+    """At either end the share is 1.96 standard deviations of a mean of trials away."""
+    share = trials.wilson(6.3, 7.25)
+    for end in (share.low, share.high):
+        assert (share.value - end) ** 2 == pytest.approx(1.959964**2 * end * (1.0 - end) / 7.25)
+
+
 def test_no_trials_give_no_share():
     share = trials.wilson(0, 0)
     assert share.trials == 0

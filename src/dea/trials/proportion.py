@@ -1,7 +1,9 @@
 """A share of trials and its confidence interval."""
 
-from math import nan
+from math import nan, sqrt
 from typing import NamedTuple
+
+_Z = 1.959963984540054  # the normal quantile of a two-sided interval of 95 %
 
 
 class Proportion(NamedTuple):
@@ -10,18 +12,22 @@ class Proportion(NamedTuple):
     value: float
     low: float
     high: float
-    trials: int
+    trials: float
 
 
-def wilson(successes: int, trials: int) -> Proportion:
+def wilson(successes: float, trials: float) -> Proportion:
     """Return the share ``successes / trials`` with Wilson's score interval.
+
+    Of dependent trials both are numbers of independent ones, and need not be whole.
 
     E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209.
     """
-    # Half a second to import, which the jobs that read scores do not need.
-    from scipy.stats import binomtest
-
     if trials == 0:
         return Proportion(nan, nan, nan, 0)
-    interval = binomtest(successes, trials).proportion_ci(0.95, method="wilson")
-    return Proportion(successes / trials, float(interval.low), float(interval.high), trials)
+    share = successes / trials
+    scale = 1.0 + _Z**2 / trials
+    centre = (share + _Z**2 / (2.0 * trials)) / scale
+    half = _Z * sqrt(share * (1.0 - share) / trials + _Z**2 / (4.0 * trials**2)) / scale
+    # Rounding must not leave a share of 0 or 1 outside of its interval.
+    low, high = max(centre - half, 0.0), min(centre + half, 1.0)
+    return Proportion(share, min(low, share), max(high, share), trials)
