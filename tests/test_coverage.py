@@ -17,8 +17,8 @@ from benchmarks.coverage.records import (
     generators,
     records,
 )
-from benchmarks.coverage.report import rows
-from benchmarks.coverage.statistics import coverage, wilson
+from benchmarks.coverage.report import rows, verdict
+from benchmarks.coverage.statistics import Coverage, coverage
 from benchmarks.coverage.truth import h1, h2
 
 PAIRS = np.array([[0.005, 0.005], [0.005, 0.02], [0.02, -0.005]])
@@ -86,11 +86,6 @@ def test_a_band_limited_input_holds_nothing_above_its_band():
     assert spectrum[above].max() < 1e-2 * spectrum.max()
 
 
-def test_wilsons_interval_is_the_published_one():
-    """Brown, Cai and DasGupta 2001: 0 of 10 gives 0 to 0.278."""
-    assert wilson(0.0, 10) == pytest.approx((0.0, 0.2775), abs=1e-4)
-
-
 def test_points_that_agree_within_each_record_count_once():
     rng = np.random.default_rng(0)
     alike = np.repeat((rng.random((200, 1)) < 0.9).astype(float), 10, axis=1)
@@ -100,6 +95,47 @@ def test_points_that_agree_within_each_record_count_once():
     missing = apart.copy()
     missing[:100] = np.nan
     assert coverage(missing).records == 100
+
+
+@pytest.mark.parametrize(("records", "points"), [(100, 32), (500, 4), (20, 8), (1, 8), (8, 1)])
+def test_a_point_more_inside_lowers_no_end_of_the_interval(records, points):
+    drawn = np.random.default_rng(0).permutation(records * points)
+    outside = np.unique(np.geomspace(1, drawn.size, 60).astype(int))
+    found = []
+    for count in [0, *outside]:
+        inside = np.ones(drawn.size)
+        inside[drawn[:count]] = 0
+        found.append(coverage(inside.reshape(records, points)))
+    for end in ("low", "high"):
+        assert np.diff([getattr(one, end) for one in found]).max() < 1e-3
+    assert found[0].low == pytest.approx(records / (records + 1.96**2), abs=1e-3)
+    assert found[1].low <= found[0].low
+
+
+def test_records_that_are_alike_but_for_their_points_hold_as_many_trials_as_points():
+    inside = np.tile([1.0] * 9 + [0.0], (40, 1))
+    found, one = coverage(inside), coverage(inside.reshape(400, 1))
+    assert (found.low, found.high) == pytest.approx((one.low, one.high), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("share", "low", "high", "said"),
+    [
+        (0.95, 0.94, 0.96, "within"),
+        (0.95, 0.92, 0.98, "within"),
+        (0.975, 0.20, 1.00, "undecided"),
+        (0.93, 0.91, 0.94, "undecided"),
+        (0.99, 0.97, 1.00, "undecided"),
+        (0.90, 0.89, 0.91, "below"),
+        (0.99, 0.985, 1.00, "above"),
+    ],
+)
+def test_a_coverage_is_said_to_be_where_all_of_its_interval_is(share, low, high, said):
+    assert verdict(Coverage(share, low, high, 100, 400), (0.92, 0.98)) == said
+
+
+def test_a_coverage_of_no_record_is_withheld():
+    assert verdict(coverage(np.full((3, 2), np.nan)), (0.92, 0.98)) == "withheld"
 
 
 SMALL = Settings(count=8, samples=1500, plants=("two_poles",), drifting=())
@@ -141,3 +177,44 @@ def test_bands_half_as_wide_as_they_should_be_are_noticed(monkeypatch):
     counted = run(SMALL)
     for quantity in judged.QUANTITIES:
         assert pooled(counted, quantity).high < 0.92
+
+
+DRIFTING = Settings(count=8, samples=2000, plants=(), drifting=("two_poles",))
+
+
+@pytest.fixture
+def one_drifting_cell(monkeypatch):
+    for name, only in {"INPUTS": "white", "NOISES": "equation", "TRACKERS": "local",
+                       "DRIFTS": "random walk"}.items():  # fmt: skip
+        monkeypatch.setattr(f"benchmarks.coverage.campaign.{name}", (only,))
+
+
+def verdicts(counted):
+    return {row["quantity"]: row["verdict"] for row in rows(counted) if row["plant"] != "all"}
+
+
+@pytest.mark.usefixtures("one_drifting_cell")
+def test_bands_of_local_estimates_hold_while_parameters_drift():
+    (counted,) = run(DRIFTING)
+    assert counted.cell == Cell("two_poles", "white", "equation", "local", "random walk")
+    assert counted.withheld == 0.0
+    found = verdicts([counted])
+    assert set(found) == set(judged.QUANTITIES)
+    assert "below" not in found.values()
+
+
+@pytest.mark.usefixtures("one_drifting_cell")
+def test_tracked_bands_half_as_wide_as_they_should_be_are_noticed(monkeypatch):
+    honest = judged.dea.track_parameters
+
+    def too_sure(*arguments, **settings):
+        track = honest(*arguments, **settings)
+        middle = (track["band_low"] + track["band_high"]) / 2
+        return track.assign(
+            covariance=track["covariance"] / 4,
+            band_low=(track["band_low"] + middle) / 2,
+            band_high=(track["band_high"] + middle) / 2,
+        )
+
+    monkeypatch.setattr(judged.dea, "track_parameters", too_sure)
+    assert set(verdicts(run(DRIFTING)).values()) == {"below"}

@@ -18,14 +18,14 @@ COLUMNS = (
 
 
 def verdict(found: Coverage, target: tuple[float, float]) -> str:
-    """Say how a coverage stands to its target, as far as its interval tells."""
+    """Say how a coverage stands to its target: as its whole interval does, else undecided."""
     if not found.records:
         return "withheld"
     if found.high < target[0]:
         return "below"
     if found.low > target[1]:
         return "above"
-    return "within" if target[0] <= found.share <= target[1] else "undecided"
+    return "within" if target[0] <= found.low and found.high <= target[1] else "undecided"
 
 
 def rows(counted: Sequence[Counted]) -> list[dict[str, object]]:

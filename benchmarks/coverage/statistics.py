@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.coverage.plants import Array
-
-Z = 1.959964
+from dea.trials import wilson
 
 
 @dataclass(frozen=True)
@@ -24,8 +23,11 @@ def coverage(inside: Array) -> Coverage:
     """Return the coverage of ``inside``, shape (records, points), 1 inside, 0 outside, or missing.
 
     The points of one record are no independent trials. The number of trials is that of independent
-    ones with the variance that the records' shares show (Kish's effective size), between the number
-    of records with a point and the number of points; the interval is Wilson's for it.
+    ones with the variance that the records' shares show (Kish's effective size), at most the number
+    of points, and at least a quarter of the number of records with a point, since some weigh more
+    than others; the interval is Wilson's for it. Few points outside say little about how far those
+    of a record agree: the interval reaches at least as far towards a half as that of records that
+    are all inside as a whole.
     """
     known = ~np.isnan(inside)
     inside = inside[known.any(axis=1)]
@@ -40,15 +42,8 @@ def coverage(inside: Array) -> Coverage:
         # Of a ratio of sums over clusters.
         difference = np.nansum(inside, axis=1) - share * weight
         variance = records / (records - 1) * float(difference @ difference) / points**2
-        if variance > 0:
-            effective = share * (1 - share) / variance
+        effective = share * (1 - share) / variance if variance > 0 else float(points)
     effective = min(max(effective, records / 4), points)
-    low, high = wilson(share, effective)
+    found, agreed = wilson(share * effective, effective), wilson(records, records)
+    low, high = min(found.low, agreed.low), max(found.high, 1.0 - agreed.low)
     return Coverage(share, low, high, records, points)
-
-
-def wilson(share: float, trials: float) -> tuple[float, float]:
-    """Return Wilson's 95 % interval of a share of ``trials``."""
-    centre = (share + Z**2 / (2 * trials)) / (1 + Z**2 / trials)
-    half = Z * np.sqrt(share * (1 - share) / trials + Z**2 / (4 * trials**2)) / (1 + Z**2 / trials)
-    return float(centre - half), float(centre + half)
