@@ -10,7 +10,8 @@ import venv
 from pathlib import Path
 
 from benchmarks import acquisition, discrepancy, identification, tracking
-from benchmarks.row import Row
+from benchmarks.command_line import run
+from benchmarks.row import HEAD, Row
 
 ROOT = Path(__file__).parents[1]
 REQUIREMENTS = ROOT / "benchmarks" / "peers.txt"
@@ -36,16 +37,7 @@ def main(arguments: list[str] | None = None) -> int:
     python = peers_python()
     modules = identification, tracking, discrepancy, acquisition
     rows: list[Row] = [row for module in modules for row in module.run(python)]
-    print(f"{'what':<66}{'ours':>11}{'peer':>11}{'ratio':>9}{'target':>9}")
-    for row in rows:
-        print(
-            f"{row.name:<66}{row.ours_s:>9.4f} s{row.peer_s:>9.3f} s"
-            f"{row.ratio:>8.3g}x{row.target:>8.3g}x"
-        )
-        if row.detail is not None:
-            print(f"    {row.detail}")
-        if row.lost:
-            print(f"    lost: the peer's error is lower on {', '.join(row.lost)}")
+    print("\n".join([HEAD, *(line for row in rows for line in row.lines())]))
     RESULT.parent.mkdir(exist_ok=True)
     machine = {"cores": os.cpu_count(), "machine": platform.machine()}
     stored = {"machine": machine, "rows": [row.leaves() for row in rows]}
@@ -57,4 +49,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run(main)

@@ -3,45 +3,49 @@
 The records are those of the six published models under the study's excitation, with one per cent
 of noise on the output. All packages choose from the same 84 candidate terms on the same 5,000
 samples and are scored by the free run on the same independent record without noise. A search of
-ours has at most as many terms as the peer it is compared with. Times are processor seconds of one
-core, without compilation and import; ours is the best of several repetitions.
+ours has at most as many terms as the peer it is compared with, save the one by its defaults, which
+decides on their number itself, as MetaMSS does. Times are processor seconds of one core, without
+compilation and import, each the shortest of several.
 
-The peers: MetaMSS and FROLS of SysIdentPy (the number of terms by its information criterion), and
-the NARX models of fastcan with as many terms as FROLS took.
+The peers: MetaMSS of SysIdentPy; its FROLS, with as many terms as its information criterion takes,
+at most 15; and the NARX models of fastcan with as many terms as FROLS took, and a constant.
 """
 
 import json
-import subprocess
 import tempfile
-import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.command_line import peer as said_by
 from benchmarks.row import Row
+from benchmarks.timing import shortest
 from dea.excitation import design
 from dea.narx import (
     Forward,
     NarxModel,
     Orthogonal,
     Refined,
+    Scaling,
     UnstableModel,
     load_published,
     nmse,
     select_terms,
 )
+from dea.terms import Term
 
 Array = NDArray[np.float64]
 Search = Forward | Orthogonal | Refined
 
 SAMPLES, NOISE, REPEATS = 5_000, 0.01, 3
-LONG_RUN = 200_000  # samples; 5,000 are simulated too quickly to be timed
+CANDIDATES = 84  # products of at most three of three past outputs and three past inputs
 THRESHOLD = 3e-6
-SIMULATION_TARGET = 100.0
+SIMULATION_TARGET, SIMULATED = 100.0, "DEA2"
 MODELS = Path(__file__).parents[1] / "config" / "published_models.yaml"
 PEERS = Path(__file__).parent / "peers"
 
@@ -86,7 +90,7 @@ def run(peers_python: Path) -> list[Row]:
         select_terms(first.u[:500], first.y[:500], search=search)
     peers = {name: _peers(peers_python, case) for name, case in cases.items()}
     rows = [_compared(comparison, cases, peers) for comparison in COMPARISONS]
-    return [*rows, _simulation(plants["DEA2"], cases["DEA2"], peers["DEA2"])]
+    return [*rows, _simulation(cases[SIMULATED], peers[SIMULATED])]
 
 
 def _compared(
@@ -97,12 +101,9 @@ def _compared(
     for name, (u, y, u_test, y_test) in cases.items():
         result = peers[name][peer]
         theirs += result["seconds"]
-        times = []
-        for _ in range(REPEATS):
-            start = time.process_time()
-            found = select_terms(u, y, search=search(result["terms"]))
-            times.append(time.process_time() - start)
-        seconds += min(times)
+        limited = search(result["terms"])
+        found, needed = shortest(partial(select_terms, u, y, search=limited), REPEATS)
+        seconds += needed
         error = nmse(y_test[3:], found.simulate(u_test, y_test)[3:])
         other = _error(y_test[3:], np.array(result["run"], dtype=float)[3:])
         if not error < other:
@@ -118,19 +119,28 @@ def _compared(
     )
 
 
-def _simulation(plant: NarxModel, case: Case, peer: dict[str, Any]) -> Row:
-    """Compare the simulation speeds; the times in the row are seconds per million samples."""
-    u = np.resize(case.u_test, LONG_RUN)
-    plant.simulate(u)
-    times = []
-    for _ in range(REPEATS):
-        start = time.process_time()
-        plant.simulate(u)
-        times.append(time.process_time() - start)
-    ours = min(times) / LONG_RUN * 1e6
-    theirs = peer["simulation"] / case.u_test.size * 1e6
-    name = "free-run simulation of a million samples, against predict"
-    return Row.of_times(name, ours, theirs, SIMULATION_TARGET)
+def _simulation(case: Case, peers: dict[str, Any]) -> Row:
+    """Compare the free runs of one model, the one that MetaMSS found.
+
+    Raises
+    ------
+    AssertionError
+        If both do not give the same output.
+    """
+    found = peers["simulation"]
+    model = model_of(found["equation"], found["parameters"])
+    model.simulate(case.u_test, case.y_test)
+    run, seconds = shortest(partial(model.simulate, case.u_test, case.y_test), REPEATS)
+    np.testing.assert_allclose(run, peers["MetaMSS"]["run"], rtol=1e-6, atol=1e-9)
+    name = f"free run of {len(model.terms)} terms, {run.size} samples, against SysIdentPy's predict"
+    return Row.of_times(name, seconds, found["seconds"], SIMULATION_TARGET)
+
+
+def model_of(equation: Sequence[Sequence[int]], parameters: Sequence[float]) -> NarxModel:
+    """Return the model of SysIdentPy's codes: lags of y above 1000, those of u above 2000."""
+    texts = ("".join(f"{'yu'[code // 1000 - 1]}(t-{code % 1000})" for code in t) for t in equation)
+    terms = tuple(Term.parse(text or "1") for text in texts)
+    return NarxModel(terms, np.array(parameters), Scaling())
 
 
 def _record(plant: NarxModel, number: int) -> Case:
@@ -146,13 +156,24 @@ def _record(plant: NarxModel, number: int) -> Case:
 
 
 def _peers(python: Path, case: Case) -> dict[str, Any]:
-    """Return seconds, terms and run of each peer on one record."""
+    """Return seconds, terms and run of each peer on one record.
+
+    Raises
+    ------
+    PeerError
+        If the program fails.
+    AssertionError
+        If a peer chooses from other candidates than ours.
+    """
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "record.npz"
         np.savez(file, u=case.u, y=case.y, u_test=case.u_test, y_test=case.y_test)
-        command = [str(python), str(PEERS / "identification.py"), str(file)]
-        done = subprocess.run(command, capture_output=True, check=True)
-    result: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+        program = PEERS / "identification.py"
+        output = said_by(program.name, [str(python), str(program), str(file), str(REPEATS)])
+    result: dict[str, Any] = json.loads(output.splitlines()[-1])
+    for name in {comparison.peer for comparison in COMPARISONS}:
+        offered = result[name]["candidates"]
+        assert offered == CANDIDATES, f"{name} chooses from {offered} candidates"
     return result
 
 
