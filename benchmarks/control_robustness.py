@@ -35,38 +35,57 @@ LOAD = 0.1  # of the stroke, of step disturbances
 DROPPED = (500, 550)  # samples without a reading: a second
 EVENT = 600  # the sample that comes late, and the first of the step disturbance
 LATE = 5  # periods by which it is late
+AGED = 1800.0  # s: as long as the record that the model is of
 AGEING = ("stiffness_ageing", "leakage_ageing", "electrode_ageing")
 
 
 class Scenario(NamedTuple):
-    """What is done to an actuator: to its parameters, its reading, its time, its model."""
+    """What is done to an actuator: to its parameters, its output, its sensor, its time, its model.
+
+    ``load`` moves the output by a share of the stroke, as a push would. ``sensor`` says what the
+    controller gets to see of it, and moves nothing.
+    """
 
     parameters: Callable[[Parameters], Parameters] = lambda parameters: parameters
-    reading: Callable[[int, float, float], float] = lambda sample, reading, stroke: reading
+    load: Callable[[int], float] = lambda sample: 0.0
+    sensor: Callable[[int, float], float] = lambda sample, measured: measured
     late: int | None = None
     foreign: bool = False
 
 
-def _aged(parameters: Parameters) -> Parameters:
+def aged(parameters: Parameters) -> Parameters:
+    """Return an actuator that ages twice as fast, and has done so for AGED before it is driven."""
     film = parameters.film
-    twice = {name: 2.0 * getattr(film, name) for name in AGEING}
-    return replace(parameters, film=film._replace(**twice))
+    stiffness, leakage, electrode = (2.0 * getattr(film, name) for name in AGEING)
+    hours = AGED / 3600.0
+    stiffer, leakier, drier = (1.0 + rate * hours for rate in (stiffness, leakage, electrode))
+    moduli = {f"yeoh_{k}": stiffer * getattr(film, f"yeoh_{k}") for k in (1, 2, 3)}
+    film = film._replace(
+        **moduli,
+        branch_modulus=stiffer * film.branch_modulus,
+        leak_resistance=film.leak_resistance / leakier,
+        electrode_resistance=film.electrode_resistance * drier,
+        stiffness_ageing=stiffness / stiffer,
+        leakage_ageing=leakage / leakier,
+        electrode_ageing=electrode / drier,
+    )
+    return replace(parameters, film=film)
 
 
-def _loaded(sample: int, reading: float, stroke: float) -> float:
-    return reading + LOAD * stroke * (EVENT <= sample < EVENT + 250)
+def _loaded(sample: int) -> float:
+    return LOAD * (EVENT <= sample < EVENT + 250)
 
 
-def _dropped(sample: int, reading: float, stroke: float) -> float:
-    return np.nan if DROPPED[0] <= sample < DROPPED[1] else reading
+def _dropped(sample: int, measured: float) -> float:
+    return np.nan if DROPPED[0] <= sample < DROPPED[1] else measured
 
 
 SCENARIOS = {
     "undisturbed": Scenario(),
-    "step disturbances": Scenario(reading=_loaded),
-    "sensor dropped for a second": Scenario(reading=_dropped),
+    "step disturbances": Scenario(load=_loaded),
+    "sensor dropped for a second": Scenario(sensor=_dropped),
     "late sample": Scenario(late=EVENT),
-    "ages twice as fast": Scenario(parameters=_aged),
+    "aged, and ages twice as fast": Scenario(parameters=aged),
     "model of another actuator": Scenario(foreign=True),
 }
 
@@ -96,7 +115,7 @@ def drawn(actuator: str, number: int, seed: int) -> Parameters:
 
 def tried(parameters: Parameters, design: ControllerDesign, controller: AdaptiveInverse,
           scenario: Scenario, seed: int) -> Outcome:  # fmt: skip
-    """Follow the reference once."""
+    """Follow the reference once; the error is of every sample, seen or not."""
     task, rig = design.task, Rig(scenario.parameters(parameters), seed)
     output, sensor = parameters.output_converter, parameters.displacement_converter
 
@@ -105,18 +124,18 @@ def tried(parameters: Parameters, design: ControllerDesign, controller: Adaptive
         return float(sensor.to_values(measured)[-1])
 
     ramp = np.linspace(0.0, task.start, round(task.start * design.sampling_rate))
-    reading, volts, outputs = advance(ramp), [task.start], []
+    measured, volts, outputs = advance(ramp), [task.start], []
     for sample in range(task.reference.size):
         try:
-            volts.append(controller(scenario.reading(sample, reading, task.stroke)))
-        except LostError as error:
-            return Outcome(np.nan, _violated(volts, design), str(error))
+            volts.append(controller(scenario.sensor(sample, measured)))
+        except LostError as lost:
+            return Outcome(np.nan, _violated(volts, design), str(lost))
         periods = 1 + LATE * (sample == scenario.late)
-        reading = advance(np.full(periods, volts[-1]))
-        outputs.append(scenario.reading(sample, reading, task.stroke))
+        measured = advance(np.full(periods, volts[-1])) + scenario.load(sample) * task.stroke
+        outputs.append(measured)
     lead = sum(task.run_in)
     error = (np.array(outputs) - controller.reference)[lead:] / task.stroke
-    return Outcome(float(np.sqrt(np.nanmean(error**2))), _violated(volts, design), "")
+    return Outcome(float(np.sqrt(np.mean(error**2))), _violated(volts, design), "")
 
 
 def _violated(volts: list[float], design: ControllerDesign) -> bool:
