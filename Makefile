@@ -34,6 +34,9 @@ SNAKEMAKE := $(and $(PROFILE),$(call EXECUTOR,$(PROFILE)),$(call EXECUTOR,$(PROF
 
 comma := ,
 
+# Campaigns keep what they found in docs/measured, for the documents, where STORE=1 asks for it.
+KEEP = $(if $(filter-out 0,$(STORE)),--store)
+
 .DEFAULT_GOAL := help
 .PHONY: help env study record case cases report report-page handover control control-robustness diagnose discrepancy resolve resolution-trials \
 	container calibration real trials records faults peers interoperability soak coverage intervals configuration laws docs audit sign crate slurm \
@@ -89,7 +92,8 @@ control: $(VENV)/installed ## after discrepancy (tens of minutes), controllers f
 	pytest -m campaign tests/control/test_control_trials.py
 
 control-robustness: $(VENV)/installed ## the controller on drawn actuators under disturbances (COUNT=100 SEED=1)
-	python -m benchmarks.control_robustness $(COUNT:%=--count %) $(SEED:%=--seed %)
+	$(SNAKEMAKE) control_models
+	python -m benchmarks.control_robustness $(COUNT:%=--count %) $(SEED:%=--seed %) $(KEEP)
 
 report: $(VENV)/installed ## results/report.html: the findings, after all of study and discrepancy (tens of minutes)
 	$(SNAKEMAKE) study discrepancy
@@ -114,8 +118,9 @@ resolve: $(VENV)/installed ## designed records until one explanation is left: ma
 	workflow/alone.sh python -m dea.stages.resolve $(NAME) --threads $(CORES) \
 		$(call option,operator,OPERATOR)
 
-resolution-trials: $(VENV)/installed ## how often designed records decide (COUNT=20 SET=ambiguous_tuning)
-	python -m benchmarks.resolution --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %)
+resolution-trials: $(VENV)/installed ## how often designed records decide (COUNT=20 SET=ambiguous_tuning FORMS=free)
+	python -m benchmarks.resolution --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %) \
+		$(if $(FORMS),--forms $(FORMS)) $(KEEP)
 
 discrepancy: $(VENV)/installed ## name what the simulation of each actuator is missing
 	$(SNAKEMAKE) discrepancy
@@ -134,16 +139,17 @@ records: $(VENV)/installed ## fetch the public measured records into data/ (FROM
 container: ## an Apptainer image of the pinned environment, for clusters (needs apptainer)
 	apptainer build --force workflow/container.sif workflow/container.def
 
-faults: $(VENV)/installed ## a thousand schedules of faults, twice, and 100,000 malformed frames
+faults: $(VENV)/installed ## a thousand schedules of faults, twice, and 100,000 malformed frames (COUNT=1000 SEED=1 LONGEST=6)
 	pytest tests/acquisition tests/bench -m faults --fault-schedules 1000 --fuzz-frames 100000
 	python -m benchmarks.faults --count $(or $(COUNT),1000) $(SEED:%=--seed %) \
-		--keep build/faults --store
+		$(LONGEST:%=--longest %) --keep build/faults $(KEEP)
 
 intervals: $(VENV)/installed ## how often the 95 % interval of a named effect holds the truth (COUNT=50 SEED=1)
-	python -m benchmarks.intervals --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %)
+	python -m benchmarks.intervals --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) $(KEEP)
 
-coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known plants (COUNT=100 SEED=1; DRIFTING=1 for those that drift)
-	python -m benchmarks.coverage --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) $(DRIFTING:%=--drifting)
+coverage: $(VENV)/installed ## how often the 95 % bands hold the truth of known plants (COUNT=100 SEED=1 SAMPLES=4000; DRIFTING=1 for those that drift)
+	python -m benchmarks.coverage --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) \
+		$(SAMPLES:%=--samples %) $(if $(filter-out 0,$(DRIFTING)),--drifting) $(KEEP)
 
 peers: ## install the foreign Modbus programs that tests talk to (Debian, as root)
 	command -v mbpoll && test -e /usr/include/modbus/modbus.h || \
@@ -153,7 +159,7 @@ interoperability: peers $(VENV)/installed ## client and bench against libmodbus,
 	pytest tests/acquisition/test_interoperability.py
 
 soak: $(VENV)/installed ## ten minutes at wall time, idle and beside a busy core
-	python -m benchmarks.acquisition --soak
+	python -m benchmarks.acquisition --soak $(KEEP)
 
 .venv-docs/installed: docs/site/environment.txt requirements.in environment.txt
 	$(PYTHON) -m venv .venv-docs
@@ -213,7 +219,7 @@ numbers: $(VENV)/installed ## write the numbers that the documents quote, from r
 	python -m dea.audit.numbers
 
 fresh: $(VENV)/installed ## time and space that a clone, its environment and its first study take
-	python -m benchmarks.fresh_clone --cores $(CORES)
+	python -m benchmarks.fresh_clone --cores $(CORES) $(KEEP)
 
 check: $(VENV)/installed ## linters, formatters, the type checker, import contracts, quoted numbers
 	ruff check .
@@ -249,16 +255,17 @@ compiled-tests: $(VENV)/installed
 	@mkdir -p build
 	pytest --collect-only -qq > build/tests.txt || { cat build/tests.txt; exit 1; }
 
-mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=300 SEED=1 ROOM=narx)
+mutants: $(VENV)/installed ## change the code and see what tests notice (COUNT=300 SEED=1 ROOM=narx BUDGET=60)
 	python -m benchmarks.mutants --cores $(CORES) $(COUNT:%=--count %) $(SEED:%=--seed %) \
-		$(ROOM:%=--room %)
+		$(ROOM:%=--room %) $(BUDGET:%=--budget %) $(KEEP)
 
 calibration: $(VENV)/installed ## the virtual actuators beside the measured ones, in a table and a figure
-	python -m benchmarks.calibration
+	python -m benchmarks.calibration $(KEEP)
 
-benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's (COUNT=40 SET=tuning SEED=1 LONGEST=6000 RECORDS=cascaded_tanks)
+benchmark-naming: $(VENV)/installed ## our names beside SINDy's, AIC's, chance's (COUNT=40 SET=tuning SEED=1 LONGEST=6000; RECORDS=cascaded_tanks, RECORDS= for none)
 	python -m benchmarks.naming --cores $(CORES) $(COUNT:%=--count %) $(SET:%=--set %) \
-		$(SEED:%=--seed %) $(LONGEST:%=--longest %) $(if $(RECORDS),--records $(RECORDS))
+		$(SEED:%=--seed %) $(LONGEST:%=--longest %) \
+		$(if $(filter undefined,$(origin RECORDS)),,--records $(RECORDS)) $(KEEP)
 
 benchmark: $(VENV)/installed ## speed of identification, tracking and simulation against peers
 	python -m benchmarks

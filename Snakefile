@@ -101,6 +101,14 @@ rule control_all:
         TABLES["control"].files("csv", "md", "tex"),
 
 
+# The identified models that `make control-robustness` tries, and the records they are of.
+rule control_models:
+    input:
+        expand(
+            "results/{actuator}/{file}.nc", actuator=VIRTUAL, file=["record", "model"]
+        ),
+
+
 rule real_records:
     input:
         TABLES["real_records"].files("csv", "md", "tex"),

@@ -1,1 +1,1 @@
-"""Speed and accuracy compared with other packages, in one run on one machine."""
+"""Comparisons with other packages and methods, and campaigns whose results the documents quote."""

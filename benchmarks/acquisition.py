@@ -1,7 +1,7 @@
 """Speed of the acquisition against bare Modbus calls and the plant's physics, and its lateness.
 
 ``python -m benchmarks.acquisition --soak`` polls for ten minutes at wall time, twice: with the
-machine idle, and with one core kept busy; ``docs/measured/soak.json`` keeps the lateness.
+machine idle, and with one core kept busy; ``--store`` keeps the lateness for the documents.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from pymodbus.client import ModbusTcpClient
 
 from benchmarks import command_line
 from benchmarks.row import HEAD, Row
-from benchmarks.stored import store
+from benchmarks.stored import command, store
 from dea.acquisition import AcquiredRecord, AcquisitionSettings, acquire
 from dea.modbus import Command, Device, encode, read_device, to_counts
 from dea.plant import Rig
@@ -147,12 +147,12 @@ def _bare_round_trips(device: Device, volts: Array) -> float:
 @contextmanager
 def _bench(clock: str) -> Iterator[Device]:
     """Serve the virtual bench from a process of its own."""
-    command = [
+    bench = [
         sys.executable, "-m", "dea.bench", "--actuator", "dea1", "--config", str(CONFIG),
         "--device", str(DESCRIPTION), "--port", "0", "--clock", clock, "--until-stdin-closes",
     ]  # fmt: skip
     with subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        bench, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:
         try:
             assert process.stdout is not None
@@ -173,18 +173,24 @@ def busy_core() -> Iterator[None]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Print each row; with ``--soak`` only the lateness, over ten minutes, which is stored too.
+    """Print each row; with ``--soak`` only the lateness, over ten minutes.
 
     Return 1 where a target is missed, else 0.
     """
     parser = argparse.ArgumentParser(prog="python -m benchmarks.acquisition", description=__doc__)
     parser.add_argument("--soak", action="store_true", help="ten minutes at wall time, twice")
-    if parser.parse_args(arguments).soak:
+    command_line.add_store(parser)
+    options = parser.parse_args(arguments)
+    if options.store and not options.soak:
+        parser.error("--store keeps the lateness of --soak")
+    if options.soak:
         found = {busy: lateness(IN_SOAK, busy=busy) for busy in (False, True)}
-        idle, busy = (
-            {"worst_ms": 1e3 * one.worst, "in_time": one.in_time} for one in found.values()
-        )
-        store("soak", "make soak", {"seconds": IN_SOAK, "idle": idle, "busy": busy})
+        if options.store:
+            values = {
+                "busy" if busy else "idle": {"worst_ms": 1e3 * one.worst, "in_time": one.in_time}
+                for busy, one in found.items()
+            }
+            store("soak", command("soak"), {"seconds": IN_SOAK, **values})
         rows = [punctuality(one, IN_SOAK, busy=busy) for busy, one in found.items()]
     else:
         rows = run()

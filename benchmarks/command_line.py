@@ -21,6 +21,11 @@ def positive(text: str) -> int:
     return number
 
 
+def add_store(parser: argparse.ArgumentParser) -> None:
+    """Add the option without which the documents keep what they quote."""
+    parser.add_argument("--store", action="store_true", help="keep it in docs/measured")
+
+
 def run(main: Callable[[], int | None]) -> NoReturn:
     """Run a program and exit: with its status, or with 2 and one line where it cannot run."""
     try:

@@ -15,6 +15,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from benchmarks.command_line import add_store, positive, run
+from benchmarks.stored import command
 from benchmarks.stored import store as keep
 from dea import store
 from dea.configuration.bench import BENCH
@@ -208,27 +210,33 @@ def table(outcomes: list[tuple[str, Outcome]]) -> pd.DataFrame:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the campaign, write its table, keep it for the documents, and print it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=100, help="actuators drawn")
+    """Run the campaign, write its table, and print it."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.control_robustness", description=__doc__
+    )
+    parser.add_argument("--count", type=positive, default=100, help="actuators drawn")
     parser.add_argument("--seed", type=int, default=1)
+    add_store(parser)
     options = parser.parse_args(arguments)
     found = table(list(campaign(options.count, options.seed)))
     TABLE.parent.mkdir(parents=True, exist_ok=True)
     with store.atomic(TABLE) as partial:
         found.to_csv(partial, index=False)
     lines = found.round(2).to_markdown(index=False)
-    values = {
-        "count": options.count,
-        "table": lines.splitlines(),
-        "followed": dict(zip(found["scenario"], found["followed"].tolist(), strict=True)),
-        "stopped": int(found["stopped"].sum()),
-        "violated": int(found["limit violated"].sum()),
-        "trials": int(found["actuators"].sum()),
-    }
-    keep("control_robustness", "make control-robustness", values)
+    if options.store:
+        values = {
+            "count": options.count,
+            "seed": options.seed,
+            "table": lines.splitlines(),
+            "followed": dict(zip(found["scenario"], found["followed"].tolist(), strict=True)),
+            "stopped": int(found["stopped"].sum()),
+            "violated": int(found["limit violated"].sum()),
+            "trials": int(found["actuators"].sum()),
+        }
+        made_by = command("control-robustness", COUNT=options.count, SEED=options.seed)
+        keep("control_robustness", made_by, values)
     print(lines)
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -5,6 +5,7 @@ programs stretch the time that passes, and hardly that of the processor.
 """
 
 import argparse
+import json
 import os
 import resource
 import subprocess
@@ -12,13 +13,15 @@ import tempfile
 import time
 from pathlib import Path
 
-from benchmarks.stored import ROOT, store
+from benchmarks.command_line import add_store, positive, run
+from benchmarks.stored import ROOT, command, store
+from dea.errors import InputError
 
 
-def measured(command: list[str], folder: Path, environment: dict[str, str]) -> dict[str, float]:
-    """Run a command; return the minutes that passed and those of the processor."""
+def measured(program: list[str], folder: Path, environment: dict[str, str]) -> dict[str, float]:
+    """Run a program; return the minutes that passed and those of the processor."""
     used, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    subprocess.run(command, cwd=folder, env=environment, check=True)
+    subprocess.run(program, cwd=folder, env=environment, check=True)
     passed, now = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
     processor = now.ru_utime + now.ru_stime - used.ru_utime - used.ru_stime
     return {"minutes": round(passed / 60, 2), "processor_minutes": round(processor / 60, 2)}
@@ -30,12 +33,15 @@ def megabytes(folder: Path) -> int:
     return round(sum(path.stat().st_blocks * 512 for path in files) / 1e6)
 
 
-def main() -> None:
-    """Run the command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cores", type=int, default=os.cpu_count(), help="of the study")
-    parser.add_argument("--keep", type=Path, help="clone to here and leave it there")
-    options = parser.parse_args()
+def main(arguments: list[str] | None = None) -> None:
+    """Clone, make the environment and the study, and print what it took."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fresh_clone", description=__doc__)
+    parser.add_argument("--cores", type=positive, default=os.cpu_count(), help="of the study")
+    parser.add_argument("--keep", type=Path, help="clone to here, which is new, and leave it there")
+    add_store(parser)
+    options = parser.parse_args(arguments)
+    if options.keep and options.keep.exists():
+        raise InputError("it exists", file=options.keep, remedy="Name a folder that does not.")
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     with tempfile.TemporaryDirectory() as temporary:
         clone = options.keep or Path(temporary, "clone")
@@ -49,8 +55,10 @@ def main() -> None:
         }
         values["environment"]["megabytes"] = megabytes(clone / ".venv")
         values["study"]["megabytes"] = megabytes(clone / "results")
-    print(store("fresh_clone", "make fresh", values).read_text())
+    if options.store:
+        store("fresh_clone", command("fresh", CORES=options.cores), values)
+    print(json.dumps(values, indent=1))
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -2,19 +2,30 @@
 
 Records of a resonator whose input path hides an effect in a textbook form: x'' + 2 ζ ω x' + ω² x =
 ω² K v(u), solved exactly for a voltage that is constant in each of twenty steps a sample. Nothing
-of the package draws them; it gets the record alone.
+of the package draws them; it gets the record alone. An interrupted campaign goes on, as long as the
+code is that of the same commit.
 """
 
 import argparse
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 import dea
+from benchmarks import stored
+from benchmarks.bars import progress_bars
+from benchmarks.command_line import add_store, positive, run
+from benchmarks.stored import command
 from dea.discrepancy import Settings
-from dea.trials.proportion import wilson
+from dea.trials import wilson
+
+OUTCOMES = Path("build/intervals.jsonl")
 
 RATE, SAMPLES, STEPS = 1000.0, 3000, 20  # Hz
 PERIOD = 8192  # samples of the periodic noise that a record is cut from
@@ -51,9 +62,9 @@ def acting(form: str, u: np.ndarray, true: float) -> np.ndarray:
     return np.clip(u, -true, true) if form == "clip" else true * np.tanh(u / true)
 
 
-def draw(number: int) -> Drawn:
-    """Return a record: number, seed and form are one."""
-    rng = np.random.default_rng(number)
+def draw(seed: int, number: int) -> Drawn:
+    """Return a record, whose form follows from its number alone."""
+    rng = np.random.default_rng([seed, number])
     form = FORMS[number % len(FORMS)]
     frequency, damping, gain = (
         mean * np.exp(spread * np.clip(rng.standard_normal(), -1.5, 1.5)) for mean, spread in PRIORS
@@ -95,53 +106,92 @@ def resonator(frequency: float, damping: float, v: np.ndarray) -> np.ndarray:
     return position
 
 
-def judged(number: int) -> dict[str, object]:
-    """Return what a diagnosis says of a record, and whether its interval holds the true value."""
-    drawn = draw(number)
+def judged(which: tuple[int, int]) -> dict[str, Any]:
+    """Return what a diagnosis says of the record of a seed and a number.
+
+    Where it gives the right name: whether the interval holds the true value, its half width over
+    that value, and the error in half widths.
+    """
+    seed, number = which
+    drawn = draw(seed, number)
     record = dea.Record.of(drawn.u, drawn.y, RATE, units=("V", "V"), names=("voltage", "position"))
     settings = Settings(effects=OFFERED)
     verdict = dea.diagnose(record, "mass_spring_damper", settings=settings).verdict
     name, parameter = COUNTERPARTS[drawn.form]
     named = verdict.status == "named" and verdict.names == (name,)
-    found: dict[str, object] = {"form": drawn.form, "named": named}
+    found: dict[str, Any] = {"seed": seed, "number": number, "form": drawn.form, "named": named}
     found["wrong"] = verdict.status == "named" and not {name} >= set(verdict.names)
     if named:
         estimate = verdict.effects[0].parameters[parameter]
         half = 0.5 * (estimate.high - estimate.low)
-        found["inside"] = estimate.low <= drawn.true <= estimate.high
+        found["inside"] = bool(estimate.low <= drawn.true <= estimate.high)
         found["half"] = half / drawn.true
         found["error"] = abs(estimate.value - drawn.true) / half
     return found
 
 
-def main() -> None:
-    """Draw, diagnose and count."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=50)
-    parser.add_argument("--seed", type=int, default=1, help="number of the first record")
-    parser.add_argument("--cores", type=int, default=2)
-    asked = parser.parse_args()
-    numbers = range(asked.seed, asked.seed + asked.count)
-    with ProcessPoolExecutor(asked.cores) as pool:
-        found = list(pool.map(judged, numbers))
-    for form in FORMS:
-        report(form, [each for each in found if each["form"] == form])
-    report("all", found)
+def campaign(seed: int, count: int, cores: int) -> list[dict[str, Any]]:
+    """Judge so many records; what the same code has judged before is taken from OUTCOMES."""
+    code = stored.commit()
+    known = {(row["seed"], row["number"]): row for row in stored.known(OUTCOMES, code)}
+    wanted = [(seed, number) for number in range(count)]
+    left = [which for which in wanted if which not in known]
+    with ExitStack() as stack:
+        bars = stack.enter_context(progress_bars())
+        each = stack.enter_context(ProcessPoolExecutor(cores)).map if cores > 1 else map
+        for row in bars.track(each(judged, left), total=len(left), description="records"):
+            known[row["seed"], row["number"]] = row
+            stored.add(OUTCOMES, row | {"commit": code})
+    return [known[which] for which in wanted]
 
 
-def report(title: str, found: list[dict[str, object]]) -> None:
-    """Print a line: how many were named right, and of these how many intervals hold the truth."""
+def summary(found: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return how many were named right or wrong, and what the intervals of the right ones hold.
+
+    Half widths are shares of the true value, errors are in half widths: medians of both.
+    """
     right = [each for each in found if each["named"]]
-    inside = sum(bool(each["inside"]) for each in right)
-    line = f"{title:6} {len(right)} of {len(found)} named right"
-    line += f", {sum(bool(each['wrong']) for each in found)} wrong"
+    counts: dict[str, Any] = {
+        "records": len(found),
+        "right": len(right),
+        "wrong": sum(each["wrong"] for each in found),
+        "inside": sum(each["inside"] for each in right),
+    }
     if right:
-        _, low, high, _ = wilson(inside, len(right))
-        half, error = (np.median([each[key] for each in right]) for key in ("half", "error"))
-        line += f"; {inside} intervals hold the truth ({low:.0%} to {high:.0%})"
-        line += f"; half width {half:.1%} of it; error {error:.2f} half widths (0.34 if normal)"
-    print(line, flush=True)
+        _, low, high, _ = wilson(counts["inside"], len(right))
+        half, error = (float(np.median([each[key] for each in right])) for key in ("half", "error"))
+        counts |= {"low": low, "high": high, "half": half, "error": error}
+    return counts
+
+
+def line(title: str, counts: Mapping[str, Any]) -> str:
+    """Return a summary as it is printed."""
+    text = f"{title:6} {counts['right']} of {counts['records']} named right"
+    text += f", {counts['wrong']} wrong"
+    if counts["right"]:
+        text += f"; {counts['inside']} intervals hold the truth"
+        text += f" ({counts['low']:.0%} to {counts['high']:.0%})"
+        text += f"; half width {counts['half']:.1%} of it"
+        text += f"; error {counts['error']:.2f} half widths (0.34 if normal)"
+    return text
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Draw, diagnose and count."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.intervals", description=__doc__)
+    parser.add_argument("--count", type=positive, default=50, help="records")
+    parser.add_argument("--seed", type=int, default=1, help="of the records")
+    parser.add_argument("--cores", type=positive, default=2, help="records at a time")
+    add_store(parser)
+    asked = parser.parse_args(arguments)
+    found = campaign(asked.seed, asked.count, asked.cores)
+    groups = {form: [each for each in found if each["form"] == form] for form in FORMS}
+    counted = {title: summary(group) for title, group in (groups | {"all": found}).items() if group}
+    if asked.store:
+        values = {"count": asked.count, "seed": asked.seed, **counted}
+        stored.store("intervals", command("intervals", COUNT=asked.count, SEED=asked.seed), values)
+    print("\n".join(line(title, counts) for title, counts in counted.items()))
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

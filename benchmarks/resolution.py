@@ -18,6 +18,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks import stored
+from benchmarks.command_line import add_store, positive, run
 from dea import resolution
 from dea.configuration.bench import BENCH
 from dea.configuration.files import read_yaml
@@ -124,11 +125,12 @@ def kept(file: Path, code: str, settings: str) -> dict[tuple[str, str], dict[str
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the campaign, whose outcomes are kept one by one, and print its table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=20, help="trials")
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.resolution", description=__doc__)
+    parser.add_argument("--count", type=positive, default=20, help="trials")
     parser.add_argument("--set", choices=("ambiguous", "ambiguous_tuning"), default="ambiguous")
     parser.add_argument("--forms", nargs="+", choices=list(Forms), default=list(Forms))
-    parser.add_argument("--cores", type=int, default=1)
+    parser.add_argument("--cores", type=positive, default=1)
+    add_store(parser)
     options = parser.parse_args(arguments)
     study = written(check_study(read_yaml(FILE, what="the configuration", example=FILE)))
     use = Use.of_set(options.set)
@@ -147,8 +149,13 @@ def main(arguments: list[str] | None = None) -> None:
                 row |= {"commit": code, "settings": settings}
                 stored.add(OUTCOMES, row)
             rows.append(row)
-    print(table(pd.DataFrame(rows)).to_markdown(index=False))
+    lines = table(pd.DataFrame(rows)).to_markdown(index=False)
+    if options.store:
+        asked = {"COUNT": options.count, "SET": options.set, "FORMS": list(map(str, options.forms))}
+        values = {"count": options.count, "set": options.set, "table": lines.splitlines()}
+        stored.store("resolution", stored.command("resolution-trials", **asked), values)
+    print(lines)
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

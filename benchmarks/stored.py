@@ -8,6 +8,7 @@ import datetime
 import json
 import os
 import platform
+import shlex
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
@@ -42,6 +43,20 @@ def store(name: str, command: str, values: Mapping[str, Any], made_at: str = "")
     return file
 
 
+def command(target: str, **given: object) -> str:
+    """Return the command that makes and keeps a campaign again: its target, and what it is given.
+
+    What is None is left out. A list is written with blanks between.
+    """
+    texts = {
+        name: " ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
+        for name, value in given.items()
+        if value is not None
+    }
+    asked = (f"{name}={shlex.quote(text)}" for name, text in texts.items())
+    return " ".join(["make", target, *asked, "STORE=1"])
+
+
 def known(file: Path, code: str) -> list[dict[str, Any]]:
     """Return the rows of a file that the commit ``code`` has found.
 
@@ -61,10 +76,13 @@ def add(file: Path, row: Mapping[str, Any]) -> None:
 
 
 def commit() -> str:
-    """Return the commit that is checked out, ``-dirty`` where the program differs from it."""
+    """Return the commit that is checked out, ``-dirty`` where the program differs from it.
+
+    A file that git does not know, and is not told to ignore, is such a difference, too.
+    """
     head = _git("rev-parse", "HEAD").stdout.strip() or "unknown"
-    changed = _git("diff", "--quiet", "HEAD", "--", ".", ":!docs", ":!README.md").returncode
-    return f"{head}-dirty" if changed else head
+    changed = _git("status", "--porcelain", "--", ".", ":!docs", ":!README.md")
+    return f"{head}-dirty" if changed.returncode or changed.stdout else head
 
 
 def _git(*arguments: str) -> subprocess.CompletedProcess[str]:

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from benchmarks.command_line import run
 from benchmarks.stored import store as keep
 from dea import store
+from dea.errors import InputError
 from dea.tables.trials import rates
 
 TRIALS = Path("results/trials")
@@ -19,8 +21,17 @@ def measured(folder: Path) -> dict[str, Any]:
 
     Its table of rates as lines, the numbers of its first and last trial, the number of trials and
     of those of each device, and the mean time of a core for each step of a trial, in s.
+
+    Raises
+    ------
+    InputError
+        If it has no scores.
     """
-    scores = store.read(folder / "scores.nc")
+    file = folder / "scores.nc"
+    if not file.exists():
+        remedy = f"Run the campaign: make trials SET={folder.name}"
+        raise InputError("the file does not exist", file=file, remedy=remedy)
+    scores = store.read(file)
     count, numbers = scores.sizes["trial"], scores["trial"].values.astype(int)
     first, last = int(numbers.min()), int(numbers.max())
     batches = _batches(folder, first, last)
@@ -65,4 +76,4 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

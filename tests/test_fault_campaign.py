@@ -347,7 +347,7 @@ def test_the_command_keeps_the_laws_whatever_fails(victim, share, request):
 
 def test_a_campaign_goes_on_from_the_verdicts_on_its_own_commit(tmp_path, monkeypatch):
     first, second = draw("plain", 2, 5, 2.0)
-    verdict = Verdict(PLAN, ("zero within T: 1 V",), 1, driven=True, seconds=2.5)
+    verdict = Verdict(PLAN, ("zero within T: 1 V",), 1, driven=True)
     file = tmp_path / "plain" / "verdicts.jsonl"
 
     def kept(commit):

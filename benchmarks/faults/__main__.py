@@ -2,54 +2,60 @@
 
 Prints each schedule that broke a law, reduced to the faults that it takes, as a line of JSON that
 ``--schedule`` runs again. ``--keep`` keeps the verdicts as well, from which a campaign that was
-interrupted goes on. ``--store`` keeps the counts in ``docs/measured/faults.json``, which the
-documents quote.
+interrupted goes on. ``--store`` keeps the counts for the documents.
 """
 
 import argparse
 import collections
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks import command_line
 from benchmarks.bars import progress_bars
+from benchmarks.command_line import add_store, positive
 from benchmarks.faults.campaign import AT_A_TIME, Campaign
 from benchmarks.faults.examples import examples
-from benchmarks.faults.schedule import loads
+from benchmarks.faults.schedule import Schedule, loads
 from benchmarks.faults.strategies import draw
 from benchmarks.faults.verdicts import Verdict, Verdicts
-from benchmarks.stored import store
+from benchmarks.stored import command, store
 
 VICTIMS = ("plain", "bench")
+LONGEST = 6.0  # s
 
 
-def main() -> None:
-    """Run the campaign that the command line asks for; exit with 1 where a law was broken."""
+def main(arguments: list[str] | None = None) -> int:
+    """Run the campaign that the command line asks for; return 1 where a law was broken."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.faults", description=__doc__)
-    parser.add_argument("--count", type=int, default=100, help="schedules for each victim")
+    parser.add_argument("--count", type=positive, default=100, help="schedules for each victim")
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--victim", choices=VICTIMS, action="append", help="only this victim")
-    parser.add_argument("--longest", type=float, default=6.0, help="s, of a fault")
-    parser.add_argument("--at-a-time", type=int, default=AT_A_TIME, help="runs at a time")
+    parser.add_argument("--longest", type=float, default=LONGEST, help="s, of a fault")
+    parser.add_argument("--at-a-time", type=positive, default=AT_A_TIME, help="runs at a time")
     parser.add_argument("--keep", type=Path, help="folder for verdicts and what broken laws left")
     parser.add_argument("--no-reduction", action="store_true", help="print schedules as drawn")
-    parser.add_argument("--schedule", action="append", help="run this schedule alone (JSON)")
+    parser.add_argument("--schedule", type=schedule, action="append", metavar="JSON",
+                        help="run this schedule alone")  # fmt: skip
     parser.add_argument("--examples", action="store_true", help="run the known faults, one each")
     parser.add_argument("--only", default="", help="examples whose names hold this")
-    parser.add_argument("--store", action="store_true", help="keep the counts for the documents")
-    given = parser.parse_args()
+    add_store(parser)
+    given = parser.parse_args(arguments)
     if given.store and (given.examples or given.schedule or given.victim):
         parser.error("--store keeps what random schedules of all victims did: name none")
+    if given.only and not given.examples:
+        parser.error("--only chooses from --examples: ask for these, too")
     if given.examples:
         runs = [(name, run) for name, run in examples().items() if given.only in name]
+        if not runs:
+            parser.error(f"no example's name holds {given.only!r}: {', '.join(examples())}")
     elif given.schedule:
-        runs = [("", loads(text)) for text in given.schedule]
+        runs = [("", each) for each in given.schedule]
     else:
         runs = [
-            ("", schedule)
+            ("", each)
             for victim in given.victim or VICTIMS
-            for schedule in draw(victim, given.count, given.seed, given.longest)
+            for each in draw(victim, given.count, given.seed, given.longest)
         ]
     random = not (given.examples or given.schedule)  # what is asked for by name runs again
     verdicts: list[Verdict] = []
@@ -57,7 +63,7 @@ def main() -> None:
         bar = progress.add_task("schedules", total=len(runs))
         # One after the other, since served benches keep a core busy.
         for victim in VICTIMS:
-            own = [(name, schedule) for name, schedule in runs if schedule.victim == victim]
+            own = [(name, each) for name, each in runs if each.victim == victim]
             names = [name for name, _ in own]
 
             def tell(number: int, verdict: Verdict, names: Sequence[str] = names) -> None:
@@ -69,9 +75,7 @@ def main() -> None:
             keep = given.keep and given.keep / victim
             known = Verdicts(keep / "verdicts.jsonl" if keep and random else None)
             campaign = Campaign(given.at_a_time, keep, known)
-            verdicts += campaign.judge(
-                [schedule for _, schedule in own], not given.no_reduction, tell
-            )
+            verdicts += campaign.judge([each for _, each in own], not given.no_reduction, tell)
     laws = collections.Counter(
         sentence.split(":")[0] for verdict in verdicts for sentence in verdict.broken
     )
@@ -80,10 +84,22 @@ def main() -> None:
     print(f"the output was driven in {counts['driven']} runs")
     print("exit status of the command:", counts["status"])
     if given.store:
+        asked = {"COUNT": given.count, "SEED": given.seed, "LONGEST": given.longest}
         values = {victim: _counts([v for v in verdicts if v.schedule.victim == victim])
                   for victim in VICTIMS}  # fmt: skip
-        store("faults", "make faults", {"seed": given.seed, "all": counts, **values})
-    sys.exit(counts["broken"] > 0)
+        store("faults", command("faults", **asked), {"seed": given.seed, "all": counts, **values})
+    return int(counts["broken"] > 0)
+
+
+def schedule(text: str) -> Schedule:
+    """Return the schedule that an option gives as JSON."""
+    try:
+        found = loads(text)
+    except (AttributeError, TypeError, ValueError) as error:
+        raise argparse.ArgumentTypeError(f"{text} is no schedule: {error}") from None
+    if found.victim not in VICTIMS:
+        raise argparse.ArgumentTypeError(f"{found.victim} is none of {', '.join(VICTIMS)}")
+    return found
 
 
 def _counts(verdicts: Sequence[Verdict]) -> dict[str, Any]:
@@ -98,4 +114,4 @@ def _counts(verdicts: Sequence[Verdict]) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    main()
+    command_line.run(main)

@@ -111,7 +111,7 @@ class Campaign:
             (kept / "schedule.json").write_text(schedule.dumps() + "\n")
             (kept / "broken").write_text("\n".join(laws) + "\n")
         shutil.rmtree(folder)
-        return Verdict(schedule, laws, outcome.status, driven, outcome.until - outcome.exit_time)
+        return Verdict(schedule, laws, outcome.status, driven)
 
     async def _reduced(self, verdict: Verdict, scratch: Path) -> Verdict:
         """Leave out each fault in turn, for as long as some law stays broken without it."""

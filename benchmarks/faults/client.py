@@ -77,7 +77,6 @@ class Client:
     folder: Path
     number: int  # of the run, unlike any other's
     process: int = 0
-    began: float = 0.0
 
     @property
     def mark(self) -> str:

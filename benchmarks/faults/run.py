@@ -89,7 +89,6 @@ async def run(
         if device is not None and schedule.safety:
             await _commission(folder, launcher, request, port)
             device.forget()
-        client.began = time.monotonic()
         client.process, ended = await launcher.launch(**request)
         longest = schedule.duration + sum(f.length for f in (*schedule.link, *schedule.host))
         try:

@@ -16,7 +16,6 @@ class Verdict:
     broken: tuple[str, ...]
     status: int | None  # of the command
     driven: bool  # whether the output has left zero
-    seconds: float
 
 
 class Verdicts:
@@ -44,7 +43,6 @@ class Verdicts:
                 "broken": verdict.broken,
                 "status": verdict.status,
                 "driven": verdict.driven,
-                "seconds": verdict.seconds,
             }
             add(self._file, row)
 
@@ -55,5 +53,4 @@ def _verdict(row: dict[str, Any]) -> Verdict:
         broken=tuple(row["broken"]),
         status=row["status"],
         driven=row["driven"],
-        seconds=row["seconds"],
     )

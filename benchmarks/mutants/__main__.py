@@ -8,26 +8,26 @@ import argparse
 import os
 from pathlib import Path
 
+from benchmarks import command_line
+from benchmarks.command_line import add_store, positive
 from benchmarks.mutants.campaign import ROOMS, Campaign, run
 from benchmarks.mutants.judgements import judgements
 from benchmarks.mutants.report import kill_rate, markdown, values
-from benchmarks.stored import store
+from benchmarks.stored import command, store
 
 ROOT = Path(__file__).parents[2]
 
 
-def main() -> None:
+def main(arguments: list[str] | None = None) -> None:
     """Run the campaign that the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
-    parser.add_argument("--count", type=int, default=300, help="mutants to draw")
+    parser.add_argument("--count", type=positive, default=300, help="mutants to draw")
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--room", choices=ROOMS, action="append", help="only these rooms")
     parser.add_argument("--budget", type=float, default=60.0, help="seconds of tests for each")
-    parser.add_argument("--cores", type=int, default=os.cpu_count(), help="mutants at a time")
-    parser.add_argument(
-        "--store", action="store_true", help="keep it as docs/measured/mutants.json"
-    )
-    given = parser.parse_args()
+    parser.add_argument("--cores", type=positive, default=os.cpu_count(), help="mutants at a time")
+    add_store(parser)
+    given = parser.parse_args(arguments)
     campaign = Campaign(
         root=ROOT,
         folder=ROOT / "build" / "mutants",
@@ -42,12 +42,13 @@ def main() -> None:
     judged = judgements()
     report.write_text(markdown(rows, judged, given.seed, given.budget))
     if given.store:
-        command = f"make mutants COUNT={given.count} SEED={given.seed}"
-        store("mutants", command, values(rows, judged))
+        asked = {"COUNT": given.count, "SEED": given.seed, "BUDGET": given.budget}
+        made_by = command("mutants", **asked, ROOM=given.room)
+        store("mutants", made_by, values(rows, judged))
     rate = kill_rate([str(row["outcome"]) for row in rows])
     if rate is not None:
         print(f"{100 * rate[0]:.1f} % of {len(rows)} mutants were noticed; survivors: {report}")
 
 
 if __name__ == "__main__":
-    main()
+    command_line.run(main)

@@ -1,26 +1,25 @@
 """Set methods that name what a simulation is missing side by side, on the same trials and records.
 
 Trials and answers are kept in ``build/naming``, so that an interrupted campaign goes on where it
-ended and a new method is asked alone. The tables are kept in ``docs/measured/naming.json``, which
-``make numbers`` writes into the documents.
+ended and a new method is asked alone. ``--store`` keeps the tables for the documents, into which
+``make numbers`` writes them.
 """
 
 import argparse
 import os
-import sys
 from collections import Counter
 from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from benchmarks import stored
+from benchmarks.command_line import add_store, positive, run
 from benchmarks.naming.campaign import Settings, Tried, of_records, of_trials
 from benchmarks.naming.measured import RECORDS
 from benchmarks.naming.methods import REFERENCE, methods
 from benchmarks.naming.scores import ranked, scored, table, table_of_answers
 from benchmarks.naming.trials import config
-from benchmarks.stored import store as keep
-from dea.errors import InputError
 from dea.trials import KINDS, kind_of
 
 SETS = ("reporting", "tuning")
@@ -63,11 +62,14 @@ def made_at(*tried: Tried) -> str:
 
 def command(settings: Settings, records: Sequence[str]) -> str:
     """Return the command that makes these tables."""
-    given = {"COUNT": settings.count, "SET": settings.of_set, "SEED": settings.seed}
-    given["LONGEST"] = settings.longest
-    asked = " ".join(f"{name}={value}" for name, value in given.items())
-    chosen = f" RECORDS='{' '.join(records)}'" if list(records) != list(RECORDS) else ""
-    return f"make benchmark-naming {asked}{chosen}"
+    return stored.command(
+        "benchmark-naming",
+        COUNT=settings.count,
+        SET=settings.of_set,
+        SEED=settings.seed,
+        LONGEST=settings.longest,
+        RECORDS=None if list(records) == list(RECORDS) else list(records),
+    )
 
 
 def _rounded(ratio: float) -> float | None:
@@ -77,27 +79,28 @@ def _rounded(ratio: float) -> float | None:
 def main(arguments: list[str] | None = None) -> None:
     """Run the campaign that the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.naming", description=__doc__)
-    parser.add_argument("--count", type=int, default=40, help="trials")
+    parser.add_argument("--count", type=positive, default=40, help="trials")
     parser.add_argument("--set", choices=SETS, default="reporting", help="of the trials")
     parser.add_argument("--seed", type=int, help="of the trials; the set's own if not given")
-    parser.add_argument("--longest", type=int, default=6000, help="samples of a record, at most")
-    parser.add_argument("--cores", type=int, default=os.cpu_count(), help="trials at a time")
+    parser.add_argument(
+        "--longest", type=positive, default=6000, help="samples of a record, at most"
+    )
+    parser.add_argument("--cores", type=positive, default=os.cpu_count(), help="trials at a time")
     parser.add_argument("--keep", type=Path, default=Path("build/naming"), help="folder")
     parser.add_argument("--records", nargs="*", choices=list(RECORDS), default=list(RECORDS),
                         help="public records; all if not given, none if it is empty")  # fmt: skip
+    add_store(parser)
     given = parser.parse_args(arguments)
     seed = config()["trials"]["seeds"][given.set] if given.seed is None else given.seed
     settings = Settings(given.set, seed, given.count, given.longest, given.cores, given.keep)
-    try:
-        records = of_records(given.records, given.keep, given.cores) if given.records else []
-        tried = of_trials(settings)
-    except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
+    records = of_records(given.records, given.keep, given.cores) if given.records else []
+    tried = of_trials(settings)
     found = values(tried, records, settings)
-    keep("naming", command(settings, given.records), found, made_at(*tried, *records))
+    if given.store:
+        made_by = command(settings, given.records)
+        stored.store("naming", made_by, found, made_at(*tried, *records))
     print("\n".join([*found["table"], "", *found["records"]]))
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -149,7 +149,9 @@ def test_the_stored_command_repeats_the_campaign(monkeypatch):
     run = subprocess.run(
         ["make", "--dry-run", *shlex.split(stored)[1:]], capture_output=True, text=True, check=True
     ).stdout
-    wanted = "--count 5 --set tuning --seed 3 --longest 2500 --records cascaded_tanks silverbox"
+    wanted = (
+        "--count 5 --set tuning --seed 3 --longest 2500 --records cascaded_tanks silverbox --store"
+    )
     assert wanted in " ".join(run.replace("\\\n", " ").split())
     assert "RECORDS" not in command(settings, list(measured.RECORDS))
 
