@@ -1,10 +1,16 @@
 """The mutants that the tests are tried with: where the code may be changed, and what is counted."""
 
+import signal
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from benchmarks.mutants.campaign import judged
+from benchmarks.bars import progress_bars
+from benchmarks.mutants import campaign
+from benchmarks.mutants.campaign import Campaign, judged
 from benchmarks.mutants.judgements import judgements
 from benchmarks.mutants.report import kill_rate, markdown
 from benchmarks.mutants.sites import Mutant, mutants
@@ -13,7 +19,10 @@ from benchmarks.mutants.syntax import statement
 from benchmarks.mutants.workplace import Workplace
 from coverage import CoverageData
 
+from dea.errors import InputError
 from written_files import write_files
+
+pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[1]
 SOURCE = '''"""Adds 1 and 2."""
@@ -323,6 +332,141 @@ def test_what_was_compiled_is_kept_where_the_mutant_cannot_reach_it(tmp_path):
     assert (tmp_path / "copy/src/dea/narx/kernels.py").read_text() == source
     assert len(list(compiled.rglob("*.nb?"))) == 9
     assert (compiled / "modbus_3c/codec.g-1.py311.2.nbc").exists()
+
+
+PROJECT = {
+    "pyproject.toml": "[tool.pytest.ini_options]\npythonpath = ['src']\n",
+    "README.md": "A project.\n",
+    "config/limits.yaml": "limit: 1\n",
+    "src/dea/__init__.py": "",
+    "src/dea/terms.py": "def more(x):\n    return x + 1\n",
+    "tests/conftest.py": "from hypothesis import settings\n\n"
+    "settings.register_profile('first_failure')\n",
+    "tests/test_terms.py": "from dea.terms import more\n\n\ndef test_more():\n"
+    "    assert more(1) == 2\n",
+    "tests/workflow/test_long.py": "def test_long():\n    raise AssertionError\n",
+    ".gitignore": "build/\nresults/\n",
+}
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A small project in a repository of its own."""
+    root = tmp_path / "project"
+    write_files(root, PROJECT)
+    subprocess.run(["git", "init", "--quiet"], cwd=root, check=True)
+    subprocess.run(["git", "add", "."], cwd=root, check=True)
+    (root / "results").mkdir()
+    (root / "results" / "made.nc").touch()
+    return root
+
+
+def campaign_of(root, rooms=("terms",)):
+    return Campaign(root, root / "build", rooms, count=1, seed=1, budget=60.0, workers=1)
+
+
+def files_of(folder):
+    found = {str(file.relative_to(folder)) for file in folder.rglob("*") if file.is_file()}
+    return {
+        name for name in found if not name.startswith(("build", "results", "compiled", ".git/"))
+    }
+
+
+def test_a_copy_holds_what_git_knows_or_would_add(project, tmp_path):
+    (project / "tests/test_new.py").touch()
+    copy = Workplace(project, tmp_path / "copy").folder
+    assert files_of(copy) == {*PROJECT, "tests/test_new.py"}
+    before = (copy / "src/dea/terms.py").stat().st_mtime_ns
+    (project / "tests/test_new.py").unlink()
+    (project / "config/limits.yaml").write_text("limit: 2\n")
+    (copy / "results").mkdir()
+    (copy / "results/left_by_a_test").touch()
+    Workplace(project, copy)
+    assert files_of(copy) == set(PROJECT)
+    assert not (copy / "results/left_by_a_test").exists()
+    assert (copy / "config/limits.yaml").read_text() == "limit: 2\n"
+    assert (copy / "src/dea/terms.py").stat().st_mtime_ns == before
+
+
+def test_a_folder_that_git_does_not_know_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path))
+    (tmp_path / "project").mkdir()
+    with pytest.raises(InputError, match="no repository"):
+        Workplace(tmp_path / "project", tmp_path / "copy")
+
+
+def test_what_a_test_may_read_decides_whether_the_suite_is_run_again(project):
+    kept = campaign._state(project)
+    (project / "README.md").write_text("Another page.\n")
+    assert campaign._state(project) == kept
+    (project / "config/limits.yaml").write_text("limit: 2\n")
+    assert campaign._state(project) != kept
+
+
+def test_the_tests_of_the_workflow_are_not_run(project):
+    place = Workplace(project, project / "build/0")
+    suite = campaign._suite(campaign_of(project), place, progress_bars())
+    assert [file.path for file in suite.files] == ["tests/test_terms.py"]
+    (report,) = (project / "build").glob("suite-*/report.xml")
+    assert "test_long" not in report.read_text()
+
+
+def test_a_file_that_fails_on_the_code_as_it_is_is_refused(project):
+    (project / "tests/test_other.py").write_text("import nothing_like_it\n")
+    with pytest.raises(InputError, match="test_other: it cannot be collected"):
+        campaign.run(campaign_of(project), project / "results/mutants.json")
+    assert not list((project / "build").glob("suite-*/report.xml"))
+
+
+def test_a_room_without_a_place_to_change_is_refused_before_any_test(project, monkeypatch):
+    def refuses(*arguments):
+        raise AssertionError("the suite is run")
+
+    monkeypatch.setattr(campaign, "_suite", refuses)
+    with pytest.raises(InputError, match="can be changed"):
+        campaign.run(campaign_of(project, ("narx",)), project / "results/mutants.json")
+
+
+def alive(process):
+    stat = Path(f"/proc/{process}/stat")
+    return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+@pytest.mark.parametrize("when", ["the suite", "a mutant"])
+def test_a_campaign_that_is_ended_ends_its_tests(project, when, tmp_path):
+    """At once, though a mutant's tests may take minutes."""
+    long = "pathlib.Path({said!r}).write_text(str(os.getpid())), time.sleep(60)".format(
+        said=str(tmp_path / "process")
+    )
+    waits = {"the suite": "more(1) == 2", "a mutant": "more(1) != 2"}[when]
+    (project / "tests/test_terms.py").write_text(
+        "import os, pathlib, time\nfrom dea.terms import more\n\n\ndef test_more():\n"
+        f"    if {waits}:\n        {long}\n"
+    )
+    program = (
+        "import sys, pathlib, benchmarks.mutants.__main__ as m; "
+        f"m.ROOT = pathlib.Path({str(project)!r}); "
+        "m.main(['--count', '1', '--cores', '1', '--room', 'terms'])"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", program], cwd=ROOT, stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        said = tmp_path / "process"
+        until(lambda: said.exists() and said.read_text(), 60.0)
+        process.terminate()
+        assert process.wait(10.0) == 128 + signal.SIGTERM
+        until(lambda: not alive(int(said.read_text())), 5.0)
+    finally:
+        process.kill()
+
+
+def until(condition, seconds):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 @pytest.mark.parametrize(

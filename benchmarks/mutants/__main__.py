@@ -6,7 +6,10 @@ Writes ``results/mutants.json``, from which an interrupted campaign goes on, and
 
 import argparse
 import os
+import signal
 from pathlib import Path
+from types import FrameType
+from typing import NoReturn
 
 from benchmarks import command_line
 from benchmarks.command_line import add_store, positive
@@ -37,6 +40,9 @@ def main(arguments: list[str] | None = None) -> None:
         budget=given.budget,
         workers=given.cores,
     )
+    # What it runs is in sessions of its own, which end with it as it ends, and not with a signal.
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, _end)
     rows = run(campaign, ROOT / "results" / "mutants.json")
     report = ROOT / "results" / "mutants.md"
     judged = judgements()
@@ -48,6 +54,10 @@ def main(arguments: list[str] | None = None) -> None:
     rate = kill_rate([str(row["outcome"]) for row in rows])
     if rate is not None:
         print(f"{100 * rate[0]:.1f} % of {len(rows)} mutants were noticed; survivors: {report}")
+
+
+def _end(number: int, frame: FrameType | None) -> NoReturn:
+    raise SystemExit(128 + number)
 
 
 if __name__ == "__main__":

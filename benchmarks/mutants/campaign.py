@@ -15,7 +15,8 @@ from rich.progress import Progress
 from benchmarks.bars import progress_bars
 from benchmarks.mutants.sites import Mutant, mutants
 from benchmarks.mutants.suite import Selection, Suite, read_suite, select
-from benchmarks.mutants.workplace import Workplace
+from benchmarks.mutants.workplace import Workplace, tracked
+from dea.errors import InputError
 
 # Rooms whose mistakes spoil a result or a device, as files and folders of src/dea.
 ROOMS = {
@@ -35,6 +36,7 @@ DISPLAY = {"panel.py"}  # what is shown while a record is made
 # Status of pytest: 1 where a test failed, 2 to 4 where none could be run.
 OUTCOMES = {0: "survived", 1: "killed", 2: "incompetent", 3: "incompetent", 4: "incompetent",
             5: "survived", None: "timeout"}  # fmt: skip
+RUN = (0, 1)  # status of pytest where all tests could be run
 # A mutant has its tests' time this often, and the seconds that a start and a compilation take.
 PATIENCE, START = 4.0, 90.0
 # After so many mutants the tests of one are run on the code as it is: they must pass.
@@ -78,8 +80,16 @@ def run(campaign: Campaign, results: Path) -> list[dict[str, object]]:
     """Test the sample and return a row for each mutant; rows already in ``results`` are kept.
 
     A row holds while the mutated module and the tests it is put before are what they were.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to change, or the suite cannot be run on the code as it is.
     """
     drawn = sample(campaign)
+    if not drawn:
+        rooms = ", ".join(campaign.rooms)
+        raise InputError("no place of these rooms can be changed", field=rooms)
     known = _known(results)
     workplaces: SimpleQueue[Workplace] = SimpleQueue()
     copies = [
@@ -103,7 +113,9 @@ def run(campaign: Campaign, results: Path) -> list[dict[str, object]]:
                     _keep(results, known, rows)
                     progress.advance(bar)
             except BaseException:
-                pool.shutdown(cancel_futures=True)
+                pool.shutdown(wait=False, cancel_futures=True)
+                for copy in copies:
+                    copy.stop()
                 raise
     order = {mutant: index for index, (_, mutant) in enumerate(drawn)}
     rows.sort(key=lambda row: order[_mutant(row)])
@@ -165,24 +177,33 @@ def judged(status: int | None) -> str:
 def _suite(campaign: Campaign, copy: Workplace, progress: Progress) -> Suite:
     """Return the tests, their times and the lines they run, from one run on the code as it is.
 
-    So no mutant is blamed for a test that fails anyway. The run is kept for as long as the code
-    and the tests stay what they are.
+    So no mutant is blamed for a test that fails anyway. The run is kept for as long as all that the
+    tests may run stays what it is.
     """
-    code = [*campaign.root.glob("src/**/*.py"), *campaign.root.glob("tests/**/*.py")]
-    kept = (campaign.folder / f"suite-{_state(code)[:16]}").resolve()
+    kept = (campaign.folder / f"suite-{_state(campaign.root)[:16]}").resolve()
     report, ran = kept / "report.xml", kept / "ran.sqlite"
     if not report.exists():
-        kept.mkdir(exist_ok=True)
+        kept.mkdir(parents=True, exist_ok=True)
         bar = progress.add_task("the suite on the code as it is", total=None)
-        copy.run_all(campaign.workers, report, ran)
+        made = report.with_suffix(".partial")
+        status = copy.run_all(campaign.workers, made, ran)
+        if made.exists():
+            suite = read_suite(campaign.root, made, ran)
+        if status not in RUN or not made.exists():
+            remedy = f"See what it says in {copy.folder}."
+            raise InputError(f"pytest ended with status {status}", field="suite", remedy=remedy)
+        made.replace(report)
         progress.update(bar, total=1, completed=1)
+        return suite
     return read_suite(campaign.root, report, ran)
 
 
-def _state(files: Sequence[Path]) -> str:
+def _state(root: Path) -> str:
+    """Return a digest of the project's files but its pages, on which no test spends its time."""
     state = sha256()
-    for file in sorted(files):
-        state.update(file.read_bytes())
+    for name in tracked(root):
+        if name.parts[0] != "docs" and name.suffix != ".md":
+            state.update(f"{name}\0".encode() + (root / name).read_bytes())
     return state.hexdigest()
 
 

@@ -13,11 +13,10 @@ from coverage import CoverageData
 
 from benchmarks.mutants.sites import Mutant
 from benchmarks.mutants.syntax import compiled, in_function, mentions, statement
+from dea.errors import InputError
 
 # Lines that run in the set-up of a test may be those of a fixture that its whole file shares.
 _SETUP = "|setup"
-# Their jobs run in processes of their own, on a study that takes a minute.
-_LEFT_OUT = "workflow"
 
 
 @dataclass(frozen=True)
@@ -103,9 +102,19 @@ class Selection:
 
 
 def read_suite(root: Path, report: Path, ran: Path) -> Suite:
-    """Return the tests that passed in one run, from its JUnit report and coverage's data."""
+    """Return the tests that passed in one run, from its JUnit report and coverage's data.
+
+    Raises
+    ------
+    InputError
+        If a file of tests cannot be collected.
+    """
     seconds: dict[str, dict[str, float]] = defaultdict(dict)
     for case in ElementTree.parse(report).iter("testcase"):
+        error = case.find("error")
+        if error is not None and error.get("message") == "collection failure":
+            remedy = "Mend it, or what it needs and the copy does not hold."
+            raise InputError("it cannot be collected", file=case.attrib["name"], remedy=remedy)
         if any(case.find(outcome) is not None for outcome in ("skipped", "failure", "error")):
             continue
         module, classes = _file_and_classes(case.attrib["classname"])
@@ -122,7 +131,6 @@ def read_suite(root: Path, report: Path, ran: Path) -> Suite:
     files = [
         TimedFile(path, text, seconds[path], "".join(_helpers(text, modules)))
         for path, text in texts.items()
-        if _LEFT_OUT not in Path(path).parts
     ]
     sources = {
         str(path.relative_to(root)): path.read_text() for path in sorted(root.glob("src/**/*.py"))

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import grimp
 
-PARTS = (
-    "Snakefile", "Makefile", "pyproject.toml", "benchmarks", "config", "src", "tests", "workflow",
-    "docs",
-)  # fmt: skip
+from dea.errors import InputError
+
 LINKED = ("data", "records")  # measured records, which no test changes
+# What is not the project's in its copy.
+OWN = (*LINKED, "compiled", "arguments")
 SKIPPED = "__pycache__"
 INTERPRETER_OPTIONS = {
     "PYTHONDONTWRITEBYTECODE": "1",  # two mutants within a second look alike to its cache
@@ -29,8 +29,11 @@ OF_A_MUTANT = (
     "-x", "--reruns", "1", "-p", "no:xdist", "-p", "no:pytest_cov",
     "--hypothesis-profile=first_failure",
 )  # fmt: skip
-OF_ALL = ("--dist", "loadfile", "--no-loadscope-reorder", "--cov", "--cov-context=test",
-          "--cov-report=")  # fmt: skip
+# The jobs of the workflow's tests run in processes of their own, on a study that takes a minute.
+OF_ALL = (
+    "--ignore=tests/workflow", "--dist", "loadfile", "--no-loadscope-reorder", "--cov",
+    "--cov-context=test", "--cov-report=",
+)  # fmt: skip
 
 
 class Workplace:
@@ -39,19 +42,29 @@ class Workplace:
     def __init__(self, root: Path, folder: Path) -> None:
         self.folder = folder
         folder.mkdir(parents=True, exist_ok=True)
-        for part in PARTS:
-            _follow(root / part, folder / part)
+        _follow(root, folder)
         for part in LINKED:
             if (root / part).exists() and not (folder / part).exists():
                 (folder / part).symlink_to(root / part)
         self._compiled = folder / "compiled"
         self._compiled.mkdir(exist_ok=True)
         self._graph = _import_graph(folder / "src")
+        self._process: subprocess.Popen[bytes] | None = None
+        self._stopped = False
 
-    def run_all(self, workers: int, report: Path, ran: Path) -> None:
-        """Run the whole suite; write its JUnit report and which lines each test ran."""
+    def run_all(self, workers: int, report: Path, ran: Path) -> int | None:
+        """Run the whole suite; write its JUnit report and which lines each test ran.
+
+        Return pytest's status.
+        """
         arguments = [*OF_ALL, "--numprocesses", str(workers), f"--junitxml={report}"]
-        self._pytest(arguments, self._compiled, None, {"COVERAGE_FILE": str(ran)})
+        return self._pytest(arguments, self._compiled, None, {"COVERAGE_FILE": str(ran)})
+
+    def stop(self) -> None:
+        """End the tests that run here, from another thread; no others begin."""
+        self._stopped = True
+        if self._process is not None:
+            _end(self._process)
 
     def test(self, file: str, mutated: str, arguments: Sequence[str], timeout: float) -> int | None:
         """Run pytest on a mutated module; return its status, none where it took too long."""
@@ -115,29 +128,65 @@ class Workplace:
             cwd=self.folder, env=environment, start_new_session=True,
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
+        self._process = process
         try:
+            if self._stopped:
+                raise InterruptedError("the campaign has been ended")
             return process.wait(timeout)
         except subprocess.TimeoutExpired:
             return None
         finally:
             # A test may have left processes behind, of which a next one would find the ports taken.
-            with suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
+            _end(process)
             process.wait()
 
 
-def _follow(source: Path, copy: Path) -> None:
-    """Make ``copy`` the same as ``source``; a file that is so already keeps its time."""
-    if source.is_dir():
-        copy.mkdir(exist_ok=True)
-        names = {path.name for path in source.iterdir() if not path.match(SKIPPED)}
-        for path in copy.iterdir():
-            if path.name not in names and not path.match(SKIPPED):
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
-        for name in names:
-            _follow(source / name, copy / name)
-    elif not copy.exists() or copy.read_bytes() != source.read_bytes():
-        shutil.copy(source, copy)
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a process and all of its session."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+
+
+def tracked(root: Path) -> list[Path]:
+    """Return the project's files relative to ``root``: those that git knows or would add.
+
+    Raises
+    ------
+    InputError
+        If ``root`` is no repository.
+    """
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=root, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if listed.returncode:
+        remedy = "Run the campaign in a clone: git says which files are the project's."
+        raise InputError("it is no repository of git", file=root, remedy=remedy)
+    names = sorted(set(filter(None, listed.stdout.split("\0"))))
+    return [Path(name) for name in names if (root / name).is_file()]
+
+
+def _follow(root: Path, copy: Path) -> None:
+    """Make ``copy`` hold the files of ``root``; one that is so already keeps its time."""
+    names = tracked(root)
+    for path in _held(copy) - set(names):
+        (copy / path).unlink()
+    for name in names:
+        source, target = root / name, copy / name
+        if not target.exists() or target.read_bytes() != source.read_bytes():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, target)
+
+
+def _held(copy: Path) -> set[Path]:
+    """Return the files in a copy that may be the project's, relative to it."""
+    found: set[Path] = set()
+    for folder, folders, files in os.walk(copy):
+        here = Path(folder).relative_to(copy)
+        skipped = OWN if here == Path() else (SKIPPED,)
+        folders[:] = [name for name in folders if name not in skipped]
+        found |= {here / name for name in files if name not in skipped}
+    return found
 
 
 def _import_graph(source: Path) -> grimp.ImportGraph:
