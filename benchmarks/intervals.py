@@ -56,10 +56,12 @@ class Drawn:
 def acting(form: str, u: np.ndarray, true: float) -> np.ndarray:
     """Return the voltage that acts."""
     if form == "sharp":
-        return np.sign(u) * np.maximum(np.abs(u) - true, 0.0)
+        beyond: np.ndarray = np.sign(u) * np.maximum(np.abs(u) - true, 0.0)
+        return beyond
     if form == "jump":
         return np.where(np.abs(u) > true, u, 0.0)
-    return np.clip(u, -true, true) if form == "clip" else true * np.tanh(u / true)
+    limited: np.ndarray = np.clip(u, -true, true) if form == "clip" else true * np.tanh(u / true)
+    return limited
 
 
 def draw(seed: int, number: int) -> Drawn:
@@ -87,7 +89,8 @@ def draw(seed: int, number: int) -> Drawn:
         """Return the voltage so many samples after each sample."""
         later = spectrum * np.exp(2j * np.pi * frequencies * shift / RATE)
         begun = np.clip((np.arange(SAMPLES) + shift) / FADED_IN, 0.0, 1.0)
-        return np.fft.irfft(later)[:SAMPLES] * np.sin(0.5 * np.pi * begun) ** 2
+        faded: np.ndarray = np.fft.irfft(later)[:SAMPLES] * np.sin(0.5 * np.pi * begun) ** 2
+        return faded
 
     y = gain * resonator(frequency, damping, np.column_stack([
         voltage(middle - true * RATE) if form == "delay" else acting(form, voltage(middle), true)

@@ -63,13 +63,15 @@ def excitation(kind: str, samples: int, rng: np.random.Generator) -> Array:
         spectrum = np.fft.rfft(white)
         spectrum[np.fft.rfftfreq(samples) > BAND] = 0
         white = np.fft.irfft(spectrum, samples)
-    return white / white.std() / 3
+    scaled: Array = white / white.std() / 3
+    return scaled
 
 
 def _coloured(white: Array) -> Array:
     """Return first-order noise of variance 1."""
     start = np.zeros((len(white), 1))
-    return np.sqrt(1 - COLOUR**2) * lfilter([1], [1, -COLOUR], white, zi=start)[0]
+    coloured: Array = np.sqrt(1 - COLOUR**2) * lfilter([1], [1, -COLOUR], white, zi=start)[0]
+    return coloured
 
 
 def _drift(plant: Plant, kind: str, total: int, rng: np.random.Generator) -> Array:

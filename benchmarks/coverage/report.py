@@ -81,11 +81,13 @@ def as_markdown(table: Sequence[dict[str, object]]) -> list[str]:
         if row["plant"] == "all":
             key = (row["drift"] or "none", row["input"], row["noise"], row["estimate"])
             groups.setdefault(key, {})[row["quantity"]] = row
-    for key, found in groups.items():
+    for names, found in groups.items():
         withheld = 100 * float(str(next(iter(found.values()))["withheld"]))
         shown = [_shown(found.get(quantity)) for quantity in QUANTITIES]
         digits = 0 if withheld in (0, 100) or 1 <= withheld <= 99 else 1  # 99.6 % is not all
-        lines.append("| " + " | ".join([*map(str, key), f"{withheld:.{digits}f} %", *shown]) + " |")
+        lines.append(
+            "| " + " | ".join([*map(str, names), f"{withheld:.{digits}f} %", *shown]) + " |"
+        )
     return lines
 
 

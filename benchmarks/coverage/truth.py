@@ -36,7 +36,7 @@ def _probed(
     same = pairs[:, 0] == pairs[:, 1]
     gaps = np.abs(np.abs(pairs[:, 0]) - np.abs(pairs[:, 1]))[~same]
     slowest = min(np.abs(pairs).min(), gaps[gaps > 0].min(initial=np.inf))
-    t = np.arange(SETTLING + int(np.ceil(PERIODS / slowest)))
+    t = np.arange(SETTLING + int(np.ceil(PERIODS / slowest)), dtype=float)
     tones = np.cos(2 * np.pi * pairs[:, :1] * t)
     tones = tones + np.where(same[:, None], 0.0, np.cos(2 * np.pi * pairs[:, 1:] * t))
     amplitudes = np.array([1, -1, 0.5, -0.5])[:, None, None] * AMPLITUDE
@@ -61,7 +61,7 @@ def _lines(y: Array, t: Array, tones: tuple[float, ...], wanted: float) -> NDArr
     columns = np.hstack([np.cos(phase), np.sin(phase), np.ones((len(t), 1))])
     solution = np.linalg.lstsq(columns, y.T, rcond=None)[0]
     at = int(np.argmin(np.abs(lines - abs(_folded(wanted)))))
-    value = solution[at] - 1j * solution[len(lines) + at]
+    value: NDArray[np.complex128] = solution[at] - 1j * solution[len(lines) + at]
     return value if _folded(wanted) >= 0 else value.conj()
 
 

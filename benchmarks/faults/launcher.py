@@ -66,7 +66,7 @@ def _become(request: dict[str, Any]) -> None:
     except SystemExit as end:
         status = _status(end.code)
     except BaseException:
-        sys.excepthook(*sys.exc_info())  # type: ignore[arg-type]
+        sys.excepthook(*sys.exc_info())
     finally:
         _flush()
         os._exit(status)

@@ -74,7 +74,7 @@ def _zero_in_time(outcome: Outcome) -> Iterator[str]:
     if outcome.origin is None:
         return
     schedule = outcome.schedule
-    pauses = sum(fault.length + TIMEOUT for fault in (*schedule.host, *schedule.link))
+    pauses = sum(fault.length + TIMEOUT for fault in schedule.around)
     plan = schedule.duration + 2 * schedule.ramp + pauses
     reasons = [(outcome.origin + plan, "the end of the plan")]
     reasons += [

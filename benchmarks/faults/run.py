@@ -90,7 +90,7 @@ async def run(
             await _commission(folder, launcher, request, port)
             device.forget()
         client.process, ended = await launcher.launch(**request)
-        longest = schedule.duration + sum(f.length for f in (*schedule.link, *schedule.host))
+        longest = schedule.duration + sum(f.length for f in schedule.around)
         try:
             patience = UNREAD if schedule.stuck_terminal else PATIENCE
             status = await asyncio.wait_for(asyncio.shield(ended), longest + patience)
@@ -196,7 +196,7 @@ def _tripping(schedule: Schedule, trace: Trace, origin: float | None, until: flo
 
     What the network or the host does may keep the guardian from looking at the device.
     """
-    others = min((f.start for f in (*schedule.link, *schedule.host)), default=math.inf)
+    others = min((f.start for f in schedule.around), default=math.inf)
     begun = origin or 0.0
     return any(
         min(end, begun + others) - max(start, begun + fault.start) > NOTICED

@@ -93,6 +93,11 @@ class Schedule:
         return json.dumps(asdict(self))
 
     @property
+    def around(self) -> tuple[LinkFault | HostFault, ...]:
+        """What goes wrong with the network and the host."""
+        return (*self.link, *self.host)
+
+    @property
     def ramp(self) -> float:
         """S of the longest ramp to zero."""
         return self.high / self.ramp_rate

@@ -9,7 +9,8 @@ from pathlib import Path
 import cosmic_ray.plugins
 from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
-from parso.tree import NodeOrLeaf
+from parso.python.tree import Class, Function
+from parso.tree import BaseNode, NodeOrLeaf
 
 # One plausible mistake each. Replacements that any call of the function reveals by a TypeError,
 # such as `+` by `>>`, and the removal of decorators would only raise the share of mutants killed.
@@ -96,7 +97,7 @@ def _operator(name: str):  # type: ignore[no-untyped-def]
     return cosmic_ray.plugins.get_operator(f"core/{name}")()
 
 
-def _ancestors(node: NodeOrLeaf) -> Iterator[tuple[NodeOrLeaf, NodeOrLeaf]]:
+def _ancestors(node: NodeOrLeaf) -> Iterator[tuple[BaseNode, NodeOrLeaf]]:
     """Yield each node around this one, with its child on the way."""
     while node.parent is not None:
         yield node.parent, node
@@ -117,20 +118,15 @@ def _holds_logic(node: NodeOrLeaf) -> bool:
             return False
         if parent.type == "param" and child.type == "tfpdef":
             return False
-        if parent.type == "funcdef" and child in _after_arrow(parent):
+        if isinstance(parent, Function) and child is parent.annotation:
             return False
         if parent.type == "argument" and parent.children[0].get_code().strip() == "strict":
             return False
     return True
 
 
-def _after_arrow(function: NodeOrLeaf) -> list[NodeOrLeaf]:
-    annotation = function.annotation
-    return [] if annotation is None else [annotation]
-
-
 def _definition(node: NodeOrLeaf) -> str:
     for parent, _ in _ancestors(node):
-        if parent.type in {"funcdef", "classdef"}:
+        if isinstance(parent, Function | Class) and parent.type != "lambdef":
             return str(parent.name.value)
     return ""

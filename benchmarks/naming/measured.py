@@ -26,7 +26,7 @@ class Known:
 
 
 # The two hundred samples of each drive's record that its case leaves for testing are kept back.
-_DRIVE = {"kept_back": 0.4, "changes": {"rows": [0, 500]}}
+_DRIVE: dict[str, Any] = {"kept_back": 0.4, "changes": {"rows": [0, 500]}}
 _DRIVES = "Wigren and Schoukens, technical report 2017-024, Uppsala University"
 RECORDS = {
     "cascaded_tanks": Known(

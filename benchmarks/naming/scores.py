@@ -91,7 +91,8 @@ def rates(found: Sequence[Scored]) -> dict[str, Proportion]:
 def ratios(found: Sequence[Scored], missing: bool) -> np.ndarray:
     """Return the ratios of errors where something, or nothing, is missing."""
     kept = np.array([each.ratio for each in found if (each.kind != "null") == missing])
-    return kept[~np.isnan(kept)]
+    known: np.ndarray = kept[~np.isnan(kept)]
+    return known
 
 
 def lower(found: Sequence[Scored], ours: Sequence[Scored]) -> Proportion:

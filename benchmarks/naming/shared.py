@@ -10,7 +10,7 @@ from typing import Any
 from numba.core import event
 
 
-class _Compiling(event.Listener):  # type: ignore[misc]
+class _Compiling(event.Listener):
     """The time of a processor (s) that this process has compiled for."""
 
     def __init__(self) -> None:

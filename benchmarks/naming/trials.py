@@ -45,7 +45,7 @@ class Drawn:
     def samples(self) -> int:
         """Length of its record."""
         excitation = self.public["excitation"]
-        return round(excitation["duration"] * excitation["sampling_rate"])
+        return round(float(excitation["duration"] * excitation["sampling_rate"]))
 
 
 @cache
