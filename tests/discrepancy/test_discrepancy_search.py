@@ -665,6 +665,28 @@ def test_a_pair_may_leave_coloured_noise_and_nothing_else(bent, weight, reason):
     assert found.answer is (None if reason is Reason.UNEXPLAINED else pair)
 
 
+@pytest.mark.parametrize("proven", [True, False])
+@pytest.mark.parametrize(
+    ("stiffest", "status", "reason"),
+    [(2.9, "none", Reason.COLOURED), (3.0, "unknown", None)],
+)
+def test_beyond_its_priors_a_simulation_leaves_no_coloured_noise(proven, stiffest, status, reason):
+    """Coloured noise is left, and an effect that does not lower the error on blocks left out."""
+    evidence, candidate = graded()
+    noise = lfilter([1.0], [1.0, -0.9], np.random.default_rng(9).standard_normal(1500))
+    left = 4.0 * NOISE * noise / noise.std()
+    coordinates = np.zeros(evidence.nominal.coordinates.size)
+    coordinates[0] = stiffest
+    nominal = replace(evidence.nominal, residual=left, coordinates=coordinates)
+    evidence = replace(evidence, rules=Rules(), nominal=nominal)
+    useless = candidate(4.0, "dead_zone")
+    useless = replace(useless, fit=replace(useless.fit, residual=left))
+    weighed = Presence((useless,), np.array([1.0]))
+    found = decide(evidence, useless if proven else None, [useless], [], weighed)
+    assert found.status == status
+    assert found.reason is (reason or (Reason.UNEXPLAINED if proven else Reason.NO_EFFECT))
+
+
 def beside_noise(
     second="baseline_drift", size=1.4, before=9.0, bent=0.0, finished=True, better=9.0
 ):

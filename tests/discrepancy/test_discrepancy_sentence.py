@@ -159,7 +159,7 @@ def test_two_names_are_spoken_of_as_two():
         (0.0131, 0.0, None, " Its law is too poor here: 1.3 noise floors remain."),
         (0.05, 0.0, None, " Its law is too poor here: 5 noise floors remain."),
         (0.05, 0.04, None, ""),  # which is said to be accurate enough
-        (0.05, 0.0, Reason.COLOURED, " What remains is coloured noise of 5 noise floors."),
+        (0.05, 0.0, Reason.COLOURED, " What remains, 5 noise floors, looks like coloured noise."),
         (0.012, 0.0, Reason.COLOURED, ""),
     ],
 )

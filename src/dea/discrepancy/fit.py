@@ -114,6 +114,14 @@ def at_bounds(extended: ExtendedSimulation, coordinates: np.ndarray) -> np.ndarr
     return there
 
 
+def beyond_priors(fitted: Fit) -> list[str]:
+    """Return the simulation's own parameters that are at a bound of their priors."""
+    extended = fitted.extended
+    own = len(extended.simulation.parameters)
+    bound = extended.free[at_bounds(extended, fitted.coordinates)]
+    return [extended.names[i] for i in bound if i < own]
+
+
 def at(problem: Problem, extended: ExtendedSimulation, coordinates: np.ndarray) -> Fit:
     """Return the simulation at ``coordinates``, with its Jacobian, without fitting it."""
     residual = problem.residual(extended, extended.values(coordinates))

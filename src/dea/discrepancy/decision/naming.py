@@ -18,6 +18,7 @@ from dea.discrepancy.evidence.colour import (
 from dea.discrepancy.evidence.evidence import Evidence
 from dea.discrepancy.evidence.presence import Presence
 from dea.discrepancy.evidence.residual_model import residual_model
+from dea.discrepancy.fit import beyond_priors
 from dea.discrepancy.search.candidates import Candidate
 
 
@@ -46,7 +47,11 @@ def decide(
             return Decision(Status.NAMED, part, reason=Reason.REMAINS, whole=False)
         # If an effect lowers the error on held-out blocks, the residual is not noise.
         unaffected = share_of(evidence, chosen.fit).low <= rules.margin
-        if unaffected and leaves_coloured_noise(evidence.problem, alone, evidence.blocks):
+        if (
+            unaffected
+            and not beyond_priors(alone)
+            and leaves_coloured_noise(evidence.problem, alone, evidence.blocks)
+        ):
             return Decision(Status.NONE, None, reason=Reason.COLOURED)
         return Decision(Status.UNKNOWN, chosen, reason=Reason.UNEXPLAINED)
     rivals = rivals_of(evidence, chosen, pool)
@@ -138,14 +143,19 @@ def _stands_alone(
 
 
 def _nothing_proven(evidence: Evidence) -> Decision:
-    """Say whether a residual that no effect reduces is noise."""
+    """Say whether a residual that no effect reduces is noise.
+
+    It is not known to be coloured noise where the simulation has gone as far after it as its priors
+    allow.
+    """
     rules, problem, alone = evidence.rules, evidence.problem, evidence.nominal
     unpredictable = residual_model(problem, alone.residual).ratio > 1.0 - rules.margin
     if unpredictable and evidence.nominal_error <= rules.clean * evidence.floor:
         return Decision(Status.NONE, None, reason=Reason.NOISE)
     if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.floor:
         return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
-    coloured = is_coloured_noise(problem, alone.residual, evidence.blocks)
+    stationary = is_coloured_noise(problem, alone.residual, evidence.blocks)
+    coloured = stationary and not beyond_priors(alone)
     white = unpredictable and is_white(problem, alone.residual)
     if (coloured or white) and follows_no_force(problem, alone):
         return Decision(Status.NONE, None, reason=Reason.COLOURED if coloured else Reason.UNEVEN)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dea.discrepancy.decision import Reason, Status
-from dea.discrepancy.fit import at_bounds
+from dea.discrepancy.fit import beyond_priors
 from dea.discrepancy.report.sentence import label_in_words
 from dea.simulation import TIMING_OFFSET
 
@@ -73,14 +73,7 @@ def _close(found: "Diagnosis") -> str:
 
 def _bounds(found: "Diagnosis") -> str:
     """Name the simulation's own parameters that the record would have beyond their priors."""
-    fitted = found.extended
-    extended = fitted.extended
-    own = len(extended.simulation.parameters)
-    away = [
-        extended.names[i].replace("_", " ")
-        for i in extended.free[at_bounds(extended, fitted.coordinates)]
-        if i < own
-    ]
+    away = [name.replace("_", " ") for name in beyond_priors(found.extended)]
     if not away:
         return ""
     return (

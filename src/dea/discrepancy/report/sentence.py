@@ -162,7 +162,7 @@ def _form(found: "Diagnosis") -> str:
     if block.after <= found.rules.poor * found.complete:
         return ""
     if found.decision.reason is Reason.COLOURED:
-        return f" What remains is coloured noise of {block.after / floor:.2g} noise floors."
+        return f" What remains, {block.after / floor:.2g} noise floors, looks like coloured noise."
     one = len(found.extended.extended.attached) == 1
     laws = "Its law is" if one else "Their laws are"
     return f" {laws} too poor here: {block.after / floor:.2g} noise floors remain."
