@@ -1,10 +1,12 @@
 """The reference controller: driven by the acquisition, and against the bench's own device."""
 
+import socket
 import struct
 import subprocess
 import sys
 import time
 import zlib
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -163,6 +165,24 @@ def outcome(write, *arguments):
     except (RefusedError, BenchRefusedError) as refusal:
         return refusal.code
     return None
+
+
+def test_an_owner_that_reconnects_over_lost_connections_is_let_in(served):
+    with ExitStack() as stack:
+        for _ in range(6):
+            panel = Panel(stack.enter_context(closing(Link(served))))
+            panel.set("claim", 9)
+            assert panel.get("owner") == 2
+
+
+def test_a_master_that_does_not_fetch_its_replies_is_dropped(served):
+    ask = struct.pack(">HHHBBHH", 1, 0, 6, 1, 3, 0, 50)
+    with socket.create_connection((served.host, served.port), timeout=10) as link:
+        with pytest.raises(ConnectionError):
+            for _ in range(10_000):
+                link.sendall(100 * ask)
+    with closing(Link(served)) as other:
+        assert Panel(other).get("owner") == 0
 
 
 def test_a_silent_master_leaves_it_to_the_watchdog(served):

@@ -101,11 +101,23 @@ def serve(device, listening):
         for master in [m for m in masters if now() - m.heard > IDLE_TIME]:
             drop(masters, master)
         if listening in ready:
-            connection, _ = listening.accept()
-            if len(masters) == MASTERS:  # the one silent for longest makes room, not the owner
-                others = [m for m in masters if not device.owner or m.session.token != device.owner]
-                drop(masters, min(others, key=lambda m: m.heard))
-            masters.append(Master(connection))
+            welcome(device, masters, listening)
+
+
+def welcome(device, masters, listening):
+    """Add the master that connects; where there are too many, the longest silent makes room.
+
+    Of an owner only its longest silent connection goes, and that where all are its own: those
+    before the last were lost on the way.
+    """
+    try:
+        connection, _ = listening.accept()
+    except OSError:  # it has gone again
+        return
+    if len(masters) == MASTERS:
+        others = [m for m in masters if not device.owner or m.session.token != device.owner]
+        drop(masters, min(others or masters, key=lambda m: m.heard))
+    masters.append(Master(connection))
 
 
 def drop(masters, master):
@@ -115,9 +127,17 @@ def drop(masters, master):
 
 
 def attend(device, master):
-    """Answer what a master has sent; return whether it is still there."""
+    """Answer what a master has sent; return whether it is still there.
+
+    One that does not fetch its replies is dropped, since half a reply cannot be mended.
+    """
     try:
         data = master.connection.recv(4096)
+    except BlockingIOError:
+        return True
+    except OSError:
+        data = b""
+    try:
         if not data:
             raise ValueError("closed")
         master.data += data
@@ -126,8 +146,6 @@ def attend(device, master):
             reply = answer(device, master.session, request)
             head = struct.pack(">HHHB", transaction, 0, len(reply) + 1, unit)
             master.connection.sendall(head + reply)
-    except BlockingIOError:
-        return True
     except (OSError, ValueError):
         master.connection.close()
         return False

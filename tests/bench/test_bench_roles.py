@@ -154,6 +154,17 @@ def test_the_owner_keeps_its_place_however_long_it_is_silent(serve_bench):
         assert len(bench.server.connections) <= MAX_CONNECTIONS
 
 
+def test_an_owner_that_reconnects_over_lost_connections_is_let_in(serve_bench, monkeypatch):
+    monkeypatch.setattr(dea.bench.connection, "MAX_CONNECTIONS", 4)
+    bench = serve_bench(watchdog_time=30.0)
+    address = ("127.0.0.1", bench.endpoint.port)
+    with ExitStack() as stack:
+        for _ in range(6):
+            link = stack.enter_context(socket.create_connection(address, timeout=5))
+            assert ask(link, written(bench, "claim", 7))[0] == 16
+        assert len(bench.server.connections) == 4
+
+
 def test_a_master_that_is_silent_for_long_is_dropped(serve_bench, monkeypatch):
     monkeypatch.setattr(dea.bench.server, "MAX_SILENCE", 0.2)
     bench = serve_bench()

@@ -59,12 +59,14 @@ class Connection(ServerRequestHandler):
         """Add this master, with its role and a limit of the replies that it may leave unread.
 
         Where there are as many connections as are allowed, the one without a request for longest is
-        closed, never that of the owner of the outputs.
+        closed. One of the owner of the outputs is only where all are the owner's, since those
+        before the last were lost on the way.
         """
         super().callback_connected()
-        others = [other for other in self.bench.connections if not self.bench.owns(other.session)]
-        if len(self.bench.connections) >= MAX_CONNECTIONS:
-            min(others, key=lambda other: other.heard, default=self).drop()
+        present = self.bench.connections
+        others = [other for other in present if not self.bench.owns(other.session)]
+        if len(present) >= MAX_CONNECTIONS:
+            min(others or present, key=lambda other: other.heard).drop()
         self.bench.connections.add(self)
         encrypted = self.transport.get_extra_info("ssl_object")
         certificate = encrypted.getpeercert(binary_form=True) if encrypted else None
