@@ -178,9 +178,11 @@ def test_an_owner_that_reconnects_over_lost_connections_is_let_in(served):
 def test_a_master_that_does_not_fetch_its_replies_is_dropped(served):
     ask = struct.pack(">HHHBBHH", 1, 0, 6, 1, 3, 0, 50)
     with socket.create_connection((served.host, served.port), timeout=10) as link:
-        with pytest.raises(ConnectionError):
-            for _ in range(10_000):
+        while True:
+            try:
                 link.sendall(100 * ask)
+            except ConnectionError:
+                break
     with closing(Link(served)) as other:
         assert Panel(other).get("owner") == 0
 

@@ -120,7 +120,7 @@ def description(module, folder, **changes):
         "endpoint": {"host": "127.0.0.1", "port": module.port}, "safety": SAFETY,
         "registers": {"output": {"address": 0, **scale, "limits": [0, 4], "access": "write"},
                       "applied_output": {"address": 1, **scale},
-                      "displacement": {"address": 0, "table": "input", **scale}},
+                      "displacement": {"address": 0, "table": "input", **scale, "unit": "mm"}},
     } | changes))  # fmt: skip
     return path
 

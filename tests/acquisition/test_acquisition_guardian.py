@@ -226,7 +226,7 @@ def command(module, folder, *arguments):
         "endpoint": {"host": "127.0.0.1", "port": module.port},
         "registers": {"output": {"address": 0, **scale, "limits": [0, 4], "access": "write"},
                       "applied_output": {"address": 1, **scale},
-                      "displacement": {"address": 0, "table": "input", **scale}},
+                      "displacement": {"address": 0, "table": "input", **scale, "unit": "mm"}},
     }))  # fmt: skip
     words = [sys.executable, "-m", "dea.acquisition", *arguments, "--device", str(device)]
     return subprocess.Popen(

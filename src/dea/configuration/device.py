@@ -47,6 +47,8 @@ LAST_ADDRESS = 0xFFFF
 # Registers that the acquisition looks for by name. A device needs the first two; what else it has
 # gets the checks and the modes that it allows (docs/acquisition.md). Others are free to be added.
 NEEDED = ("output", "displacement")
+# What a record holds them in (`dea.store`).
+UNITS = {"output": "V", "displacement": "mm"}
 KNOWN = (
     *NEEDED,
     *("applied_output", "device_index", "device_rate", "state", "command", "claim", "boot"),
@@ -97,7 +99,7 @@ class Register(Section):
     byte_order: Order | None = key("first byte; the device's where not given", default=None)
     scale: Number | None = key("value of one count, not zero; 1 where not given", default=None)
     offset: Number | None = key("value of count 0; 0 where not given", default=None)
-    unit: str = key("unit of the value; `output` and `displacement` need one", default="1")
+    unit: str = key("unit of the value; `output` is in V, `displacement` in mm", default="1")
     access: Access = key("what a master may do", default="read")
     range: Interval | None = key(
         "values of the lowest and the highest count of an integer, instead of scale and offset",
@@ -249,13 +251,14 @@ class DeviceDescription(Section):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
-        for name in NEEDED:
+        for name, unit in UNITS.items():
             register = self.registers.get(name)
-            if register and "unit" not in register.model_fields_set:
+            if register and register.unit != unit:
+                told = "unit" in register.model_fields_set
                 raise refuse(
                     f"registers.{name}.unit",
-                    "missing",
-                    "Give the unit of the value, such as V or mm, or '1' where it has none.",
+                    f"{register.unit!r}, and a record holds it in {unit}" if told else "missing",
+                    f"Give the scale or range that makes the value {unit}, and `unit: {unit}`.",
                 )
         return self
 
