@@ -121,6 +121,27 @@ def test_a_wall_ends_a_direction_and_a_closed_side_does_not_count():
     assert 1.96 * np.sqrt(variance) == pytest.approx(1.0, rel=0.02)
 
 
+def test_a_stop_that_is_not_reached_is_unsure_whatever_is_beside_it():
+    """Neither the second coordinate nor the fifth moves the output at first order.
+
+    The second does so beyond a wall on one side, the fifth on both.
+    """
+    J = 0.3 * np.random.default_rng(5).standard_normal((9, 7))
+    J[:, [1, 4]] = 0.0
+
+    def residual(x):
+        return np.concatenate([J @ x, [1e3 * max(x[1] - 0.5, 0.0), 1e3 * x[4] ** 2]])
+
+    problem, fitted = fit_of(residual, np.zeros(7))
+    fitted = replace(fitted, jacobian=np.vstack([J, np.zeros((2, 7))]))
+    curved = fitted.covariance(problem.seen, 1.0)
+    found = np.sqrt(np.diag(shortened(problem, fitted, curved, 1.0)))
+    expected = np.sqrt(np.diag(curved))
+    # The cost of the fifth, 1e6 x^4, has risen by 1.96^2 at the end of its interval.
+    expected[4] = np.sqrt(1.96e-3) / 1.96
+    assert found == pytest.approx(expected, rel=0.05)
+
+
 def test_a_linear_fit_is_as_sure_as_its_curvature_says():
     J = np.random.default_rng(4).standard_normal((300, 3)) * [0.02, 0.1, 1.0]
     problem, fitted = fit_of(lambda x: J @ x, np.array([0.3, -2.0, 0.0]))

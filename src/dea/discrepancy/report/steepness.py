@@ -5,7 +5,7 @@ it, are told apart by what they do beyond. The curvature knows nothing of that, 
 unsure as their priors.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -53,15 +53,32 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
 
         return _where_one(rise)
 
-    lengths, axes = np.linalg.eigh(covariance)
     result = covariance.copy()
-    for length, axis in zip(lengths, axes.T, strict=True):
+    for length, axis in _principal(covariance):
         if length > _SURE**2:
             way = INTERVAL * np.sqrt(length) * axis
             # Where bounds close both sides, nothing is known against the length.
             part = max(part_of(way), part_of(-way)) or 1.0
             result -= (1.0 - part**2) * length * np.outer(axis, axis)
     return result
+
+
+def _principal(covariance: np.ndarray) -> Iterator[tuple[float, np.ndarray]]:
+    """Yield the variance along each principal direction, and the direction (k,).
+
+    Coordinates that the record does not tell at first order are all as unsure as their priors. They
+    are directions of their own, since any mixture of them is principal, too: a stop that is never
+    reached would be as sure as a delay beside it.
+    """
+    coupled = np.abs(covariance - np.diag(np.diag(covariance))).any(axis=0)
+    for k in np.flatnonzero(~coupled):
+        yield float(covariance[k, k]), np.eye(len(covariance))[k]
+    inside = np.flatnonzero(coupled)
+    lengths, axes = np.linalg.eigh(covariance[np.ix_(inside, inside)])
+    for length, axis in zip(lengths, axes.T, strict=True):
+        whole = np.zeros(len(covariance))
+        whole[inside] = axis
+        yield float(length), whole
 
 
 def _where_one(rise: Callable[[float], float]) -> float:
