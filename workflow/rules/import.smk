@@ -1,7 +1,7 @@
 include: "../functions/import.smk"
 
 
-# Records made elsewhere enter at the same door as those of the bench.
+# Records made elsewhere are imported to the same contract as those of the bench.
 rule import_record:
     input:
         file=record_file,
