@@ -1,5 +1,7 @@
 """Each method on records whose missing effect is known, and its parts against independent ones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from benchmarks.naming.methods import REFERENCE, _grey_box, methods
@@ -185,6 +187,9 @@ def test_random_choice_follows_from_the_task_and_spreads(plain):
     first, again = (answered("random_choice", plain) for _ in range(2))
     assert (first.status, first.effects) == (again.status, again.effects)
     assert first.effects <= set(catalogue())
+    choose = methods()["random_choice"].answer
+    answers = [choose(replace(plain.task, name=str(k))) for k in range(60)]
+    assert len({answer.effects for answer in answers}) > 12
 
 
 def test_a_task_does_not_lead_to_what_is_kept_back():

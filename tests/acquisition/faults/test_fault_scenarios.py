@@ -64,6 +64,7 @@ def test_a_device_restarted_while_it_plays_breaks_the_record(serve_bench, tmp_pa
 
 
 def test_a_restart_before_the_first_block_is_taken_loses_nothing_unnoticed(serve_bench, tmp_path):
+    restarted = []
     for number in range(16, 26):  # about where the host asks for the first index and sends block 1
         bench = serve_bench(
             watchdog_time=1.0, virtual_clock=False, sampling_rate=500.0,
@@ -71,6 +72,9 @@ def test_a_restart_before_the_first_block_is_taken_loses_nothing_unnoticed(serve
         )  # fmt: skip
         run = run_with_faults(bench, [Fault("request", number, "restart")], tmp_path)
         check(run)
+        assert len(run.happened) == 1
+        restarted.append(bench.boots())
+    assert any(not boots[0][0].any() for boots in restarted)  # before a block was played
 
 
 def test_a_device_restarted_is_driven_again_from_the_start_where_so_configured(
