@@ -22,7 +22,9 @@ def test_a_trial_answers_every_excitation_from_rest_with_noise_of_its_own():
     assert film.driven == [first, second]
     truth = trial.readings(BENCH, u)[1]
     for record in (first, second):
-        assert np.std(record.y - truth) == pytest.approx(trial.kind.scale * trial.noise.rms, rel=0.2)
+        assert np.std(record.y - truth) == pytest.approx(
+            trial.kind.scale * trial.noise.rms, rel=0.2
+        )
 
 
 def test_a_limit_is_violated_by_an_input_or_by_a_measured_output():
