@@ -10,7 +10,7 @@ from typing import Any
 from benchmarks.naming.code import digest, imported
 from benchmarks.naming.task import Posed
 from dea import store, trials
-from dea.configuration.bench import BENCH
+from dea.configuration.bench import BENCH, read_bench
 from dea.configuration.files import read_yaml
 from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
@@ -64,15 +64,15 @@ def draw(folder: Path, of_set: str, seed: int, index: int) -> Drawn:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         made_by.write_text(code)
-        wanted = {"set": of_set, "seed": seed, "first": index, "last": index}
-        trial_draw(wanted, Path(BENCH), sealed, commitment)
+        wanted = {"set": of_set, "seed": seed, "first": index, "last": index, "bench": _bench()}
+        trial_draw(wanted, sealed, commitment)
     ((name, public),) = json.loads(commitment.read_text()).items()
     return Drawn(folder, name, public)
 
 
 def acquired(drawn: Drawn) -> Path:
     """Record the trial's device, unless that is done; return the record's file."""
-    folder, bench = drawn.folder, Path(BENCH)
+    folder = drawn.folder
     film = drawn.public["device"] == "film"
     places = [folder / name for name in (("records", "truth") if film else ("logs", "log_truth"))]
     record = places[0] / f"{drawn.name}.nc"
@@ -84,10 +84,16 @@ def acquired(drawn: Drawn) -> Path:
             own = config()
             watchdog = own["bench"]["watchdog_time"]
             settings = {"acquisition": own["acquisition"], "watchdog_time": watchdog}
-            trial_acquire(settings, Path(own["trials"]["device"]), bench, *committed, *places)
+            settings["bench"] = _bench()
+            trial_acquire(settings, Path(own["trials"]["device"]), *committed, *places)
         else:
-            trial_log({}, bench, *committed, *places)
+            trial_log({"bench": _bench()}, *committed, *places)
     return record
+
+
+def _bench() -> dict[str, Any]:
+    """The settings that say around what the trials are drawn."""
+    return {"config": BENCH, "plain": read_bench(BENCH).plain.model_dump()}
 
 
 def posed(file: Path) -> Posed:

@@ -65,6 +65,25 @@ def test_a_campaign_may_begin_at_any_number(unstarted):
     assert batches == {"0007-0008", "0009-0010", "0011-0011"}
 
 
+def test_trials_are_drawn_anew_for_another_plain_film_alone(tmp_path):
+    project = Project(tmp_path).copy()
+    drawn = "results/trials/tuning/0013-0014/commitment.json"
+    assert project.snakemake(drawn, *THREE_TRIALS, small=False).returncode == 0
+    bench = project.folder / "config/bench.yaml"
+    for old, new, planned in (
+        ("leakage_ageing: 2.0 ", "leakage_ageing: 2.5 ", {}),
+        (
+            "frame_radius:     {value: 40.0e-3",
+            "frame_radius:     {value: 41.0e-3",
+            {"trial_draw": 1},
+        ),
+    ):
+        text = bench.read_text()
+        assert text.count(old) == 1
+        bench.write_text(text.replace(old, new))
+        assert project.planned(drawn, *THREE_TRIALS, small=False) == planned
+
+
 def test_the_seals_are_opened_after_every_verdict_and_by_one_rule(planned_jobs):
     readers = {
         rule

@@ -1,3 +1,7 @@
+# What the film of the trials is made of; what else the bench's file says is none of their business.
+PLAIN_BENCH = {"config": BENCH, "plain": read_bench(BENCH).plain.model_dump()}
+
+
 def every_batch(pattern):
     """The file ``pattern`` of each batch of a set's campaign."""
 

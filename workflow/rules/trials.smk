@@ -22,7 +22,6 @@ wildcard_constraints:
 
 rule trial_draw:
     input:
-        bench=BENCH,
         code=modules("dea.stages.trial_draw"),
     output:
         sealed=directory("results/trials/{set}/{first}-{last}/sealed"),
@@ -38,11 +37,13 @@ rule trial_draw:
                 "seed": TRIALS["seeds"][wildcards.set],
                 "first": int(wildcards.first),
                 "last": int(wildcards.last),
-            }
+                "bench": PLAIN_BENCH,
+            },
+            sort_keys=True,
         ),
     shell:
         stage(
-            "trial_draw --settings {params.settings:q} --bench {input.bench:q}"
+            "trial_draw --settings {params.settings:q}"
             " --sealed {output.sealed:q} --commitment {output.commitment:q} 2> {log:q}"
         )
 
@@ -50,7 +51,6 @@ rule trial_draw:
 rule trial_acquire:
     input:
         device=TRIALS["device"],
-        bench=BENCH,
         sealed=rules.trial_draw.output.sealed,
         commitment=rules.trial_draw.output.commitment,
         code=modules("dea.stages.trial_acquire", "dea.bench.__main__"),
@@ -66,13 +66,14 @@ rule trial_acquire:
             {
                 "acquisition": config["acquisition"],
                 "watchdog_time": config["bench"]["watchdog_time"],
+                "bench": PLAIN_BENCH,
             },
             sort_keys=True,
         ),
     shell:
         stage(
             "trial_acquire --settings {params.settings:q}"
-            " --device {input.device:q} --bench {input.bench:q} --sealed {input.sealed:q}"
+            " --device {input.device:q} --sealed {input.sealed:q}"
             " --commitment {input.commitment:q} --records {output.records:q}"
             " --truth {output.truth:q} 2> {log:q}"
         )
@@ -80,7 +81,6 @@ rule trial_acquire:
 
 rule trial_log:
     input:
-        bench=BENCH,
         sealed=rules.trial_draw.output.sealed,
         commitment=rules.trial_draw.output.commitment,
         code=modules("dea.stages.trial_log"),
@@ -91,9 +91,11 @@ rule trial_log:
         "results/trials/{set}/{first}-{last}/log/log.log",
     benchmark:
         "results/trials/{set}/{first}-{last}/benchmark/log.tsv"
+    params:
+        settings=json.dumps({"bench": PLAIN_BENCH}, sort_keys=True),
     shell:
         stage(
-            "trial_log --bench {input.bench:q} --sealed {input.sealed:q}"
+            "trial_log --settings {params.settings:q} --sealed {input.sealed:q}"
             " --commitment {input.commitment:q} --logs {output.logs:q}"
             " --log-truth {output.log_truth:q} 2> {log:q}"
         )

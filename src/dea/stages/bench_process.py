@@ -24,13 +24,30 @@ def as_planned(bench: Mapping[str, Any]) -> dict[str, Any]:
     served = dict(bench)
     actuator, plant = served["actuator"], served.pop("plant")
     if read_bench(served["config"]).actuators[actuator].model_dump() != plant:
-        raise InputError(
-            "has changed since this run was planned",
-            file=served["config"],
-            field=f"actuators.{actuator}",
-            remedy="Run again.",
-        )
+        raise _changed(served["config"], f"actuators.{actuator}")
     return served
+
+
+def plain_as_planned(bench: Mapping[str, Any]) -> Path:
+    """Return the file of the bench whose plain actuator the blind trials are drawn around.
+
+    Raises
+    ------
+    InputError
+        Where it says something else of that actuator than ``plain`` in the settings ``bench``.
+    """
+    from dea.configuration.bench import read_bench
+
+    file = Path(bench["config"])
+    if read_bench(file).plain.model_dump() != bench["plain"]:
+        raise _changed(file, "plain")
+    return file
+
+
+def _changed(file: str | Path, field: str) -> InputError:
+    return InputError(
+        "has changed since this run was planned", file=file, field=field, remedy="Run again."
+    )
 
 
 @contextmanager

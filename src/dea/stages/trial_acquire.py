@@ -10,7 +10,6 @@ from dea.stages.command import run
 def trial_acquire(
     settings: Mapping[str, Any],
     device: Path,
-    bench: Path,
     sealed: Path,
     commitment: Path,
     records: Path,
@@ -20,15 +19,16 @@ def trial_acquire(
 
     The sealed files go to the bench's own process alone, which writes the truth: every reading
     without noise since the bench's start (mm). This process knows the excitation. ``settings``
-    holds ``acquisition`` and ``watchdog_time``.
+    holds ``acquisition``, ``watchdog_time`` and ``bench``.
     """
     import json
     from dataclasses import replace
 
     from dea import acquisition, modbus, store
     from dea.excitation import design
-    from dea.stages.bench_process import trial_process
+    from dea.stages.bench_process import plain_as_planned, trial_process
 
+    bench = plain_as_planned(settings["bench"])
     description = modbus.read_device(device)
     options = acquisition.AcquisitionSettings.from_mapping(settings["acquisition"])
     for folder in (records, truth):
@@ -66,6 +66,6 @@ def trial_acquire(
 if __name__ == "__main__":
     run(
         trial_acquire,
-        inputs=("device", "bench", "sealed", "commitment"),
+        inputs=("device", "sealed", "commitment"),
         outputs=("records", "truth"),
     )

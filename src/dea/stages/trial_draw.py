@@ -7,20 +7,22 @@ from typing import Any
 from dea.stages.command import run
 
 
-def trial_draw(settings: Mapping[str, Any], bench: Path, sealed: Path, commitment: Path) -> None:
+def trial_draw(settings: Mapping[str, Any], sealed: Path, commitment: Path) -> None:
     """Write ``sealed/NNNN.json`` for each trial and the commitment to all of them.
 
-    ``settings`` holds the ``set`` of trials, its ``seed`` and the numbers of the ``first`` and
-    ``last`` trial. Sets for tuning hide forms for tuning, the others forms for reporting. The
-    commitment names what an acquisition and a diagnosis may know (device, its simulation and the
-    excitation) and the SHA-256 of the sealed file. The sealed file holds sizes to the last digit,
-    so that nobody can find it by trying likely contents against the hash.
+    ``settings`` holds the ``set`` of trials, its ``seed``, the numbers of the ``first`` and
+    ``last`` trial, and the ``bench``. Sets for tuning hide forms for tuning, the others forms for
+    reporting. The commitment names what an acquisition and a diagnosis may know (device, its
+    simulation and the excitation) and the SHA-256 of the sealed file. The sealed file holds sizes
+    to the last digit, so that nobody can find it by trying likely contents against the hash.
     """
     import json
 
     from dea import store
     from dea.plant import Use, draw_trial
+    from dea.stages.bench_process import plain_as_planned
 
+    bench = plain_as_planned(settings["bench"])
     sealed.mkdir(parents=True)
     committed = {}
     use = Use.of_set(settings["set"])
@@ -40,4 +42,4 @@ def trial_draw(settings: Mapping[str, Any], bench: Path, sealed: Path, commitmen
 
 
 if __name__ == "__main__":
-    run(trial_draw, inputs=("bench",), outputs=("sealed", "commitment"))
+    run(trial_draw, outputs=("sealed", "commitment"))

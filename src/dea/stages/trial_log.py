@@ -8,13 +8,12 @@ from dea.stages.command import run
 
 
 def trial_log(
-    settings: Mapping[str, Any], bench: Path, sealed: Path, commitment: Path, logs: Path,
-    log_truth: Path,
+    settings: Mapping[str, Any], sealed: Path, commitment: Path, logs: Path, log_truth: Path
 ) -> None:  # fmt: skip
     """Write ``logs/NNNN.nc`` for each trial of another device than the film, and the truth.
 
-    ``log_truth/NNNN.npy`` holds the readings without noise, in the record's unit. ``settings`` are
-    empty: all that is played stands in the sealed files.
+    ``log_truth/NNNN.npy`` holds the readings without noise, in the record's unit. ``settings``
+    hold the ``bench``; all else that is played stands in the sealed files.
     """
     import json
 
@@ -24,7 +23,9 @@ def trial_log(
     from dea import store
     from dea.excitation import design
     from dea.plant import Trial
+    from dea.stages.bench_process import plain_as_planned
 
+    bench = plain_as_planned(settings["bench"])
     for folder in (logs, log_truth):
         folder.mkdir(parents=True)
     for name, committed in json.loads(commitment.read_text()).items():
@@ -54,6 +55,6 @@ def trial_log(
 if __name__ == "__main__":
     run(
         trial_log,
-        inputs=("bench", "sealed", "commitment"),
+        inputs=("sealed", "commitment"),
         outputs=("logs", "log_truth"),
     )
