@@ -829,9 +829,13 @@ def test_what_the_evidence_alone_leaves_is_named_whatever_few_blocks_predict(
 def named_against(evidence, sure, rival, predicted=None):
     """The answer where one has nearly all the weight; ``predicted`` are held-out residuals."""
     predicted = predicted or {}
+
+    def residual(fitted, _=None):
+        return predicted.get(fitted, fitted.residual)
+
     held_out = SimpleNamespace(
-        residual=lambda fitted, _=None: predicted.get(fitted, fitted.residual),
-        rmse=evidence.held_out.rmse,
+        residual=residual,
+        rmse=lambda fitted, _=None: evidence.problem.seen_rmse(residual(fitted)),
     )
     weighed = Presence((sure, rival), np.array([0.95, 0.05]))
     return decide(
@@ -845,7 +849,8 @@ def named_against(evidence, sure, rival, predicted=None):
     [
         (("sensor_lag",), 2.0, True),
         (("sensor_lag",), 1.05, False),  # the rival predicts nearly as well
-        (("sensor_lag", "slew_limit"), 2.0, False),  # pairs bend to what they see
+        (("sensor_lag", "slew_limit"), 1.05, True),
+        (("sensor_lag", "slew_limit"), 0.99, False),  # pairs bend to what they see
     ],
 )
 def test_a_rival_that_fits_as_well_is_none_if_it_predicts_much_worse(names, factor, named):
@@ -855,12 +860,18 @@ def test_a_rival_that_fits_as_well_is_none_if_it_predicts_much_worse(names, fact
     assert (named_against(evidence, sure, rival, predicted) is sure) == named
 
 
-def test_a_pair_is_not_named_beside_another_one_with_nearly_its_error():
+@pytest.mark.parametrize(
+    ("error", "predicted", "named"),
+    [(1.18, 1.12, False), (1.25, 1.12, True), (1.18, 1.14, True)],
+)
+def test_a_pair_is_named_beside_another_one_with_nearly_its_error_that_predicts_worse(
+    error, predicted, named
+):
     evidence, candidate = graded()
     sure = candidate(1.13, "dead_zone", "sensor_lag")
-    for error, named in ((1.18, False), (1.25, True)):
-        rival = candidate(error, "dead_zone", "gain_drift")
-        assert (named_against(evidence, sure, rival) is sure) == named
+    rival = candidate(error, "dead_zone", "gain_drift")
+    held_out = {rival.fit: candidate(predicted).fit.residual}
+    assert (named_against(evidence, sure, rival, held_out) is sure) == named
 
 
 def test_a_certain_part_must_leave_less_than_other_families_and_not_than_its_own():
@@ -1053,7 +1064,7 @@ def tried(error, *labels):
     return SimpleNamespace(error=error, labels=labels, finished=True)
 
 
-def scripted(errors, opened=True, **budget):
+def scripted(errors, opened=True, better=True, **budget):
     """A search whose pairs have the ``errors``, one exchange after the other, and what it does."""
     extended, exchanged = [], []
 
@@ -1069,6 +1080,9 @@ def scripted(errors, opened=True, **budget):
 
         def _open(self, grown):
             return opened
+
+        def _better(self, grown):
+            return better
 
         def _exchanged(self, pair):
             exchanged.append(pair.error)
@@ -1097,12 +1111,16 @@ def test_a_pair_is_exchanged_again_while_that_lowers_its_error_by_a_tenth(errors
     assert extended == [[("a",), ("b",)], [("c",)]]
 
 
-@pytest.mark.parametrize(("exchanges", "opened"), [(0, True), (3, False)])
-def test_no_pair_is_exchanged_where_none_may_be_or_none_is_worth_it(exchanges, opened):
-    search, extended, exchanged = scripted([10.0], opened, exchanges=exchanges)
-    [found] = search._pairs_from([tried(20.0, "a")])
-    assert found.candidates[0].error == 10.0
-    assert (extended, exchanged) == ([[("a",)]], [])
+@pytest.mark.parametrize(
+    ("exchanges", "better", "also"),
+    [(0, True, []), (3, True, [[("c",)]]), (3, False, [])],
+)
+def test_no_pair_is_exchanged_where_none_may_be_or_none_is_worth_it(exchanges, better, also):
+    """But the partner of a pair that is the answer is extended: another one may be as well."""
+    search, extended, exchanged = scripted([10.0], False, better, exchanges=exchanges)
+    found = search._pairs_from([tried(20.0, "a")])
+    assert found[0].candidates[0].error == 10.0
+    assert (extended, exchanged) == ([[("a",)], *also], [])
 
 
 def test_an_effect_that_was_screened_and_is_fitted_again_counts_once_as_it_was_finished(

@@ -108,7 +108,8 @@ def _stands_alone(
     Blocks left out, of which there may be few, need not tell it from its rivals. But the simulation
     alone must leave more than noise, and no other single effect nearly the same misfit, unless that
     predicts blocks left out much worse. Pairs bend to what they see: none may have nearly the error
-    of another. A part must leave room for the rest.
+    of another, unless that predicts blocks left out worse, too. A part must leave room for the
+    rest.
     """
     rules, floor = evidence.rules, evidence.floor
     if evidence.nominal_error <= rules.clean * floor or not explained(evidence, surest, weighed):
@@ -122,7 +123,9 @@ def _stands_alone(
         if len(other.names) != len(surest.names) or other.effects == surest.effects:
             return False
         if len(surest.names) > 1:
-            return rules.nearly(other.error, surest.error)
+            predicts = evidence.held_out.rmse
+            nearly = rules.nearly(other.error, surest.error)
+            return nearly and predicts(other.fit) <= predicts(surest.fit)
         if not rules.as_good(other.error, surest.error, evidence.noise):
             return False
         predicted, rivalling = (evidence.held_out.residual(c.fit) for c in (surest, other))

@@ -90,7 +90,7 @@ class Search:
         grown = self._extended(beam)
         if not self.budget.exchanges:
             return grown
-        if self._open(grown):
+        if self._better(grown):
             found = {c.labels[-1] for c in self._leading(grown)} - {c.labels[-1] for c in beam}
             partners = [c for c in self.singles.candidates if c.labels[-1] in found]
             grown += self._extended(partners)
@@ -174,10 +174,15 @@ class Search:
 
     def _open(self, grown: Sequence[Round]) -> bool:
         """Return whether the best pair is better than any single effect, but not the answer."""
-        pairs, singles = self._leading(grown), self._leading([self.singles])
+        pairs = self._leading(grown)
         if not pairs or pairs[0].rmse <= self.budget.exchange_above * _lowest_level(pairs):
             return False
-        return _left(pairs) <= self.budget.exchange_misfit * _left(singles)
+        return self._better(grown)
+
+    def _better(self, grown: Sequence[Round]) -> bool:
+        """Return whether the best pair is better than any single effect."""
+        pairs, singles = self._leading(grown), self._leading([self.singles])
+        return bool(pairs) and _left(pairs) <= self.budget.exchange_misfit * _left(singles)
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
