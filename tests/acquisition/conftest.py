@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from memory_link import Clock
+from plain_module import PlainModule
 
 from dea.acquisition import duty
 
@@ -27,6 +28,14 @@ def no_guardian_is_left(duty_folder: Path):
 def clock(monkeypatch) -> Clock:
     """Return a clock by which laws and the way to zero go, that passes only while they sleep."""
     made = Clock()
-    for module in ("laws", "zero"):
-        monkeypatch.setattr(f"dea.acquisition.{module}.time", made)
+    for room in ("laws", "zero"):
+        monkeypatch.setattr(f"dea.acquisition.{room}.time", made)
     return made
+
+
+@pytest.fixture
+def module():
+    """Return a plain module that answers until the test ends."""
+    made = PlainModule()
+    yield made
+    made.stop()

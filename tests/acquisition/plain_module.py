@@ -8,6 +8,7 @@ from contextlib import suppress
 
 import numpy as np
 
+from dea.acquisition import duty
 from dea.modbus import parse_device
 
 FULL_SCALE = 10.0  # V, and mm
@@ -124,3 +125,10 @@ class PlainModule:
     def _write(self, count):
         self._count = count
         self.history.append((time.monotonic(), count / 65535 * FULL_SCALE))
+
+
+def guardian_of(module):
+    """The process that guards a module."""
+    notice = duty.look(duty.duty_file(module.description()))
+    assert notice.alive  # process 0 would be the whole group of this one
+    return notice.process

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from plain_module import PlainModule
 from rich.console import Console
 
 from dea import store
@@ -30,13 +29,6 @@ from dea.stages.driving import excitation
 
 ROOT = Path(__file__).parents[2]
 DEVICE = ROOT / "config/devices/virtual_bench.yaml"
-
-
-@pytest.fixture
-def module():
-    module = PlainModule()
-    yield module
-    module.stop()
 
 
 def drive(bench, output, *options):

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from plain_module import PlainModule
 
 from dea.acquisition import AcquisitionSettings, acquire
 from dea.acquisition.__main__ import main
@@ -30,13 +29,6 @@ SAFETY = {
     "amplifier_gain": 1000, "film": {"thickness": 50.0, "capacitance": 2.0},
     "interlocks": {"reading": {"name": "applied_output", "value": 0}},
 }  # fmt: skip
-
-
-@pytest.fixture
-def module():
-    made = PlainModule()
-    yield made
-    made.stop()
 
 
 def test_a_staircase_shows_gain_offset_and_noise_of_a_read_back(module, tmp_path):

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from plain_module import PlainModule
+from plain_module import guardian_of
 
 from dea.acquisition import (
     AcquisitionSettings,
@@ -35,19 +35,6 @@ SETTINGS = AcquisitionSettings(
 )
 VOLTS = np.full(75, 3.0)
 STEP = RATE / 50  # V
-
-
-@pytest.fixture
-def module():
-    made = PlainModule()
-    yield made
-    made.stop()
-
-
-def guardian_of(module):
-    notice = duty.look(duty.duty_file(module.description()))
-    assert notice.alive  # process 0 would be the whole group of this one
-    return notice.process
 
 
 def once_driven(module, action):

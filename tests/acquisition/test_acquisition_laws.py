@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from made_device import described as device_with
 from memory_link import MemoryLink
-from plain_module import PlainModule
 
 from dea.acquisition import AcquisitionSettings, TripError, acquire, latch
 from dea.acquisition.laws import Laws
@@ -177,13 +176,6 @@ def test_a_wrong_safety_section_is_refused(changes, place):
     with pytest.raises(InputError) as caught:
         device(safety=SAFETY | changes)
     assert caught.value.field == place
-
-
-@pytest.fixture
-def module():
-    made = PlainModule()
-    yield made
-    made.stop()
 
 
 SETTINGS = AcquisitionSettings(

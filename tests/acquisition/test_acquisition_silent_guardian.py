@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plain_module import PlainModule
+from plain_module import guardian_of
 
 from dea.acquisition import (
     AcquisitionSettings,
@@ -34,13 +34,6 @@ SETTINGS = AcquisitionSettings(
 PATIENCE = SETTINGS.patience  # s
 
 
-@pytest.fixture
-def module():
-    made = PlainModule()
-    yield made
-    made.stop()
-
-
 def drive(module, partial, action, volts, settings=SETTINGS):
     """Drive at three volts, and act once there."""
     done = []
@@ -51,12 +44,6 @@ def drive(module, partial, action, volts, settings=SETTINGS):
             action()
 
     return acquire(module.description(), volts, partial, settings, watch=watch)
-
-
-def guardian_of(module):
-    notice = duty.look(duty.duty_file(module.description()))
-    assert notice.alive
-    return notice.process
 
 
 def test_a_guardian_that_is_stopped_is_replaced_and_the_output_taken_to_zero(module, tmp_path):
