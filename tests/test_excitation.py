@@ -117,6 +117,10 @@ def test_triangles_climb_at_three_rates():
         ({"kind": "bursts", "active": 0.0}, "active"),
         ({"kind": "staircase", "hold": 0.0}, "hold"),
         ({"kind": "staircase", "levels": 0}, "levels"),
+        ({"kind": "staircase", "levels": 10**9}, "levels"),
+        ({"kind": "staircase", "rise": 1e7}, "rise"),
+        ({"kind": "binary", "band": 1e-300}, "band"),
+        ({"kind": "binary", "band": 1e-9}, "band"),
         ({"kind": "triangle", "fastest": 40.0}, "fastest"),
     ],
 )
@@ -125,6 +129,19 @@ def test_a_wrong_setting_is_named(change, field):
     with pytest.raises(InputError) as error:
         design(asked.pop("kind"), **asked)
     assert error.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("kind", "long"),
+    [
+        ("bursts", {"active": 1e7}), ("bursts", {"rest": 1e7}),
+        ("staircase", {"hold": 1e7}), ("staircase", {"rest": 1e7, "hold": 2.0}),
+    ],
+)  # fmt: skip
+def test_what_lasts_longer_than_the_sequence_lasts_as_long(kind, long):
+    whole = STUDY["duration"] + 1.0
+    shorter = {name: min(seconds, whole) for name, seconds in long.items()}
+    np.testing.assert_array_equal(design(kind, **STUDY, **long), design(kind, **STUDY, **shorter))
 
 
 @pytest.mark.parametrize("width", [1, 2, 5, 8])

@@ -45,8 +45,8 @@ class Span(NamedTuple):
         return self.samples / self.sampling_rate
 
     def length(self, seconds: float) -> int:
-        """Return the number of samples nearest to ``seconds``."""
-        return round(seconds * self.sampling_rate)
+        """Return the number of samples nearest to ``seconds``, at most one more than there are."""
+        return round(min(seconds * self.sampling_rate, self.samples + 1.0))
 
     def spread(self, unit: Signal) -> Signal:
         """Map [-1, 1] onto the range."""
@@ -105,7 +105,8 @@ def staircase(
     A Hann window of ``rise`` seconds smooths the steps. Creep recovers in the rests, drift does
     not. Every level occurs once before any occurs again.
     """
-    _require(levels >= 1, "levels", "is below 1")
+    _require(1 <= levels <= span.samples, "levels", f"is not between 1 and {span.samples}")
+    _require(rise <= span.duration, "rise", f"is longer than the {span.duration:g} s of all")
     held, rested = (max(span.length(seconds), 0) for seconds in (hold, rest))
     _require(held > 0, "hold", "is shorter than a sample")
     rounds = -(-span.samples // (levels * (held + rested)))
@@ -121,6 +122,7 @@ def binary(span: Span, *, band: float = 1.0) -> Signal:
     A Hann window of one period of ``band`` smooths the edges without overshoot, so that less than
     1e-3 of the power lies above twice that frequency.
     """
+    _require(band * span.duration >= 1.0, "band", f"has no period within {span.duration:g} s")
     clock = round(span.sampling_rate / (2.0 * band))
     bits = np.repeat(span.rng.integers(0, 2, -(-span.samples // clock)), clock)
     steps = np.where(bits, span.high, span.low)

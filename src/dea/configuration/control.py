@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from dea.configuration.section import (
     LONGEST,
+    Duration,
     NotNegative,
     Number,
     Part,
@@ -55,8 +56,8 @@ class Control(Section):
 
     duration: Number = key("time that the reference lasts", unit="s", ge=2, le=LONGEST)
     reference: Reference = key("what the displacement is to follow")
-    hold: Positive = key("time at the first voltage before the reference begins", unit="s")
-    approach: Positive = key("time of the way to the reference", unit="s")
+    hold: Duration = key("time at the first voltage before the reference begins", unit="s")
+    approach: Duration = key("time of the way to the reference", unit="s")
     rate: Positive = key("largest change of the voltage", unit="V/s")
     horizon: Annotated[int, Field(ge=3)] = key("samples that the inverse looks ahead")
     smoothness: Positive = key("weight of the second differences of the voltage in the inverse")

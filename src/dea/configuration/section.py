@@ -103,7 +103,7 @@ Share = Annotated[float, Field(allow_inf_nan=False, gt=0, le=1), _WRITTEN]
 Part = Annotated[float, Field(allow_inf_nan=False, ge=0, le=1), _WRITTEN]
 Whole = Annotated[int, _TEXT]
 WholeNotNegative = Annotated[int, Field(ge=0), _TEXT]
-LONGEST = 1e7  # s; at 50 Hz, a signal of that length fills the memory of most machines
+LONGEST = 2e6  # s, three weeks; at 50 Hz, as many samples as an excitation may have
 Duration = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LONGEST), _WRITTEN]
 Count = Annotated[int, Field(ge=1), _TEXT]
 Truth = Annotated[bool, BeforeValidator(_truth_from_text)]
