@@ -139,6 +139,16 @@ def test_a_missing_value_is_flagged_where_it_is_asked_for(tmp_path):
     np.testing.assert_array_equal(np.delete(record.u, 3), np.delete(U, 3))
 
 
+def test_an_infinite_value_is_a_missing_one_where_it_is_asked_for(tmp_path):
+    y = Y.copy()
+    y[3] = np.inf
+    savemat(tmp_path / "mine.mat", {"u": U, "y": y})
+    with pytest.raises(InputError, match=r"Give `resample` 0\.5 "):
+        store.Record.read(tmp_path / "mine.mat", **NAMED)
+    record = store.Record.read(tmp_path / "mine.mat", **NAMED, resample=0.5)
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(record.y)), [3])
+
+
 @pytest.mark.parametrize("mark", [".", ","])
 def test_text_among_the_numbers_is_named_with_its_line(mark, tmp_path):
     rows = [f"{a:.4f};{b:.4f};ok".replace(".", mark) for a, b in zip(U, Y, strict=True)]

@@ -84,7 +84,8 @@ def import_record(
             _require_rows(described.rows, columns[name].size, it, named, f"{below}rows")
         if not np.isfinite(columns[name][rows]).all():
             table.refuse_words([name], file)
-        require_squares(columns[name][rows], name, file)
+        values = columns[name][rows]
+        require_squares(values[np.isfinite(values)], name, file)
         return columns[name][rows]
 
     driving = described.driving
