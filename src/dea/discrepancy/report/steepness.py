@@ -5,7 +5,7 @@ it, are told apart by what they do beyond. The curvature knows nothing of that, 
 unsure as their priors.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
@@ -21,6 +21,10 @@ _SURE = 0.05
 _TRIES, _CLOSE, _STEEP = 10, 0.1, 1.3
 # Part of a way that bounds must leave for its side to count.
 _OPEN = 0.5
+# Variance, in those of the priors, from which a coordinate is a direction of its own: all such
+# coordinates are nearly as unsure as each other, so that any mixture of them is principal. A stop
+# that is never reached would be as sure as a delay beside it.
+_HARDLY_TOLD = 0.99
 
 
 def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: float) -> np.ndarray:
@@ -29,8 +33,9 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
     Each is shortened until the cost at the ends of its 95 % interval, in units of the ``variance``
     of the residual, exceeds that of the fit by as much as for a normal distribution: a cut through
     the cost, along which no other direction is fitted again. Coordinates stop at their bounds. The
-    longer side counts; a side closed by bounds does not. A direction that is well determined is
-    left as it is, and so is one along which the cost is flatter than the parabola.
+    longer side counts; a side closed by bounds does not. Of a coordinate that the record hardly
+    tells the own direction is shortened. A direction that is well determined is left as it is, and
+    so is one along which the cost is flatter than the parabola.
     """
     extended, centre = fit.extended, fit.coordinates
     low, high = extended.bounds
@@ -42,7 +47,7 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
 
     lowest = cost(centre)
 
-    def part_of(way: np.ndarray) -> float:
+    def one_side(way: np.ndarray) -> float:
         """Return the part of a way that the cost leaves; zero where bounds close it."""
         moved = np.clip(centre + way, low, high) - centre
         if np.linalg.norm(moved) < _OPEN * np.linalg.norm(way):
@@ -53,32 +58,25 @@ def shortened(problem: Problem, fit: Fit, covariance: np.ndarray, variance: floa
 
         return _where_one(rise)
 
+    def part_of(length: float, axis: np.ndarray) -> float:
+        way = INTERVAL * np.sqrt(length) * axis
+        # Where bounds close both sides, nothing is known against the length.
+        return max(one_side(way), one_side(-way)) or 1.0
+
     result = covariance.copy()
-    for length, axis in _principal(covariance):
+    hardly_told = np.diag(covariance) >= _HARDLY_TOLD
+    for k in np.flatnonzero(hardly_told):
+        part = part_of(covariance[k, k], np.eye(len(covariance))[k])
+        result[k] *= part
+        result[:, k] *= part
+    told = np.flatnonzero(~hardly_told)
+    lengths, inside = np.linalg.eigh(covariance[np.ix_(told, told)])
+    axes = np.zeros((told.size, len(covariance)))
+    axes[:, told] = inside.T
+    for length, axis in zip(lengths, axes, strict=True):
         if length > _SURE**2:
-            way = INTERVAL * np.sqrt(length) * axis
-            # Where bounds close both sides, nothing is known against the length.
-            part = max(part_of(way), part_of(-way)) or 1.0
-            result -= (1.0 - part**2) * length * np.outer(axis, axis)
+            result -= (1.0 - part_of(length, axis) ** 2) * length * np.outer(axis, axis)
     return result
-
-
-def _principal(covariance: np.ndarray) -> Iterator[tuple[float, np.ndarray]]:
-    """Yield the variance along each principal direction, and the direction (k,).
-
-    Coordinates that the record does not tell at first order are all as unsure as their priors. They
-    are directions of their own, since any mixture of them is principal, too: a stop that is never
-    reached would be as sure as a delay beside it.
-    """
-    coupled = np.abs(covariance - np.diag(np.diag(covariance))).any(axis=0)
-    for k in np.flatnonzero(~coupled):
-        yield float(covariance[k, k]), np.eye(len(covariance))[k]
-    inside = np.flatnonzero(coupled)
-    lengths, axes = np.linalg.eigh(covariance[np.ix_(inside, inside)])
-    for length, axis in zip(lengths, axes.T, strict=True):
-        whole = np.zeros(len(covariance))
-        whole[inside] = axis
-        yield float(length), whole
 
 
 def _where_one(rise: Callable[[float], float]) -> float:
