@@ -101,7 +101,7 @@ def test_a_diagnosis_can_split_the_record_at_the_slowest_time(pole):
     record = signals(600, 50.0)
     sections = infer_settings(record._replace(y=of_pole(record.u, pole, 1))).sections
     slowest, warm_up = (sections["split"][key] for key in ("slowest_time", "warm_up"))
-    assert slowest == pytest.approx(min(-0.02 / np.log(pole), 600 / 50.0 / 26), rel=0.1)
+    assert slowest == pytest.approx(min(-0.02 / np.log(pole), 600 / 50.0 / 10), rel=0.1)
     assert split(record.u, 0.02, slowest, warm_up).certify.any()
     # What the diagnosis would shorten is not promised.
     assert WARM_UP == records.WARM_UP

@@ -26,7 +26,7 @@ _MOST_LAGS = 4
 _WINDOWS = 3
 _RESAMPLES = 10
 _RESPONSES = 120  # times at which responses are taken, at most
-_SLOWEST_TIMES = 26  # slowest time constants in a record, without which a diagnosis cannot split it
+_SLOWEST_TIMES = 10  # slowest time constants in a record, without which a diagnosis cannot split it
 WARM_UP = 0.02  # of a record, that a diagnosis leaves out at its start at most
 _SETTLINGS = 20  # settling times in a window of the local tracker
 
