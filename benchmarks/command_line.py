@@ -1,6 +1,7 @@
 """What the programs of the benchmarks share: how they refuse, and what numbers they take."""
 
 import argparse
+import math
 import subprocess
 import sys
 from collections.abc import Callable
@@ -18,6 +19,22 @@ def positive(text: str) -> int:
     number = int(text)
     if number < 1:
         raise argparse.ArgumentTypeError(f"{number} is not positive")
+    return number
+
+
+def seed_number(text: str) -> int:
+    """Return the seed that an option is given, from 0 on."""
+    number = int(text)
+    if number < 0:
+        raise argparse.ArgumentTypeError(f"{number} is negative")
+    return number
+
+
+def positive_time(text: str) -> float:
+    """Return the time that an option is given, which is positive."""
+    number = float(text)
+    if not 0.0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is no time above 0")
     return number
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from benchmarks.command_line import add_store, positive, run
+from benchmarks.command_line import add_store, positive, run, seed_number
 from benchmarks.stored import command
 from benchmarks.stored import store as keep
 from dea import store
@@ -215,7 +215,7 @@ def main(arguments: list[str] | None = None) -> None:
         prog="python -m benchmarks.control_robustness", description=__doc__
     )
     parser.add_argument("--count", type=positive, default=100, help="actuators drawn")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=seed_number, default=1)
     add_store(parser)
     options = parser.parse_args(arguments)
     found = table(list(campaign(options.count, options.seed)))

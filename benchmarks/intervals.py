@@ -20,7 +20,7 @@ from scipy.signal import cont2discrete, lfilter
 import dea
 from benchmarks import stored
 from benchmarks.bars import progress_bars
-from benchmarks.command_line import add_store, positive, run
+from benchmarks.command_line import add_store, positive, run, seed_number
 from benchmarks.stored import command
 from dea.discrepancy import Settings
 from dea.trials import wilson
@@ -183,7 +183,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Draw, diagnose and count."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.intervals", description=__doc__)
     parser.add_argument("--count", type=positive, default=50, help="records")
-    parser.add_argument("--seed", type=int, default=1, help="of the records")
+    parser.add_argument("--seed", type=seed_number, default=1, help="of the records")
     parser.add_argument("--cores", type=positive, default=2, help="records at a time")
     add_store(parser)
     asked = parser.parse_args(arguments)

@@ -65,5 +65,8 @@ def _time(seconds: float | None) -> str:
     """Return a time with three digits and a prefix."""
     if seconds is None:
         return ""
-    exponent = next((e for e in _PREFIXES if seconds >= 10.0**e), min(_PREFIXES))
-    return f"{seconds / 10.0**exponent:.3g} {_PREFIXES[exponent]}s"
+    rounded = float(f"{seconds:.3g}")
+    exponent = next((e for e in _PREFIXES if rounded >= 10.0**e), min(_PREFIXES))
+    scaled = rounded / 10.0**exponent
+    digits = f"{scaled:.0f}" if scaled >= 100.0 else f"{scaled:.3g}"
+    return f"{digits} {_PREFIXES[exponent]}s"

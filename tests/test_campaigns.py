@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import os
 import shlex
 import subprocess
 from pathlib import Path
@@ -29,7 +30,8 @@ ROOT = Path(__file__).parents[1]
 def asked_by(command):
     """Return the last line that a make command would run."""
     make = ["make", "--dry-run", "--no-print-directory", *shlex.split(command)[1:]]
-    done = subprocess.run(make, cwd=ROOT, capture_output=True, text=True, check=True)
+    plain = {"PATH": os.environ["PATH"], "HOME": os.environ.get("HOME", "/")}
+    done = subprocess.run(make, cwd=ROOT, env=plain, capture_output=True, text=True, check=True)
     return " ".join(done.stdout.replace("\\\n", " ").splitlines()[-1].split())
 
 

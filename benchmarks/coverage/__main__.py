@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from benchmarks import command_line
-from benchmarks.command_line import add_store, positive
+from benchmarks.command_line import add_store, positive, seed_number
 from benchmarks.coverage.campaign import Settings, run
 from benchmarks.coverage.plants import plants
 from benchmarks.coverage.report import as_csv, as_markdown, rows
@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the campaign that the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage", description=__doc__)
     parser.add_argument("--count", type=positive, default=100, help="records of each cell")
-    parser.add_argument("--seed", type=int, default=1, help="of the records")
+    parser.add_argument("--seed", type=seed_number, default=1, help="of the records")
     parser.add_argument("--samples", type=positive, default=Settings.samples, help="of a record")
     parser.add_argument("--cores", type=positive, default=os.cpu_count(), help="jobs at a time")
     parser.add_argument("--plant", action="append", choices=list(plants()),

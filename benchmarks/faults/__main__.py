@@ -13,7 +13,7 @@ from typing import Any
 
 from benchmarks import command_line
 from benchmarks.bars import progress_bars
-from benchmarks.command_line import add_store, positive
+from benchmarks.command_line import add_store, positive, positive_time, seed_number
 from benchmarks.faults.campaign import AT_A_TIME, Campaign
 from benchmarks.faults.examples import examples
 from benchmarks.faults.schedule import Schedule, loads
@@ -29,9 +29,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the campaign that the command line asks for; return 1 where a law was broken."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.faults", description=__doc__)
     parser.add_argument("--count", type=positive, default=100, help="schedules for each victim")
-    parser.add_argument("--seed", type=int, default=1, help="of the draw")
+    parser.add_argument("--seed", type=seed_number, default=1, help="of the draw")
     parser.add_argument("--victim", choices=VICTIMS, action="append", help="only this victim")
-    parser.add_argument("--longest", type=float, default=LONGEST, help="s, of a fault")
+    parser.add_argument("--longest", type=positive_time, default=LONGEST, help="s, of a fault")
     parser.add_argument("--at-a-time", type=positive, default=AT_A_TIME, help="runs at a time")
     parser.add_argument("--keep", type=Path, help="folder for verdicts and what broken laws left")
     parser.add_argument("--no-reduction", action="store_true", help="print schedules as drawn")

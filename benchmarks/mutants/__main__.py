@@ -12,7 +12,7 @@ from types import FrameType
 from typing import NoReturn
 
 from benchmarks import command_line
-from benchmarks.command_line import add_store, positive
+from benchmarks.command_line import add_store, positive, positive_time, seed_number
 from benchmarks.mutants.campaign import ROOMS, Campaign, run
 from benchmarks.mutants.judgements import judgements
 from benchmarks.mutants.report import kill_rate, markdown, values
@@ -25,9 +25,9 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the campaign that the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mutants", description=__doc__)
     parser.add_argument("--count", type=positive, default=300, help="mutants to draw")
-    parser.add_argument("--seed", type=int, default=1, help="of the draw")
+    parser.add_argument("--seed", type=seed_number, default=1, help="of the draw")
     parser.add_argument("--room", choices=ROOMS, action="append", help="only these rooms")
-    parser.add_argument("--budget", type=float, default=60.0, help="seconds of tests for each")
+    parser.add_argument("--budget", type=positive_time, default=60.0, help="s of tests for each")
     parser.add_argument("--cores", type=positive, default=os.cpu_count(), help="mutants at a time")
     add_store(parser)
     given = parser.parse_args(arguments)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import stored
-from benchmarks.command_line import add_store, positive, run
+from benchmarks.command_line import add_store, positive, run, seed_number
 from benchmarks.naming.campaign import Settings, Tried, of_records, of_trials
 from benchmarks.naming.measured import RECORDS
 from benchmarks.naming.methods import REFERENCE, methods
@@ -81,7 +81,7 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.naming", description=__doc__)
     parser.add_argument("--count", type=positive, default=40, help="trials")
     parser.add_argument("--set", choices=SETS, default="reporting", help="of the trials")
-    parser.add_argument("--seed", type=int, help="of the trials; the set's own if not given")
+    parser.add_argument("--seed", type=seed_number, help="of the trials; else the set's own")
     parser.add_argument(
         "--longest", type=positive, default=6000, help="samples of a record, at most"
     )
