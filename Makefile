@@ -1,7 +1,7 @@
 # Every target makes the environment it needs; nothing is installed by hand.
 PYTHON ?= python3.11
 # nproc alone would count the threads that OMP_NUM_THREADS allows one program.
-CORES ?= $(shell env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
+CORES := $(or $(strip $(CORES)),$(shell env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc))
 VENV := .venv
 VALIDATOR := .venv-validator
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
@@ -18,7 +18,8 @@ counted = $(if $(shell printf %s $(call quoted,$($(1))) | grep -xE '0*[1-9][0-9]
 	$(error $(1)=$($(1)) is no whole number above 0. Give one, such as $(1)=2))
 $(call counted,CORES)
 $(and $(PROFILE),$(JOBS),$(call counted,JOBS))
-$(if $(PROFILE),$(if $(wildcard workflow/profiles/$(PROFILE)/profile.yaml),,\
+PROFILES := $(filter-out default,$(patsubst workflow/profiles/%/profile.yaml,%,$(wildcard workflow/profiles/*/profile.yaml)))
+$(if $(PROFILE),$(if $(filter-out $(PROFILES),$(PROFILE)),\
 	$(error PROFILE=$(PROFILE) is none. Name a folder of workflow/profiles, such as PROFILE=slurm)))
 
 # PROFILE=slurm JOBS=100 runs the jobs on a cluster.
@@ -26,7 +27,7 @@ PLACE := $(if $(PROFILE),--workflow-profile workflow/profiles/default \
 	--profile workflow/profiles/$(PROFILE) --jobs $(or $(JOBS),100),\
 	--profile workflow/profiles/default --cores $(CORES))
 # What a profile needs beside the environment, which has the packages that it pulls in.
-EXECUTOR = $(patsubst %,pip install --quiet --disable-pip-version-check --no-deps --requirement %, \
+EXECUTOR = $(patsubst %,$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --requirement %, \
 	$(wildcard workflow/profiles/$(1)/environment.txt))
 SNAKEMAKE := $(and $(PROFILE),$(call EXECUTOR,$(PROFILE)),$(call EXECUTOR,$(PROFILE)) && )\
 	PYTHONPATH=workflow workflow/alone.sh snakemake --nolock --logger progress \
