@@ -51,7 +51,9 @@ class Budget(Section):
         "residual above which a pair is exchanged", unit="noise floors", default=1.05
     )
     exchange_misfit: Share = key(
-        "part of the best single effect's misfit up to which a pair is exchanged", default=0.8
+        "part of the best single effect's misfit up to which a pair is exchanged, and its partners "
+        "are extended",
+        default=0.8,
     )
     exchange_gain: Share = key("factor by which an exchange must lower the error", default=0.9)
     restarted: WholeNotNegative = key(

@@ -40,7 +40,8 @@ class Budget:
         partners of the best pair are not extended either.
     exchange_above, exchange_misfit
         A pair is exchanged if it leaves more than this many noise floors, but no more than this
-        part of the best single effect's misfit: one of its effects may stand for another.
+        part of the best single effect's misfit: one of its effects may stand for another. The
+        partners of the best pairs are extended whatever noise floors they leave.
     exchange_gain
         Factor by which an exchange must lower the error of the best pair for another one.
     restarted
