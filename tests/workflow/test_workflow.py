@@ -90,9 +90,16 @@ def of_the_study(kind):
 
 def test_the_small_study_makes_every_figure_and_table(finished):
     results = finished.folder / "results"
-    for name in of_the_study("figures"):
-        assert (results / "figures" / f"{name}.png").stat().st_size > 5_000
-        assert (results / "figures" / f"{name}.pdf").stat().st_size > 5_000
+    figures = set(of_the_study("figures"))
+    assert len(figures) > 10
+    made = {file.stem for file in (results / "figures").glob("*.png")}
+    apart = {file.stem for file in (results / "figures/actuators").glob("*.png")}
+    for name in figures - made:  # of each actuator alone
+        assert {f"{name}_{actuator}" for actuator in ("dea1", "dea2")} <= apart
+    for kind in ("png", "pdf"):
+        drawn = list((results / "figures").rglob(f"*.{kind}"))
+        assert len(drawn) >= len(figures)
+        assert all(file.stat().st_size > 5_000 for file in drawn)
     for name in of_the_study("tables"):
         for kind in ["csv", "md", "tex"]:
             assert (results / "tables" / f"{name}.{kind}").stat().st_size > 100
