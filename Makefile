@@ -1,7 +1,7 @@
 # Every target makes the environment it needs; nothing is installed by hand.
 PYTHON ?= python3.11
 # nproc alone would count the threads that OMP_NUM_THREADS allows one program.
-CORES := $(or $(strip $(CORES)),$(shell env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc))
+override CORES := $(or $(strip $(CORES)),$(shell env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc))
 VENV := .venv
 VALIDATOR := .venv-validator
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
 # A value as one word of the shell, whatever is in it.
-quoted = '$(subst ','\'',$(if $(filter ~/%,$(1)),$(patsubst ~/%,$(HOME)/%,$(1)),$(1)))'
+quoted = '$(subst ','\'',$(subst <begin>,,$(subst <begin>~/,$(HOME)/,<begin>$(1))))'
 # An option with the value of a variable, where it is given.
 option = $(if $($(2)),--$(1)=$(call quoted,$($(2))))
 # Ends make unless the variable is a whole number above 0; programs would hang, or not name it.

@@ -55,6 +55,29 @@ def programs(said):
     return [json.loads(line[4:]) for line in said.splitlines() if line.startswith("ran ")]
 
 
+@pytest.mark.parametrize(
+    ("file", "given"),
+    [("~/my  file ~/x.csv", "{home}/my  file ~/x.csv"), ("it's a  file.csv", "it's a  file.csv")],
+)
+def test_a_file_reaches_its_program_as_it_is_written(folder, file, given):
+    status, said = make(folder, "case", f"FILE={file}")
+    assert status == 0, said
+    assert programs(said)[0][-1] == given.format(home=os.environ["HOME"])
+
+
+@pytest.mark.parametrize("profile", ["slrum", "default", "sl*", "../profiles/slurm", "slurm x"])
+def test_a_profile_that_is_none_is_named(folder, profile):
+    shutil.copytree(ROOT / "workflow/profiles", folder / "workflow/profiles")
+    status, said = make(folder, "study", f"PROFILE={profile}")
+    assert status != 0
+    assert f"PROFILE={profile} is none" in said
+    assert not programs(said)
+
+
+def test_an_empty_number_of_cores_is_none_given(folder):
+    assert make(folder, "study", "CORES=")[0] == 0
+
+
 @pytest.mark.parametrize("value", ["0", "-1", "abc", "2 3", "1.5", "$$(touch x)", "'"])
 @pytest.mark.parametrize("name", ["CORES", "JOBS"])
 def test_a_number_of_cores_or_jobs_that_is_none_is_named(folder, name, value):
@@ -64,13 +87,6 @@ def test_a_number_of_cores_or_jobs_that_is_none_is_named(folder, name, value):
     assert f"{name}=" in said
     assert "is no whole number above 0" in said
     assert not (folder / "x").exists()
-
-
-def test_a_profile_that_is_none_is_named(folder):
-    status, said = make(folder, "study", "PROFILE=slrum")
-    assert status == 2
-    assert len(said.splitlines()) == 1
-    assert "PROFILE=slrum is none. Name a folder of workflow/profiles" in said
 
 
 WORDS = ["my case", 'it\'s "$$b"; #']
