@@ -118,13 +118,8 @@ def test_the_datasets_keep_their_contracts(creeping, tmp_path):
     assert np.allclose(candidates_dataset(creeping)["confusion"].sum("called"), 1.0)
 
 
-def test_a_diagnosis_does_not_depend_on_the_number_of_threads():
-    offered = ("electrode_lag", "gain_drift", "transport_delay")
-    one, two = (
-        diagnosed(("transport_delay", 1.0), seed=9, offered=offered, workers=workers)
-        for workers in (1, 2)
-    )
-    assert one.verdict == two.verdict
+def test_a_diagnosis_does_not_depend_on_the_number_of_threads(creeping):
+    assert diagnosed(("viscoelastic_creep", 3.0), workers=2).verdict == creeping.verdict
 
 
 def test_effects_that_find_no_port_are_refused():

@@ -31,6 +31,7 @@ def settings(tmp_path_factory):
 @pytest.fixture
 def quick(monkeypatch):
     """Ask the quick methods alone; the simulation alone stands in for the diagnosis."""
+    monkeypatch.setattr(campaign, "_AT_ONCE", 1)
     asked = {name: methods()[name] for name in QUICK} | {OURS: methods()[REFERENCE]}
     for module in ("campaign", "scores", "__main__"):
         monkeypatch.setattr(f"benchmarks.naming.{module}.methods", lambda: asked)
