@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,10 +12,6 @@ from dea.errors import InputError
 from dea.inputs import by_input
 from dea.missing import runs
 
-# Blocks to fit on and to choose by alternate, so that both see changes with time and rare events.
-# Each pattern is the number of such blocks, the length of the certified block in theirs, and the
-# least length of a block in spacings; the first pattern that the record is long enough for is used.
-_PATTERNS = ((18, 3.0, 3.0), (8, 1.5, 1.0), (3, 0.75, 1.0))
 # Between blocks lie as many of the slowest time constants, or fewer where the record is short.
 _TIME_CONSTANTS = 3.0
 # Samples of the shortest block.
@@ -23,6 +20,37 @@ _SHORTEST = 10
 _BEYOND = 0.02
 # Part of its outputs that may be missing.
 _MISSING = 0.5
+
+
+class _Pattern(NamedTuple):
+    """Blocks to fit on and to choose by in turn, so that both see slow changes and rare events.
+
+    The number of such ``blocks``, the length of the certified block in theirs, and the least length
+    of a block in spacings.
+    """
+
+    blocks: int
+    certified: float
+    in_spacings: float
+
+    @property
+    def shortest_blocks(self) -> float:
+        """Return how often all blocks together hold the shortest one."""
+        return (self.blocks + self.certified) / min(1.0, self.certified)
+
+    def least(self, spacing: int) -> float:
+        """Return the samples that it needs with this spacing."""
+        shortest = max(self.in_spacings * spacing, _SHORTEST)
+        return spacing * self.blocks + self.shortest_blocks * shortest
+
+    def widest(self, size: int) -> int:
+        """Return the widest spacing with which it needs no more than ``size`` samples."""
+        in_spacings = size / (self.blocks + self.shortest_blocks * self.in_spacings)
+        return int(min(in_spacings, (size - self.shortest_blocks * _SHORTEST) / self.blocks))
+
+
+# The first that the record is long enough for is used.
+_PATTERNS = (_Pattern(18, 3.0, 3.0), _Pattern(8, 1.5, 1.0), _Pattern(3, 0.75, 1.0))
 
 
 @dataclass(frozen=True)
@@ -84,9 +112,9 @@ def split(
     skipped, size = int(np.ceil(warm_up / interval)), len(u)
     spacing = max(1, int(np.ceil(_TIME_CONSTANTS * slow)))
     for pattern in _PATTERNS:
-        if skipped + _least(pattern, spacing) <= size:
+        if skipped + pattern.least(spacing) <= size:
             return _placed_best(u, known, skipped, spacing, pattern)
-    widest, narrowest = _widest(_PATTERNS[-1], size - skipped), int(np.ceil(max(1.0, slow)))
+    widest, narrowest = _PATTERNS[-1].widest(size - skipped), int(np.ceil(max(1.0, slow)))
     if widest >= narrowest:
         found = _placed_best(u, known, skipped, widest, _PATTERNS[-1])
         return replace(found, time_constants=widest / slow)
@@ -101,41 +129,21 @@ def split(
 
 def shortest_record(spacing: int, skipped: int = 0) -> float:
     """Return the samples of the shortest record that can be split with this ``spacing``."""
-    return skipped + _least(_PATTERNS[-1], spacing)
-
-
-def _least(pattern: tuple[int, float, float], spacing: int) -> float:
-    """Return the samples that a pattern needs with this spacing."""
-    count, certified, in_spacings = pattern
-    shortest = max(in_spacings * spacing, _SHORTEST)
-    return spacing * count + (count + certified) / min(1.0, certified) * shortest
-
-
-def _widest(pattern: tuple[int, float, float], size: int) -> int:
-    """Return the widest spacing with which a pattern needs no more than ``size`` samples."""
-    count, certified, in_spacings = pattern
-    parts = (count + certified) / min(1.0, certified)
-    return int(min(size / (count + parts * in_spacings), (size - parts * _SHORTEST) / count))
+    return skipped + _PATTERNS[-1].least(spacing)
 
 
 def _placed_best(
-    u: np.ndarray,
-    known: np.ndarray | None,
-    skipped: int,
-    spacing: int,
-    pattern: tuple[int, float, float],
+    u: np.ndarray, known: np.ndarray | None, skipped: int, spacing: int, pattern: _Pattern
 ) -> Split:
     """Return the split by a pattern whose certified block is the fittest."""
-    count, certified, _ = pattern
-    usable = len(u) - skipped - spacing * count
-    candidates = _placed(len(u), skipped, spacing, usable, count, certified)
+    candidates = _placed(len(u), skipped, spacing, pattern)
     return min(candidates, key=partial(_unfit, by_input(u), known))
 
 
-def _placed(
-    samples: int, skipped: int, spacing: int, usable: int, count: int, certified: float
-) -> Iterator[Split]:
+def _placed(samples: int, skipped: int, spacing: int, pattern: _Pattern) -> Iterator[Split]:
     """Yield the splits with the certified block at each place inside, the middle first."""
+    count, certified, _ = pattern
+    usable = samples - skipped - spacing * count
     for place in sorted(range(1, count), key=lambda place: abs(2 * place - count)):
         roles = [("fit", "select")[i % 2] for i in range(count)]
         roles.insert(place, "certify")
