@@ -157,8 +157,9 @@ def _nothing_proven(evidence: Evidence) -> Decision:
         return Decision(Status.NONE, None, reason=Reason.NOISE)
     if unpredictable and evidence.nominal_error <= rules.noise_like * evidence.floor:
         return Decision(Status.NONE, None, reason=Reason.IRREDUCIBLE)
-    stationary = is_coloured_noise(problem, alone.residual, evidence.blocks)
-    coloured = stationary and not beyond_priors(alone)
+    coloured = not beyond_priors(alone) and is_coloured_noise(
+        problem, alone.residual, evidence.blocks
+    )
     white = unpredictable and is_white(problem, alone.residual)
     if (coloured or white) and follows_no_force(problem, alone):
         return Decision(Status.NONE, None, reason=Reason.COLOURED if coloured else Reason.UNEVEN)
