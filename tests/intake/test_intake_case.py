@@ -248,6 +248,19 @@ def test_signals_of_different_length_are_named(folder, capsys):
     assert "its columns differ in length: 'y' has 900, 'u' has 1800" in capsys.readouterr().err
 
 
+def test_an_infinite_reading_is_a_missing_one(folder):
+    table = pd.read_csv("mine.csv")
+    y = table["y (mm)"].to_numpy(copy=True)
+    y[400] = np.inf
+    columns = {"t": table["t (s)"].to_numpy(), "u": table["u (V)"].to_numpy(), "y": y}
+    savemat("inf.mat", columns)
+    assert main(["inf.mat", "--input", "u:V", "--output", "y:mm", "--time", "t:s"]) == 0
+    described = yaml.safe_load((folder / "config/cases/inf.yaml").read_text())["record"]
+    record = store.import_record(described)
+    missing = np.flatnonzero(np.isnan(record["output"].values)).tolist()
+    assert missing == [*range(300, 310), 410]  # the rows that the table lacks, and that one
+
+
 def test_another_file_of_the_same_name_replaces_no_case(folder, capsys):
     (folder / "other").mkdir()
     pd.read_csv("mine.csv").to_csv("other/mine.csv", index=False)

@@ -60,6 +60,11 @@ def test_numbers_whose_squares_overflow_are_refused(large):
     assert Record.of(u * (1e140 / large), y, 1.0).u.size == 4
 
 
+def test_an_infinite_output_is_refused():
+    with pytest.raises(InputError, match="y: sample 3 is infinite. Give NaN"):
+        Record.of(U, np.where(U == 5.0, -np.inf, Y), 1.0)
+
+
 def test_names_and_units_are_those_that_signals_carry():
     plain = Record.of(U, Y, 1.0)
     assert (plain.inputs, plain.y_name, plain.y_units) == ([("input", "1")], "output", "1")

@@ -82,11 +82,11 @@ def import_record(
             )
         if described.rows is not None:
             _require_rows(described.rows, columns[name].size, it, named, f"{below}rows")
-        if not np.isfinite(columns[name][rows]).all():
-            table.refuse_words([name], file)
         values = columns[name][rows]
-        require_squares(values[np.isfinite(values)], name, file)
-        return columns[name][rows]
+        if not np.isfinite(values).all():
+            table.refuse_words([name], file)
+        require_squares(values, name, file)
+        return values
 
     driving = described.driving
     places = ["input"] if len(driving) == 1 else [f"inputs[{k}]" for k in range(len(driving))]

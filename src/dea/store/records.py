@@ -91,8 +91,8 @@ class Record(NamedTuple):
         Raises
         ------
         InputError
-            If the signals differ in length, the input has a missing value, a value is too large to
-            square, or the rate is not positive.
+            If the signals differ in length, the input has a missing value, an output is infinite, a
+            value is too large to square, or the rate is not positive.
         """
         inputs, outputs = (real_numbers(each, name) for each, name in ((u, "u"), (y, "y")))
         if inputs.ndim == 2 and inputs.shape[1] == 1:
@@ -112,6 +112,12 @@ class Record(NamedTuple):
         if not np.isfinite(inputs).all():
             raise InputError(
                 "the input has missing values", field="u", remedy="Fill them: it is applied, known"
+            )
+        if np.isinf(outputs).any():
+            raise InputError(
+                f"sample {np.flatnonzero(np.isinf(outputs))[0]} is infinite",
+                field="y",
+                remedy="Give NaN where it stands for a missing value",
             )
         for signal, name in ((inputs, "u"), (outputs, "y")):
             require_squares(signal, name)
@@ -341,7 +347,7 @@ def _require_finite(values: np.ndarray, name: str, file: Path) -> None:
 
 
 def require_squares(values: np.ndarray, name: str, file: Path | None = None) -> None:
-    """Refuse numbers whose squares have a sum that overflows; those that are missing do not count.
+    """Refuse numbers whose squares have a sum that overflows; those not finite are no numbers.
 
     Raises
     ------
@@ -349,7 +355,7 @@ def require_squares(values: np.ndarray, name: str, file: Path | None = None) -> 
         Naming the first sample at fault.
     """
     top = np.sqrt(np.finfo(float).max / max(values.size, 1)) / _ROOM
-    large = np.argwhere(np.abs(values) > top)
+    large = np.argwhere(np.isfinite(values) & (np.abs(values) > top))
     if large.size:
         raise InputError(
             f"sample {large[0, 0]} is {values[tuple(large[0])]:.4g}, too large to compute with",
