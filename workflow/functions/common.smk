@@ -33,16 +33,17 @@ def configuration():
     """The checked study, virtual actuators and cases; a mistake ends it before anything runs."""
     try:
         study = check_study(config)
-        plants = read_bench(BENCH).actuators
-        check_actuators(study, list(plants), BENCH)
+        bench = read_bench(BENCH)
+        check_actuators(study, list(bench.actuators), BENCH)
         check_names(study, DEVICES, EFFECTS)
         check_files(study)
-        return study, plants, read_cases("config/cases", study)
+        return study, bench, read_cases("config/cases", study)
     except InputError as error:
         raise WorkflowError(str(error)) from None
 
 
-STUDY, PLANTS, _cases = configuration()
+STUDY, _bench, _cases = configuration()
+PLANTS, PLAIN = _bench.actuators, _bench.plain
 # Numbers of the command line, which Snakemake hands over as text, are numbers from here on.
 config.update(written(STUDY))
 

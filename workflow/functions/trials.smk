@@ -1,5 +1,5 @@
-# What the film of the trials is made of; what else the bench's file says is none of their business.
-PLAIN_BENCH = {"config": BENCH, "plain": read_bench(BENCH).plain.model_dump()}
+# Of the bench's file, trials depend on this alone.
+PLAIN_BENCH = {"config": BENCH, "plain": PLAIN.model_dump()}
 
 
 def every_batch(pattern):
