@@ -145,7 +145,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line; exits as :func:`dea.acquisition.reported`."""
     parser = argparse.ArgumentParser(prog="python -m dea.stages.record", description=__doc__)
     parser.add_argument("name", help="an actuator of config/config.yaml without `bench`")
-    parser.add_argument("--excitation", metavar="{record,second,probed}", default="record")
+    parser.add_argument("--excitation", metavar=f"{{{','.join(EXCITATIONS)}}}", default="record")
     parser.add_argument(
         "--operator", default="", help="your name: you have checked the setup and arm the device"
     )
