@@ -61,7 +61,7 @@ def test_numbers_whose_squares_overflow_are_refused(large):
 
 
 def test_an_infinite_output_is_refused():
-    with pytest.raises(InputError, match="y: sample 3 is infinite. Give NaN"):
+    with pytest.raises(InputError, match=r"y: sample 3 is infinite\. Give NaN"):
         Record.of(U, np.where(U == 5.0, -np.inf, Y), 1.0)
 
 
