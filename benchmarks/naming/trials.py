@@ -10,7 +10,7 @@ from typing import Any
 from benchmarks.naming.code import digest, imported
 from benchmarks.naming.task import Posed
 from dea import store, trials
-from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.bench import BENCH, plain_settings, read_bench
 from dea.configuration.files import read_yaml
 from dea.configuration.study import FILE, check_study
 from dea.configuration.study import settings as written
@@ -92,8 +92,8 @@ def acquired(drawn: Drawn) -> Path:
 
 
 def _bench() -> dict[str, Any]:
-    """The settings that say around what the trials are drawn."""
-    return {"config": BENCH, "plain": read_bench(BENCH).plain.model_dump()}
+    """Return the settings that say around what the trials are drawn."""
+    return plain_settings(BENCH, read_bench(BENCH))
 
 
 def posed(file: Path) -> Posed:

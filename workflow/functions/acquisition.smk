@@ -63,5 +63,5 @@ def bench_settings(actuator):
     return config["bench"] | {
         "actuator": served,
         "config": BENCH,
-        "plant": PLANTS[served].model_dump(),
+        "plant": VIRTUAL_BENCH.actuators[served].model_dump(),
     }

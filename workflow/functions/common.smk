@@ -6,7 +6,7 @@ import time
 import imports
 
 from dea.audit import collect, withdraw
-from dea.configuration.bench import BENCH, read_bench
+from dea.configuration.bench import BENCH, plain_settings, read_bench
 from dea.configuration.case import read_cases, simulation_of
 from dea.configuration.record import is_part_of
 from dea.configuration.study import (
@@ -42,8 +42,7 @@ def configuration():
         raise WorkflowError(str(error)) from None
 
 
-STUDY, _bench, _cases = configuration()
-PLANTS, PLAIN = _bench.actuators, _bench.plain
+STUDY, VIRTUAL_BENCH, _cases = configuration()
 # Numbers of the command line, which Snakemake hands over as text, are numbers from here on.
 config.update(written(STUDY))
 

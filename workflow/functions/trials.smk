@@ -1,7 +1,3 @@
-# Of the bench's file, trials depend on this alone.
-PLAIN_BENCH = {"config": BENCH, "plain": PLAIN.model_dump()}
-
-
 def every_batch(pattern):
     """The file ``pattern`` of each batch of a set's campaign."""
 

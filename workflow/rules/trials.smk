@@ -7,6 +7,8 @@ include: "../functions/trials.smk"
 # take longer than the work.
 TRIALS = config["trials"]
 NUMBERS = range(TRIALS["first"], TRIALS["first"] + TRIALS["count"])
+# Of what the bench's file says, trials depend on the plain actuator alone.
+BENCH_OF_TRIALS = plain_settings(BENCH, VIRTUAL_BENCH)
 # What the devices with loggers are compared with, as a user of theirs would write it.
 SIMULATIONS_OF_TRIALS = sorted(
     str(path) for path in Path("config/simulations").glob("[!.]*.py")
@@ -37,7 +39,7 @@ rule trial_draw:
                 "seed": TRIALS["seeds"][wildcards.set],
                 "first": int(wildcards.first),
                 "last": int(wildcards.last),
-                "bench": PLAIN_BENCH,
+                "bench": BENCH_OF_TRIALS,
             },
             sort_keys=True,
         ),
@@ -66,7 +68,7 @@ rule trial_acquire:
             {
                 "acquisition": config["acquisition"],
                 "watchdog_time": config["bench"]["watchdog_time"],
-                "bench": PLAIN_BENCH,
+                "bench": BENCH_OF_TRIALS,
             },
             sort_keys=True,
         ),
@@ -92,7 +94,7 @@ rule trial_log:
     benchmark:
         "results/trials/{set}/{first}-{last}/benchmark/log.tsv"
     params:
-        settings=json.dumps({"bench": PLAIN_BENCH}, sort_keys=True),
+        settings=json.dumps({"bench": BENCH_OF_TRIALS}, sort_keys=True),
     shell:
         stage(
             "trial_log --settings {params.settings:q} --sealed {input.sealed:q}"

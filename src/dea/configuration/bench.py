@@ -210,6 +210,14 @@ def read_bench(path: str | Path) -> VirtualBench:
     )
 
 
+def plain_settings(path: str | Path, bench: VirtualBench) -> dict[str, Any]:
+    """Return the settings of jobs that depend on the plain actuator of ``bench`` alone.
+
+    ``path`` is the file that it was read from.
+    """
+    return {"config": str(path), "plain": bench.plain.model_dump()}
+
+
 def with_film(plant: Plant, values: Mapping[str, Any], path: str | Path, place: str) -> Plant:
     """Return ``plant`` with ``values`` of its film; ``place`` is where ``path`` has them.
 

@@ -36,10 +36,10 @@ def plain_as_planned(bench: Mapping[str, Any]) -> Path:
     InputError
         Where it says something else of that actuator than ``plain`` in the settings ``bench``.
     """
-    from dea.configuration.bench import read_bench
+    from dea.configuration.bench import plain_settings, read_bench
 
     file = Path(bench["config"])
-    if read_bench(file).plain.model_dump() != bench["plain"]:
+    if plain_settings(file, read_bench(file)) != bench:
         raise _changed(file, "plain")
     return file
 
