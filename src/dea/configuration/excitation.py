@@ -1,7 +1,7 @@
 """The voltages an actuator is driven with: ``excitation`` of config/config.yaml."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
@@ -114,17 +114,8 @@ class Triangle(Sequence):
         return self
 
 
-_KINDS: dict[str, type[Sequence]] = {
-    "gaussian": Gaussian,
-    "bursts": Bursts,
-    "multisine": Multisine,
-    "staircase": Staircase,
-    "binary": Binary,
-    "triangle": Triangle,
-}
-Kind = Annotated[
-    Gaussian | Bursts | Multisine | Staircase | Binary | Triangle, Field(discriminator="kind")
-]
+_Kinds = Gaussian | Bursts | Multisine | Staircase | Binary | Triangle
+Kind = Annotated[_Kinds, Field(discriminator="kind")]
 
 
 class Probing(Section):
@@ -177,7 +168,10 @@ def checked_excitation(content: Mapping[str, Any]) -> dict[str, Any]:
     InputError
         Naming the key and the remedy.
     """
-    return validated(_KINDS[content["kind"]], content).model_dump(exclude_unset=True)
+    kinds: dict[str, type[Sequence]] = {
+        get_args(kind.model_fields["kind"].annotation)[0]: kind for kind in get_args(_Kinds)
+    }
+    return validated(kinds[content["kind"]], content).model_dump(exclude_unset=True)
 
 
 def sections(excitations: Mapping[str, Any], name: str) -> dict[str, Any]:
