@@ -41,6 +41,11 @@ def test_each_step_is_a_line_with_what_is_left(handler, capsys):
     assert len(said) == 5
 
 
+def test_one_step_is_one(handler, capsys):
+    tell(handler, event=LogEvent.RUN_INFO, stats={"select": 1, "total": 1})
+    assert capsys.readouterr().err.rstrip().endswith("1 step to do")
+
+
 def test_what_is_left_is_foreseen_once_a_tenth_is_done(handler, capsys):
     tell(handler, event=LogEvent.RUN_INFO, stats={"select": 20, "total": 20})
     for i in range(2):

@@ -73,7 +73,7 @@ class LogHandler(LogHandlerBase):
         match event:
             case LogEvent.RUN_INFO:
                 self._total = int(record.stats.get("total", 0))
-                self._write(f"{self._total} steps to do")
+                self._write(f"{self._total} step{'s' * (self._total != 1)} to do")
             case LogEvent.JOB_INFO:
                 name = _described(record.rule_name, record.wildcards or {})
                 self._jobs[record.jobid] = Job(name, list(record.log or []))
