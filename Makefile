@@ -65,8 +65,7 @@ results/%: FORCE $(VENV)/installed # one result: make results/dea1/model.nc
 
 record: $(VENV)/installed ## drive a device and keep its record: make record NAME=film1 OPERATOR=A.Volta
 	$(if $(NAME),,$(error Name an actuator of config/config.yaml without bench: make record NAME=film1))
-	python -m dea.stages.record $(call option,excitation,EXCITATION) \
-		$(call option,operator,OPERATOR) -- $(call quoted,$(NAME))
+	python -m dea.stages.record $(call option,excitation,EXCITATION) $(call option,operator,OPERATOR) -- $(call quoted,$(NAME))
 
 # What the file of a record does not say of its columns: INPUT=volts:V OUTPUT=position:mm RATE=50;
 # several inputs: INPUT=left:V,right:V.
@@ -87,6 +86,7 @@ handover: $(VENV)/installed ## a model as C code and FMU in results/NAME/handove
 	@python -m dea.stages.intake $(call option,name,NAME) --goal handover > /dev/null
 	$(SNAKEMAKE) results/$(NAME)/handover/model.fmu
 	pytest -m campaign tests/control/test_handed_over.py
+	@echo "C code, and the same as an FMU, are in results/$(NAME)/handover."
 
 control: $(VENV)/installed ## after discrepancy (tens of minutes), controllers follow a reference on every virtual actuator
 	$(SNAKEMAKE) control_all
@@ -179,8 +179,7 @@ laws: $(VENV)/installed ## write docs/laws.md, priors, bounds and starts of ever
 	python -m dea.simulation > docs/laws.md
 
 audit: $(VENV)/installed ## compare the results with what their jobs made (SAMPLE=5 makes that many again)
-	python -m dea.audit $(call option,sample,SAMPLE) $(call option,seed,SEED) \
-		$(call option,signers,SIGNERS)
+	python -m dea.audit $(call option,sample,SAMPLE) $(call option,seed,SEED) $(call option,signers,SIGNERS)
 
 sign: ## sign the manifest of the results: make sign KEY=~/.ssh/id_ed25519
 	$(if $(KEY),,$(error Name a private key: make sign KEY=~/.ssh/id_ed25519))
