@@ -22,7 +22,7 @@ from dea.acquisition import (
 )
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.configuration.safety import Safety
-from dea.errors import InputError
+from dea.errors import DeviceError, InputError
 from dea.progress import heard_by, tell
 
 
@@ -55,6 +55,11 @@ def test_an_output_that_nobody_has_driven_is_read(device):
         (Phase.ALARM, "ALARM: cannot show that the output is at zero", "was killed before it had"),
         (Phase.AT_ZERO, "has shown that the output is at zero", "has shown that the output"),
         (Phase.DISMISSED, "was dismissed before zero was shown", "was dismissed before zero"),
+        (
+            Phase.UNKEPT,
+            "has shown that the output is at zero; the disk has not taken its trip",
+            "has shown that the output is at zero",
+        ),
     ],
 )
 def test_a_guardian_is_named_with_what_it_does_and_last_asked_for(device, phase, alive, after):
@@ -95,9 +100,10 @@ def test_the_connection_is_closed_though_the_reading_fails(device, monkeypatch):
     assert closed == [True]
 
 
-def test_a_guardian_that_raises_its_alarm_is_dismissed_until_it_goes(device, monkeypatch):
+@pytest.mark.parametrize("phase", duty.ALARMING)
+def test_a_guardian_that_raises_its_alarm_is_dismissed_until_it_goes(device, phase, monkeypatch):
     with Duty(device) as guardian:
-        guardian.put(Phase.ALARM, 3.0)
+        guardian.put(phase, 3.0)
         orders = []
 
         def wait(seconds):
@@ -113,7 +119,7 @@ def test_a_guardian_that_raises_its_alarm_is_dismissed_until_it_goes(device, mon
         monkeypatch.undo()
 
 
-@pytest.mark.parametrize("phase", [phase for phase in Phase if phase != Phase.ALARM])
+@pytest.mark.parametrize("phase", [phase for phase in Phase if phase not in duty.ALARMING])
 def test_a_guardian_without_an_alarm_is_not_dismissed(device, phase):
     with Duty(device) as guardian:
         guardian.put(phase, 3.0)
@@ -199,6 +205,20 @@ def test_zero_is_not_awaited_for_longer_than_an_alarm_takes(device, jobs, clock,
         with pytest.raises(ZeroNotVerifiedError, match=r"ALARM.* asked for 3 V"):
             by_hand.zero(device, settings)
         assert asked(device) == Order.ZERO
+    assert clock.now == pytest.approx(20.0, abs=1.5)
+    assert jobs == []
+
+
+def test_a_trip_that_no_disk_takes_is_no_danger_and_not_awaited_either(
+    device, jobs, clock, monkeypatch
+):
+    monkeypatch.setattr(by_hand.time, "monotonic", lambda: clock.now)
+    monkeypatch.setattr(by_hand.time, "sleep", clock.sleep)
+    with Duty(device) as guardian:
+        guardian.put(Phase.UNKEPT, 0.0)
+        with pytest.raises(DeviceError, match=r"at zero; .* Make room in") as caught:
+            by_hand.zero(device, AcquisitionSettings(reconnect_time=20.0))
+    assert not isinstance(caught.value, ZeroNotVerifiedError)
     assert clock.now == pytest.approx(20.0, abs=1.5)
     assert jobs == []
 

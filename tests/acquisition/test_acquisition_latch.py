@@ -1,13 +1,15 @@
 """A trip binds every account of the computer, by whatever name it calls the device."""
 
+import errno
 import os
 import stat
+import threading
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from dea.acquisition import by_hand, latch
+from dea.acquisition import TripError, by_hand, first_trip, latch
 from dea.errors import InputError
 from dea.modbus import read_device
 from dea.modbus.device import Safety
@@ -88,3 +90,71 @@ def test_the_status_names_the_trip(serve_bench):
     served = serve_bench().endpoint
     latch.latch(latch.latch_file(served), served.name, "the door is open")
     assert "the door is open" in by_hand.status(served)
+
+
+def test_a_trip_is_held_until_a_full_disk_takes_it(device, monkeypatch):
+    took, room = latch.latch, threading.Event()
+    tried = threading.Semaphore(0)
+
+    def latch_when_there_is_room(*trip):
+        tried.release()
+        if not room.is_set():
+            raise OSError(errno.ENOSPC, "No space left on device")
+        took(*trip)
+
+    monkeypatch.setattr(first_trip, "latch", latch_when_there_is_room)
+    monkeypatch.setattr(first_trip, "AGAIN", 0.01)
+    kept = first_trip.FirstTrip(device, latch.latch_file(device))
+    kept.latch(TripError("the door is open"))
+    for _ in range(3):
+        assert tried.acquire(timeout=10)
+    assert str(kept.pending) == "the door is open"
+    assert "No space left" in str(kept.failure)
+    with pytest.raises(InputError, match="the door is open"):
+        latch.refuse_latched(device)
+    room.set()
+    kept._latching.join(10)
+    assert kept.pending is None
+    assert latch.held(device) is None
+    assert latch.trip(device)["reason"] == "the door is open"
+
+
+def test_a_trip_that_memory_alone_has_held_is_acknowledged_too(device):
+    latch.hold(device, "the door is open, and the current is too large")
+    latch.hold(device, "the door is open")
+    assert latch.acknowledge(device, "A. Person") == "the door is open"
+    latch.refuse_latched(device)
+
+
+def test_a_trip_of_the_time_in_which_one_is_acknowledged_stays(device, monkeypatch):
+    path, log = latch.latch_file(device), latch._log
+    latch.latch(path, device.name, "the door is open")
+
+    def meanwhile(*what):
+        latch.latch(path, device.name, "the current is too large")
+        log(*what)
+
+    monkeypatch.setattr(latch, "_log", meanwhile)
+    assert latch.acknowledge(device, "A. Person") == "the door is open"
+    assert latch.trip(device)["reason"] == "the current is too large"
+
+
+def test_a_trip_whose_acknowledgement_cannot_be_kept_stays(device, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    with monkeypatch.context() as patched:
+        patched.setattr("os.write", full)
+        with pytest.raises(OSError, match="No space"):
+            latch.acknowledge(device, "A. Person")
+    assert latch.trip(device)["reason"] == "the door is open"
+
+
+def test_a_full_disk_that_would_take_no_trip_is_refused_before_any_voltage(device, monkeypatch):
+    def full(_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(InputError, match=r"could not be kept there \(No space left on device\)"):
+        latch.refuse_latched(replace(device, safety=Safety()))

@@ -10,7 +10,7 @@ import pytest
 from made_device import described as device_with
 from memory_link import MemoryLink
 
-from dea.acquisition import AcquisitionSettings, TripError, acquire, latch
+from dea.acquisition import AcquisitionSettings, TripError, acquire, by_hand, latch
 from dea.acquisition.laws import Laws
 from dea.acquisition.output import Output
 from dea.acquisition.panel import Panel
@@ -280,3 +280,50 @@ def test_a_trip_is_latched_before_zero_has_been_shown(module, tmp_path):
     looking.join()
     assert shown - latched[0] > 2.0
     latch.acknowledge(target, "A. Person")
+
+
+@pytest.fixture
+def full_disk(module, tmp_path, monkeypatch):
+    """Drive until a trip that the disk does not take; return the device and the obstacle."""
+    target, obstacle = described(module), tmp_path / "trips"
+    monkeypatch.setitem(acquire.__globals__, "latch_file", lambda _: obstacle / "trip")
+    obstacle.touch()  # a folder that cannot be made
+    module.read_back = lambda count: count + 983 * (count > 6000)
+    settings = replace(SETTINGS, reconnect_time=0.5)
+    with pytest.raises(ZeroNotVerifiedError, match=r"monitor .* is not kept yet: .*trips"):
+        acquire(target, np.full(100, 3.0), tmp_path / "a.partial", settings)
+    assert module.volts == 0.0
+    assert "has not taken its trip" in by_hand.status(target)
+    module.read_back = lambda count: count
+    return target, obstacle
+
+
+def test_a_trip_reaches_the_disk_once_there_is_room(full_disk):
+    _, obstacle = full_disk
+    obstacle.unlink()
+    deadline = time.monotonic() + 20
+    while not (obstacle / "trip").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert "monitor of the high voltage" in (obstacle / "trip").read_text()
+
+
+def test_a_trip_that_no_disk_has_taken_binds_though_its_guardian_was_dismissed(
+    full_disk, module, tmp_path
+):
+    target, _ = full_disk
+    assert "has shown that the output is at zero" in by_hand.dismiss(target)
+    writes = len(module.history)
+    with pytest.raises(InputError, match=r"tripped at .* monitor of the high voltage"):
+        acquire(target, np.full(100, 3.0), tmp_path / "b.partial", SETTINGS)
+    assert len(module.history) == writes
+    assert "monitor" in latch.acknowledge(target, "A. Person")
+    latch.refuse_latched(target)
+
+
+def test_the_next_guardian_brings_a_held_trip_to_the_disk(module):
+    target = described(module)
+    latch.hold(target, "the door is open")
+    by_hand.zero(target, SETTINGS)
+    assert latch.held(target) is None
+    assert latch.acknowledge(target, "A. Person") == "the door is open"

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from dea.acquisition.drive_job import DriveJob
-from dea.acquisition.duty import Notice, Order, Phase, duty_file, end, look, order
+from dea.acquisition.duty import ALARMING, Notice, Order, Phase, duty_file, end, look, order
 from dea.acquisition.latch import latch_file, trip
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import Output
@@ -32,6 +32,7 @@ _DOING = {
     Phase.ALARM: "ALARM: cannot show that the output is at zero",
     Phase.AT_ZERO: "has shown that the output is at zero",
     Phase.DISMISSED: "was dismissed before zero was shown",
+    Phase.UNKEPT: "has shown that the output is at zero; the disk has not taken its trip",
 }
 
 
@@ -69,6 +70,8 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     ------
     ZeroNotVerifiedError
         Where it cannot be shown yet, for longer than ``reconnect_time``; a guardian goes on trying.
+    DeviceError
+        Where it is shown, and the guardian cannot end: for as long, no disk has taken its trip.
     InputError
         Where another master owns the outputs, or a guardian that gives no sign of life is another
         user's.
@@ -81,8 +84,12 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     path = duty_file(device)
     watched, in_alarm = _Watched(path, settings), 0.0
     while (notice := look(path)).alive:
-        in_alarm = (in_alarm or time.monotonic()) if notice.phase == Phase.ALARM else 0.0
+        in_alarm = (in_alarm or time.monotonic()) if notice.phase in ALARMING else 0.0
         if in_alarm and time.monotonic() - in_alarm >= settings.reconnect_time:
+            if notice.phase == Phase.UNKEPT:
+                raise DeviceError(
+                    f"{device.name}: {_guardian(notice)}. Make room in {latch_file(device).parent}"
+                )
             raise ZeroNotVerifiedError(
                 f"{device.name}: {_guardian(notice)}. It goes on trying: switch the amplifier off."
             )
@@ -115,13 +122,13 @@ def dismiss(device: Device) -> str:
     path = duty_file(_known(device))
     watched = _Watched(path, AcquisitionSettings())
     notice = look(path)
-    if not (notice.alive and notice.phase == Phase.ALARM):
+    if not (notice.alive and notice.phase in ALARMING):
         raise InputError(
             f"no guardian raises an alarm: {_guardian(notice)}",
             file=device.source,
             remedy="Take the output to zero: python -m dea.acquisition zero.",
         )
-    while notice.alive and notice.phase == Phase.ALARM:
+    while notice.alive and notice.phase in ALARMING:
         order(path, Order.DISMISS)
         watched.ended(notice)
         time.sleep(0.1)

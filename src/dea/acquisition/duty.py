@@ -38,6 +38,7 @@ class Phase(IntEnum):
     ALARM = 4
     AT_ZERO = 5
     DISMISSED = 6
+    UNKEPT = 7  # at zero, with a trip that the disk has not taken
 
 
 class Order(IntEnum):
@@ -50,6 +51,7 @@ class Order(IntEnum):
 
 # One that was dismissed, too: the amplifier was switched off, and the module may hold its voltage.
 DANGEROUS = (Phase.DRIVING, Phase.TO_ZERO, Phase.ALARM, Phase.DISMISSED)
+ALARMING = (Phase.ALARM, Phase.UNKEPT)  # until a person dismisses the guardian
 
 
 class Notice(NamedTuple):

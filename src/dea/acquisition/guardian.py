@@ -24,6 +24,7 @@ from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.first_trip import FirstTrip
+from dea.acquisition.latch import held
 from dea.acquisition.launch import serve_nursery
 from dea.acquisition.laws import TripError
 from dea.acquisition.link_log import LinkLog
@@ -126,7 +127,7 @@ class Guardian:
         self._posted: deque[tuple[int, float]] = deque()  # samples in all, time
         self._kept = 0
         self._answers: deque[int] = deque()
-        self._first_trip = FirstTrip(job.latch, job.device.name, self.alarm)
+        self._first_trip = FirstTrip(job.device, job.latch)
 
     def asked(self, number: int, _frame: object) -> None:
         """Note a signal that asks for zero; the next check acts on it."""
@@ -141,6 +142,8 @@ class Guardian:
         self.output = Output(self.link, reset=self.job.reset, token=duty.token or 1)
         if not self.job.counts.size:
             duty.clear_order()
+            if (trip := held(self.device)) is not None:  # of a guardian that ended too early
+                self._first_trip.latch(TripError(trip["reason"]))
             self._end_at_zero(self._last_known())
             return
         self._refuse_after_a_crash()
@@ -194,7 +197,7 @@ class Guardian:
         before = self.duty.before
         if before.abandoned:
             return self.duty.left
-        return 0.0 if before.phase == Phase.AT_ZERO else None
+        return 0.0 if before.phase in (Phase.AT_ZERO, Phase.UNKEPT) else None
 
     def _refuse_after_a_crash(self) -> None:
         if self.duty.before.abandoned and not self.device.virtual:
@@ -374,12 +377,16 @@ class Guardian:
                         return
             time.sleep(RETRY)
         self._first_trip.latch(way.trip)
-        self._await_latch(alive)
+        self._await_latch(self._alive_at_zero)
         self.link.check = None
         self.duty.put(Phase.AT_ZERO, 0.0)
         self.link.on_connect = None
         self.link.close()
         self.wire.post("zero", str(evidence), self.link.log.cut())
+
+    def _alive_at_zero(self) -> None:
+        self.duty.put(Phase.UNKEPT, 0.0)
+        self._alive()
 
     def _await_latch(self, alive: Callable[[], None]) -> None:
         """Wait until a trip is kept, and call ``alive`` meanwhile; a person may end it."""
@@ -390,7 +397,8 @@ class Guardian:
             self._first_trip.latch()
             time.sleep(RETRY)
             if time.monotonic() - begun > self.job.settings.reconnect_time:
-                text = f"a trip ({trip}) is not kept yet: the disk does not take it."
+                why = self._first_trip.failure or "it hangs"
+                text = f"a trip ({trip}) is not kept yet: the disk does not take it ({why})."
                 if self.alarm(text):
                     self.wire.post("alarm", text)
                 if self.duty.order == Order.DISMISS:

@@ -6,6 +6,7 @@ Every account of this computer finds the trip of a device, whatever its descript
 import json
 import os
 import stat
+import tempfile
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -20,13 +21,48 @@ from dea.modbus import Device
 FOLDER = Path("/var/tmp/dea")
 # Readable whatever the umask. Programs that delete old temporary files spare one with a sticky bit.
 _MODE = 0o666 | stat.S_ISVTX
+_ROOM = 4096  # bytes that a trip takes on a disk
 
 
 def latch(path: Path, device: str, reason: str) -> None:
     """Note a trip at :func:`latch_file`; its output is not driven until it is acknowledged."""
     with atomic(path) as partial:
-        partial.write_text(json.dumps({"device": device, "reason": reason, "time": utc_now()}))
+        partial.write_text(_said(device, reason))
         partial.chmod(_MODE)
+
+
+def hold(device: Device, reason: str) -> None:
+    """Note a trip in memory, where no disk has a say: it binds all, until the computer is off.
+
+    Raises
+    ------
+    OSError
+        Where no memory is left.
+    """
+    said = _said(device.name, reason).encode()
+    handle = open_shared(held_file(device))
+    try:
+        os.pwrite(handle, said, 0)
+        os.ftruncate(handle, len(said))
+    finally:
+        os.close(handle)
+
+
+def release(device: Device) -> None:
+    """Forget what :func:`hold` has noted."""
+    # In a folder where each account deletes its own files alone, all may empty them.
+    with suppress(FileNotFoundError):
+        os.truncate(held_file(device), 0)
+
+
+def held(device: Device) -> dict[str, str] | None:
+    """Return the trip that is held in memory, as :func:`trip` does."""
+    path = held_file(device)
+    try:
+        empty = not path.stat().st_size
+    except FileNotFoundError:
+        return None
+    return None if empty else _read(path)
 
 
 def refuse_latched(device: Device) -> None:
@@ -51,7 +87,10 @@ def refuse_latched(device: Device) -> None:
 
 def trip(device: Device) -> dict[str, str] | None:
     """Return the trip that keeps an output from being driven: its ``time`` and ``reason``."""
-    path = latch_file(device)
+    return _read(latch_file(device)) or held(device)
+
+
+def _read(path: Path) -> dict[str, str] | None:
     try:
         content = json.loads(path.read_bytes())
         return {key: str(content[key]) for key in ("time", "reason")}
@@ -64,10 +103,30 @@ def trip(device: Device) -> dict[str, str] | None:
 
 def acknowledge(device: Device, person: str) -> str | None:
     """Clear a trip; return its reason, or None where there is none. A log beside it keeps it."""
-    found = trip(device)
+    path = latch_file(device)
+    in_memory = held(device)
+    # Under its own name a trip that happens meanwhile would be cleared with it.
+    taken = path.with_name(f"{path.name}.{os.getpid()}")
+    with suppress(FileNotFoundError, NotADirectoryError):
+        path.rename(taken)
+    found = _read(taken) or in_memory
     if found is None:
         return None
-    path = latch_file(device)
+    try:
+        _log(path, found, person)
+    except OSError:
+        with suppress(OSError):  # another trip has its name by now, or only memory has held it
+            os.link(taken, path)
+        raise
+    finally:
+        taken.unlink(missing_ok=True)
+    if held(device) == in_memory:
+        release(device)
+    return found["reason"]
+
+
+def _log(path: Path, found: dict[str, str], person: str) -> None:
+    """Add the acknowledgement of a trip at ``path`` to the log beside it."""
     line = json.dumps(found | {"acknowledged_by": person, "acknowledged": utc_now()}) + "\n"
     handle = open_shared(path.with_name(f"{path.name}.log"))
     try:
@@ -77,13 +136,16 @@ def acknowledge(device: Device, person: str) -> str | None:
             os.fchmod(handle, _MODE)
     finally:
         os.close(handle)
-    path.unlink()
-    return found["reason"]
 
 
 def latch_file(device: Device) -> Path:
     """Return where a trip of a device is kept."""
     return shared_file(device, "trip", folder=FOLDER)
+
+
+def held_file(device: Device) -> Path:
+    """Return where a trip of a device is held that the disk has not taken."""
+    return shared_file(device, "tripped")
 
 
 def _refuse_without_folder(folder: Path) -> None:
@@ -101,6 +163,21 @@ def _refuse_without_folder(folder: Path) -> None:
             file=folder,
             remedy="Let every account that drives write to it: chmod a+rwx",
         )
+    try:
+        with tempfile.TemporaryFile(dir=folder) as trial:
+            trial.write(bytes(_ROOM))
+            trial.flush()
+            os.fsync(trial.fileno())
+    except OSError as error:
+        raise InputError(
+            f"a trip could not be kept there ({error.strerror})",
+            file=folder,
+            remedy="Make room on its disk.",
+        ) from error
+
+
+def _said(device: str, reason: str) -> str:
+    return json.dumps({"device": device, "reason": reason, "time": utc_now()})
 
 
 def utc_now() -> str:
