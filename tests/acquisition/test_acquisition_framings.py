@@ -6,6 +6,7 @@ import select
 import socket
 import ssl
 import threading
+import time
 import tty
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 from certificates import certificate
-from dea.acquisition import AcquisitionSettings, acquire
+from dea.acquisition import AcquisitionSettings, Link, LinkError, LinkSettings, acquire
 from dea.errors import InputError
 from dea.modbus import Serial, Tls, read_device
 from served_bench import DESCRIPTION
@@ -87,6 +88,26 @@ def test_over_a_serial_line(serve_bench, tmp_path):
     with serial_line(bench.endpoint.port) as name:
         line = Serial(name, baudrate=115200, parity="N")
         check(bench, replace(bench.endpoint, framing="serial", serial=line), tmp_path)
+
+
+@pytest.mark.parametrize("step", [-20.0, 3600.0])
+def test_no_step_of_the_clock_changes_the_timeout_of_a_serial_line(serve_bench, monkeypatch, step):
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    line = Serial(os.ttyname(slave), parity="N")
+    device = replace(serve_bench().endpoint, framing="serial", serial=line)
+    link = Link(device, LinkSettings(timeout=0.5, retries=0, reconnect_time=0.0))
+    link.open()
+    now = time.time
+    looks = iter([0.0])  # the clock is set after the first look
+    monkeypatch.setattr(time, "time", lambda: now() + next(looks, step))
+    begun = time.monotonic()
+    with pytest.raises(LinkError, match="no valid reply"):
+        link.read(0, 1)
+    assert 0.5 <= time.monotonic() - begun < 5.0
+    link.close()
+    os.close(master)
+    os.close(slave)
 
 
 def test_a_serial_line_that_does_not_exist(serve_bench, tmp_path):
