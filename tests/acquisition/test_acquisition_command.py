@@ -13,7 +13,8 @@ import yaml
 from rich.console import Console
 
 from dea import store
-from dea.acquisition import latch, watched
+from dea.acquisition import AcquisitionSettings, latch, watched
+from dea.acquisition import acquire as drive_device
 from dea.acquisition.__main__ import _plain, main
 from dea.acquisition.display import SHOWN, Display, health
 from dea.acquisition.link_log import LinkLog
@@ -232,6 +233,57 @@ def test_what_was_held_beside_the_plan_is_no_sample_of_it(tmp_path, capsys):
         file.samples(held)
     main(["recover", str(partial), "--output", str(tmp_path / "r.nc"), "--device", str(DEVICE)])
     assert "3 of 4 samples, 2 flagged" in capsys.readouterr().out
+
+
+def left_behind(bench, folder, **settings):
+    """Leave a partial file; return its record, and the description, a file of its own."""
+    described = folder / "device.yaml"
+    described.write_text(DEVICE.read_text())
+    device = read_device(described).at(port=bench.endpoint.port)
+    volts = 2.4 + 1.2 * np.sin(np.arange(300) * 0.1)
+    settings = AcquisitionSettings(ramp_rate=20.0, **settings)
+    return drive_device(device, volts, folder / "record.partial", settings).record, described
+
+
+def test_a_file_is_rescued_by_the_description_that_it_was_recorded_with(
+    serve_bench, tmp_path, capsys
+):
+    whole, described = left_behind(serve_bench(), tmp_path)
+    edited = yaml.safe_load(described.read_text())
+    edited["registers"]["displacement"]["range"][1] *= 2
+    described.write_text(yaml.safe_dump(edited))
+    recover = ["recover", str(tmp_path / "record.partial"), "--output", str(tmp_path / "r.nc")]
+    with pytest.raises(SystemExit) as caught:
+        main([*recover, "--device", str(described)])
+    assert caught.value.code == 2
+    assert "another description than" in capsys.readouterr().err
+    main(recover)
+    rescued = store.read(tmp_path / "r.nc", "record")
+    np.testing.assert_array_equal(rescued.displacement, whole.displacement)
+    np.testing.assert_array_equal(rescued.voltage, whole.voltage)
+    assert rescued.attrs["device_description"] == DEVICE.read_text()
+    assert rescued.attrs["sha256_device"] == store.sha256(DEVICE)
+    assert "registers" not in rescued.attrs["notes"]
+
+
+@pytest.mark.parametrize(("tolerance", "flagged"), [(0.01, True), (0.05, False)])
+def test_a_file_is_rescued_with_the_flags_of_the_clock(
+    serve_bench, clock_off, tmp_path, tolerance, flagged
+):
+    whole, _ = left_behind(serve_bench(), tmp_path, clock_tolerance=tolerance)
+    main(["recover", str(tmp_path / "record.partial"), "--output", str(tmp_path / "r.nc")])
+    rescued = store.read(tmp_path / "r.nc", "record")
+    np.testing.assert_array_equal(rescued.quality, whole.quality)
+    assert bool((rescued.quality & Quality.CLOCK).all()) == flagged
+
+
+def test_a_file_without_a_description_asks_for_one(tmp_path, capsys):
+    partial = tmp_path / "record.partial"
+    with PartialFile(partial, {"device": "virtual bench", "lead": 0, "length": 4}) as file:
+        file.samples(samples(5))
+    with pytest.raises(SystemExit):
+        main(["recover", str(partial), "--output", str(tmp_path / "r.nc")])
+    assert "holds no description of its device. Give the one" in capsys.readouterr().err
 
 
 def test_recover_overwrites_nothing(serve_bench, tmp_path, capsys):

@@ -13,10 +13,9 @@ from dea import store
 from dea.acquisition import by_hand, commissioning, latch
 from dea.acquisition.flagged import clock_fault
 from dea.acquisition.panel import Panel
-from dea.acquisition.partial import recover
 from dea.acquisition.preview import preview
-from dea.acquisition.record import record_dataset
 from dea.acquisition.reported import reported
+from dea.acquisition.rescue import rescue
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.samples import Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
@@ -171,32 +170,18 @@ def dismiss(options: argparse.Namespace) -> None:
     print(by_hand.dismiss(_device(options)))
 
 
-def rescue(options: argparse.Namespace) -> None:
+def recover(options: argparse.Namespace) -> None:
     """Write what a crashed or broken acquisition had already recorded."""
     _refuse_existing(options.output)
-    device, found = read_device(options.device), recover(options.partial)
-    heading = next((note for note in found.notes if "device" in note), None)
-    if heading is None or not found.samples.position.size:
-        raise InputError("holds no samples", file=options.partial)
-    if heading["device"] != device.name:
-        raise InputError(
-            f"was recorded from {heading['device']!r}, and the description is of {device.name!r}",
-            file=options.partial,
-            field="device",
-            remedy="Give the description it was recorded with: --device",
-        )
-    record = record_dataset(device, found.samples, heading["lead"], heading["length"])
-    reasons = [note["broken"] for note in found.notes if "broken" in note]
-    quality = record["quality"].values
+    found = rescue(options.partial, options.device)
+    quality = found.record["quality"].values
     print(
-        f"{np.count_nonzero(asked_for(quality))} of {heading['length']} samples, "
+        f"{np.count_nonzero(asked_for(quality))} of {found.length} samples, "
         f"{np.count_nonzero(quality != Quality.GOOD)} flagged"
         + (f"; {found.damaged} damaged stretches of the file" if found.damaged else "")
-        + "".join(f"; {reason}" for reason in reasons)
+        + "".join(f"; {reason}" for reason in found.reasons)
     )
-    record.attrs["notes"] = json.dumps(found.notes, sort_keys=True)
-    record.attrs["device_description"] = device.described
-    _write_record(record, options, f"Rescued record of {device.name}")
+    _write_record(found.record, options, f"Rescued record of {found.device.name}")
 
 
 def _refuse_existing(*files: Path, remedy: str = "Give another --output.") -> None:
@@ -225,8 +210,9 @@ def _parser() -> argparse.ArgumentParser:
     def command(name: str, run: Command) -> argparse.ArgumentParser:
         added = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
         added.set_defaults(run=run)
+        bench = Path("config/devices/virtual_bench.yaml")
         added.add_argument(
-            "--device", type=Path, default=Path("config/devices/virtual_bench.yaml"),
+            "--device", type=Path, default=None if run is recover else bench,
             help="description of the device",
         )  # fmt: skip
         return added
@@ -254,7 +240,7 @@ def _parser() -> argparse.ArgumentParser:
             added.add_argument("--by", required=True, metavar="NAME")
         if run is dismiss:
             added.add_argument("--amplifier-is-off", action="store_true")
-    added = command("recover", rescue)
+    added = command("recover", recover)
     added.add_argument("partial", type=Path)
     added.add_argument("--output", type=Path, required=True)
     return parser

@@ -140,7 +140,10 @@ def _attempt(
     """Return everything measured while a guardian drove the plan, zero shown before and after."""
     blocks = []
     interruption = Interruption()
-    note = {"device": job.device.name, "lead": plan.lead, "length": plan.length}
+    note = {
+        "device": job.device.name, "lead": plan.lead, "length": plan.length,
+        "description": job.device.described, "virtual": job.device.virtual,
+    }  # fmt: skip
     with interruption, Recorder(job, log, interruption.check) as recorder:
         recorder.await_ready()
         set_aside(partial)

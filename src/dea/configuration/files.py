@@ -67,13 +67,25 @@ def read_text_and_yaml(path: str | Path, *, what: str, example: str) -> tuple[st
     """
     try:
         text = Path(path).read_bytes().decode("utf-8")
-        return text, yaml.load(text, _Loader)  # a safe loader
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{what} cannot be read: {error}",
             file=path,
             remedy=f"Name {example} or a file written like it.",
         ) from error
+    return text, parse_yaml(text, path)
+
+
+def parse_yaml(text: str, path: str | Path) -> Any:
+    """Return what YAML says that was read from a file.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_text_and_yaml`.
+    """
+    try:
+        return yaml.load(text, _Loader)  # a safe loader
     except yaml.YAMLError as error:
         raise InputError(
             f"not valid YAML{_described(error)}",

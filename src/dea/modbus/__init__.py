@@ -12,7 +12,7 @@ from dea.modbus.codec import (
     to_physical,
 )
 from dea.modbus.codes import Command, DeviceState, Origin, Refusal
-from dea.modbus.description import parse_device, read_device
+from dea.modbus.description import device_described, parse_device, read_device
 from dea.modbus.device import Device, Register, Serial, Tls
 from dea.modbus.pdu import ReadWriteRequest, ReadWriteResponse, RegistersResponse
 from dea.modbus.window import Window, adjoining
@@ -37,6 +37,7 @@ __all__ = [
     "block_window",
     "checksum",
     "decode",
+    "device_described",
     "encode",
     "limit_counts",
     "parse_device",

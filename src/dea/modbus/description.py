@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from dea.configuration import device as described
-from dea.configuration.files import read_text_and_yaml
+from dea.configuration.files import parse_yaml, read_text_and_yaml
 from dea.configuration.problems import validated
 from dea.modbus.device import Device, Register, Serial, Tls
 
@@ -26,6 +26,12 @@ def read_device(path: str | Path) -> Device:
         path, what="the device description", example="one of config/devices/*.yaml"
     )
     return replace(parse_device(content, source=path), described=text)
+
+
+def device_described(text: str, source: Path, *, virtual: bool) -> Device:
+    """Return the device of a description that a file holds; raises as :func:`read_device`."""
+    device = parse_device(parse_yaml(text, source), source=source)
+    return replace(device, described=text, virtual=virtual)
 
 
 def parse_device(content: Any, source: Path | None = None) -> Device:
