@@ -18,7 +18,7 @@ from benchmarks.faults.plain_module import PlainModule
 from benchmarks.faults.proxy import FaultProxy
 from benchmarks.faults.schedule import Schedule
 from benchmarks.faults.trace import Trace
-from dea.acquisition.commissioning import write_report
+from dea.acquisition.commissioned import write_report
 from dea.modbus import read_device
 
 PATIENCE = 90.0  # s beyond the plan and its faults until the command is held to hang

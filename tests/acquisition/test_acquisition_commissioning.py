@@ -10,15 +10,10 @@ import pytest
 import xarray as xr
 import yaml
 
-from dea.acquisition import AcquisitionSettings, acquire
+from dea.acquisition import AcquisitionSettings, ClosedLoop, acquire
 from dea.acquisition.__main__ import main
-from dea.acquisition.commissioning import (
-    _delay,
-    commission,
-    refuse_uncommissioned,
-    report_file,
-    write_report,
-)
+from dea.acquisition.commissioned import refuse_uncommissioned, report_file, write_report
+from dea.acquisition.commissioning import _delay, commission
 from dea.errors import DeviceError, InputError
 from dea.modbus import read_device
 
@@ -142,10 +137,43 @@ def test_a_device_with_a_safety_model_is_commissioned_first(module, tmp_path, ca
     assert not module.history
     report = write_report(read_device(path), path, {"device": "plain module"})
     assert json.loads(report.read_text())["device"] == "plain module"
-    refuse_uncommissioned(read_device(path), path)
+    refuse_uncommissioned(read_device(path))
     description(module, tmp_path, sampling_rate=40)
     with pytest.raises(InputError, match="changed since it was commissioned"):
-        refuse_uncommissioned(read_device(path), path)
+        refuse_uncommissioned(read_device(path))
+
+
+@pytest.mark.parametrize("where", [{"port": 5}, {"unit_id": 2}])
+def test_a_report_commissions_no_device_at_another_place(module, tmp_path, where):
+    path = description(module, tmp_path)
+    device = read_device(path)
+    write_report(device, path, {"device": "plain module"})
+    with pytest.raises(InputError, match=r"was commissioned is at 127.* this one at") as caught:
+        refuse_uncommissioned(replace(device, **where))
+    assert caught.value.field == "endpoint"
+    refuse_uncommissioned(device.at(host="localhost"))
+
+
+def test_a_report_that_does_not_say_where_commissions_nothing(module, tmp_path):
+    path = description(module, tmp_path)
+    report = json.loads(write_report(read_device(path), path, {}).read_text())
+    del report["endpoint"]
+    report_file(path).write_text(json.dumps(report))
+    with pytest.raises(InputError, match="an unknown place"):
+        refuse_uncommissioned(read_device(path))
+
+
+def test_a_program_of_ones_own_drives_no_device_that_was_not_commissioned(module, tmp_path):
+    device = read_device(description(module, tmp_path, safety={"max_rate": 100}))
+    settings = replace(SETTINGS, mode="polled", ramp_rate=50.0)
+    loop = ClosedLoop(lambda _: 1.0, samples=5, start=1.0, rate=20)
+    for excitation in (np.ones(5), loop):
+        with pytest.raises(InputError, match="not commissioned"):
+            acquire(device, excitation, tmp_path / "a.partial", settings)
+    assert not module.history
+    report = commission(device, tmp_path / "c.partial", SETTINGS, 0.03)
+    write_report(device, device.source, report)
+    assert acquire(device, np.ones(5), tmp_path / "a.partial", settings).record.sizes["time"] == 5
 
 
 @pytest.mark.parametrize(
@@ -181,7 +209,7 @@ def test_a_damaged_report_commissions_nothing(module, tmp_path, left):
     path = description(module, tmp_path)
     report_file(path).write_text(left)
     with pytest.raises(InputError, match=r"device\.commissioned\.json: is "):
-        refuse_uncommissioned(read_device(path), path)
+        refuse_uncommissioned(read_device(path))
 
 
 def test_a_read_back_that_stands_still_is_not_commissioned(module, tmp_path, capsys):
@@ -193,7 +221,7 @@ def test_a_read_back_that_stands_still_is_not_commissioned(module, tmp_path, cap
     assert exit_.value.code == 1
     assert "read_back_gain: the applied output reads" in capsys.readouterr().err
     with pytest.raises(InputError, match="read_back_gain"):
-        refuse_uncommissioned(read_device(path), path)
+        refuse_uncommissioned(read_device(path))
 
 
 @pytest.mark.parametrize("samples", [1, 3])

@@ -213,7 +213,7 @@ def test_an_interlock_of_one_bit_is_read_and_a_coil_switched_on_the_wire(module,
     safety = {"interlocks": {"door": {"name": "door"}}, "enable": {"name": "enable"}}
     plain = module.description()
     target = replace(
-        device(safety=safety | {"heartbeat": None}), port=module.port,
+        device(safety=safety | {"heartbeat": None}), port=module.port, source=None,
         registers={name: device()[name] for name in ("door", "enable")} | dict(plain.registers),
     )  # fmt: skip
 

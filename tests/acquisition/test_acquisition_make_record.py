@@ -10,7 +10,7 @@ import yaml
 
 from dea import archive, store
 from dea.acquisition import ZeroNotVerifiedError
-from dea.acquisition.commissioning import write_report
+from dea.acquisition.commissioned import write_report
 from dea.errors import InputError
 from dea.modbus import read_device
 from dea.stages.record import main

@@ -2,7 +2,7 @@
 
 from dea.acquisition.acquire import AcquiredRecord, acquire, refuse_unarmed
 from dea.acquisition.closed_loop import ClosedLoop, ControllerError
-from dea.acquisition.commissioning import report_file
+from dea.acquisition.commissioned import report_file
 from dea.acquisition.flagged import clock_fault
 from dea.acquisition.interrupts import Interrupted
 from dea.acquisition.laws import TripError

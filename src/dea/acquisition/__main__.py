@@ -10,7 +10,9 @@ import numpy as np
 import xarray as xr
 
 from dea import store
-from dea.acquisition import by_hand, commissioning, latch
+from dea.acquisition import by_hand, latch
+from dea.acquisition.commissioned import write_report
+from dea.acquisition.commissioning import commission as staircase
 from dea.acquisition.flagged import clock_fault
 from dea.acquisition.panel import Panel
 from dea.acquisition.preview import preview
@@ -62,9 +64,8 @@ def drive(options: argparse.Namespace) -> None:
     partial = options.output.with_suffix(".partial")
     _refuse_existing(options.output, link)
     acquired = acquire_watched(
-        device, volts, partial, settings,
-        description=options.device, live=options.live, reset=options.reset,
-    )  # fmt: skip
+        device, volts, partial, settings, live=options.live, reset=options.reset
+    )
     # Another program may have made them meanwhile.
     _refuse_existing(options.output, link, remedy=f"Every sample is in {partial}: recover it.")
     title = f"Record of {device.name}"
@@ -83,9 +84,9 @@ def commission(options: argparse.Namespace) -> None:
     )
     validated(Commissioned, {"share": options.share})
     partial = options.device.with_suffix(".commissioning.partial")
-    report = commissioning.commission(device, partial, settings, options.share)
+    report = staircase(device, partial, settings, options.share)
     print(json.dumps(report, indent=2, sort_keys=True))
-    print(f"written to {commissioning.write_report(device, options.device, report)}")
+    print(f"written to {write_report(device, options.device, report)}")
 
 
 def _excitation_volts(options: argparse.Namespace, device: Device) -> np.ndarray:

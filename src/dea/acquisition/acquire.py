@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from dea.acquisition.closed_loop import ClosedLoop
+from dea.acquisition.commissioned import refuse_uncommissioned
 from dea.acquisition.device_clock import flag_clock
 from dea.acquisition.disk import refuse_without_room
 from dea.acquisition.drive_job import DriveJob
@@ -47,6 +48,7 @@ def acquire(
     *,
     watch: Watcher | None = None,
     reset: bool = False,
+    first: bool = False,
 ) -> AcquiredRecord:
     """Drive ``device`` with ``excitation`` and record what it applied and measured.
 
@@ -67,13 +69,16 @@ def acquire(
         Called with every block of samples and the link's log.
     reset
         Whether a latched watchdog is reset first.
+    first
+        Whether this is the first voltage, which commissions the device: no report is asked for.
 
     Raises
     ------
     InputError
         Before any voltage: the excitation leaves the limits, a controller is to drive buffered, the
         disk cannot take the record, or the device does not match its description, does not answer,
-        is driven or owned by another master, or has tripped.
+        is driven or owned by another master, or has tripped; or it has a safety model, and nobody
+        has armed it, or it has not been commissioned as its file describes it.
     BrokenRecordError
         Where samples were lost or not driven, and the settings do not restart.
     ControllerError
@@ -95,6 +100,8 @@ def acquire(
         asked = {"asked": plan.length, "longest_step": loop.step(device)}
     _refuse_unbuffered(device, settings)
     refuse_unarmed(device, settings.armed_by)
+    if not first:
+        refuse_uncommissioned(device)
     refuse_latched(device)
     refuse_in_use(partial)
     refuse_without_room(partial, max(plan.counts.size, plan.lead + plan.length))

@@ -1,19 +1,16 @@
 """The first voltage on a device: a staircase to a few per cent, and what is learnt from it."""
 
-import json
-import math
 import os
 import signal
 import time
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dea.acquisition.acquire import acquire
+from dea.acquisition.commissioned import DID_NOT_TRIP, MEND, TRIPPED
 from dea.acquisition.duty import duty_file, look
 from dea.acquisition.flagged import flags_said
 from dea.acquisition.latch import utc_now
@@ -23,7 +20,6 @@ from dea.acquisition.poll import Poll
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.samples import DrivenSamples, Quality, asked_for
 from dea.acquisition.settings import AcquisitionSettings
-from dea.atomic_file import atomic
 from dea.errors import DeviceError, InputError
 from dea.modbus import Device, to_physical
 
@@ -33,12 +29,7 @@ if TYPE_CHECKING:
 STEPS = 5  # stairs
 HOLD = 1.0  # s on each of them
 SETTLED = 0.3  # share of a stair at its end that is taken as settled
-TRIPPED, DID_NOT_TRIP = "tripped", "did not trip"
 WATCHDOG_MARGIN = 1.5  # s beyond the watchdog's time
-# Gains of a read-back that follows the output; noise makes that of a low staircase uncertain.
-FOLLOWS = 0.5, 2.0
-_AGAIN = "python -m dea.acquisition commission --arm NAME"
-_MEND = f"Mend the device or its description, then: {_AGAIN}"
 
 
 def commission(
@@ -61,7 +52,7 @@ def commission(
     hold = max(round(HOLD * device.sampling_rate), 10)
     polled = replace(settings, mode="polled", paced=True)
     together = _read_together(device)
-    acquired = acquire(device, np.repeat(stairs, hold), partial, polled)
+    acquired = acquire(device, np.repeat(stairs, hold), partial, polled, first=True)
     report: dict[str, Any] = {"device": device.name, "time": utc_now()}
     report |= {"armed_by": settings.armed_by, "read_together": together}
     report |= {"highest": float(stairs[-1])} | _learnt(acquired.record, acquired.link, hold)
@@ -89,7 +80,7 @@ def _learnt(record: "xr.Dataset", link: "xr.Dataset", hold: int) -> dict[str, An
     settled = np.arange(stairs.sizes["time"]) % hold >= (1 - SETTLED) * hold
     settled &= stairs.quality.values == Quality.GOOD
     if not settled.any():
-        raise DeviceError(f"{flags_said(record)}. {_MEND}")
+        raise DeviceError(f"{flags_said(record)}. {MEND}")
     asked = stairs.voltage_requested.values[settled]
     applied, displacement = stairs.voltage.values[settled], stairs.displacement.values[settled]
     gain, offset = np.polyfit(asked, applied, 1)
@@ -167,83 +158,11 @@ def _trip_watchdog(
         raise _WatchedError
 
     try:
-        acquire(device, volts, partial, settings, watch=kill)
+        acquire(device, volts, partial, settings, watch=kill, first=True)
     except _WatchedError:
         partial.unlink()
     if not found.get("latched"):
         return DID_NOT_TRIP
-    acquire(device, volts[:1], partial, settings, reset=True)
+    acquire(device, volts[:1], partial, settings, reset=True, first=True)
     partial.unlink()
     return TRIPPED
-
-
-def report_file(description: Path) -> Path:
-    """Return where the report on a device description is kept."""
-    return description.with_suffix(".commissioned.json")
-
-
-def write_report(device: Device, description: Path, report: Mapping[str, Any]) -> Path:
-    """Write the report beside the description, with the hash of what the device was driven with.
-
-    Raises
-    ------
-    DeviceError
-        Where a check has failed; the report is written all the same.
-    """
-    path = report_file(description)
-    content = {**report, "description_sha256": _hash(device)}
-    with atomic(path) as partial:
-        partial.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n")
-    for field, why in _failed(report):
-        raise DeviceError(f"{path}: {field}: {why}. {_MEND}")
-    return path
-
-
-def refuse_uncommissioned(device: Device, description: Path) -> None:
-    """Refuse a device with a safety model whose description has not been commissioned as it is.
-
-    Raises
-    ------
-    InputError
-        Where there is no report, a check failed, or the description has been changed since.
-    """
-    if device.safety is None:
-        return
-    path = report_file(description)
-    report = _read_report(path) if path.exists() else {}
-    known = report.get("description_sha256")
-    if known != _hash(device):
-        raise InputError(
-            "changed since it was commissioned" if report else "not commissioned",
-            file=description,
-            remedy=_AGAIN,
-        )
-    for field, why in _failed(report):
-        raise InputError(why, file=path, field=field, remedy=_MEND)
-
-
-def _read_report(path: Path) -> dict[str, Any]:
-    try:
-        report = json.loads(path.read_bytes())
-    except ValueError as error:
-        raise InputError(f"is damaged ({error})", file=path, remedy=_AGAIN) from error
-    if not isinstance(report, dict):
-        raise InputError("is no report of a commissioning", file=path, remedy=_AGAIN)
-    return report
-
-
-def _failed(report: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield each field of a report that shows a device not to be as it must, and why."""
-    if report.get("watchdog", TRIPPED) != TRIPPED:
-        yield "watchdog", f"{report['watchdog']} when the guardian was killed while driving"
-    for field, value in report.items():
-        if isinstance(value, float) and not math.isfinite(value):
-            yield field, f"could not be measured, it is {value}"
-    gain = report.get("read_back_gain", 1.0)
-    if not FOLLOWS[0] <= gain <= FOLLOWS[1]:
-        yield "read_back_gain", f"the applied output reads {gain:.3g} times what was asked for"
-
-
-def _hash(device: Device) -> str:
-    """Return the hash of a description as it was read: its file may have been edited since."""
-    return sha256(device.described.encode()).hexdigest()

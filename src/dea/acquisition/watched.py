@@ -1,4 +1,4 @@
-"""An acquisition as a person runs it: of a commissioned device, with progress on the terminal."""
+"""An acquisition as a person runs it, with progress on the terminal."""
 
 import sys
 from contextlib import suppress
@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from dea.acquisition.acquire import AcquiredRecord, acquire
-from dea.acquisition.commissioning import refuse_uncommissioned
 from dea.acquisition.flagged import clock_fault, flags_said
 from dea.acquisition.settings import AcquisitionSettings
 from dea.acquisition.voltage_plan import plan_sequence
@@ -20,7 +19,6 @@ def acquire_watched(
     partial: Path,
     settings: AcquisitionSettings,
     *,
-    description: Path,
     live: bool = False,
     reset: bool = False,
 ) -> AcquiredRecord:
@@ -28,18 +26,14 @@ def acquire_watched(
 
     Parameters
     ----------
-    description
-        File of the device's description, which must be as it was commissioned.
     live
         Whether voltage and displacement are drawn too.
 
     Raises
     ------
     InputError, DeviceError
-        As :func:`dea.acquisition.acquire`; also where the device has a safety model and has not
-        been commissioned.
+        As :func:`dea.acquisition.acquire`.
     """
-    refuse_uncommissioned(device, description)
     plan = plan_sequence(device, excitation, settings.ramp_rate)
     # The display takes a while to import, and a job of the workflow has none.
     from dea.acquisition.display import Display

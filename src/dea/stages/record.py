@@ -80,7 +80,7 @@ def keep(
     begun = datetime.now(UTC)
     with archive.unfinished(name, now=begun) as folder:
         acquired = acquisition.acquire_watched(
-            device, played.volts, folder / "samples.partial", options, description=device_file
+            device, played.volts, folder / "samples.partial", options
         )
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
         write(played.label(acquired), files, settings)
