@@ -1,4 +1,7 @@
+import errno
+import os
 from datetime import UTC, datetime
+from pathlib import Path
 
 import pytest
 
@@ -33,6 +36,48 @@ def test_a_failed_record_stays_under_an_unfinished_name(tmp_path):
     assert (tmp_path / "film1/20260301T123005Z.partial/samples.partial").read_bytes() == b"abc"
     with pytest.raises(InputError, match="there is no record of film1"):
         archive.chosen("film1", "record", root=tmp_path)
+
+
+def sealed_from_samples(root):
+    with archive.unfinished("film1", root, BEGUN) as folder:
+        (folder / "record.nc").write_bytes(b"abc")
+        (folder / "device.yaml").write_bytes(b"def")
+        samples = folder / "samples.partial"
+        samples.write_bytes(b"ghi")
+        return archive.seal(folder, {"excitation": "record"}, made_from=samples)
+
+
+def test_what_a_record_was_made_from_is_removed_once_all_of_it_is_on_the_disk(
+    tmp_path, monkeypatch
+):
+    done, sync, unlink = [], os.fsync, Path.unlink
+
+    def noted(handle):
+        done.append(Path(os.readlink(f"/proc/self/fd/{handle}")).name)
+        sync(handle)
+
+    def removed(path, **options):
+        if path.exists():
+            done.append(f"without {path.name}")
+        unlink(path, **options)
+
+    monkeypatch.setattr("os.fsync", noted)
+    monkeypatch.setattr(Path, "unlink", removed)
+    folder = sealed_from_samples(tmp_path)
+    assert {"record.nc", "device.yaml"} <= set(done)
+    assert done[-2:] == ["film1", "without samples.partial"]
+    assert set(archive.check(folder)["files"]) == {"record.nc", "device.yaml"}
+    assert not (folder / "samples.partial").exists()
+
+
+def test_a_record_that_cannot_be_sealed_keeps_what_it_was_made_from(tmp_path, monkeypatch):
+    def full(_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        sealed_from_samples(tmp_path)
+    assert (tmp_path / "film1/20260301T123005Z.partial/samples.partial").read_bytes() == b"ghi"
 
 
 def test_a_refused_start_leaves_no_folder(tmp_path):

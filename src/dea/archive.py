@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from dea.atomic_file import atomic
+from dea.atomic_file import atomic, sync, sync_folder
 from dea.errors import InputError
 
 ROOT = Path("records")
@@ -136,20 +136,32 @@ def unfinished(name: str, root: Path = ROOT, now: datetime | None = None) -> Ite
                 empty.rmdir()
 
 
-def seal(folder: Path, content: Mapping[str, Any]) -> Path:
+def seal(folder: Path, content: Mapping[str, Any], made_from: Path | None = None) -> Path:
     """Write the manifest of an unfinished record, make it read-only, and give it its name.
+
+    All of it is on the disk then.
 
     Parameters
     ----------
     content
         What the manifest says; the SHA-256 of every file is added.
+    made_from
+        A file of the folder that is removed once the record has its name: a failure or a crash at
+        any moment leaves one of the two.
 
     Returns
     -------
     Path
         The folder under its final name.
+
+    Raises
+    ------
+    OSError
+        Where the disk does not take it; the folder stays unfinished.
     """
-    files = sorted(path for path in folder.iterdir() if path.is_file())
+    files = sorted(path for path in folder.iterdir() if path.is_file() and path != made_from)
+    for path in files:
+        sync(path)
     digests = {path.name: _sha256(path) for path in files}
     text = json.dumps({**content, "files": digests}, indent=1, sort_keys=True)
     with atomic(folder / MANIFEST) as partial:
@@ -158,6 +170,9 @@ def seal(folder: Path, content: Mapping[str, Any]) -> Path:
         path.chmod(0o444)
     final = folder.with_suffix("")
     folder.rename(final)
+    sync_folder(final.parent)
+    if made_from is not None:
+        (final / made_from.name).unlink()
     final.chmod(0o555)
     return final
 

@@ -17,17 +17,29 @@ def atomic(path: str | Path) -> Iterator[Path]:
     partial = final.with_name(f".{final.name}.{os.getpid()}.partial")
     try:
         yield partial
-        _sync(partial)
+        sync(partial)
         os.replace(partial, final)
-        with suppress(OSError):  # some file systems sync no folders
-            _sync(final.parent)
+        sync_folder(final.parent)
     finally:
         partial.unlink(missing_ok=True)
 
 
-def _sync(path: Path) -> None:
+def sync(path: Path) -> None:
+    """Return once a file is on the disk.
+
+    Raises
+    ------
+    OSError
+        Where the disk does not take it.
+    """
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+def sync_folder(path: Path) -> None:
+    """Return once the names in a folder are on the disk, where its file system can say so."""
+    with suppress(OSError):
+        sync(path)

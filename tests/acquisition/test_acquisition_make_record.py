@@ -1,6 +1,7 @@
 """Recording hardware into ``records/``, with the bench in the place of the device."""
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -158,6 +159,16 @@ def test_a_failed_record_keeps_its_samples_and_gets_no_name(study, capsys, monke
     (folder,) = Path("records/film1").iterdir()
     assert folder.name.endswith(".partial")
     assert (folder / "samples.partial").stat().st_size > 150 * 50
+
+
+def test_an_account_without_a_name_keeps_its_records(study, capsys, monkeypatch):
+    def nameless():
+        raise KeyError("getpwuid(): uid not found: 4711")
+
+    monkeypatch.setattr("getpass.getuser", nameless)
+    main(["film1"])
+    content = archive.check(Path(capsys.readouterr().out.strip()))
+    assert content["operator"] == f"user {os.getuid()}"
 
 
 def test_an_output_that_is_not_shown_to_be_at_zero_is_told_apart(study, capsys, monkeypatch):

@@ -2,6 +2,7 @@
 
 import argparse
 import getpass
+import os
 import platform
 import subprocess
 from collections.abc import Mapping
@@ -77,6 +78,12 @@ def keep(
     commissioned = acquisition.report_file(device_file)
     if commissioned.exists():
         beside["commissioned.json"] = commissioned.read_text()
+    # Before the drive, too: whatever cannot be found out is to cost no record.
+    facts = {
+        "operator": options.armed_by or _account(),
+        "computer": platform.node(),
+        "software": _software(),
+    }
     begun = datetime.now(UTC)
     with archive.unfinished(name, now=begun) as folder:
         acquired = acquisition.acquire_watched(
@@ -86,7 +93,6 @@ def keep(
         write(played.label(acquired), files, settings)
         for file, text in beside.items():
             (folder / file).write_bytes(text.encode())
-        (folder / "samples.partial").unlink()
         fault = acquisition.clock_fault(device, acquired, options)
         kept = archive.seal(
             folder,
@@ -95,14 +101,13 @@ def keep(
                 "excitation": excitation_name,
                 "begun": begun.isoformat(timespec="seconds"),
                 "ended": datetime.now(UTC).isoformat(timespec="seconds"),
-                "operator": options.armed_by or getpass.getuser(),
-                "computer": platform.node(),
-                "software": _software(),
+                **facts,
                 "settings": settings,
                 "samples": acquired.record.sizes["time"],
                 "flagged": store.flag_counts(acquired.record),
             }
             | ({archive.FAULT: fault} if fault else {}),
+            made_from=folder / "samples.partial",
         )
     if fault:
         raise DeviceError(f"{kept} is kept, and no sample of it is good: see the line on its clock")
@@ -126,6 +131,14 @@ def _actuator(actuators: list[Actuator], name: str) -> Actuator:
             remedy="Take `bench` away to drive the device of its description.",
         )
     return known[name]
+
+
+def _account() -> str:
+    """Return the name of this account, or its number where it has none, as in a container."""
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return f"user {os.getuid()}"
 
 
 def _software() -> dict[str, str]:
