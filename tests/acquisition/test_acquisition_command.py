@@ -2,9 +2,11 @@
 
 import json
 import os
+import pty
 import re
 import subprocess
 import sys
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +27,7 @@ from dea.bench.__main__ import main as serve
 from dea.configuration.bench import read_bench
 from dea.errors import InputError
 from dea.modbus import read_device
+from dea.progress import tell
 from dea.stages.acquire import acquire
 from dea.stages.driving import excitation
 
@@ -363,6 +366,40 @@ def test_the_display_shows_rate_round_trips_and_errors():
     with Display(read_device(DEVICE), 100, console=console):
         pass
     assert not console.export_text().strip(), "nothing is drawn of a device that was refused"
+
+
+@contextmanager
+def unread(kind):
+    """Have a standard error whose reader has gone."""
+    reader, writer = os.pipe() if kind == "pipe" else pty.openpty()
+    os.close(reader)
+    before, sys.stderr = sys.stderr, os.fdopen(writer, "w", buffering=1)
+    try:
+        yield sys.stderr
+    finally:
+        gone, sys.stderr = sys.stderr, before
+        with suppress(OSError):
+            gone.close()
+
+
+@pytest.mark.parametrize("kind", ["pipe", "terminal"])
+def test_a_closed_terminal_costs_no_record(serve_bench, tmp_path, capfd, kind):
+    bench, output = serve_bench(), tmp_path / "record.nc"
+    with unread(kind) as stream:
+        drive(bench, output)
+        assert sys.stderr is stream
+    assert not store.read(output).quality.any()
+    assert not list(tmp_path.glob("*.partial"))
+    os.write(1, b"standard output is as it was")
+    assert capfd.readouterr().out.endswith("standard output is as it was")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "terminal"])
+def test_zero_is_reached_though_nobody_reads_what_is_told(monkeypatch, capsys, kind):
+    monkeypatch.setattr("dea.acquisition.by_hand.zero", lambda *_: tell("on its way") or "0 V")
+    with unread(kind):
+        main(["zero", "--device", str(DEVICE)])
+    assert capsys.readouterr().out == "0 V\n"
 
 
 BENCH = ROOT / "config/bench.yaml"

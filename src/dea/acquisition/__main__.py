@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from dea.acquisition.commissioning import commission as staircase
 from dea.acquisition.flagged import clock_fault
 from dea.acquisition.panel import Panel
 from dea.acquisition.preview import preview
-from dea.acquisition.reported import reported
+from dea.acquisition.reported import reported, say
 from dea.acquisition.rescue import rescue
 from dea.acquisition.retrying_link import BY_HAND, Link
 from dea.acquisition.samples import Quality, asked_for
@@ -150,7 +149,7 @@ def status(options: argparse.Namespace) -> None:
 def zero(options: argparse.Namespace) -> None:
     """Take the output to zero, whoever drives it on this machine, and show that it is there."""
     settings = AcquisitionSettings.from_mapping({"ramp_rate": options.ramp_rate})
-    with heard_by(lambda step: print(step, file=sys.stderr)):
+    with heard_by(say):
         evidence = by_hand.zero(_device(options), settings)
     print(evidence)
 

@@ -2,6 +2,8 @@
 
 import time
 from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -21,10 +23,17 @@ SHOWN = 20.0  # s of signal in the live plot
 POINTS = 400  # drawn at most, across the plot
 
 
+class _Terminal(Console):
+    def on_broken_pipe(self) -> None:
+        """Leave it to the display: rich would end the program, and with it the record."""
+        raise
+
+
 class Display:
     """Shows progress on a terminal; pass it as ``watch`` to :func:`dea.acquisition.acquire`.
 
-    Nothing is drawn before the first samples come: a device that is refused has no progress.
+    Nothing is drawn before the first samples come: a device that is refused has no progress. Where
+    nobody can see it any more, as on a terminal that was closed, it stops, and the record goes on.
 
     Parameters
     ----------
@@ -42,7 +51,7 @@ class Display:
         self, device: Device, total: int, *, live: bool = False, console: Console | None = None
     ) -> None:
         self.device, self.live = device, live
-        self._console = console or Console(stderr=True)
+        self._console = console or _Terminal(stderr=True)
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -66,15 +75,18 @@ class Display:
     ) -> None:
         if not self._screen.is_started:
             return
-        self._bar.update(self._task, completed=self._done)
-        self._screen.refresh()
-        self._screen.stop()
-        if not self._console.is_terminal:  # where rich leaves the line open
-            self._console.print()
+        with self._while_seen():
+            self._bar.update(self._task, completed=self._done)
+            self._screen.refresh()
+        with self._while_seen():  # which gives standard error back
+            self._screen.stop()
+            if not self._console.is_terminal:  # where rich leaves the line open
+                self._console.print()
 
     def __call__(self, samples: DrivenSamples, log: LinkLog) -> None:
         """Add a block of samples; redraw at most every REFRESH seconds."""
-        self._screen.start()
+        with self._while_seen():
+            self._screen.start()
         self._done += samples.position.size
         if self.live:
             self._keep(samples)
@@ -83,8 +95,16 @@ class Display:
             return
         self._drawn = now
         rate = self._done / max(now - self._begun, 1e-9)
-        self._bar.update(self._task, completed=self._done, health=health(rate, log))
-        self._screen.refresh()
+        with self._while_seen():
+            self._bar.update(self._task, completed=self._done, health=health(rate, log))
+            self._screen.refresh()
+
+    @contextmanager
+    def _while_seen(self) -> Iterator[None]:
+        try:
+            yield
+        except (OSError, ValueError):  # a terminal that is gone, or has no such characters
+            self._console.quiet = True
 
     def _keep(self, samples: DrivenSamples) -> None:
         device = self.device

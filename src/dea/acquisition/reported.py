@@ -19,20 +19,20 @@ def reported() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        _say(f"error: {error}")
+        say(f"error: {error}")
         raise SystemExit(2) from None
     except ZeroNotVerifiedError as error:
-        _say(f"DANGER: {error}")
+        say(f"DANGER: {error}")
         raise SystemExit(3) from None
     except (DeviceError, OSError) as error:
-        _say(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]))
+        say(". ".join([f"failed: {error}", *getattr(error, "__notes__", [])]))
         raise SystemExit(1) from None
     except Interrupted as signal:
-        _say(f"ended by {signal}; the output is at zero")
+        say(f"ended by {signal}; the output is at zero")
         raise SystemExit(130) from None
 
 
-def _say(text: str) -> None:
-    # The exit status is to tell even where nobody reads the terminal any more.
+def say(text: str) -> None:
+    """Print a line to standard error; whether anybody reads it decides nothing."""
     with suppress(OSError):
         print(text, file=sys.stderr, flush=True)
