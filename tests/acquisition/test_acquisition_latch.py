@@ -158,3 +158,11 @@ def test_a_full_disk_that_would_take_no_trip_is_refused_before_any_voltage(devic
     monkeypatch.setattr("os.fsync", full)
     with pytest.raises(InputError, match=r"could not be kept there \(No space left on device\)"):
         latch.refuse_latched(replace(device, safety=Safety()))
+
+
+@pytest.mark.parametrize("nobody", ["", "  "])
+def test_nobody_acknowledges_a_trip_without_a_name(device, nobody):
+    latch.latch(latch.latch_file(device), device.name, "the door is open")
+    with pytest.raises(InputError, match="by: a trip is acknowledged by a person"):
+        latch.acknowledge(device, nobody)
+    assert latch.trip(device)["reason"] == "the door is open"

@@ -102,7 +102,19 @@ def _read(path: Path) -> dict[str, str] | None:
 
 
 def acknowledge(device: Device, person: str) -> str | None:
-    """Clear a trip; return its reason, or None where there is none. A log beside it keeps it."""
+    """Clear a trip; return its reason, or None where there is none. A log beside it keeps it.
+
+    Raises
+    ------
+    InputError
+        Where the person has no name.
+    OSError
+        Where the log cannot be written; the trip stays.
+    """
+    if not person.strip():
+        raise InputError(
+            "a trip is acknowledged by a person", field="by", remedy="Give your name: --by NAME"
+        )
     path = latch_file(device)
     in_memory = held(device)
     # Under its own name a trip that happens meanwhile would be cleared with it.
