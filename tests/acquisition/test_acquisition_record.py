@@ -70,3 +70,12 @@ def test_the_link_counts_every_exchange_once():
 def test_an_acquisition_without_errors_is_a_dataset_too():
     link = link_dataset(LinkLog(), samples([0] * 3))
     assert link.sizes["exchange"] == link.sizes["kind"] == 0
+
+
+def test_an_output_without_a_read_back_is_said_to_be_as_written():
+    echo = {"address": 2, "table": "input", "scale": 0.002, "unit": "V"}
+    seen = record_dataset(device(applied_output=echo), samples([0] * 4), lead=0, length=4)
+    unseen = record_dataset(device(), samples([0] * 4), lead=0, length=4)
+    assert seen.voltage.attrs["long_name"].endswith("as the device echoed it")
+    for name in ("voltage", "voltage_counts"):
+        assert "as written" in unseen[name].attrs["long_name"]

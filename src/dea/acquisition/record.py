@@ -41,6 +41,9 @@ def record_dataset(device: Device, samples: DrivenSamples, lead: int, length: in
     have = (driven.quality & Quality.LOST) == 0
     output, displacement = device["output"], device["displacement"]
     echo = device.registers.get("applied_output", output)
+    shown, raw = "as the device echoed it", "raw applied output"
+    if not _echoes(device):
+        shown, raw = "as written: the device echoes none", "raw output as written"
     meanings = " ".join(flag.name.lower() for flag in Quality if flag.name)
 
     def variable(values: np.ndarray, units: str, long_name: str) -> Variable:
@@ -50,7 +53,7 @@ def record_dataset(device: Device, samples: DrivenSamples, lead: int, length: in
         {
             "voltage": variable(
                 np.where(have, to_physical(echo, driven.applied), np.nan), echo.unit,
-                "applied output before the amplifier, as the device echoed it",
+                f"applied output before the amplifier, {shown}",
             ),
             "displacement": variable(
                 np.where(have, to_physical(displacement, driven.displacement), np.nan),
@@ -59,7 +62,7 @@ def record_dataset(device: Device, samples: DrivenSamples, lead: int, length: in
             "voltage_requested": variable(
                 to_physical(output, driven.requested), output.unit, "output asked for"
             ),
-            "voltage_counts": variable(_raw(echo, driven.applied), "count", "raw applied output"),
+            "voltage_counts": variable(_raw(echo, driven.applied), "count", raw),
             "displacement_counts": variable(
                 _raw(displacement, driven.displacement), "count", "raw displacement"
             ),
@@ -74,6 +77,12 @@ def record_dataset(device: Device, samples: DrivenSamples, lead: int, length: in
     }
     dataset.attrs["sampling_rate"] = device.sampling_rate
     return dataset
+
+
+def _echoes(device: Device) -> bool:
+    """Return whether a device says what it applies; of another, what was written stands for it."""
+    read = "applied_output" in device or device["output"].access != "write"
+    return read or "reply_samples" in device
 
 
 def _raw(register: Register, values: np.ndarray) -> np.ndarray:
