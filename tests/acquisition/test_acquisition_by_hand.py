@@ -55,6 +55,7 @@ def test_an_output_that_nobody_has_driven_is_read(device):
         (Phase.ALARM, "ALARM: cannot show that the output is at zero", "was killed before it had"),
         (Phase.AT_ZERO, "has shown that the output is at zero", "has shown that the output"),
         (Phase.DISMISSED, "was dismissed before zero was shown", "was dismissed before zero"),
+        (Phase.REFUSED, "was refused before it had driven anything", "was refused before it had"),
         (
             Phase.UNKEPT,
             "has shown that the output is at zero; the disk has not taken its trip",

@@ -327,3 +327,12 @@ def test_the_next_guardian_brings_a_held_trip_to_the_disk(module):
     by_hand.zero(target, SETTINGS)
     assert latch.held(target) is None
     assert latch.acknowledge(target, "A. Person") == "the door is open"
+
+
+def test_a_start_that_is_refused_does_not_hide_that_it_was_driven_before(module, tmp_path):
+    target, volts = module.description(), np.full(20, 1.0)
+    acquire(target, volts, tmp_path / "a.partial", SETTINGS)
+    module.read_back = lambda count: 20000
+    with pytest.raises(InputError):
+        acquire(target, volts, tmp_path / "b.partial", SETTINGS)
+    assert "was refused before it had driven anything" in by_hand.status(target)

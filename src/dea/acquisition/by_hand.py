@@ -32,6 +32,7 @@ _DOING = {
     Phase.ALARM: "ALARM: cannot show that the output is at zero",
     Phase.AT_ZERO: "has shown that the output is at zero",
     Phase.DISMISSED: "was dismissed before zero was shown",
+    Phase.REFUSED: "was refused before it had driven anything",
     Phase.UNKEPT: "has shown that the output is at zero; the disk has not taken its trip",
 }
 

@@ -39,6 +39,7 @@ class Phase(IntEnum):
     AT_ZERO = 5
     DISMISSED = 6
     UNKEPT = 7  # at zero, with a trip that the disk has not taken
+    REFUSED = 8  # before it had driven anything
 
 
 class Order(IntEnum):

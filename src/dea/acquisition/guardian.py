@@ -151,7 +151,7 @@ class Guardian:
         try:
             self.output.take()
         except Exception as error:
-            duty.put(Phase.NEVER, 0.0)
+            duty.put(Phase.REFUSED, 0.0)
             self.wire.post("refused", packed(error))
             return
         try:
@@ -357,7 +357,7 @@ class Guardian:
             except TakenError as error:
                 if not self.job.counts.size:
                     if not self.duty.before.abandoned:
-                        self.duty.put(Phase.NEVER, 0.0)
+                        self.duty.put(Phase.REFUSED, 0.0)
                     self.wire.post("refused", packed(error))
                     return
                 evidence = ZeroEvidence.RELEASED
