@@ -113,8 +113,10 @@ def test_no_step_of_the_clock_changes_the_timeout_of_a_serial_line(serve_bench, 
 def test_a_serial_line_that_does_not_exist(serve_bench, tmp_path):
     line = Serial(str(tmp_path / "ttyS9"))
     device = replace(serve_bench().endpoint, framing="serial", serial=line)
-    with pytest.raises(InputError, match="ttyS9 does not answer"):
+    with pytest.raises(InputError, match="ttyS9 does not answer: there is no such port") as caught:
         acquire(device, VOLTS, tmp_path / "a.partial", FAST)
+    assert caught.value.field == "serial.port"
+    assert "host" not in str(caught.value)
 
 
 @pytest.mark.parametrize("case", ["unknown authority", "other address", "other name"])

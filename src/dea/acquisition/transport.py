@@ -4,6 +4,7 @@ import socket
 import ssl
 import time
 from dataclasses import replace
+from pathlib import Path
 
 from pymodbus.client import ModbusSerialClient, ModbusTcpClient, ModbusTlsClient
 from pymodbus.framer import FramerType
@@ -62,11 +63,15 @@ def at_address(device: Device) -> Device:
 
 def _why_not(device: Device) -> str:
     """Return why a device cannot be connected to, as far as it can be known."""
-    if device.serial is None:
-        try:
-            socket.getaddrinfo(device.host, device.port)
-        except OSError:
-            return f"unknown host {device.host!r}"
+    if device.serial is not None:
+        port = Path(device.serial.port)
+        if port.is_absolute() and not port.exists():
+            return "there is no such port"
+        return "another program has it open, or this account may not open it"
+    try:
+        socket.getaddrinfo(device.host, device.port)
+    except OSError:
+        return f"unknown host {device.host!r}"
     return "connection refused or timed out"
 
 

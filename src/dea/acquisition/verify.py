@@ -22,10 +22,11 @@ def open_described(link: Link) -> None:
     try:
         link.open()
     except LinkError as error:
-        raise InputError(
-            str(error), file=link.device.source, field="endpoint",
-            remedy="Correct host and port, or switch the device on.",
-        ) from error  # fmt: skip
+        if link.device.serial is not None:
+            field, remedy = "serial.port", "Correct it, plug the line in, or end the other program."
+        else:
+            field, remedy = "endpoint", "Correct host and port, or switch the device on."
+        raise InputError(str(error), file=link.device.source, field=field, remedy=remedy) from error
 
 
 @contextmanager
