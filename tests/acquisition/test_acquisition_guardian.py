@@ -204,7 +204,7 @@ def test_a_guardian_is_deaf_to_other_signals(module, partial, number):
     assert drive(module, partial, send).record.sizes["time"] == VOLTS.size
 
 
-def command(module, folder, *arguments):
+def command(module, folder, *arguments, stderr=subprocess.DEVNULL):
     """Start a command on the module, in a process group of its own."""
     device = folder / "device.yaml"
     scale = {"range": [0, 10], "unit": "V"}
@@ -217,7 +217,7 @@ def command(module, folder, *arguments):
     }))  # fmt: skip
     words = [sys.executable, "-m", "dea.acquisition", *arguments, "--device", str(device)]
     return subprocess.Popen(
-        words, cwd=ROOT, stderr=subprocess.DEVNULL, start_new_session=True,
+        words, cwd=ROOT, stderr=stderr, start_new_session=True,
         preexec_fn=_as_from_a_terminal,
     )  # fmt: skip
 
@@ -281,6 +281,20 @@ def test_zero_takes_a_driven_output_to_zero(module, driving, tmp_path):
     assert_at_zero_and_stays(module, 0.3)
     assert_ramped(module)
     assert driving.wait(15) == 1
+
+
+def test_ctrl_c_during_zero_ends_in_one_line_at_zero(module, tmp_path):
+    module._count = 20000
+    with command(module, tmp_path, "zero", stderr=subprocess.PIPE) as process:
+        deadline = time.monotonic() + 30
+        while not module.history:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=60)
+    assert told == b"ended by SIGINT; the output is at zero\n"
+    assert process.returncode == 130
+    assert_at_zero_and_stays(module, 0.3)
 
 
 def test_after_both_have_been_killed_a_start_is_refused_until_zero(module, driving, tmp_path):

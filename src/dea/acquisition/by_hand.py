@@ -8,6 +8,7 @@ import numpy as np
 
 from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import ALARMING, Notice, Order, Phase, duty_file, end, look, order
+from dea.acquisition.interrupts import Interruption
 from dea.acquisition.latch import latch_file, trip
 from dea.acquisition.link_log import LinkLog
 from dea.acquisition.output import Output
@@ -76,6 +77,8 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
     InputError
         Where another master owns the outputs, or a guardian that gives no sign of life is another
         user's.
+    Interrupted
+        On a signal, once zero is shown.
     """
     allowed = device.safety.max_rate if device.safety else None
     if allowed is not None and settings.ramp_rate > allowed:
@@ -105,7 +108,8 @@ def zero(device: Device, settings: AcquisitionSettings) -> str:
         device, settings, nothing, reset=False, token=0,
         latch=latch_file(device), started=log.started,
     )  # fmt: skip
-    with Recorder(job, log, lambda: None) as recorder:
+    interruption = Interruption()
+    with interruption, Recorder(job, log, interruption.check) as recorder:
         recorder.await_zero()
     return recorder.evidence
 

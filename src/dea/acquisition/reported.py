@@ -30,6 +30,9 @@ def reported() -> Iterator[None]:
     except Interrupted as signal:
         say(f"ended by {signal}; the output is at zero")
         raise SystemExit(130) from None
+    except KeyboardInterrupt:  # where no output is this command's to take to zero
+        say("ended by SIGINT")
+        raise SystemExit(130) from None
 
 
 def say(text: str) -> None:
