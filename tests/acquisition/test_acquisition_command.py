@@ -324,6 +324,22 @@ def test_a_file_that_was_made_meanwhile_is_not_overwritten(
     assert not store.read(output, "record").quality.any()
 
 
+def test_a_disk_that_is_full_at_the_end_is_named_with_what_it_holds(
+    serve_bench, tmp_path, capsys, monkeypatch
+):
+    def full(*_, **__):
+        raise RuntimeError("NetCDF: HDF error")
+
+    monkeypatch.setattr("xarray.Dataset.to_netcdf", full)
+    with pytest.raises(SystemExit) as caught:
+        drive(serve_bench(), tmp_path / "record.nc")
+    assert caught.value.code == 1
+    *_, said = capsys.readouterr().err.splitlines()
+    assert re.search(r"record_link\.nc: cannot be written .*: the disk has \d+ MB left", said)
+    assert f"Every sample is in {tmp_path / 'record.partial'}: recover it." in said
+    assert [path.name for path in tmp_path.iterdir()] == ["record.partial"]
+
+
 def test_a_record_whose_clock_is_off_is_kept_with_exit_status_1(
     serve_bench, clock_off, tmp_path, capsys
 ):

@@ -155,8 +155,9 @@ def test_a_failed_record_keeps_its_samples_and_gets_no_name(study, capsys, monke
     with pytest.raises(SystemExit) as exit_:
         main(["film1"])
     assert exit_.value.code == 1
-    assert "No space left" in capsys.readouterr().err
+    said = capsys.readouterr().err
     (folder,) = Path("records/film1").iterdir()
+    assert f"No space left on device. Every sample is in {folder}/samples.partial" in said
     assert folder.name.endswith(".partial")
     assert (folder / "samples.partial").stat().st_size > 150 * 50
 

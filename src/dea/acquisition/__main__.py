@@ -65,11 +65,16 @@ def drive(options: argparse.Namespace) -> None:
     acquired = acquire_watched(
         device, volts, partial, settings, live=options.live, reset=options.reset
     )
+    kept = f"Every sample is in {partial}: recover it."
     # Another program may have made them meanwhile.
-    _refuse_existing(options.output, link, remedy=f"Every sample is in {partial}: recover it.")
+    _refuse_existing(options.output, link, remedy=kept)
     title = f"Record of {device.name}"
-    store.write(acquired.link.assign_attrs(contract="link"), link, title=title)
-    _write_record(acquired.record, options, title)
+    try:
+        store.write(acquired.link.assign_attrs(contract="link"), link, title=title)
+        _write_record(acquired.record, options, title)
+    except OSError as error:
+        error.add_note(kept)
+        raise
     partial.unlink()
     if clock_fault(device, acquired, settings):
         raise DeviceError(f"{options.output} is kept, and no sample of it is good")

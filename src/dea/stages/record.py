@@ -90,7 +90,11 @@ def keep(
             device, played.volts, folder / "samples.partial", options
         )
         files = {"record": folder / "record.nc", "link": folder / "link.nc"}
-        write(played.label(acquired), files, settings)
+        try:
+            write(played.label(acquired), files, settings)
+        except OSError as error:
+            error.add_note(f"Every sample is in {folder / 'samples.partial'}: recover it.")
+            raise
         for file, text in beside.items():
             (folder / file).write_bytes(text.encode())
         fault = acquisition.clock_fault(device, acquired, options)

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import platform
+import shutil
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
@@ -43,6 +44,8 @@ def write(
     ------
     InputError
         If the dataset breaks the contract of its file name; nothing is written then.
+    OSError
+        If the disk does not take it; what was there before is left as it was.
     """
     path = Path(path)
     contract = _check_contract(dataset, path)
@@ -71,7 +74,13 @@ def write(
         if variable.ndim and variable.dtype.kind in "iufb"
     }
     with atomic(path) as partial:
-        whole.to_netcdf(partial, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        try:
+            whole.to_netcdf(partial, engine="netcdf4", format="NETCDF4", encoding=encoding)
+        except (OSError, RuntimeError) as error:  # the library does not say what the disk has said
+            free = shutil.disk_usage(path.parent).free
+            raise OSError(
+                f"{path}: cannot be written ({error}): the disk has {free / 1e6:.0f} MB left"
+            ) from error
 
 
 def read(path: str | Path, contract: str | None = None) -> xr.Dataset:
