@@ -1,5 +1,7 @@
 """Messages between recorder and guardian: whole, late, and to a reader that has stopped."""
 
+import fcntl
+import resource
 import socket
 import time
 from threading import Thread
@@ -59,3 +61,18 @@ def test_a_closed_end_is_noticed_and_nothing_is_sent_to_it(ends):
     assert writer.closed
     writer.post("late")
     assert not writer.unsent
+
+
+def test_a_program_may_have_more_than_a_thousand_files_open(ends):
+    first, reader = ends
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(2048, hard), hard))
+    try:
+        writer = Wire(socket.socket(fileno=fcntl.fcntl(first._end, fcntl.F_DUPFD, 1100)))
+        writer.wait(0.0)
+        writer.post("first", 1)
+        writer.close()
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    reader.wait(5.0)
+    assert reader.take() == [("first", 1)]

@@ -61,8 +61,9 @@ class Wire:
 
     def wait(self, seconds: float) -> None:
         """Return when something has come, the other end has closed, or ``seconds`` have passed."""
-        waiting = [self._end] if self._out else []
-        select.select([self._end], waiting, [], seconds)
+        ready = select.poll()  # a host may have more files open than select can name
+        ready.register(self._end, select.POLLIN | (select.POLLOUT if self._out else 0))
+        ready.poll(1e3 * seconds)
 
     def close(self) -> None:
         """Close this end."""
