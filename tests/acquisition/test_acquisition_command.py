@@ -410,6 +410,16 @@ def test_a_closed_terminal_costs_no_record(serve_bench, tmp_path, capfd, kind):
     assert capfd.readouterr().out.endswith("standard output is as it was")
 
 
+def test_a_program_without_standard_error_drives(serve_bench, tmp_path):
+    words = ["drive", "--device", str(DEVICE), "--port", str(serve_bench().endpoint.port),
+             "--duration", "6", "--ramp-rate", "20",
+             "--output", str(tmp_path / "record.nc")]  # fmt: skip
+    command = ["sh", "-c", 'exec "$0" "$@" 2>&-', sys.executable, "-m", "dea.acquisition", *words]
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stdout
+    assert not store.read(tmp_path / "record.nc").quality.any()
+
+
 @pytest.mark.parametrize("kind", ["pipe", "terminal"])
 def test_zero_is_reached_though_nobody_reads_what_is_told(monkeypatch, capsys, kind):
     monkeypatch.setattr("dea.acquisition.by_hand.zero", lambda *_: tell("on its way") or "0 V")

@@ -27,6 +27,7 @@ def launch(nursery: Callable[[int], None], *, anew: bool = False) -> Wire:
 
     ``nursery`` is the function of a module that serves the socket with the number it is given.
     """
+    _open_standard_error()
     ours, theirs = socket.socketpair()
     with _lock, theirs:
         try:
@@ -56,6 +57,21 @@ def serve_nursery(control: socket.socket, guard: Callable[[Wire], None]) -> None
                 os._exit(0)
         for handle in handles:
             os.close(handle)
+
+
+def _open_standard_error() -> None:
+    """Open it to nowhere where it was closed: a file of the record would take its number.
+
+    An alarm, which is written to that number, would then go into the file.
+    """
+    try:
+        os.fstat(2)
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        if nowhere != 2:
+            os.dup2(nowhere, 2)
+            os.close(nowhere)
+        os.set_inheritable(2, True)  # the nursery's own, too
 
 
 def _ask(control: socket.socket, end: socket.socket) -> None:
