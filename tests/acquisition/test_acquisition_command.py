@@ -48,6 +48,11 @@ def test_drive_writes_a_record_and_its_link(serve_bench, tmp_path, capfd, option
     index = record.device_index.values
     assert np.array_equal(record.displacement_counts, bench.displacement[index])
     assert record.attrs["device_description"] == DEVICE.read_text()
+    made_by = json.loads(record.attrs["settings"])
+    assert made_by["acquisition"]["mode"] == "buffered"
+    assert made_by["acquisition"]["ramp_rate"] == 20.0
+    assert made_by["excitation"] | {"kind": "gaussian", "duration": 6.0} == made_by["excitation"]
+    assert record.attrs["seed"] == "0"
     link = store.read(tmp_path / "record_link.nc", "link")
     assert int(link.samples.sum()) >= index.size
     assert int(link.round_trip_count.sum()) == link.sizes["exchange"]
@@ -267,6 +272,7 @@ def test_a_file_is_rescued_by_the_description_that_it_was_recorded_with(
     assert rescued.attrs["device_description"] == DEVICE.read_text()
     assert rescued.attrs["sha256_device"] == store.sha256(DEVICE)
     assert "registers" not in rescued.attrs["notes"]
+    assert json.loads(rescued.attrs["settings"])["acquisition"]["ramp_rate"] == 20.0
 
 
 @pytest.mark.parametrize(("tolerance", "flagged"), [(0.01, True), (0.05, False)])

@@ -2,8 +2,10 @@
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -51,7 +53,8 @@ def main(arguments: list[str] | None = None) -> None:
 def drive(options: argparse.Namespace) -> None:
     """Drive the device with a designed excitation and write its record."""
     device = _device(options)
-    volts = _excitation_volts(options, device)
+    excitation = _excitation_settings(options)
+    volts = design(**excitation, sampling_rate=device.sampling_rate, seed=options.seed)
     settings = AcquisitionSettings.from_mapping(
         {"mode": options.mode, "on_break": options.on_break, "ramp_rate": options.ramp_rate,
          "armed_by": options.arm}
@@ -71,7 +74,8 @@ def drive(options: argparse.Namespace) -> None:
     title = f"Record of {device.name}"
     try:
         store.write(acquired.link.assign_attrs(contract="link"), link, title=title)
-        _write_record(acquired.record, options, title)
+        made_by = {"acquisition": asdict(settings), "excitation": excitation}
+        _write_record(acquired.record, options, title, made_by, options.seed)
     except OSError as error:
         error.add_note(kept)
         raise
@@ -93,7 +97,8 @@ def commission(options: argparse.Namespace) -> None:
     print(f"written to {write_report(device, options.device, report)}")
 
 
-def _excitation_volts(options: argparse.Namespace, device: Device) -> np.ndarray:
+def _excitation_settings(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the settings of the excitation that is asked for, checked."""
     given = {key: getattr(options, key) for key in ("kind", "duration", "low", "high")}
     if not isinstance(options.setting, dict):
         raise InputError(
@@ -105,8 +110,7 @@ def _excitation_volts(options: argparse.Namespace, device: Device) -> np.ndarray
         raise InputError(
             "it has an option of its own", field=f"setting.{name}", remedy=f"Give --{name}."
         )
-    excitation = checked_excitation(given | options.setting)
-    return design(**excitation, sampling_rate=device.sampling_rate, seed=options.seed)
+    return checked_excitation(given | options.setting)
 
 
 def check(options: argparse.Namespace) -> None:
@@ -186,7 +190,8 @@ def recover(options: argparse.Namespace) -> None:
         + (f"; {found.damaged} damaged stretches of the file" if found.damaged else "")
         + "".join(f"; {reason}" for reason in found.reasons)
     )
-    _write_record(found.record, options, f"Rescued record of {found.device.name}")
+    title = f"Rescued record of {found.device.name}"
+    _write_record(found.record, options, title, {"acquisition": found.settings})
 
 
 def _refuse_existing(*files: Path, remedy: str = "Give another --output.") -> None:
@@ -195,12 +200,20 @@ def _refuse_existing(*files: Path, remedy: str = "Give another --output.") -> No
             raise InputError("exists", file=file, remedy=remedy)
 
 
-def _write_record(record: xr.Dataset, options: argparse.Namespace, title: str) -> None:
+def _write_record(
+    record: xr.Dataset,
+    options: argparse.Namespace,
+    title: str,
+    settings: Mapping[str, Any],
+    seed: int | None = None,
+) -> None:
     store.write(
         record.assign_attrs(contract="record"),
         options.output,
         title=title,
         inputs={"device": record.attrs["device_description"].encode()},
+        settings=settings,
+        seed=seed,
     )
 
 

@@ -18,11 +18,13 @@ if TYPE_CHECKING:
 class Rescued(NamedTuple):
     """A record, how many samples there were to be, and what the file says of the failure.
 
-    ``damaged`` counts the stretches of the file that cannot be read.
+    ``settings`` are those of the acquisition, ``damaged`` counts the stretches of the file that
+    cannot be read.
     """
 
     record: "xr.Dataset"
     device: Device
+    settings: dict[str, Any]
     length: int
     damaged: int
     reasons: list[str]
@@ -55,7 +57,7 @@ def rescue(partial: Path, description: Path | None = None) -> Rescued:
     if armed_by := settings.get("armed_by"):
         record.attrs["armed_by"] = armed_by
     reasons = [note["broken"] for note in found.notes if "broken" in note]
-    return Rescued(record, device, heading["length"], found.damaged, reasons)
+    return Rescued(record, device, settings, heading["length"], found.damaged, reasons)
 
 
 def _device(heading: dict[str, Any], partial: Path, description: Path | None) -> Device:
