@@ -153,3 +153,14 @@ def test_a_guardian_that_never_reports_is_replaced_by_one_from_a_new_nursery(job
     with pytest.raises(ZeroNotVerifiedError, match="no guardian has begun"):
         Recorder(job, LinkLog(), lambda: None).end(None)
     assert asked == [False] + [True] * GUARDIANS
+
+
+@pytest.mark.parametrize("error", [ValueError("no number"), OSError("no memory")])
+def test_whatever_a_guardian_fails_of_zero_is_awaited(job, monkeypatch, error):
+    broken = ("broken", packed(error), None)
+    wire = Refusing(broken, ("zero", "at zero", None))
+    monkeypatch.setattr(recorder, "launch", lambda *_, **__: wire)
+    monkeypatch.setattr(LinkLog, "add", lambda self, other: None)
+    followed = Recorder(job, LinkLog(), lambda: None)
+    followed.end(None)
+    assert followed.evidence == "at zero"

@@ -55,6 +55,7 @@ class Recorder:
         self.answer: Callable[[float], int] | None = None  # of a closed loop
         self.evidence = ""
         self._zero = False  # whether nothing is left to be taken to zero
+        self._ending = False  # what ended the drive first is what the user is told
         self._beat = 0.0
         self._kills = 0
         self._inbox: deque[tuple[Any, ...]] = deque()  # a reader may stop in mid-batch
@@ -105,7 +106,7 @@ class Recorder:
         ZeroNotVerifiedError
             Where the guardian has raised its alarm; it goes on trying.
         """
-        self.check, self.answer = lambda: None, None
+        self.check, self.answer, self._ending = lambda: None, None, True
         lost = 0
         if not self._zero:
             self._say("stop", str(error) or type(error).__name__)
@@ -121,7 +122,7 @@ class Recorder:
             except ZeroNotVerifiedError:
                 raise
             except DeviceError:
-                pass  # what ended the drive first is what the user is told
+                pass
 
     def _replace_guardian(self, lost: int, error: GuardianLostError) -> None:
         """Hire another guardian, who only takes the output to zero, after so many were lost."""
@@ -224,5 +225,5 @@ class Recorder:
                 raise GuardianLostError(f"a guardian could not take over: {refusal}")
             self._zero = True
             raise refusal
-        elif kind == "broken":
+        elif kind == "broken" and not self._ending:
             raise unpacked(content[0])
