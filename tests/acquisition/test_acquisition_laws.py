@@ -336,3 +336,17 @@ def test_a_start_that_is_refused_does_not_hide_that_it_was_driven_before(module,
     with pytest.raises(InputError):
         acquire(target, volts, tmp_path / "b.partial", SETTINGS)
     assert "was refused before it had driven anything" in by_hand.status(target)
+
+
+def test_a_trip_that_is_kept_while_a_drive_waits_for_the_output_binds_it(
+    module, tmp_path, monkeypatch
+):
+    target = described(module)
+    monkeypatch.setitem(
+        acquire.__globals__, "refuse_latched",
+        lambda _: latch.latch(latch.latch_file(target), target.name, "the door is open"),
+    )  # fmt: skip
+    with pytest.raises(InputError, match="the door is open"):
+        acquire(target, np.full(100, 3.0), tmp_path / "a.partial", SETTINGS)
+    assert not module.history
+    latch.acknowledge(target, "A. Person")

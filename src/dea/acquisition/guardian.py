@@ -24,7 +24,7 @@ from dea.acquisition.drive_job import DriveJob
 from dea.acquisition.duty import Duty, Order, Phase
 from dea.acquisition.endpoint_lock import endpoint_lock
 from dea.acquisition.first_trip import FirstTrip
-from dea.acquisition.latch import held
+from dea.acquisition.latch import held, refuse_tripped
 from dea.acquisition.launch import serve_nursery
 from dea.acquisition.laws import TripError
 from dea.acquisition.link_log import LinkLog
@@ -149,6 +149,8 @@ class Guardian:
         self._refuse_after_a_crash()
         duty.clear_order()
         try:
+            # The guardian before may have kept one since the recorder looked.
+            refuse_tripped(self.device)
             self.output.take()
         except Exception as error:
             duty.put(Phase.REFUSED, 0.0)

@@ -73,6 +73,19 @@ def refuse_latched(device: Device) -> None:
     InputError
         Naming the trip, or the folder that cannot be written.
     """
+    refuse_tripped(device)
+    if device.safety is not None:
+        _refuse_without_folder(latch_file(device).parent)
+
+
+def refuse_tripped(device: Device) -> None:
+    """Refuse to drive an output whose trip nobody has acknowledged.
+
+    Raises
+    ------
+    InputError
+        Naming the trip.
+    """
     tripped = trip(device)
     if tripped is not None:
         raise InputError(
@@ -81,8 +94,6 @@ def refuse_latched(device: Device) -> None:
             field="safety",
             remedy="Find out why, then: python -m dea.acquisition acknowledge --by NAME.",
         )
-    if device.safety is not None:
-        _refuse_without_folder(latch_file(device).parent)
 
 
 def trip(device: Device) -> dict[str, str] | None:
