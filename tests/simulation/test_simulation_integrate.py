@@ -121,3 +121,45 @@ def test_friction_holds_a_wheel_before_the_record_that_has_no_place_to_rest_at()
     free, own, _ = attached(simulation, "coulomb_friction", none, substeps=1)
     assert free.simulate(own, np.full(100, 1e-3), DT)[-1] == pytest.approx(2e-3, rel=1e-3)
     assert not free.attached[0].scales.placed
+
+
+@pytest.mark.parametrize(("grounded", "hardening", "side"), [(0.0, 0.0, 0.0), (0.4, 4.0, 0.5)])
+def test_half_the_step_leaves_a_quarter_of_the_error_of_a_second_mass(grounded, hardening, side):
+    """The whole device, which starts off with a speed, is solved anew at a fine tolerance."""
+    omega, zeta, coupling, own, damping = 2 * pi * 1.5, 0.3, 0.3, 2 * pi * 4.0, 0.3
+
+    def derivative(x, u, p, dx):
+        dx[0] = x[1]
+        dx[1] = omega * omega * (p[0] * u - x[0]) - 2.0 * zeta * omega * x[1]
+
+    simulation = Simulation(
+        name="carriage", input_unit="V", output_unit="mm",
+        states=(State("position", "mm", 0.0), State("velocity", "mm/s", 5.0)),
+        parameters=(Parameter("gain", "mm/V", 1.0, 0.2),), derivative=derivative,
+        output=lambda x, u, p: x[0], drive="gain", input_interpolation="linear",
+        force_ports=(ForcePort("velocity", "position", "velocity"),),
+    )  # fmt: skip
+    law = [coupling, 4.0, damping, 0.0, hardening, grounded, side]
+
+    def slope(t, x, unit):
+        z, w, a, v = (x[0] - unit.rest) / unit.scale, x[1] / unit.scale, x[2], x[3]
+        stretch = z - a
+        spring = np.exp(side * np.sign(stretch)) * (1.0 + hardening * stretch**2) * stretch
+        slide = 2.0 * damping / own * (1.0 - grounded) * (w - v)
+        push = -coupling * unit.unit_force * (spring + slide)
+        pull = own**2 * (spring + slide) - 2.0 * damping * own * grounded * v
+        free = omega**2 * (np.interp(t, T, U) - x[0]) - 2.0 * zeta * omega * x[1]
+        return [x[1], free + push, v, pull]
+
+    errors = []
+    for substeps in (1, 2, 4):
+        extended, values, unit = attached(simulation, "second_mode", law, substeps)
+        expected = solve_ivp(
+            slope, (0, T[-1]), [0.0, 5.0, 0.0, 0.0], args=(unit,), t_eval=T, rtol=1e-9, atol=1e-9,
+            max_step=DT / 4,
+        ).y[0]  # fmt: skip
+        errors.append(np.std(extended.simulate(values, U, DT) - expected))
+    plain = prepared(simulation, U, DT, 1e-5)
+    alone = plain.simulate(plain.values(np.zeros(plain.free.size)), U, DT)
+    assert errors[0] < 0.03 * np.std(alone - expected)
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 4.0, rtol=0.15)

@@ -20,7 +20,7 @@ def _spring(stretch: float, q: np.ndarray) -> float:
 
 @njit(FORCE, cache=True, error_model="numpy")
 def force(z: float, w: float, memory: np.ndarray, q: np.ndarray) -> float:
-    """Hardening spring and dashpot to the second mass: ``memory`` is its place and velocity."""
+    """Hardening spring and dashpot to the second mass: ``memory`` begins with its motion."""
     stretch = z - memory[0]
     spring = _spring(stretch, q)
     loss = 2.0 * q[2] * (1.0 - q[5]) / (_TWO_PI * q[1])
@@ -36,12 +36,19 @@ def update(z: float, z_next: float, h: float, memory: np.ndarray, q: np.ndarray)
     omega, damping = _TWO_PI * q[1], 2.0 * q[2] * _TWO_PI * q[1]
     a, v = memory[0], memory[1]
     half = 0.5 * h
-    # The stiffness at the present stretch: only the linear part is implicit.
-    square = omega * omega * _spring(z - a, q)
-    pull = square * (z_next - a - half * v) + damping * ((1.0 - q[5]) * (z_next - z) / h - v)
+    # The memory is half a step ahead: its step has ``z_next`` in its middle. The first mass' speed
+    # there is extrapolated from its means over the last two steps. What the first of them misses
+    # because the motion before it is unknown, the next one makes up for.
+    mean = (z_next - z) / h
+    w = 1.5 * mean - 0.5 * memory[2]
+    # Only the linear part is implicit: the stiffness is that at the stretch expected.
+    stretch = z_next - a - half * v
+    square = omega * omega * _spring(stretch, q)
+    pull = square * stretch + damping * ((1.0 - q[5]) * w - v)
     v_next = v + h * pull / (1.0 + half * damping + half * half * square)
     memory[0] = a + half * (v + v_next)
     memory[1] = v_next
+    memory[2] = mean
 
 
 def memory(q: np.ndarray) -> np.ndarray:
