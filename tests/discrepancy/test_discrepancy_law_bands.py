@@ -41,8 +41,8 @@ def own_part(fit, index):
 def courses_of(fit, coordinates):
     """The courses of laws elsewhere, on the motion of the fit."""
     extended = fit.extended
-    motion = extended.run(fit.values, U, INTERVAL)
-    return law_courses(extended, extended.values(coordinates), U, INTERVAL, motion)
+    motions = extended.motions(fit.values, U, INTERVAL)
+    return law_courses(extended, extended.values(coordinates), U, INTERVAL, motions)
 
 
 def test_the_band_of_a_law_that_is_linear_in_its_parameters_is_exact():

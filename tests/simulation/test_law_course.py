@@ -78,6 +78,43 @@ def test_a_force_of_the_position_is_shown_over_the_position():
     np.testing.assert_array_equal(course.idle, np.zeros(SAMPLES))
 
 
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [
+        ("stress_relaxation", {"relaxation": 0.5, "time": 2.0, "exponent": 0.8, "prestress": 0.3}),
+        ("viscoelastic_creep", {"stiffness": 0.1, "start_position": -0.5, "stretch": 0.3}),
+        ("second_mode", {"frequency": 0.8, "damping_ratio": 0.1, "start_position": 0.4}),
+    ],
+)
+def test_a_memory_of_time_has_gone_through_the_lead_in(name, law):
+    """A lead-in of two seconds is a record that begins two seconds earlier with its first input."""
+    extended, values = attached((name, law))
+    lead = round(2.0 / INTERVAL)
+    settled = replace(extended, simulation=replace(extended.simulation, lead_in=2.0))
+    longer = np.concatenate([np.full(lead, U[0]), U])
+    [expected] = law_courses(extended, values, longer, INTERVAL)
+    [without] = law_courses(extended, values, U, INTERVAL)
+    [found] = law_courses(settled, values, U, INTERVAL)
+    for axis in ("along", "value"):
+        whole = getattr(expected, axis).values[lead:]
+        np.testing.assert_allclose(getattr(found, axis).values, whole, rtol=1e-9, atol=1e-12)
+    change = found.value.values - without.value.values
+    assert np.abs(change[:50]).max() > 0.1 * np.ptp(found.value.values)
+
+
+def test_a_loop_begins_with_the_record_and_not_with_the_lead_in():
+    stops = {"stiffness": 0.3, "largest_radius": 0.2}
+    extended, values = attached(("rate_independent_hysteresis", stops))
+    settled = replace(extended, simulation=replace(extended.simulation, lead_in=2.0))
+    [whole] = settled.motions(values, U + 0.5, INTERVAL)
+    lead = whole.shape[1] - SAMPLES
+    assert lead == 100
+    assert np.ptp(whole[1, :lead]) > 0.3
+    [found] = law_courses(settled, values, U + 0.5, INTERVAL)
+    [expected] = law_courses(extended, values, U + 0.5, INTERVAL, [whole[:, lead:]])
+    np.testing.assert_allclose(found.value.values, expected.value.values, atol=1e-12)
+
+
 def test_what_changes_with_time_is_shown_over_time():
     for name, at_rest in (("gain_drift", 1.0), ("baseline_drift", 0.0)):
         [course] = law_courses(*attached((name, {"mode_1": 0.3})), U, INTERVAL)
@@ -128,9 +165,11 @@ def test_every_law_of_the_catalogue_has_a_shape(name):
     assert course.along.values.shape == course.value.values.shape == course.idle.shape == U.shape
 
 
-def test_the_courses_of_two_records_are_those_of_each_alone():
-    laws = ("dead_zone", {"threshold": 0.5}), ("sensor_lag", {})
+@pytest.mark.parametrize("lead_in", [0.0, 1.0])
+def test_the_courses_of_two_records_are_those_of_each_alone(lead_in):
+    laws = ("dead_zone", {"threshold": 0.5}), ("sensor_lag", {}), ("viscoelastic_creep", {})
     joint, values = attached(*laws, lengths=(600, 400))
+    joint = replace(joint, simulation=replace(joint.simulation, lead_in=lead_in))
     courses = law_courses(joint, values, U, INTERVAL)
     assert joint.records == 2
     for course, *parts in zip(

@@ -266,11 +266,20 @@ class ExtendedSimulation:
 
     def run(self, values: np.ndarray, u: np.ndarray, interval: float) -> np.ndarray:
         """Return the output behind the sensor's own filter, and the normalised position: (2, n)."""
+        lead = self.lead(interval)
+        parts = [motion[:, lead:] for motion in self.motions(values, u, interval)]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+
+    def lead(self, interval: float) -> int:
+        """Return how many samples the first input is held for before a record begins."""
+        return round(self.simulation.lead_in / interval)
+
+    def motions(self, values: np.ndarray, u: np.ndarray, interval: float) -> list[np.ndarray]:
+        """Return what ``run`` does of each record, from the start of its lead-in on."""
         if self.records > 1:
-            parts = [self.alone.run(own, u[part], interval) for part, own in self.each(values)]
-            return np.concatenate(parts, axis=1)
-        own = self.simulation
-        lead = round(own.lead_in / interval)
+            each = [self.alone.motions(own, u[part], interval) for part, own in self.each(values)]
+            return [motion for [motion] in each]
+        own, lead = self.simulation, self.lead(interval)
         t = np.arange(len(u)) * interval
         p_count, x_count = len(own.parameters), len(own.states)
         acting = self.offset(values, u)
@@ -315,7 +324,7 @@ class ExtendedSimulation:
             own.sensor_filter.over(interval / substeps) if own.sensor_filter else UNFILTERED,
             workspace,
         )
-        return workspace.result[:, lead:]
+        return [workspace.result]
 
     def offset(self, values: np.ndarray, u: np.ndarray) -> list[np.ndarray]:
         """Return each input, shape (n,), with the constant that is added to it.

@@ -37,7 +37,7 @@ def law_courses(
     values: np.ndarray,
     u: np.ndarray,
     interval: float,
-    motion: np.ndarray | None = None,
+    motions: Sequence[np.ndarray] | None = None,
 ) -> list[LawCourse | None]:
     """Return the course of each effect attached, in their order.
 
@@ -51,21 +51,21 @@ def law_courses(
         All parameters of ``extended``.
     u
         Input, shape (samples,), of all records one after the other; several are columns.
-    motion
-        Output and position (2, samples) that the laws are evaluated on; of a run at ``values`` if
-        ``None``.
+    motions
+        Output and position of each record with its lead-in that the laws are evaluated on; of a
+        run at ``values`` if ``None``.
     """
-    if motion is None:
-        motion = extended.run(values, u, interval)
+    motions = motions or extended.motions(values, u, interval)
     if extended.records > 1:
         parts = [
-            law_courses(extended.alone, own, u[part], interval, motion[:, part])
-            for part, own in extended.each(values)
+            law_courses(extended.alone, own, u[part], interval, [motion])
+            for (part, own), motion in zip(extended.each(values), motions, strict=True)
         ]
         return [_joined(courses) for courses in zip(*parts, strict=True)]
     own = extended.simulation
     known = dict(zip(extended.names, values.tolist(), strict=True))
-    output, position = motion
+    [(output, position)] = motions
+    output = output[extended.lead(interval) :]
     time = np.arange(output.size) * interval
     acting = extended.offset(values, u)
     y = known[OUTPUT_GAIN] * shifted(output, known[TIMING_OFFSET] / interval)
@@ -125,16 +125,20 @@ def _order(attached: Sequence[Attached]) -> list[int]:
 def _pushed(
     extended: Extended, attached: Attached, q: np.ndarray, z: np.ndarray, interval: float
 ) -> LawCourse | None:
-    """Return a force along the motion at the first port."""
+    """Return a force along the motion ``z`` at the first port, which the lead-in begins."""
     port = extended.simulation.force_ports[attached.place]
     effect = attached.effect
     if attached.place or port.position is None or effect.force is None:
         return None
-    w = np.gradient(z) / interval
+    lead, w = extended.lead(interval), np.gradient(z) / interval
+    # What remembers the motion alone begins with the record, as in the integrator.
+    begin = lead if effect.remembers_motion else 0
     law = np.zeros(MEMORY)
     law[: q.size] = q
     memory = np.zeros(MEMORY) if effect.memory is None else effect.memory(q)
-    push = _push(first_class(effect.force), first_class(effect.update), z, w, interval, memory, law)
+    laws = first_class(effect.force), first_class(effect.update)
+    push = _push(*laws, z[begin:], w[begin:], interval, memory, law)[lead - begin :]
+    z, w = z[lead:], w[lead:]
     frame = extended.normalisations[0]
     states = extended.simulation.states
     unit = next(state.unit for state in states if state.name == port.position)

@@ -27,12 +27,12 @@ def banded_laws(samples: Samples, fit: Fit, covariance: np.ndarray) -> list[Band
     summed as squares, each on its side. For a law that is linear in its parameters this is exact.
     """
     extended = fit.extended
-    motion = extended.run(fit.values, samples.u, samples.interval)
+    motions = extended.motions(fit.values, samples.u, samples.interval)
     low, high = extended.bounds
 
     def courses(coordinates: np.ndarray) -> list[LawCourse | None]:
         values = extended.values(np.clip(coordinates, low, high))
-        return law_courses(extended, values, samples.u, samples.interval, motion)
+        return law_courses(extended, values, samples.u, samples.interval, motions)
 
     def made(coordinates: np.ndarray, index: int) -> np.ndarray:
         return cast(LawCourse, courses(coordinates)[index]).value.values
