@@ -191,7 +191,7 @@ def _where(ax: Axes, localisation: xr.Dataset, verdict: Mapping[str, Any]) -> No
         edges = np.append(low, high[-1])
         gap = localisation[f"{along}_gap_{when}"]
         null = localisation[f"{along}_null_{when}"].values
-        empty = (gap.values == 0.0) & (null == 0.0)  # bins without samples, as of those kept aside
+        empty = (gap.values == 0.0) & ~(null > 0.0)  # bins without samples, as of those kept aside
         ax.stairs(np.where(empty, np.nan, gap.values), edges, color=colour, label=when, lw=1.1)
         ax.stairs(np.where(empty, np.nan, null), edges, color=colour, ls=":", lw=0.7)
         highest = max(highest, float(gap.max()), float(null.max()))

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from dea.autocovariance import autocovariance
 from dea.discrepancy.problem import Problem
 from dea.inputs import by_input
 from dea.simulation import Input
@@ -14,6 +15,10 @@ from dea.simulation import Input
 BINS = 12
 _DRAWS = 200
 _LEVEL = 0.05
+# Memories of the energy in a shuffled block, and the fewest blocks that say what chance makes.
+_MEMORIES, _FEWEST = 8, 10
+# The sum of an autocorrelation ends at the first lag of so many times its value.
+_WINDOW = 5
 
 
 @dataclass(frozen=True)
@@ -56,9 +61,11 @@ class Localisation:
         concentrates the residual as much.
     concentration
         The strongest bin of the quantity along which the residual is concentrated most, or
-        ``None`` where chance explains all of it.
+        ``None`` where chance explains all of it, or cannot be told.
     rms
         RMS residual over all samples, in ``unit``.
+    told
+        Whether the residual forgets fast enough for the record to say what chance would make of it.
     """
 
     dataset: xr.Dataset
@@ -66,6 +73,7 @@ class Localisation:
     band: Band
     rms: float
     unit: str
+    told: bool = True
 
     @property
     def strongest(self) -> str | None:
@@ -121,7 +129,8 @@ def localise(
     that since the start of each of the ``records``.
 
     The null distribution comes from its energy, shuffled in blocks that keep its own correlation:
-    the largest standardised bin over all quantities (max statistic).
+    the largest standardised bin over all quantities (max statistic). Where the energy remembers so
+    long that too few blocks are left, nothing is said, and what chance makes of it is missing.
     """
     where = np.flatnonzero(samples & np.isfinite(residual))
     energy = residual[where] ** 2
@@ -133,13 +142,14 @@ def localise(
         label = np.clip(np.searchsorted(edges, values, "right") - 1, 0, edges.size - 2)
         quantities[name] = _Binned(quantity, edges, label)
     measured = {name: _mean(energy, q.label, q.bins) for name, q in quantities.items()}
-    null = {name: np.empty((_DRAWS, q.bins)) for name, q in quantities.items()}
-    length = max(8, where.size // 150)
-    for draw in range(_DRAWS):
+    null = {name: np.full((_DRAWS, q.bins), np.nan) for name, q in quantities.items()}
+    length = max(8, where.size // 150, int(_MEMORIES * _memory(residual[where])))
+    told = where.size >= _FEWEST * length
+    for draw in range(_DRAWS if told else 0):
         shuffled = _shuffle(energy, length, rng)
         for name, q in quantities.items():
             null[name][draw] = _mean(shuffled, q.label, q.bins)
-    probability = _probability(measured, null)
+    probability = _probability(measured, null) if told else dict.fromkeys(measured, np.nan)
     rms = {name: np.sqrt(mean) for name, mean in measured.items()}
     found = [name for name in measured if probability[name] <= _LEVEL]
     strongest = max(found, key=lambda name: float(measured[name].max())) if found else None
@@ -154,7 +164,7 @@ def localise(
         _concentration(strongest, quantities[strongest], rms[strongest]) if strongest else None
     )
     band = _band(residual[where], problem.interval)
-    return Localisation(xr.Dataset(variables), concentration, band, overall, unit)
+    return Localisation(xr.Dataset(variables), concentration, band, overall, unit, told)
 
 
 def _probability(measured: dict[str, np.ndarray], null: dict[str, np.ndarray]) -> dict[str, float]:
@@ -288,6 +298,30 @@ def _edges(values: np.ndarray, name: str) -> np.ndarray:
 def _mean(energy: np.ndarray, label: np.ndarray, bins: int) -> np.ndarray:
     count = np.maximum(np.bincount(label, minlength=bins), 1)
     return np.bincount(label, energy, bins) / count
+
+
+def _memory(residual: np.ndarray) -> float:
+    """Return how many samples of a residual's energy count as one; at most all of them.
+
+    The energy of a Gaussian residual has the square of its autocorrelation (Isserlis 1918,
+    Biometrika 12:134). A change of the level prolongs the memory of the energy alone, a periodic
+    residual that of the square alone: the shorter one is meant by chance.
+    """
+    times = _integral_time(residual**2, 1), _integral_time(residual, 2)
+    return min(*times, residual.size)
+
+
+def _integral_time(signal: np.ndarray, power: int) -> float:
+    """Return the sum of a power of the autocorrelation; infinite where that does not end.
+
+    It is summed over a window of several times its value (Sokal 1997, in Functional Integration,
+    NATO ASI Series B 361:131).
+    """
+    correlation = autocovariance(signal - signal.mean(), signal.size)
+    correlation /= correlation[0] or 1.0
+    times = 2.0 * np.cumsum(correlation**power) - 1.0
+    ends = np.flatnonzero(np.arange(times.size) >= _WINDOW * times)
+    return max(float(times[ends[0]]), 1.0) if ends.size else np.inf
 
 
 def _shuffle(energy: np.ndarray, length: int, rng: np.random.Generator) -> np.ndarray:

@@ -37,7 +37,10 @@ def where_sentence(found: Localisation) -> str:
     bin_ = found.concentration
     if bin_ is None:
         size = f"{found.rms:.3g} {found.unit}"
-        return f"the residual of {size} (RMS) is concentrated nowhere; {spectrum}"
+        nowhere = "is concentrated nowhere"
+        if not found.told:
+            nowhere = "changes too slowly for the record to say where it is concentrated"
+        return f"the residual of {size} (RMS) {nowhere}; {spectrum}"
     place = _PHRASES[bin_.kind].format(
         input=bin_.of,
         low=bin_.low,
