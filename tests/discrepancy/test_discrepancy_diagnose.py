@@ -16,6 +16,7 @@ from dea.discrepancy import (
     localisation_dataset,
     read_verdict,
 )
+from dea.discrepancy.evidence.residual_model import residual_model
 from dea.discrepancy.problem import rmse
 from dea.errors import InputError
 from dea.simulation import load_extended, load_simulation, save_extended
@@ -72,6 +73,9 @@ def test_what_the_catalogue_lacks_is_not_named():
     )  # fmt: skip
     found = diagnosed(("backlash", 3.0), offered=nearest)
     assert found.verdict.status == "unknown", found.verdict.sentence
+    # What is described is what the simulation alone leaves, and not what a rejected candidate does.
+    assert found.decision.chosen is not None
+    assert found.unexplained == residual_model(found.problem, found.nominal.residual)
 
 
 def test_creep_is_named_and_proven(creeping):

@@ -1,5 +1,6 @@
 """The numbers that a verdict rests on, where they are known in closed form."""
 
+import re
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -29,7 +30,7 @@ INPUT = (Input("input", "V"),)
 
 
 def problem_of(u, y, noise=1.0, fit=None, select=None):
-    everything = np.ones(u.size, bool)
+    everything = np.ones(len(u), bool)
     fit = everything if fit is None else fit
     select = everything if select is None else select
     return Problem(u, y, INTERVAL, fit, select, ~everything, noise)
@@ -379,7 +380,47 @@ def test_the_residual_model_finds_a_term_of_its_dictionary():
     found = residual_model(problem, residual)
     assert found.ratio < 0.05
     assert found.explained > 0.99
-    assert found.equation.startswith(f"{0.4 * np.std(standard[problem.fit] ** 2):+.3g} [u^2]")
+    assert found.equation.startswith("+0.4 [u^2]")
+
+
+def test_an_equation_of_the_residual_holds_in_the_units_of_the_record():
+    """What it says is computed anew from its text, with the mean and deviation of its signal."""
+    rng = np.random.default_rng(12)
+    u = np.repeat(rng.uniform(0.0, 3.0, 300), 10)
+    residual = 0.05 * (u - 1.5) ** 2 + 0.1 + 0.001 * rng.standard_normal(3000)
+    problem = problem_of(u, 10.0 + lfilter([0.05], [1.0, -0.95], u) + residual, 1.0, *halves(3000))
+    equation, standards = residual_model(problem, residual).equation.split(", standardised ")
+    [(symbol, mean, deviation)] = re.findall(r"(\S+) by (\S+) ± ([^\s,]+)", standards)
+    assert symbol == "u"
+    code = re.sub(r" ([+-]\S+) \[", r"\1 * [", f" {equation}").replace("^", "**")
+    code = code.replace("[", "(").replace("]", ")").replace("max", "np.maximum")
+    told = eval(code, {"np": np, "u": (u - float(mean)) / float(deviation)})
+    np.testing.assert_allclose(told, residual, atol=0.01)
+
+
+def test_an_equation_names_what_standardises_each_signal_in_it():
+    rng = np.random.default_rng(14)
+    u = lfilter([0.1], [1.0, -0.9], rng.standard_normal((2, 3000)))
+    y = lfilter([0.05], [1.0, -0.95], u[0])
+    rate = np.gradient(y, INTERVAL)
+    residual = 0.3 * (u[1] - u[1].mean()) / u[1].std() + 0.01 * rng.standard_normal(3000)
+    residual -= 0.2 * np.abs(rate - rate.mean()) / rate.std()
+    problem = problem_of(u.T, y + residual, 1.0, *halves(3000))
+    equation = residual_model(problem, residual).equation
+    assert "[u2]" in equation
+    assert "[|y'|]" in equation
+    assert f"u2 by {u[1].mean():.3g} ± {u[1].std():.3g}" in equation
+    assert f"y' by {rate.mean():.3g} ± {rate.std():.3g}" in equation
+    assert "u1 by" not in equation
+
+
+@pytest.mark.parametrize("constant", [0.0, 0.75])
+def test_a_constant_counts_as_predicted(constant):
+    rng = np.random.default_rng(13)
+    u = lfilter([0.1], [1.0, -0.9], rng.standard_normal(3000))
+    residual = constant + rng.standard_normal(3000)
+    found = residual_model(problem_of(u, u + residual, 1.0, *halves(3000)), residual)
+    assert found.ratio == pytest.approx(1.0 / np.hypot(1.0, constant), abs=0.02)
 
 
 def test_the_residual_model_finds_nothing_in_noise():

@@ -130,7 +130,8 @@ REMOVES = f"{ZONE} removes 72 % (63 to 79 %) of the gap"
         (
             "0.3 u(t-1)^2",
             0.42,
-            " The best equation for the residual: 0.3 u(t-1)^2 (explains 42 %).",
+            " The best equation for the residual of the simulation alone (explains 42 %): "
+            "0.3 u(t-1)^2.",
         ),
     ],
 )
@@ -269,7 +270,7 @@ def test_what_is_unknown_is_described(reason):
         f"Something is missing, but {reason}: the simulation alone has an error of 0.2 mm, "
         f"{NOISE}. "
         f"Most explanations hold `end_stop` at left; the best leaves 0.03 mm. N{NEAR[1:]}. "
-        "The best equation for the residual: 0.3 u(t-1) (explains 40 %)."
+        "The best equation for the residual of the simulation alone (explains 40 %): 0.3 u(t-1)."
     )
 
 

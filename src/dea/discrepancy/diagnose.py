@@ -139,7 +139,6 @@ def diagnose(
     weighed, error = _weighed(evidence, pool, _count(problem, bare, offered))
     proven = proven_alone(rounds, gained, rules) or sure_alone(evidence, rounds, weighed)
     chosen = best_extension(evidence, rounds, proven)
-    unexplained = residual_model(problem, (chosen.fit if chosen else nominal).residual)
 
     # Decide, and withdraw what samples not used so far contradict.
     decided = decide(evidence, chosen, pool, proven, weighed)
@@ -175,7 +174,7 @@ def diagnose(
         decision=decision,
         ladder=Ladder(tuple(rungs), tuple(contributions(evidence, rungs, final, singles, gained))),
         where=where,
-        unexplained=unexplained,
+        unexplained=residual_model(problem, final.residual),
         force=unknown_force(problem, nominal) if decision.status is Status.UNKNOWN else None,
         confusion=confusion(noisy, _rivals_to_show(decision, pool)),
         certificate=Certificate(certify(problem, nominal, final), {**left_out, **tested}),

@@ -75,6 +75,8 @@ class Diagnosis:
     final, spread
         The extended simulation estimated again on the whole record, and the standard deviations
         of its coordinates from fits to parts of the record.
+    unexplained
+        What predicts the residual of ``extended``: where nothing is named, of the simulation alone.
     share
         Part of the held-out misfit that the extension removes; none where nothing is attached.
     force

@@ -8,6 +8,8 @@ predicts on blocks that it was not fitted to. Forward selection of its terms giv
 in Brunton, Proctor and Kutz (2016), PNAS 113:3932.
 """
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -20,6 +22,8 @@ from dea.terms import input_symbol
 
 _RIDGES = np.logspace(-4, 2, 7)
 _MAX_TERMS = 5
+# A signal in the name of a term: an input, the output, or a derivative of one.
+_SYMBOL = re.compile(r"\b(?:u\d*|y)'*")
 
 
 @dataclass(frozen=True)
@@ -30,11 +34,13 @@ class ResidualModel:
     ----------
     ratio : float
         Root mean square on held-out samples after the prediction over that before; one where
-        nothing can be predicted.
+        nothing can be predicted. A constant counts as predicted: noise has none, and only a
+        simulation without an output offset leaves one.
     equation : str
-        The sparse equation, in the output's unit.
+        The sparse equation, in the output's unit, and what standardises the signals in it.
     explained : float
-        Part of the residual's energy on held-out samples that the sparse equation explains.
+        Part of the residual's energy about its mean on held-out samples that the sparse equation
+        explains.
     """
 
     ratio: float
@@ -44,11 +50,10 @@ class ResidualModel:
 
 def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Return names and columns (n, m) of what a residual could depend on."""
-    t, y = problem.time, standard(simulated)
-    inputs = by_input(problem.u)
-    symbols = [input_symbol(k, len(inputs)) for k in range(len(inputs))]
-    driving = dict(zip(symbols, map(standard, inputs), strict=True))
-    rate = standard(np.gradient(simulated, problem.interval))
+    t = problem.time
+    signals = {name: standard(signal) for name, signal in _signals(problem, simulated).items()}
+    driving = {name: u for name, u in signals.items() if re.fullmatch(r"u\d*", name)}
+    y, rate = signals["y"], signals["y'"]
     terms: dict[str, np.ndarray] = {}
     for name, u in driving.items():
         terms |= {name: u, f"{name}^2": u**2, f"{name}^3": u**3}
@@ -58,11 +63,11 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
         "y'": rate, "|y'|": np.abs(rate), "sign(y')": np.tanh(rate / 0.05), "y y'": y * rate,
         "y'^2": rate**2, "y'|y'|": rate * np.abs(rate), "y'^3": rate**3, "y^2 y'": y**2 * rate,
     }  # fmt: skip
-    for own, (name, u) in zip(inputs, driving.items(), strict=True):
-        input_rate = standard(np.gradient(own, problem.interval))
+    for name, u in driving.items():
+        input_rate = signals[f"{name}'"]
         terms |= {f"{name}'": input_rate, f"{name} {name}'": u * input_rate}
         terms[f"|{name}'|"] = np.abs(input_rate)
-    terms["y''"] = standard(np.gradient(np.gradient(simulated)))
+    terms["y''"] = signals["y''"]
     for first, second in combinations(driving, 2):
         terms[f"{first} {second}"] = driving[first] * driving[second]
     for name, u in driving.items():
@@ -88,9 +93,20 @@ def dictionary(problem: Problem, simulated: np.ndarray) -> tuple[list[str], np.n
     return list(terms), np.column_stack([np.clip(c, -30, 30) for c in terms.values()])
 
 
+def _signals(problem: Problem, simulated: np.ndarray) -> dict[str, np.ndarray]:
+    """Return inputs, output and their derivatives (n,) by the symbols that terms call them."""
+    inputs = by_input(problem.u)
+    signals = {input_symbol(k, len(inputs)): u for k, u in enumerate(inputs)}
+    signals["y"] = simulated
+    signals |= {f"{name}'": np.gradient(each, problem.interval) for name, each in signals.items()}
+    signals["y''"] = np.gradient(signals["y'"], problem.interval)
+    return signals
+
+
 def residual_model(problem: Problem, residual: np.ndarray) -> ResidualModel:
     """Fit the dictionary to ``residual`` on one half of the samples; judge it on the other."""
-    names, X = dictionary(problem, problem.y - residual)
+    simulated = problem.y - residual
+    names, X = dictionary(problem, simulated)
     train, test = problem.fit, problem.select
     mean, scale = X[train].mean(0), X[train].std(0) + 1e-12
     X = (X - mean) / scale
@@ -105,14 +121,21 @@ def residual_model(problem: Problem, residual: np.ndarray) -> ResidualModel:
     for ridge in _RIDGES * train.sum() ** 0.5:
         weights = right.T @ (s / (s**2 + ridge**2) * projected)
         best = min(best, rmse(e - X @ weights, test))
-    equation, explained = _sparse(names, X, e, train, test)
+    chosen, weights, explained = _sparse(X, e, train, test)
+    weights = weights / scale[chosen]
+    terms = {names[i]: float(w) for i, w in zip(chosen, weights, strict=True)}
+    constant = float(level - weights @ mean[chosen])
+    equation = _written(terms, constant, _signals(problem, simulated)) if terms else "0"
     return ResidualModel(best / before, equation, explained)
 
 
 def _sparse(
-    names: list[str], X: np.ndarray, e: np.ndarray, train: np.ndarray, test: np.ndarray
-) -> tuple[str, float]:
-    """Select terms one by one while the half for choosing is predicted better."""
+    X: np.ndarray, e: np.ndarray, train: np.ndarray, test: np.ndarray
+) -> tuple[list[int], np.ndarray, float]:
+    """Select terms one by one while the half for choosing is predicted better.
+
+    Returned are their columns, their weights, and the part of the energy that they explain.
+    """
     chosen: list[int] = []
     weights = np.zeros(0)
     error = float(np.mean(e[test] ** 2))
@@ -128,8 +151,19 @@ def _sparse(
             break
         chosen, weights, error = trial, fitted, after
         remaining = e[train] - X[train][:, chosen] @ weights
-    terms = [f"{w:+.3g} [{names[i]}]" for i, w in zip(chosen, weights, strict=True)]
-    return (" ".join(terms) if terms else "0"), max(0.0, 1.0 - error / first)
+    return chosen, weights, max(0.0, 1.0 - error / first)
+
+
+def _written(terms: Mapping[str, float], constant: float, signals: Mapping[str, np.ndarray]) -> str:
+    """Return weighted terms as an equation, with the mean and deviation of every signal in them."""
+    weighted = " ".join(f"{weight:+.3g} [{name}]" for name, weight in terms.items())
+    symbols = dict.fromkeys(symbol for name in terms for symbol in _SYMBOL.findall(name))
+    standards = ", ".join(
+        f"{symbol} by {signals[symbol].mean():.3g} ± {signals[symbol].std():.3g}"
+        for symbol in symbols
+    )
+    equation = f"{weighted} {constant:+.3g}"
+    return f"{equation}, standardised {standards}" if standards else equation
 
 
 def play(y: np.ndarray, radius: float) -> np.ndarray:

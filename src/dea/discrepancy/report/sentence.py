@@ -140,12 +140,13 @@ def _further(found: "Diagnosis") -> str:
 
 
 def equation_sentence(unexplained: "ResidualModel") -> str:
-    """Return the equation for the residual as a sentence, where it explains anything."""
+    """Return the equation for the simulation's residual as a sentence, if it explains anything."""
     explained = 100 * unexplained.explained
     if explained < _LEAST_SHARE:
         return ""
     return (
-        f" The best equation for the residual: {unexplained.equation} (explains {explained:.0f} %)."
+        " The best equation for the residual of the simulation alone "
+        f"(explains {explained:.0f} %): {unexplained.equation}."
     )
 
 
