@@ -11,6 +11,7 @@ from law_values import DT, SCALES, values
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BSpline
 from scipy.linalg import expm
+from scipy.optimize import brentq
 from scipy.signal import cont2discrete, lfilter, lfilter_zi, lti
 
 from dea.simulation import Port, catalogue
@@ -409,6 +410,53 @@ def test_charge_leakage_solves_its_differential_equation(growth, quickening):
             total += u - 0.5 * (before + lost)
         expected.append(total / fine)
     assert np.allclose(catalogue()["charge_leakage"].shape_input(U, q, DT), expected, atol=5e-3)
+
+
+@pytest.mark.parametrize("quickening", [0.0, 2.0])
+def test_half_the_interval_leaves_a_quarter_of_the_error_of_a_leaking_charge(quickening):
+    loss, growth, tau, peak, interval = 0.5, 4.0, 1.0, 3.0, 0.1
+    u = 0.3 + 3.0 * np.sin(0.15 * np.arange(80))
+    q = values(
+        "charge_leakage", loss=loss, field_growth=growth, time_constant=tau, start_part=0.5,
+        full_field=peak, quickening=quickening,
+    )  # fmt: skip
+
+    def slope(_, x, level):
+        field = level - x[0]
+        target = loss * np.exp(growth * (abs(field) / peak - 1.0)) * field
+        return [(target - x[0]) * np.exp(quickening * abs(field) / peak) / tau, field]
+
+    lost, expected = 0.5 * loss * np.exp(growth * (u[0] / peak - 1.0)) * u[0], []
+    for level in u:
+        solved = solve_ivp(
+            slope, (0, interval), [lost, 0.0], "LSODA", args=(level,), rtol=1e-9, atol=1e-11
+        )
+        lost, area = solved.y[:, -1]
+        expected.append(area / interval)
+    errors = []
+    for parts in (1, 2, 4):
+        found = catalogue()["charge_leakage"].shape_input(np.repeat(u, parts), q, interval / parts)
+        errors.append(np.std(found.reshape(-1, parts).mean(1) - expected))
+    assert errors[0] < 5e-3
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 4.0, rtol=0.15)
+
+
+@pytest.mark.parametrize("level", [1.0, 3.0, -3.0])
+@pytest.mark.parametrize("start_part", [0.0, 2.0])
+@pytest.mark.parametrize(("growth", "quickening"), [(9.0, 6.0), (20.0, 8.0), (20.0, 0.0)])
+def test_a_leaking_charge_settles_under_a_held_input(growth, quickening, start_part, level):
+    """The shortest time constant and the largest loss: the field settles where the loss stays."""
+    loss, peak, u = 0.9, 3.0, np.full(2000, level)
+    q = values(
+        "charge_leakage", loss=loss, field_growth=growth, time_constant=10 * DT, full_field=peak,
+        start_part=start_part, quickening=quickening,
+    )  # fmt: skip
+    settled = brentq(
+        lambda field: field + loss * np.exp(growth * (field / peak - 1.0)) * field - abs(level),
+        0.0, abs(level), xtol=1e-12,
+    )  # fmt: skip
+    found = catalogue()["charge_leakage"].shape_input(u, q, DT)
+    np.testing.assert_allclose(found[-200:], np.sign(level) * settled, rtol=1e-9)
 
 
 # Moduli of a creep's branches over the first one's 0.05, and what the film has gone through.
