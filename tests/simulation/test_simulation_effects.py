@@ -175,6 +175,17 @@ def test_a_speed_that_lags_solves_its_differential_equation():
     assert np.allclose(found, expected, atol=0.02)
 
 
+@pytest.mark.parametrize("ratio", [0.1, 0.2, 0.5, 1.0, 4.0])
+def test_a_speed_that_lags_long_passes_the_target(ratio):
+    """Below its limit it is an oscillator with a damping ratio of half the root of 1 / ratio."""
+    tau, step = 50 * DT, np.repeat([0.0, 1.0], [10, 1500])
+    q = values("slew_limit", rate=1e6, falling_ratio=1.0, lag=tau, speed_lag=ratio * tau)
+    found = catalogue()["slew_limit"].shape_input(step, q, DT)
+    damping = 0.5 / np.sqrt(ratio)
+    overshoot = np.exp(-np.pi * damping / np.sqrt(1 - damping**2)) if damping < 1.0 else 0.0
+    assert found.max() - 1.0 == pytest.approx(overshoot, abs=0.01)
+
+
 def test_transport_delay_is_linear_interpolation():
     q = values("transport_delay", delay=3.4 * DT)
     delayed = catalogue()["transport_delay"].shape_input(U, q, DT)

@@ -14,8 +14,9 @@ _PARTS = 4
 def law(u: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Follow the input at a speed that is limited and lags; return means over the intervals.
 
-    Without a lag of the speed this is a first-order lag whose rate saturates; with one, a rise
-    begins and ends gradually.
+    Without a lag of the speed this is a first-order lag whose rate saturates. With one, as of the
+    speed loop within a servo, a rise begins gradually; where that is longer than a quarter of the
+    lag of the place, the rise passes the target and rings about it.
     """
     rising, falling, tau, inertia = q[0], q[0] * q[1], q[2], q[3]
     h = interval / _PARTS
