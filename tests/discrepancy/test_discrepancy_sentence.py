@@ -144,6 +144,12 @@ def test_a_name_leads_with_its_share_and_its_proof():
     assert text == f"{REMOVES}: {PROOF}. Without it, {NEAR}."
 
 
+def test_no_name_removes_less_than_nothing():
+    """A course in time needs no share, since blocks left out extrapolate it."""
+    text = sentence(found(Status.NAMED, "dead_zone", share=Share(-0.05, -0.3, 0.1)))
+    assert text.startswith(f"{ZONE} removes none of the gap on blocks left out: {PROOF}.")
+
+
 def test_two_names_are_spoken_of_as_two():
     text = sentence(found(Status.NAMED, "dead_zone", "sensor_lag", block=(0.2, 0.02)))
     assert text == (

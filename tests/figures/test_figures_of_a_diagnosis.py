@@ -309,6 +309,12 @@ def test_the_title_says_what_the_named_effect_removes(value, low, high, part):
     assert figure.get_suptitle() == f"named: dead zone, which removes {part} of the gap"
 
 
+def test_the_title_does_not_say_that_an_effect_removes_less_than_nothing():
+    said = verdict() | {"share": {"value": -0.05, "low": -0.3, "high": 0.1}}
+    figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, said)
+    assert figure.get_suptitle() == "named: dead zone"
+
+
 def test_without_a_name_the_gains_of_the_candidates_are_shown_best_first():
     figure = discrepancy(LOCALISATION, CANDIDATES, CERTIFICATE, verdict("unknown"))
     assert [line.get_label() for line in figure.axes[0].lines] == ["nominal"]

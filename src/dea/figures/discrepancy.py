@@ -113,7 +113,7 @@ def _title(verdict: Mapping[str, Any]) -> str:
     if not names:
         return str(verdict["status"])
     removed = ""
-    if verdict.get("share"):
+    if verdict.get("share") and verdict["share"]["value"] > 0.0:
         removed = f", which removes {share(**verdict['share'])} of the gap"
     status = verdict["status"] if verdict["whole"] else "certain part of the answer"
     return f"{status}: {names}{removed}"

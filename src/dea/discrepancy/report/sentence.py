@@ -97,7 +97,7 @@ def _finding(found: "Diagnosis", effects: Sequence["NamedEffect"]) -> str:
             else "A further record that moves each input by itself may decide"
         )
         return f"It is {laws}, or {rivals}: {proof}. {place}. {advice}."
-    removed = f"{laws} {'removes' if alone else 'remove'} {_share(found)} of the gap"
+    removed = f"{laws} {'removes' if alone else 'remove'} {_removed(found)}"
     if not decision.whole:
         return f"Certain part of the answer: {removed}; {proof}. {_further(found)} {place}."
     doubt = f" In this record {rivals} of its class would do as well." if rivals else ""
@@ -122,9 +122,14 @@ def _change(block: "Certified", unit: str) -> str:
     return f"is {before} {unit} before and {after} {unit} after"
 
 
-def _share(found: "Diagnosis") -> str:
+def _removed(found: "Diagnosis") -> str:
+    """Say how much of the gap is removed; a course in time may not show on blocks left out."""
     removed = found.share
-    return share(removed.value, removed.low, removed.high) if removed else "part"
+    if removed is None:
+        return "part of the gap"
+    if removed.value <= 0.0:
+        return "none of the gap on blocks left out"
+    return f"{share(removed.value, removed.low, removed.high)} of the gap"
 
 
 def _further(found: "Diagnosis") -> str:
