@@ -9,6 +9,7 @@ import numpy as np
 from dea.configuration import device as described
 from dea.configuration.files import parse_yaml, read_text_and_yaml
 from dea.configuration.problems import validated
+from dea.configuration.register import Register as DescribedRegister
 from dea.modbus.device import Device, Register, Serial, Tls
 
 
@@ -60,7 +61,7 @@ def parse_device(content: Any, source: Path | None = None) -> Device:
 
 
 def _register(
-    name: str, register: described.Register, description: described.DeviceDescription
+    name: str, register: DescribedRegister, description: described.DeviceDescription
 ) -> Register:
     scale, offset = _scaling(register)
     return Register(
@@ -89,7 +90,7 @@ def _quarantine(description: described.DeviceDescription) -> float:
     return 0.0 if "claim" in description.registers else described.LONGEST_LATE_WRITE
 
 
-def _scaling(register: described.Register) -> tuple[float, float]:
+def _scaling(register: DescribedRegister) -> tuple[float, float]:
     """Scale and offset: as given, or such that the range spreads over all counts of the type."""
     if register.range is None:
         scale = 1.0 if register.scale is None else float(register.scale)

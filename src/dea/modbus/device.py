@@ -5,17 +5,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Self
 
-from dea.configuration.device import (
-    WORDS,
-    Access,
-    Endpoint,
-    Framing,
-    Order,
-    Parity,
-    RegisterType,
-    Table,
-)
+from dea.configuration.device import Endpoint, Framing, Parity
 from dea.configuration.problems import validated
+from dea.configuration.register import WORDS, Access, Order, RegisterType, Table
 from dea.configuration.safety import Safety
 from dea.errors import InputError
 
