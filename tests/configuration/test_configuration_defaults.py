@@ -55,7 +55,7 @@ def test_a_register_and_a_line_have_the_defaults_of_their_description():
             "serial": {"port": "/dev/ttyS0"},
             "unit_id": 1,
             "sampling_rate": 50,
-            "registers": {"output": {"address": 0, "unit": "V"}, "spare": {"address": 1}},
+            "registers": {"spare": {"address": 1}},
         }
     )
     assert found["spare"] == Register(name="spare", address=1)

@@ -301,6 +301,23 @@ def test_actuators_need_a_device_description_and_a_bench_that_knows_them(tmp_pat
         check_actuators(study, served, "bench.yaml")
 
 
+def test_a_heartbeat_that_the_mode_of_the_study_does_not_keep_is_refused(tmp_path, monkeypatch):
+    study = check_study(STUDY)
+    device = tmp_path / study.actuators[0].device
+    device.parent.mkdir(parents=True)
+    text = (CONFIG / "devices" / device.name).read_text()
+    text = text.replace("sampling_rate: 50 ", "sampling_rate: 1 ")
+    alive = "  alive: {address: 900, access: write}"
+    safety = "safety: {heartbeat: {name: alive, period: 0.3}}"
+    device.write_text(f"{text.rstrip()}\n{alive}\n{safety}\n")
+    monkeypatch.chdir(tmp_path)
+    served = [f"dea{i}" for i in range(1, 7)]
+    check_actuators(study, served, "bench.yaml")
+    polled = study.acquisition.model_copy(update={"mode": "polled"})
+    with pytest.raises(InputError, match=r"yaml: safety\.heartbeat\.period: 0\.3 s, and a polled"):
+        check_actuators(study.model_copy(update={"acquisition": polled}), served, "bench.yaml")
+
+
 INPUTS = [{"column": "a", "units": "V"}, {"column": "b", "units": "%"}]
 
 

@@ -104,7 +104,7 @@ def test_a_value_that_does_not_fit_is_refused(value):
 def device_with(**output):
     return parse_device(
         {"name": "d", "endpoint": {"host": "h", "port": 1}, "unit_id": 1, "sampling_rate": 50,
-         "registers": {"output": {"address": 0, "unit": "V"} | output}}
+         "registers": {"output": {"address": 0, "unit": "V", "access": "write"} | output}}
     )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from dea.configuration.safety import Mode
 from dea.configuration.section import Name, NotNegative, Number, Positive, Section, Whole, key
 
 
@@ -28,7 +29,7 @@ class Actuator(Section):
 class Acquisition(Section):
     """How an actuator is driven and recorded (docs/acquisition.md)."""
 
-    mode: Literal["buffered", "polled"] = key(
+    mode: Mode = key(
         "buffered: the device plays blocks from its FIFO; polled: the host sends every sample"
     )
     ramp_rate: Number = key("slope of the ramps to and from the bias", unit="V/s", ge=1e-3, le=1e3)

@@ -7,7 +7,8 @@ from typing import Annotated, Literal, Self, get_args
 from pydantic import AfterValidator, Field, model_validator
 
 from dea.configuration.register import INTEGERS, Order, Register, Table
-from dea.configuration.safety import Safety
+from dea.configuration.safety import Mode, Safety
+from dea.configuration.safety_registers import check_registers
 from dea.configuration.section import NotNegative, Positive, Section, Truth, Whole, key, refuse
 
 Framing = Literal["tcp", "rtu_over_tcp", "tls", "serial"]
@@ -17,6 +18,11 @@ Parity = Literal["N", "E", "O"]
 NEEDED = ("output", "displacement")
 # What a record holds them in (`dea.store`).
 UNITS = {"output": "V", "displacement": "mm"}
+# Registers that hold a whole number, and why.
+WHOLE = {
+    "output": "the output is driven in whole counts",
+    "device_index": "the device counts its samples in it",
+}
 KNOWN = (
     *NEEDED,
     *("applied_output", "device_index", "device_rate", "state", "command", "claim", "boot"),
@@ -130,12 +136,20 @@ class DeviceDescription(Section):
                 "register command another name, and the output is ramped by writes.",
             )
         output = self.registers.get("output")
-        if output and output.type not in INTEGERS:
+        if output and output.access == "read":
             raise refuse(
-                "registers.output.type",
-                f"{output.type}, and the output is driven in whole counts",
-                "Use the module's integer register.",
+                "registers.output.access",
+                "read" if "access" in output.model_fields_set else "missing, which means read",
+                "Give write or read_write: it is what is driven.",
             )
+        for name, why in WHOLE.items():
+            register = self.registers.get(name)
+            if register and (register.type not in INTEGERS or register.count > 1):
+                raise refuse(
+                    f"registers.{name}.type",
+                    f"{register.type}, count {register.count}, and {why}",
+                    "Use the device's integer register and count: 1.",
+                )
         return self
 
     @model_validator(mode="after")
@@ -155,19 +169,12 @@ class DeviceDescription(Section):
     def _safety(self) -> Self:
         if self.safety is None:
             return self
-        written = ("enable.name", "heartbeat.name")
-        for place, name in self.safety.named_registers().items():
-            if name not in self.registers:
-                raise refuse(
-                    f"safety.{place}", f"no register {name!r}", "Describe it under registers."
-                )
-            access = self.registers[name].access
-            if access == ("read" if place in written else "write"):
-                raise refuse(
-                    f"registers.{name}.access",
-                    f"{access}, and safety.{place} needs it",
-                    f"Give {'write or read_write' if place in written else 'read or read_write'}.",
-                )
+        check_registers(self.safety, self.registers, NEEDED, KNOWN)
+        modes: tuple[Mode, ...] = ("polled", "buffered")
+        possible = modes if "block_samples" in self.registers else modes[:1]
+        unkept = [self.safety.unkept_heartbeat(mode, self.sampling_rate) for mode in possible]
+        if all(unkept) and unkept[0]:
+            raise refuse("safety.heartbeat.period", *unkept[0])
         return self
 
     @model_validator(mode="after")

@@ -1,7 +1,7 @@
 """``safety`` of a device description: what must hold while there is high voltage."""
 
 from collections.abc import Mapping
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import model_validator
 
@@ -15,6 +15,10 @@ from dea.configuration.section import (
     key,
     refuse,
 )
+
+Mode = Literal["buffered", "polled"]
+# Share by which a heartbeat may be faster than its device is asked: 0.033 s stands for 30 Hz.
+ROUNDING = 0.02
 
 
 class Monitor(Section):
@@ -59,7 +63,11 @@ class Heartbeat(Section):
     """A register that the device expects to change as long as the host is well."""
 
     name: Name = key("register that is counted up")
-    period: Positive = key("time between two counts", unit="s")
+    period: Positive = key(
+        "time between two counts, of which each waits for the next sample, or for the next check"
+        " where the device itself plays them",
+        unit="s",
+    )
 
 
 class FilmCapacitor(Section):
@@ -97,3 +105,14 @@ class Safety(Section):
         }
         named |= {f"interlocks.{key}": each.name for key, each in self.interlocks.items()}
         return {f"{key}.name": name for key, name in named.items()}
+
+    def unkept_heartbeat(self, mode: Mode, sampling_rate: float) -> tuple[str, str] | None:
+        """Return problem and remedy where counts are due more often than a mode gives them."""
+        shortest = self.interval if mode == "buffered" else 1 / sampling_rate
+        if self.heartbeat is None or self.heartbeat.period >= (1 - ROUNDING) * shortest:
+            return None
+        faster = "a shorter interval" if mode == "buffered" else "a higher sampling_rate"
+        return (
+            f"{self.heartbeat.period:g} s, and a {mode} device is given one in {shortest:g} s",
+            f"Give {shortest:g} s or more, here and in the device, or {faster}.",
+        )

@@ -182,6 +182,11 @@ def check_actuators(
                     field="registers",
                     remedy="Describe it, or correct the name of the register that is meant.",
                 )
+        safety, mode = described.safety, study.acquisition.mode
+        if safety and (unkept := safety.unkept_heartbeat(mode, described.sampling_rate)):
+            raise InputError(
+                unkept[0], file=device, field="safety.heartbeat.period", remedy=unkept[1]
+            )
     for index, actuator in enumerate(study.actuators):
         if actuator.bench is not None and actuator.bench not in served:
             raise InputError(
