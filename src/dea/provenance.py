@@ -184,14 +184,16 @@ def check(path: Path, sha: str) -> None:
 def digest(path: Path) -> str:
     """Return the SHA-256 of a file, or of the names and contents of the files in a folder."""
     if path.is_dir():
-        parts = {
-            str(file.relative_to(path)): digest(file)
-            for file in sorted(path.rglob("*"))
-            if file.is_file() and not file.name.startswith(".")
-        }
+        parts = {str(file.relative_to(path)): digest(file) for file in contents(path)}
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def contents(folder: Path) -> list[Path]:
+    """Return the files of a folder that its digest is of: no hidden ones, none behind links."""
+    found = sorted(folder.rglob("*"))
+    return [file for file in found if file.is_file() and not file.name.startswith(".")]
 
 
 def packages() -> list[str]:

@@ -155,6 +155,48 @@ def test_a_file_that_no_job_made_is_named(study):
     assert first() == ("results/tables/table2.csv", "was made by no job")
 
 
+def test_a_file_behind_a_link_to_a_folder_is_named(study, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (elsewhere / "table2.csv").write_text("a,b\n")
+    Path("results/more").symlink_to(elsewhere)
+    Path("results/a/around").symlink_to(Path("results").resolve())
+    assert found_after_another_run() == {
+        "results/more/table2.csv": "was made by no job",
+        "results/a/around": "was made by no job",
+    }
+
+
+def test_a_study_whose_folder_lies_elsewhere_passes(study, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "a"
+    shutil.move("results/a", elsewhere)
+    Path("results/a").symlink_to(elsewhere)
+    assert verify(Manifest.read()) == []
+    assert found_after_another_run() == {}
+
+
+def test_a_file_that_the_hash_of_a_folder_does_not_hold_is_named(
+    study, monkeypatch, tmp_path_factory
+):
+    records = Path("results/trials/records")
+    monkeypatch.setenv(provenance.JOB, "results/trials/log/acquire.log")
+    monkeypatch.setenv(provenance.RULE, "acquire")
+    monkeypatch.setenv(provenance.CODE, "src/acquire.py")
+    command = ["dea.stages.x", str(records)]
+    with provenance.job(command, {}, inputs=[], outputs=[records]):
+        records.mkdir(parents=True)
+        (records / "0.nc").write_text("measured")
+    (records / ".snakemake_timestamp").touch()
+    assert found_after_another_run() == {}
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (elsewhere / "9.nc").write_text("planted")
+    (records / "more").symlink_to(elsewhere)
+    (records / ".0.nc").write_text("planted")
+    assert found_after_another_run() == {
+        str(records / "more/9.nc"): "was made by no job",
+        str(records / ".0.nc"): "was made by no job",
+    }
+
+
 def found_after_another_run():
     collect().write()
     return {finding.path: finding.problem for finding in verify(Manifest.read())}

@@ -3,8 +3,7 @@
 import fcntl
 import hashlib
 import json
-import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
@@ -138,8 +137,26 @@ def collect() -> Manifest:
     return Manifest(products, jobs, others, provenance.packages())
 
 
-def files(without: list[Path]) -> Iterator[Path]:
-    """Yield every file of the results that lies in none of the folders ``without``."""
-    for folder, names, found in os.walk(provenance.RESULTS):
-        names[:] = sorted(name for name in names if Path(folder, name) not in without)
-        yield from (Path(folder, name) for name in sorted(found))
+def files(without: Collection[Path] = (), folder: Path = provenance.RESULTS) -> Iterator[Path]:
+    """Yield every file below ``folder`` that lies in none of the folders ``without``.
+
+    Links to folders are followed. One to a folder around it, and a folder that cannot be read, is
+    yielded itself.
+    """
+    yield from _below(folder, set(without), frozenset())
+
+
+def _below(folder: Path, without: set[Path], around: frozenset[Path]) -> Iterator[Path]:
+    real = folder.resolve()
+    try:
+        inside = sorted(folder.iterdir())
+    except OSError:
+        inside = None
+    if inside is None or real in around:
+        yield folder
+        return
+    for path in inside:
+        if not path.is_dir():
+            yield path
+        elif path not in without:
+            yield from _below(path, without, around | {real})

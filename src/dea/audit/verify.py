@@ -13,6 +13,8 @@ from dea.audit.manifest import UNLISTED, Manifest, files
 from dea.errors import InputError
 
 ENVIRONMENT, SOURCE = Path("environment.txt"), Path("src")
+# Snakemake leaves it in a folder that a job makes.
+STAMP = ".snakemake_timestamp"
 _PIN = re.compile(r"^([A-Za-z0-9._-]+)==([^\s;\\]+)")
 
 
@@ -76,6 +78,12 @@ def _files(manifest: Manifest) -> Iterator[Finding]:
     for file in files(folders):
         if str(file) not in expected and file not in UNLISTED:
             yield Finding(str(file), "was made by no job")
+    for folder in folders:
+        # The hash of a folder holds neither hidden files nor what links to folders lead to.
+        hashed = {*provenance.contents(folder), folder / STAMP}
+        for file in files(folder=folder):
+            if file not in hashed:
+                yield Finding(str(file), "was made by no job")
 
 
 def _unwanted(path: str, manifest: Manifest) -> str:
