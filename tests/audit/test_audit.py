@@ -212,6 +212,29 @@ def test_no_run_makes_a_result_of_what_no_job_made(study):
     }
 
 
+@pytest.mark.parametrize(
+    "file",
+    ["results/a/log/verdict.json", "results/a/log/lost.log", "results/a/resolve/fit.nc",
+     "results/a/benchmark/track.csv", "results/provenance/x.bin", "results/provenance/x.json"],
+)  # fmt: skip
+def test_no_run_makes_a_log_or_a_description_of_what_is_none(study, file):
+    Path(file).parent.mkdir(exist_ok=True)
+    if file.endswith("lost.log"):
+        Path(file).symlink_to("nowhere")
+    else:
+        Path(file).write_text("{}")
+    assert found_after_another_run() == {file: "was made by no job"}
+
+
+@pytest.mark.parametrize(
+    "file", ["results/b/log/failed.log", "results/a/benchmark/track.tsv", "results/resolve/a/1.nc"]
+)
+def test_logs_timings_and_what_resolve_makes_are_listed(study, file):
+    Path(file).parent.mkdir(parents=True, exist_ok=True)
+    Path(file).write_text("kept\n")
+    assert found_after_another_run() == {}
+
+
 def test_no_run_makes_a_result_that_was_deleted_forgotten(study):
     Path("results/tables/table1.csv").unlink()
     [(path, problem)] = found_after_another_run().items()
@@ -220,8 +243,12 @@ def test_no_run_makes_a_result_that_was_deleted_forgotten(study):
 
 
 def test_a_description_that_cannot_be_read_is_none(study):
-    provenance.description_of(Path("results/tables/table1.csv")).write_text("{")
-    assert found_after_another_run() == {"results/tables/table1.csv": "was made by no job"}
+    file = provenance.description_of(Path("results/tables/table1.csv"))
+    file.write_text("{")
+    assert found_after_another_run() == {
+        "results/tables/table1.csv": "was made by no job",
+        str(file): "was made by no job",
+    }
 
 
 def test_descriptions_that_were_edited_before_another_run_are_named(study):

@@ -15,8 +15,9 @@ from dea.errors import InputError
 FILE = provenance.RESULTS / "MANIFEST.json"
 # Held by the run of this project (workflow/alone.sh), whose process it names.
 LOCK = Path("build/lock")
-# Folders of what is beside results: logs, timings, descriptions, and what `make resolve` makes.
-BESIDE = {"log", "benchmark", provenance.FOLDER.name, "resolve"}
+# Folders of logs and timings, and the suffix of such a file: a job that failed leaves some too.
+BESIDE = {"log": ".log", "benchmark": ".tsv"}
+RESOLVED = provenance.RESULTS / "resolve"  # what `make resolve` makes
 README = provenance.RESULTS / "README.md"
 # Made by targets outside of the workflow, or by the audit itself: not compared.
 UNLISTED = {
@@ -116,9 +117,9 @@ def collect() -> Manifest:
     """Return the manifest of the results that there are, from what their jobs kept.
 
     A result that is described and is not there is one of them: it is missing. A description that
-    cannot be read tells of none.
+    cannot be read tells of none, and is none.
     """
-    products, jobs = {}, {}
+    products, jobs, described = {}, {}, set()
     for file in sorted(provenance.FOLDER.rglob("*.json")):
         product = provenance.RESULTS / file.relative_to(provenance.FOLDER).with_suffix("")
         try:
@@ -128,13 +129,23 @@ def collect() -> Manifest:
         except (ValueError, KeyError, TypeError):
             continue
         products[str(product)], jobs[one["job"]] = one, job
+        described.add(file)
     folders = [Path(path) for path in products if Path(path).is_dir()]
     others = {
         str(file): provenance.digest(file)
         for file in files(folders)
-        if file == README or (str(file) not in products and BESIDE & {*file.parts[1:-1]})
+        if file in described or (str(file) not in products and _is_beside(file))
     }
     return Manifest(products, jobs, others, provenance.packages())
+
+
+def _is_beside(file: Path) -> bool:
+    """Return whether a file is kept beside results without a job that describes it."""
+    if not file.is_file():
+        return False
+    if file == README or file.is_relative_to(RESOLVED):
+        return True
+    return file.suffix in {BESIDE.get(folder) for folder in file.parts[1:-1]}
 
 
 def files(without: Collection[Path] = (), folder: Path = provenance.RESULTS) -> Iterator[Path]:
