@@ -26,6 +26,8 @@ RESULTS = Path("results")
 FOLDER = RESULTS / "provenance"
 # What the workflow says of a job; without them a program runs outside of the workflow.
 JOB, RULE, CODE, COMMIT, RUN = "DEA_JOB", "DEA_RULE", "DEA_CODE", "DEA_COMMIT", "DEA_RUN"
+# Key of a description: the SHA-256 of all else that it says.
+WHOLE = "description"
 # With these a user makes numerical libraries take other instructions than the processor's best.
 INSTRUCTIONS = "NUMBA_CPU_NAME", "OPENBLAS_CORETYPE"
 
@@ -51,7 +53,7 @@ class Job:
     @property
     def identity(self) -> str:
         """SHA-256 of all of it, in hex."""
-        return hashlib.sha256(json.dumps(asdict(self), sort_keys=True).encode()).hexdigest()
+        return _hash_of(asdict(self))
 
 
 @contextmanager
@@ -130,9 +132,27 @@ def _forget_partial(file: Path) -> None:
 
 def _describe(product: Path, described: Job, run: Mapping[str, Any]) -> None:
     content = {"job": asdict(described), "identity": described.identity, "run": run}
-    text = json.dumps({**content, "sha256": digest(product)}, indent=1, sort_keys=True)
+    content["sha256"] = digest(product)
+    text = json.dumps({**content, WHOLE: _hash_of(content)}, indent=1, sort_keys=True)
     with atomic(description_of(product)) as partial:
         partial.write_text(f"{text}\n", encoding="utf-8")
+
+
+def was_edited(description: Path) -> bool:
+    """Return whether a description is another than the one that its job kept.
+
+    The identity does not tell of the run, which differs between two runs of the same job. One that
+    was kept before descriptions had a hash of their own, or that cannot be read, tells nothing.
+    """
+    try:
+        said = json.loads(description.read_text(encoding="utf-8"))
+        return WHOLE in said and said.pop(WHOLE) != _hash_of(said)
+    except (OSError, ValueError, AttributeError, TypeError):
+        return False
+
+
+def _hash_of(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
 def current_job() -> str:

@@ -259,6 +259,23 @@ def test_descriptions_that_were_edited_before_another_run_are_named(study):
     }
 
 
+def test_a_commit_that_was_edited_before_another_run_is_named(study):
+    file = provenance.description_of(Path("results/tables/table1.csv"))
+    commit = os.environ[provenance.COMMIT]
+    overwrite(file, file.read_bytes().replace(commit.encode(), b"unknown"))
+    assert found_after_another_run() == {
+        "results/tables/table1.csv": "its description is not what its job kept"
+    }
+
+
+def test_a_description_from_before_it_had_a_hash_of_its_own_passes(study):
+    file = provenance.description_of(Path("results/tables/table1.csv"))
+    said = json.loads(file.read_text())
+    del said["description"]
+    file.write_text(json.dumps(said, indent=1, sort_keys=True) + "\n")
+    assert found_after_another_run() == {}
+
+
 def test_results_that_were_swapped_with_their_descriptions_are_named(study):
     pair = [Path("results/figures/fig3.png"), Path("results/tables/table1.csv")]
     for one, other in (pair, map(provenance.description_of, pair)):

@@ -98,7 +98,9 @@ def _jobs(manifest: Manifest) -> Iterator[Finding]:
     fields = [field.name for field in dataclasses.fields(provenance.Job)]
     for path, product in manifest.products.items():
         job = manifest.jobs[product["job"]]
-        if provenance.Job(**{name: job[name] for name in fields}).identity != product["job"]:
+        identity = provenance.Job(**{name: job[name] for name in fields}).identity
+        description = provenance.description_of(Path(path))
+        if identity != product["job"] or provenance.was_edited(description):
             yield Finding(path, "its description is not what its job kept")
         elif path not in job["command"]:
             yield Finding(path, "its description is that of a job which makes other results")
