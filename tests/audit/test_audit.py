@@ -286,7 +286,9 @@ def test_results_that_were_swapped_with_their_descriptions_are_named(study):
     assert found_after_another_run() == {str(path): problem for path in pair}
 
 
-def test_a_record_of_hardware_that_has_changed_is_named(study, monkeypatch):
+@pytest.fixture
+def record(study, monkeypatch):
+    """A record of hardware that a result was made from; its folder can be written to."""
     with archive.unfinished("film", now=datetime(2026, 1, 1, tzinfo=UTC)) as folder:
         (folder / "record.nc").write_text("measured")
         kept = archive.seal(folder, {"excitation": "main"})
@@ -296,13 +298,27 @@ def test_a_record_of_hardware_that_has_changed_is_named(study, monkeypatch):
     make(monkeypatch, "results/a/taken.nc")
     assert found_after_another_run() == {}
     kept.chmod(0o755)
-    (kept / "record.nc").chmod(0o644)
-    (kept / "record.nc").write_text("altered")
+    for file in kept.iterdir():
+        file.chmod(0o644)
+    return kept
+
+
+def test_a_record_of_hardware_that_has_changed_is_named(record):
+    (record / "record.nc").write_text("altered")
     [(path, problem)] = found_after_another_run().items()
-    assert path == str(kept / "record.nc")
+    assert path == str(record / "record.nc")
     assert "is not what was recorded" in problem
-    (kept / "record.nc").unlink()
+    (record / "record.nc").unlink()
     assert found_after_another_run() == {path: "is missing"}
+
+
+def test_a_file_that_was_added_to_a_record_of_hardware_is_named(record):
+    (record / "more").mkdir()
+    for name in ("link.nc", "more/link.nc"):
+        (record / name).write_text("planted")
+    assert found_after_another_run() == {
+        str(record / name): "is no file of the record" for name in ("link.nc", "more/link.nc")
+    }
 
 
 def test_a_changed_setting_in_a_description_is_named(study):

@@ -119,14 +119,18 @@ def _links(manifest: Manifest) -> Iterator[Finding]:
 
 
 def _records(manifest: Manifest) -> Iterator[Finding]:
-    """Compare the files of archived records with the manifests that results were made from."""
+    """Compare archived records with the manifests that results were made from: no more, no less."""
     sources = {source for job in manifest.jobs.values() for source in job["inputs"]}
     for source in map(Path, sorted(sources)):
         if source.name == archive.MANIFEST and source.is_relative_to(archive.ROOT):
             try:
-                archive.check(source.parent)
+                content = archive.check(source.parent)
             except InputError as error:
                 yield Finding(str(error.file), error.problem)
+                continue
+            for file in files(folder=source.parent):
+                if str(file.relative_to(source.parent)) not in {*content["files"], source.name}:
+                    yield Finding(str(file), "is no file of the record")
 
 
 def _code(manifest: Manifest) -> Iterator[Finding]:
@@ -178,15 +182,18 @@ def _environment(manifest: Manifest) -> Iterator[Finding]:
             now = installed.get(name, "not installed")
             was = then.get(name, "not installed")
             yield Finding(name, f"is {now}, and was {was} when the results were made")
+    known = provenance.environment()
+    for path, product in manifest.products.items():
+        if manifest.jobs[product["job"]]["environment"] != known:
+            yield Finding(path, "was made with other packages than are installed now")
+    if not ENVIRONMENT.is_file():
+        yield Finding(str(ENVIRONMENT), "is missing")
+        return
     for line in ENVIRONMENT.read_text(encoding="utf-8").splitlines():
         pin = _PIN.match(line)
         if pin and f"{_plain(pin[1])}-{pin[2]}" != _plain_version(installed.get(_plain(pin[1]))):
             now = installed.get(_plain(pin[1]), "not installed")
             yield Finding(_plain(pin[1]), f"is {now}, and {ENVIRONMENT} asks for {pin[0]}")
-    known = provenance.environment()
-    for path, product in manifest.products.items():
-        if manifest.jobs[product["job"]]["environment"] != known:
-            yield Finding(path, "was made with other packages than are installed now")
 
 
 def _name(package: str) -> str:
