@@ -134,7 +134,9 @@ def test_a_damaged_file_is_named(tmp_path, damage, said):
         archive.check(folder)
 
 
-@pytest.mark.parametrize("text", ["", "{}", "[1]"])
+@pytest.mark.parametrize(
+    "text", ["", "{}", "[1]", '{"excitation": "record", "files": ["record.nc"]}', '{"files": {}}']
+)
 def test_a_damaged_manifest_is_named(tmp_path, text):
     folder = kept(tmp_path)
     folder.chmod(0o755)

@@ -77,7 +77,11 @@ def manifest(folder: Path) -> dict[str, Any]:
         raise InputError(
             f"cannot be read ({error})", file=file, remedy="Bring it back from a backup"
         ) from error
-    if not isinstance(content, dict) or not {"excitation", "files"} <= content.keys():
+    if (
+        not isinstance(content, dict)
+        or "excitation" not in content
+        or not isinstance(content.get("files"), dict)
+    ):
         raise InputError(
             "is no manifest of a record", file=file, remedy="Bring it back from a backup"
         )

@@ -185,20 +185,21 @@ def check(path: Path, sha: str) -> None:
     remedy = "Delete it and run again"
     try:
         said = json.loads(description_of(path).read_text(encoding="utf-8"))
-        expected, made_from = said["sha256"], said["job"]["inputs"]
-    except (OSError, ValueError, KeyError) as error:
+        expected, name = said["sha256"], said["job"]["name"]
+        made_from = said["job"]["inputs"].items()
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(
             f"nothing says which job made it ({error!r})", file=path, remedy=remedy
         ) from error
     if sha != expected:
         raise InputError(
-            f"it is not what the job {said['job']['name']} made (SHA-256 {expected[:12]}…)",
+            f"it is not what the job {name} made (SHA-256 {expected[:12]}…)",
             file=path,
             remedy=remedy,
         )
-    for name, then in made_from.items():
-        if not Path(name).exists() or digest(Path(name)) != then:
-            raise InputError(f"it was made from another {name}", file=path, remedy=remedy)
+    for source, then in made_from:
+        if not Path(source).exists() or digest(Path(source)) != then:
+            raise InputError(f"it was made from another {source}", file=path, remedy=remedy)
 
 
 def digest(path: Path) -> str:

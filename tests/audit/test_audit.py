@@ -139,6 +139,11 @@ def test_a_package_that_the_environment_does_not_ask_for_is_named(study):
     assert "asks for sci-py==1.6" in first().problem
 
 
+def test_a_missing_list_of_packages_is_named(study):
+    Path("environment.txt").unlink()
+    assert verify(Manifest.read()) == [("environment.txt", "is missing")]
+
+
 def test_a_missing_file_is_named_with_what_rests_on_it(study):
     Path("results/a/model.nc").unlink()
     path, problem = first()
@@ -242,9 +247,20 @@ def test_no_run_makes_a_result_that_was_deleted_forgotten(study):
     assert problem.startswith("is missing")
 
 
-def test_a_description_that_cannot_be_read_is_none(study):
+@pytest.mark.parametrize("damage", ["not JSON", "a list", "no job", "a list of files", "no commit"])
+def test_a_description_that_cannot_be_read_is_none(study, damage):
     file = provenance.description_of(Path("results/tables/table1.csv"))
-    file.write_text("{")
+    said = json.loads(file.read_text())
+    match damage:
+        case "a list":
+            said = [said]
+        case "no job":
+            said["job"] = {}
+        case "a list of files":
+            said["job"]["code"] = [*said["job"]["code"]]
+        case "no commit":
+            del said["run"]["commit"]
+    file.write_text("{" if damage == "not JSON" else json.dumps(said))
     assert found_after_another_run() == {
         "results/tables/table1.csv": "was made by no job",
         str(file): "was made by no job",
@@ -464,6 +480,13 @@ def test_a_job_refuses_an_input_that_was_made_from_something_else(study, monkeyp
     make(monkeypatch, "results/a/record.nc", {"other": 1})
     with pytest.raises(InputError, match=r"model\.nc: it was made from another .*record\.nc"):
         make(monkeypatch, "results/tables/table1.csv")
+
+
+@pytest.mark.parametrize("text", ["[]", '{"sha256": "0", "job": []}', '{"sha256": "0", "job": {}}'])
+def test_a_job_refuses_an_input_whose_description_is_none(study, monkeypatch, text):
+    provenance.description_of(Path("results/a/model.nc")).write_text(text)
+    with pytest.raises(InputError, match=r"model\.nc: nothing says which job made it"):
+        make(monkeypatch, "results/a/track.nc")
 
 
 def test_a_job_refuses_an_input_of_which_no_job_is_known(study, monkeypatch):

@@ -122,13 +122,10 @@ def collect() -> Manifest:
     products, jobs, described = {}, {}, set()
     for file in sorted(provenance.FOLDER.rglob("*.json")):
         product = provenance.RESULTS / file.relative_to(provenance.FOLDER).with_suffix("")
-        try:
-            said = json.loads(file.read_text(encoding="utf-8"))
-            one = {"sha256": said["sha256"], "job": said["identity"]}
-            job = {**said["job"], "run": said["run"]}
-        except (ValueError, KeyError, TypeError):
+        if (said := _description(file)) is None:
             continue
-        products[str(product)], jobs[one["job"]] = one, job
+        products[str(product)] = {"sha256": said["sha256"], "job": said["identity"]}
+        jobs[said["identity"]] = {**said["job"], "run": said["run"]}
         described.add(file)
     folders = [Path(path) for path in products if Path(path).is_dir()]
     others = {
@@ -137,6 +134,24 @@ def collect() -> Manifest:
         if file in described or (str(file) not in products and _is_beside(file))
     }
     return Manifest(products, jobs, others, provenance.packages())
+
+
+def _description(file: Path) -> dict[str, Any] | None:
+    """Return what a description says, ``None`` where it is none."""
+    try:
+        said = json.loads(file.read_text(encoding="utf-8"))
+        made = provenance.Job(**said["job"])
+        whole = (
+            isinstance(said["sha256"], str)
+            and isinstance(said["identity"], str)
+            and isinstance(said["run"]["commit"], str)
+            and isinstance(made.command, list)
+            and isinstance(made.inputs, dict)
+            and isinstance(made.code, dict)
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return said if whole else None
 
 
 def _is_beside(file: Path) -> bool:
