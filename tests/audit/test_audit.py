@@ -412,6 +412,13 @@ def test_a_manifest_written_anew_after_signing_is_named(study, signers, monkeypa
 
 
 @pytest.mark.skipif(not shutil.which("ssh-keygen"), reason="ssh-keygen is not installed")
+def test_a_signer_whose_name_holds_a_blank_is_known(study, signers, capsys):
+    Path("signers").write_text(f'"ada lovelace" {Path("key.pub").read_text()}')
+    main(signers)
+    assert "are what they were made as" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not shutil.which("ssh-keygen"), reason="ssh-keygen is not installed")
 def test_the_signature_of_a_stranger_is_refused(study, signers, capsys):
     Path("signers").write_text("")
     with pytest.raises(SystemExit) as exit_:

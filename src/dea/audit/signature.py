@@ -29,7 +29,7 @@ def signer(signers: Path) -> str:
             remedy="Name a file of lines NAME ssh-ed25519 AAAA…",
         )
     found = _keygen("find-principals", "-s", str(SIGNATURE), "-f", str(signers))
-    names = found.stdout.split()
+    names = found.stdout.splitlines()  # a name in quotes may hold blanks
     if found.returncode or not names:
         raise InputError(
             f"nobody in {signers} made it",
