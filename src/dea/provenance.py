@@ -32,6 +32,8 @@ WHOLE = "description"
 INSTRUCTIONS = "NUMBA_CPU_NAME", "OPENBLAS_CORETYPE"
 
 _current: list["Job"] = []
+# SHA-256 of what the job has read beside its inputs, by path.
+_read: dict[str, str] = {}
 
 
 @dataclass(frozen=True)
@@ -91,13 +93,24 @@ def job(
         name, rule = _name(os.environ[JOB]), os.environ[RULE]
         described = Job(name, rule, command, dict(settings), found, code, environment())
         _current[:] = [described]
+        _read.clear()
         try:
             yield
         finally:
             _current.clear()
-        run = run_facts() | {"options": list(free)}
+        beside = {path: sha for path, sha in sorted(_read.items()) if path not in found}
+        run = run_facts() | {"options": list(free)} | ({"read": beside} if beside else {})
         for product in products:
             _describe(product, described, run)
+
+
+def note_read(files: Iterable[Path]) -> None:
+    """Keep with the job that runs, if one does, that it has read these files.
+
+    They are no part of its identity, since they are known only once it runs.
+    """
+    if _current:
+        _read.update({str(file): digest(file) for file in files})
 
 
 @contextmanager
@@ -186,7 +199,7 @@ def check(path: Path, sha: str) -> None:
     try:
         said = json.loads(description_of(path).read_text(encoding="utf-8"))
         expected, name = said["sha256"], said["job"]["name"]
-        made_from = said["job"]["inputs"].items()
+        made_from = (said["job"]["inputs"] | said.get("run", {}).get("read", {})).items()
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(
             f"nothing says which job made it ({error!r})", file=path, remedy=remedy

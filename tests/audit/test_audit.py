@@ -455,6 +455,23 @@ def test_a_config_file_that_has_changed_is_named(study):
     assert first() == ("config/device.yaml", "has changed since results were made from it")
 
 
+def test_a_file_that_a_job_read_beside_its_inputs_is_named(study, monkeypatch):
+    Path("helper.py").write_text("RATE = 1.0\n")
+    monkeypatch.setenv(provenance.JOB, "results/a/log/model.log")
+    monkeypatch.setenv(provenance.RULE, "model")
+    monkeypatch.setenv(provenance.CODE, "src/select.py")
+    product = Path("results/a/other.nc")
+    with provenance.job(["x", str(product)], {}, inputs=[], outputs=[product]):
+        provenance.note_read([Path("helper.py")])
+        product.write_text("made")
+    assert found_after_another_run() == {}
+    assert resting_on("helper.py", Manifest.read()) == [str(product)]
+    Path("helper.py").write_text("RATE = 2.0\n")
+    assert found_after_another_run() == {"helper.py": "has changed since results were made from it"}
+    Path("helper.py").unlink()
+    assert found_after_another_run() == {"helper.py": "is missing"}
+
+
 def test_one_byte_flipped_in_each_file_is_found(study):
     files = [path for path in Path("results").rglob("*") if path.is_file() and path.stat().st_size]
     for file in sorted(files):

@@ -145,6 +145,7 @@ def _description(file: Path) -> dict[str, Any] | None:
             isinstance(said["sha256"], str)
             and isinstance(said["identity"], str)
             and isinstance(said["run"]["commit"], str)
+            and isinstance(said["run"].get("read", {}), dict)
             and isinstance(made.command, list)
             and isinstance(made.inputs, dict)
             and isinstance(made.code, dict)

@@ -16,7 +16,7 @@ import xarray as xr
 
 from dea import provenance
 from dea.audit.manifest import Manifest
-from dea.audit.verify import Finding
+from dea.audit.verify import Finding, read_beside
 
 # Of numbers that another processor or another linear algebra rounds otherwise.
 TOLERANCE = 1e-6
@@ -52,7 +52,7 @@ def _run(manifest: Manifest, identity: str, folder: Path) -> str | None:
     for name in ("src", "config", "build", "data", "records"):
         if Path(name).exists():
             (folder / name).symlink_to(Path(name).resolve())
-    for source in job["inputs"]:
+    for source in (*job["inputs"], *read_beside(job)):
         _bring(manifest, source, folder)
     for product in [p for p, one in manifest.products.items() if one["job"] == identity]:
         (folder / product).parent.mkdir(parents=True, exist_ok=True)

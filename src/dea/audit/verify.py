@@ -4,9 +4,9 @@ import dataclasses
 import hashlib
 import re
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from dea import archive, provenance
 from dea.audit.manifest import UNLISTED, Manifest, files
@@ -55,12 +55,18 @@ def in_order(manifest: Manifest) -> list[str]:
     return list(ordered)
 
 
+def read_beside(job: Mapping[str, Any]) -> Mapping[str, str]:
+    """Return the SHA-256 of what a job has read beside its inputs, as its run noted it."""
+    read: Mapping[str, str] = job["run"].get("read", {})
+    return read
+
+
 def resting_on(path: str, manifest: Manifest) -> list[str]:
     """Return the products that were made from a file, directly or not; the file may be code."""
     spoilt = {path}
     for product in in_order(manifest):
         job = manifest.jobs[manifest.products[product]["job"]]
-        if spoilt & (job["inputs"].keys() | job["code"].keys()):
+        if spoilt & {*job["inputs"], *job["code"], *read_beside(job)}:
             spoilt.add(product)
     return [product for product in in_order(manifest) if product in spoilt - {path}]
 
@@ -112,10 +118,18 @@ def _links(manifest: Manifest) -> Iterator[Finding]:
             if source in manifest.products:
                 if manifest.products[source]["sha256"] != sha:
                     yield Finding(path, f"was made from another {source}")
-            elif not Path(source).exists():
-                yield Finding(source, "is missing")
-            elif provenance.digest(Path(source)) != sha:
-                yield Finding(source, "has changed since results were made from it")
+            else:
+                yield from _source(source, sha)
+    for job in manifest.jobs.values():
+        for source, sha in read_beside(job).items():
+            yield from _source(source, sha)
+
+
+def _source(path: str, sha: str) -> Iterator[Finding]:
+    if not Path(path).exists():
+        yield Finding(path, "is missing")
+    elif provenance.digest(Path(path)) != sha:
+        yield Finding(path, "has changed since results were made from it")
 
 
 def _records(manifest: Manifest) -> Iterator[Finding]:

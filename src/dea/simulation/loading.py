@@ -9,7 +9,9 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from dea.errors import InputError
+from dea.provenance import note_read
 from dea.simulation import devices
+from dea.simulation.files_read import files_read
 from dea.simulation.simulation import Simulation
 
 
@@ -51,7 +53,8 @@ def load_simulation(name: str | Path) -> Simulation:
     # Functions that numba keeps compiled are found again by the module's name.
     sys.modules[spec.name] = module
     try:
-        spec.loader.exec_module(module)
+        with files_read() as read:
+            spec.loader.exec_module(module)
     except InputError as error:
         raise _explained(error, path) from error
     except (Exception, SystemExit) as error:  # whatever it raises is what is wrong with it
@@ -60,6 +63,7 @@ def load_simulation(name: str | Path) -> Simulation:
             file=path,
             remedy="See docs/discrepancy.md for a worked example",
         ) from error
+    note_read([path, *read])
     found = getattr(module, "simulation", None)
     if not isinstance(found, Simulation):
         raise InputError(
