@@ -85,7 +85,8 @@ def test_a_refused_start_leaves_no_folder(tmp_path):
         raise RuntimeError
     assert not (tmp_path / "film1").exists()
     kept(tmp_path, content=b"first")
-    with pytest.raises(RuntimeError), archive.unfinished("film1", tmp_path):
+    later = BEGUN.replace(hour=13)
+    with pytest.raises(RuntimeError), archive.unfinished("film1", tmp_path, later):
         raise RuntimeError
     assert len(list((tmp_path / "film1").iterdir())) == 1
 
@@ -98,6 +99,16 @@ def test_two_records_of_one_second_do_not_meet(tmp_path):
     ):
         pass
     assert (tmp_path / "film1/20260301T123005Z/record.nc").read_bytes() == b"first"
+
+
+def test_no_record_starts_before_the_newest_as_where_a_clock_was_wrong(tmp_path):
+    ahead = kept(tmp_path, now=BEGUN.replace(year=2036))
+    with pytest.raises(InputError, match=r"20360301T123005Z: is of a later time than now, 2026"):
+        kept(tmp_path)
+    assert [folder.name for folder in ahead.parent.iterdir()] == [ahead.name]
+    ahead.rename(ahead.with_name("20260301T113005Z"))
+    last = kept(tmp_path)
+    assert archive.chosen("film1", "record", root=tmp_path) == last
 
 
 def test_the_newest_record_of_the_excitation_is_chosen(tmp_path):

@@ -29,7 +29,7 @@ def finished(name: str, excitation: str, root: Path = ROOT) -> list[Path]:
     InputError
         If a folder has no readable manifest.
     """
-    folders = sorted(path for path in (root / name).glob("*Z") if path.is_dir())
+    folders = _folders(root / name)
     return [folder for folder in folders if manifest(folder)["excitation"] == excitation]
 
 
@@ -120,12 +120,19 @@ def unfinished(name: str, root: Path = ROOT, now: datetime | None = None) -> Ite
     Raises
     ------
     InputError
-        If there is one of the same second already.
+        If there is one of the same second already, or of a later time: the newest would not be the
+        last, so the clock is wrong, or was.
     """
     time = (now or datetime.now(UTC)).strftime("%Y%m%dT%H%M%SZ")
     folder = root / name / f"{time}{UNFINISHED}"
     if folder.with_suffix("").exists():
         raise InputError("exists already", file=folder.with_suffix(""), remedy="Start it again")
+    if later := [path for path in _folders(root / name) if path.name > time]:
+        raise InputError(
+            f"is of a later time than now, {time}",
+            file=later[-1],
+            remedy="Correct the clock; where it was wrong then, give the folder its true time",
+        )
     try:
         folder.mkdir(parents=True)
     except FileExistsError:
@@ -179,6 +186,10 @@ def seal(folder: Path, content: Mapping[str, Any], made_from: Path | None = None
         (final / made_from.name).unlink()
     final.chmod(0o555)
     return final
+
+
+def _folders(of_actuator: Path) -> list[Path]:
+    return sorted(path for path in of_actuator.glob("*Z") if path.is_dir())
 
 
 def _sha256(file: Path) -> str:
