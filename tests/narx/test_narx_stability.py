@@ -173,3 +173,27 @@ def test_runs_side_by_side_stay_bounded_where_each_alone_does():
 def test_the_rest_taken_is_the_nearest(near, root):
     assert _nearest(np.array([-1.0, 0.9]), near) == root
     assert np.isnan(_nearest(np.empty(0), near))
+
+
+@pytest.mark.parametrize("leading", [1e-30, 1e-16, -1e-12, 1e-6])
+def test_a_term_that_hardly_counts_does_not_move_the_rest(leading):
+    """The root of the linear equation, to first order in what the term adds."""
+    terms = (Term(), Term((1,)), Term((), (1,)), Term((1, 1)))
+    inputs = np.linspace(-1.0, 1.0, 21)
+    found = rests_over(terms, np.array([0.1, 0.5, 0.3, leading]), inputs, 100.0).outputs
+    linear = (0.1 + 0.3 * inputs) / 0.5
+    np.testing.assert_allclose(found, linear + leading * linear**2 / 0.5, rtol=0.0, atol=1e-11)
+
+
+def test_a_model_in_physical_units_is_tried_at_the_level_of_its_record():
+    """The same dynamics about zero and about 30; from zero the latter leaves every bound."""
+    rng = np.random.default_rng(0)
+    u = rng.uniform(-1.0, 1.0, 1000)
+    centred = NarxModel.from_terms({"y(t-1)": 0.8, "u(t-1)": 0.2, "y(t-1)^2": 0.04})
+    # z = y + 30: z' = 30 + 0.8 (z - 30) + 0.2 u + 0.04 (z - 30)^2
+    raised = NarxModel.from_terms({"1": 42.0, "y(t-1)": -1.6, "u(t-1)": 0.2, "y(t-1)^2": 0.04})
+    y, z = centred.simulate(u), raised.simulate(u, [30.0])
+    np.testing.assert_allclose(z - 30.0, y, atol=1e-9)
+    report, other = centred.stability(u, y), raised.stability(u, z)
+    assert (report.holds, report.runs) == (other.holds, other.runs) == ((20, 20), (100, 100))
+    np.testing.assert_allclose(other.outputs - 30.0, report.outputs, atol=1e-9)

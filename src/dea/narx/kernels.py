@@ -89,9 +89,14 @@ def run(structure: Structure, parameters: Array, u: Array, y: Array, bound: floa
 
 @njit(cache=True)
 def bounded(
-    structure: Structure, parameters: Array, u: Array, bound: float, every: bool
+    structure: Structure,
+    parameters: Array,
+    u: Array,
+    first: float,
+    bound: float,
+    every: bool,
 ) -> NDArray[np.bool_]:
-    """Whether each of several runs from zero outputs keeps within the bound, shape (runs,).
+    """Whether each of several runs from one output keeps within the bound, shape (runs,).
 
     ``u`` has the shape (inputs, samples, runs). Where ``every`` run has to keep within it, the
     first that does not ends all. The runs go on side by side, since each sample of a run waits for
@@ -101,7 +106,7 @@ def bounded(
     _, samples, runs = u.shape
     kept = np.ones(runs, dtype=np.bool_)
     depth = start + 1
-    past = np.zeros((depth, runs))
+    past = np.full((depth, runs), first)
     coefficients = np.empty((y_lags.shape[0], runs))
     product, total = np.empty(runs), np.empty(runs)
     for t in range(start, samples):

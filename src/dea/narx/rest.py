@@ -1,14 +1,17 @@
 """Where a model rests at constant inputs, and its poles there."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dea.inputs import by_input
 from dea.narx.checks import Array
 from dea.terms import Term, static_value
 
+Complex: TypeAlias = NDArray[np.complex128]
+_STEPS = 4  # of Newton's method; two where a root is lost altogether, and as many to settle
 _REAL = 1e-6  # imaginary part, relative to 1 + |root|, up to which a root counts as real
 
 
@@ -21,12 +24,16 @@ class Rests(NamedTuple):
 
 
 def rests_over(
-    terms: Sequence[Term], parameters: Array, inputs: Array, limit: float = np.inf
+    terms: Sequence[Term],
+    parameters: Array,
+    inputs: Array,
+    limit: float = np.inf,
+    near: float = 0.0,
 ) -> Rests:
     """Follow the rest of a model from input zero outwards to each of ``inputs``.
 
     At rest y = sum_j theta_j y^p u^q. Of several real roots the one nearest to the rest of the
-    level before is taken, for the level nearest to zero the one nearest to zero.
+    level before is taken, for the level nearest to zero the one nearest to ``near``.
 
     Parameters
     ----------
@@ -35,16 +42,18 @@ def rests_over(
         inputs (levels, inputs).
     limit
         Largest modulus of an output that counts.
+    near
+        The output about which the model is used.
     """
     roots = _real_roots(terms, parameters, inputs, limit)
     levels = len(inputs)
     middle = int(np.argmin(np.abs(by_input(inputs)).max(axis=0)))
     outputs = np.full(levels, np.nan)
-    outputs[middle] = _nearest(roots[middle], 0.0)
+    outputs[middle] = _nearest(roots[middle], near)
     for order in (range(middle + 1, levels), range(middle - 1, -1, -1)):
         last = outputs[middle]
         for level in order:
-            last = outputs[level] = _nearest(roots[level], last if np.isfinite(last) else 0.0)
+            last = outputs[level] = _nearest(roots[level], last if np.isfinite(last) else near)
     return Rests(inputs, outputs, _largest_pole(terms, parameters, inputs, outputs))
 
 
@@ -54,7 +63,8 @@ def _real_roots(
     """Return the real roots of the static polynomial at each input, up to ``limit`` in modulus.
 
     They are the eigenvalues of its companion matrix, of all inputs at once: a search asks for the
-    rests of thousands of models.
+    rests of thousands of models. Newton steps follow, since beside a leading coefficient that is
+    nearly zero the eigenvalues of the smaller roots are lost.
     """
     order = max(1, *(len(term.y_lags) for term in terms))
     coefficients, columns = np.zeros((len(inputs), order + 1)), by_input(inputs)
@@ -68,10 +78,40 @@ def _real_roots(
         companion = np.zeros((levels.size, degree, degree))
         companion[:, range(1, degree), range(degree - 1)] = 1.0
         companion[:, :, -1] = -coefficients[levels, :degree] / coefficients[levels, degree, None]
-        for level, roots in zip(levels.tolist(), np.linalg.eigvals(companion), strict=True):
+        polynomials = coefficients[levels, : degree + 1]
+        for level, roots in zip(
+            levels.tolist(), _polished(np.linalg.eigvals(companion), polynomials), strict=True
+        ):
             found = roots.real[np.abs(roots.imag) <= _REAL * (1.0 + np.abs(roots))]
             real[level] = found[np.abs(found) <= limit]
     return real
+
+
+def _polished(roots: Array | Complex, coefficients: Array) -> Complex:
+    """Return roots (levels, degree) of polynomials (levels, degree + 1) after Newton steps.
+
+    A step is taken where it lowers the modulus of the polynomial.
+    """
+    found: Complex = roots.astype(np.complex128)
+    value, slope = _value_and_slope(found, coefficients)
+    for _ in range(_STEPS):
+        there = slope != 0.0
+        moved = found - np.where(there, value, 0.0) / np.where(there, slope, 1.0)
+        moved_value, moved_slope = _value_and_slope(moved, coefficients)
+        better = np.abs(moved_value) < np.abs(value)
+        found = np.where(better, moved, found)
+        value = np.where(better, moved_value, value)
+        slope = np.where(better, moved_slope, slope)
+    return found
+
+
+def _value_and_slope(roots: Complex, coefficients: Array) -> tuple[Complex, Complex]:
+    """Return each polynomial and its derivative at each of its roots, by Horner's scheme."""
+    value, slope = np.zeros_like(roots), np.zeros_like(roots)
+    for column in coefficients.T[::-1]:
+        slope = slope * roots + value
+        value = value * roots + column[:, None]
+    return value, slope
 
 
 def _nearest(roots: Array, near: float) -> float:

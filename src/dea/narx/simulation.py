@@ -73,9 +73,15 @@ def simulate(
 
 
 def bounded(
-    terms: tuple[Term, ...], parameters: Array, u: Array, bound: float, every: bool = False
+    terms: tuple[Term, ...],
+    parameters: Array,
+    u: Array,
+    bound: float,
+    every: bool = False,
+    *,
+    start: float = 0.0,
 ) -> NDArray[np.bool_]:
-    """Say of each of several runs from zero outputs whether it keeps within ``bound``, (runs,).
+    """Say of each of several runs whether it keeps within ``bound``, (runs,).
 
     Parameters
     ----------
@@ -83,12 +89,14 @@ def bounded(
         Inputs, shape (inputs, samples, runs).
     every
         Whether all have to: the first that does not then ends all, and none counts.
+    start
+        The output before all runs.
 
     Other parameters are those of :func:`simulate`.
     """
     shape, numbered = _described(terms)
     check_inputs(numbered, u[:, :, 0].T)
-    return kernels.bounded(shape, parameters, u, bound, every)
+    return kernels.bounded(shape, parameters, u, start, bound, every)
 
 
 def simulate_varying(

@@ -165,7 +165,7 @@ class StabilityTest:
     Parameters
     ----------
     segments
-        Normalised inputs and outputs.
+        Normalised inputs and outputs. Every run begins at the mean output.
     """
 
     def __init__(self, segments: Sequence[tuple[Array, Array]]) -> None:
@@ -183,10 +183,14 @@ class StabilityTest:
         shown = u[:_LONGEST]
         self.random = _random_inputs(shown.tobytes("F"), shown.shape, copies)
         self._within, self._bound = LEEWAY * largest, DIVERGED * largest
+        # The level of the record, which is zero only where the scaling is its own.
+        self._start = float(np.mean(np.concatenate([y for _, y in segments])))
 
     def rests(self, terms: tuple[Term, ...], parameters: Array) -> Rests:
         """Return the model's rests over the input range."""
-        found = [rests_over(terms, parameters, line, self._bound) for line in self.lines]
+        found = [
+            rests_over(terms, parameters, line, self._bound, self._start) for line in self.lines
+        ]
         return Rests(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
     def held(self, terms: tuple[Term, ...], parameters: Array, every: bool = False) -> Bools:
@@ -194,14 +198,14 @@ class StabilityTest:
 
         With ``every``, the first that does not ends the test, and all count as unbounded.
         """
-        return bounded(terms, parameters, self.holds, self._bound, every)
+        return bounded(terms, parameters, self.holds, self._bound, every, start=self._start)
 
     def ran(self, terms: tuple[Term, ...], parameters: Array, every: bool = False) -> Bools:
         """Say likewise of each random input whether the run stays in the range of the outputs.
 
         First come those with the values of the record, then the phase-randomised ones.
         """
-        return bounded(terms, parameters, self.random, self._within, every)
+        return bounded(terms, parameters, self.random, self._within, every, start=self._start)
 
     def passes(self, terms: tuple[Term, ...], parameters: Array) -> bool:
         """Whether the model is stable on all of them; ends at the first failure."""
