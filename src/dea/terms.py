@@ -163,6 +163,17 @@ class Term(NamedTuple):
             yield "u", str(number), lag, power
 
 
+def as_terms(terms: Iterable[Term | str]) -> tuple[Term, ...]:
+    """Return terms, some of which may be written as people write them.
+
+    Raises
+    ------
+    InputError
+        For text that is no term.
+    """
+    return tuple(Term.parse(term) if isinstance(term, str) else term for term in terms)
+
+
 def max_lag(terms: Iterable[Term]) -> int:
     """Largest lag of any of the terms: how many samples a simulation cannot compute."""
     return max((term.max_lag for term in terms), default=0)

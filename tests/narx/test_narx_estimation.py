@@ -143,3 +143,16 @@ def test_refinement_finds_the_minimum_where_noise_takes_least_squares_far_off():
         noise = np.mean((clean - y) ** 2)
         assert fit_free_runs(model.terms, biased.parameters, [(u, y)]).msse > 1.2 * noise
         assert np.mean((refine(biased, u, y).simulate(u, y) - y) ** 2) < 1.05 * noise
+
+
+def test_a_record_at_rest_beside_others_is_refined_with_them():
+    """Its outputs are zero, and a run may still leave them: a model with a constant does."""
+    rng = np.random.default_rng(11)
+    plant = NarxModel.from_terms({"1": 0.05, "y(t-1)": 0.7, "u(t-1)": 0.3})
+    u = rng.uniform(-1.0, 1.0, 300)
+    moving = plant.simulate(u) + 0.01 * rng.standard_normal(300)
+    still = np.zeros(100), np.zeros(100)
+    found = refine(plant, [u, still[0]], [moving, still[1]])
+    # The level is a compromise between both records; the dynamics are those of the moving one.
+    assert 0.0 < found.parameters[0] < 0.05
+    np.testing.assert_allclose(found.parameters[1:], [0.7, 0.3], atol=0.02)

@@ -10,9 +10,10 @@ from dea.errors import InputError
 from dea.inputs import by_input, input_count
 from dea.narx.checks import Array, as_pair, check_variation
 from dea.narx.model import NarxModel
+from dea.narx.parameter_covariance import column_norms
 from dea.narx.regressors import regressor_matrix
 from dea.narx.scaling import Scaling
-from dea.terms import Term, max_lag
+from dea.terms import Term, as_terms, max_lag
 
 Segment = tuple[Array, Array]
 Signals = ArrayLike | Sequence[ArrayLike]
@@ -20,16 +21,26 @@ Signals = ArrayLike | Sequence[ArrayLike]
 NOT_WHITE = (
     "the one-step error is correlated in time, so that least squares on measured outputs is biased"
 )
+DEPENDENT_TERMS = (
+    "the record leaves a combination of the parameters undetermined, since the terms depend on each"
+    " other there"
+)
+FEW_EQUATIONS = (
+    "fewer than ten equations are left beside the unknowns, too few to tell how large the noise is"
+)
+_LEFT = 10  # of a normal law; with fewer degrees of freedom a 95 % interval holds less than 92 %
 _DEPENDENT = 1e-12  # singular values below this share of the largest are rounding
 
 
 def estimate(
-    terms: Iterable[Term], u: Signals, y: Signals, *, scaling: Scaling | None = None
+    terms: Iterable[Term | str], u: Signals, y: Signals, *, scaling: Scaling | None = None
 ) -> NarxModel:
     """Least-squares estimate (4) of the parameters of ``terms``, with their covariance.
 
     Parameters
     ----------
+    terms
+        Monomials, or text such as ``y(t-1)u(t-3)^2``.
     u, y
         Measured input and output in physical units, shape (samples,), or equally long lists of
         such records, which share the parameters. Several inputs are the columns of ``u``, shape
@@ -43,13 +54,15 @@ def estimate(
         Its covariance is that for a white one-step error. Noise on the output biases the
         parameters themselves, and then no interval around them holds: where the one-step error is
         not white, ``withheld`` of the model says so. :func:`dea.narx.refine` removes that bias.
+        Parameters that the records leave undetermined take the smallest values that explain them,
+        and ``withheld`` says so too, or that there are too few equations.
 
     Raises
     ------
     InputError
-        If the records are not usable, are too short or leave parameters undetermined.
+        If the records are not usable or are too short.
     """
-    chosen = tuple(terms)
+    chosen = as_terms(terms)
     records = as_segments(u, y, max_lag(chosen), len(chosen))
     scale = scaling_of(records) if scaling is None else scaling
     segments = normalised(records, scale)
@@ -66,10 +79,32 @@ def reason_to_withhold(terms: Sequence[Term], theta: Array, segments: Sequence[S
     says whether it is.
     """
     start = max_lag(terms)
+    matrices = [regressor_matrix(terms, u, y) for u, y in segments]
+    withheld = withheld_of_equations(np.vstack(matrices), len(terms), _DEPENDENT)
+    if withheld:
+        return withheld
     noise = fit_autoregression(
-        [y[start:] - regressor_matrix(terms, u, y) @ theta for u, y in segments]
+        [y[start:] - matrix @ theta for matrix, (_, y) in zip(matrices, segments, strict=True)]
     )
     return NOT_WHITE if noise.order else ""
+
+
+def withheld_of_equations(matrix: Array, unknowns: int, dependent: float) -> str:
+    """Return why equations give no intervals of parameters, empty where they do.
+
+    Parameters
+    ----------
+    matrix
+        Derivative of each equation by each parameter, (equations, parameters).
+    unknowns
+        Of the equations, which may be more than the parameters.
+    dependent
+        Share of the largest singular value, columns scaled to one, up to which one is rounding.
+    """
+    if len(matrix) - unknowns < _LEFT:
+        return FEW_EQUATIONS
+    singular = np.linalg.svd(matrix / column_norms(matrix), compute_uv=False)
+    return DEPENDENT_TERMS if singular[-1] <= dependent * singular[0] else ""
 
 
 def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> tuple[Array, Array]:
@@ -80,8 +115,7 @@ def least_squares(terms: Sequence[Term], segments: Sequence[Segment]) -> tuple[A
     start = max_lag(terms)
     matrix = np.vstack([regressor_matrix(terms, u, y) for u, y in segments])
     target = np.concatenate([y[start:] for _, y in segments])
-    norms = np.linalg.norm(matrix, axis=0)
-    scale = np.where(norms > 0.0, norms, 1.0)  # the rank must not depend on the columns' units
+    scale = column_norms(matrix)  # the rank must not depend on the columns' units
     left, singular, right = np.linalg.svd(matrix / scale, full_matrices=False)
     kept = singular > _DEPENDENT * singular[0]
     inverse = (right[kept].T / singular[kept]) / scale[:, None]

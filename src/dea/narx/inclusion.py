@@ -9,11 +9,11 @@ from dea.errors import InputError
 from dea.narx.checks import Array
 from dea.narx.estimation import Signals, as_segments, scaling_of
 from dea.narx.selection import search_terms
-from dea.terms import Term
+from dea.terms import Term, as_terms
 
 
 def inclusion_frequency(
-    terms: Iterable[Term],
+    terms: Iterable[Term | str],
     u: Signals,
     y: Signals,
     *,
@@ -50,7 +50,7 @@ def inclusion_frequency(
     for field, given, least in (("resamples", resamples, 1), ("blocks", blocks, 2)):
         if given < least:
             raise InputError(f"is {given}", field=field, remedy=f"Use {least} at least.")
-    records = as_segments(u, y)
+    sought, records = as_terms(terms), as_segments(u, y)
     scaling = scaling_of(records, not selection.get("even_in_input", False))
     settings = {"scaling": scaling} | selection
     total = sum(other.size for _, other in records)
@@ -62,4 +62,4 @@ def inclusion_frequency(
     for _ in range(resamples):
         drawn = [pieces[i] for i in rng.integers(0, len(pieces), len(pieces))]
         found.append(search_terms(*map(list, zip(*drawn, strict=True)), **settings).terms)
-    return np.array([np.mean([term in each for each in found]) for term in terms])
+    return np.array([np.mean([term in each for each in found]) for term in sought])

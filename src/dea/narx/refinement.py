@@ -12,7 +12,14 @@ from dea.errors import InputError
 from dea.least_squares import Damping, Model, Point
 from dea.narx import kernels
 from dea.narx.checks import Array
-from dea.narx.estimation import Segment, Signals, as_segments, estimate, normalised
+from dea.narx.estimation import (
+    Segment,
+    Signals,
+    as_segments,
+    estimate,
+    normalised,
+    withheld_of_equations,
+)
 from dea.narx.estimation import least_squares as least_squares_of
 from dea.narx.model import NarxModel
 from dea.narx.parameter_covariance import (
@@ -27,6 +34,7 @@ from dea.terms import Term
 
 _SMOOTHED = 9  # samples over which outputs are smoothed for a second start
 _ENDS = 2.0  # standard deviations either way, within which a run should be linear
+_DIVERGED = 100.0  # times the largest measured output
 _DAMPING = Damping(least=1e-13, most=1e12)  # of the regressors' unit energy
 
 
@@ -75,7 +83,7 @@ def refine(model: NarxModel, u: Signals, y: Signals, *, iterations: int = 30) ->
     start = _from_smoothed_outputs(model.terms, segments)
     other = fit_free_runs(model.terms, start, segments, iterations)
     best = min(fit, other, key=lambda each: each.msse)
-    return model.with_parameters(best.parameters, best.covariance)
+    return model.with_parameters(best.parameters, best.covariance, best.withheld)
 
 
 def estimate_refined(
@@ -159,6 +167,14 @@ class FreeRunFit:
             return self.objective.covariance(self.unknowns)
         return np.full((self.parameters.size,) * 2, np.nan)
 
+    @cached_property
+    def withheld(self) -> str:
+        """Why the covariance gives no intervals, empty where it does."""
+        if not np.isfinite(self.msse):
+            return ""
+        _, seen, _ = self.objective.told_apart(self.objective.runs(self.unknowns))
+        return withheld_of_equations(seen, self.unknowns.size, np.sqrt(DEPENDENT))
+
 
 def fit_free_runs(
     terms: tuple[Term, ...],
@@ -240,6 +256,7 @@ class _FreeRunsFromFreeStarts:
         self._lag = structure(terms).start
         self._trends = [_powers(y.size, trend) for _, y in segments]
         self._own = self._lag + trend  # unknowns of each segment
+        self._bound = _bound(segments)
         self.samples = sum(y.size for _, y in segments)
 
     def initial(self, theta: Array) -> Array:
@@ -251,7 +268,7 @@ class _FreeRunsFromFreeStarts:
         theta, starts = self._split(x)
         total = 0.0
         for (u, y), powers, own in zip(self._segments, self._trends, starts, strict=True):
-            run = simulate(self._terms, theta, u, own[: self._lag], bound=_bound(y))
+            run = simulate(self._terms, theta, u, own[: self._lag], bound=self._bound)
             if not np.isfinite(run[-1]):
                 return Point(x, np.inf, None)
             total += float(np.sum((y - run - powers @ own[self._lag :]) ** 2))
@@ -267,7 +284,7 @@ class _FreeRunsFromFreeStarts:
         """Return the runs of all segments with their trends; infinite where one diverges."""
         theta, starts = self._split(x)
         parts = [
-            simulate(self._terms, theta, u, own[: self._lag], bound=_bound(y))
+            simulate(self._terms, theta, u, own[: self._lag], bound=self._bound)
             + powers @ own[self._lag :]
             for (u, y), powers, own in zip(self._segments, self._trends, starts, strict=True)
         ]
@@ -285,7 +302,7 @@ class _FreeRunsFromFreeStarts:
             own = np.zeros((y.size, count + self._lag))
             own[: self._lag, count:] = np.eye(self._lag)
             rows = input_rows(self._terms, u)
-            kernels.run_with_slope(structure(self._terms), theta, rows, output, own, _bound(y))
+            kernels.run_with_slope(structure(self._terms), theta, rows, output, own, self._bound)
             slope = np.zeros((y.size, x.size))
             slope[:, :count] = own[:, :count]
             first = count + number * self._own
@@ -384,7 +401,7 @@ class _Segments:
         self._u = np.concatenate([input_rows(terms, u).ravel() for u, _ in segments])
         self._y = np.concatenate([y for _, y in segments])
         self._ends = np.cumsum([y.size for _, y in segments], dtype=np.int64)
-        self._bounds = np.array([_bound(y) for _, y in segments])
+        self._bounds = np.full(len(segments), _bound(segments))
         begins = (0, *self._ends[:-1].tolist())
         # Outputs before the start are given, not simulated.
         self.scored = [
@@ -414,5 +431,6 @@ class _Segments:
         return LinearisedRuns(float(residual @ residual), residual, slope)
 
 
-def _bound(y: Array) -> float:
-    return 100.0 * float(np.abs(y).max())
+def _bound(segments: Sequence[Segment]) -> float:
+    """Return the output beyond which a run diverges; one segment may be at rest throughout."""
+    return _DIVERGED * max(float(np.abs(y).max()) for _, y in segments)

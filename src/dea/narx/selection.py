@@ -102,7 +102,8 @@ def select_terms(
         theta, covariance = least_squares(found.terms, found.segments)
         withheld = reason_to_withhold(found.terms, theta, found.segments)
     else:
-        theta, covariance, withheld = found.fit.parameters, found.fit.covariance, ""
+        theta, covariance = found.fit.parameters, found.fit.covariance
+        withheld = found.fit.withheld
     model = _model(found.terms, theta, covariance, found.scale, found.test, found.trace)
     return replace(model, withheld=withheld, labels=found.labels)
 
@@ -187,7 +188,9 @@ def select_common_terms(
     found = find(candidates, systems, tests, search or Refined(), trace)
     return [
         replace(
-            _model(found.terms, fit.parameters, fit.covariance, scale, test, trace), labels=labels
+            _model(found.terms, fit.parameters, fit.covariance, scale, test, trace),
+            withheld=fit.withheld,
+            labels=labels,
         )
         for fit, scale, test, (_, _, labels) in zip(found.fits, scales, tests, known, strict=True)
     ]
