@@ -82,6 +82,8 @@ def test_a_falling_response_gets_a_negative_gain():
 @pytest.mark.parametrize(
     ("options", "field"),
     [({"integral_time": 0.0}, "integral_time"),
+     ({"integral_time": 1.0, "filter_time": -0.02}, "filter_time"),
+     ({"integral_time": 1.0, "filter_time": np.nan}, "filter_time"),
      ({"integral_time": 1.0, "largest_sensitivity": 1.0}, "largest_sensitivity")],
 )  # fmt: skip
 def test_settings_out_of_range_are_refused(options, field):

@@ -1,5 +1,7 @@
 """Linear models: against finite differences, python-control's own, and the frequency responses."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ import dea
 from dea.control import linearise, linearise_over_time, to_iosystem
 from dea.errors import InputError
 from dea.gfrf import zero_input_response
-from dea.narx import NarxModel, Scaling
+from dea.narx import Labels, NarxModel, Scaling
 from dea.tracking import with_constant
 from published_plants import published_plants, smooth_input
 
@@ -131,3 +133,28 @@ def test_a_track_of_other_terms_is_refused():
 def test_a_model_that_does_not_rest_is_refused():
     with pytest.raises(InputError, match="does not settle"):
         linearise(NarxModel.from_terms({"y(t-1)": 1.1, "u(t-1)": 1.0}), sampling_rate=RATE)
+
+
+def test_a_model_that_numbers_its_only_input_is_the_same_linear_model():
+    plain = NarxModel.from_terms({"y(t-1)": 0.9, "u(t-1)": 0.1, "u(t-2)^2": 0.05})
+    numbered = NarxModel.from_terms({"y(t-1)": 0.9, "u1(t-1)": 0.1, "u1(t-2)^2": 0.05})
+    expected, found = (linearise(each, 0.4, sampling_rate=RATE) for each in (plain, numbered))
+    np.testing.assert_allclose(found.numerator.value, [0.0, 0.1, 0.04], atol=1e-15)
+    np.testing.assert_array_equal(found.numerator.value, expected.numerator.value)
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda model, rate: linearise(model, sampling_rate=rate),
+        dea.to_c,
+        to_iosystem,
+        lambda model, rate: dea.write_fmu(model, "never.fmu", rate, compiler=None),
+    ],
+)
+def test_another_rate_than_the_model_s_own_is_refused(use):
+    model = replace(MODELS["DEA1"], labels=Labels(sampling_rate=RATE))
+    with pytest.raises(InputError, match="it is 100 Hz, and the model is of 50 Hz"):
+        use(model, 100.0)
+    with pytest.raises(InputError, match="the model does not know its sampling rate"):
+        use(MODELS["DEA1"], None)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from dea.control.c_templates import HEADER, SOURCE
 from dea.errors import InputError
-from dea.narx import BOUND, NarxModel
+from dea.narx import BOUND, NarxModel, rate_of
 from dea.terms import Term, max_lag
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
@@ -32,21 +32,21 @@ class CCode(NamedTuple):
         Path(source).write_text(self.source, encoding="utf-8")
 
 
-def to_c(model: NarxModel, sampling_rate: float, *, name: str = "model") -> CCode:
+def to_c(model: NarxModel, sampling_rate: float | None = None, *, name: str = "model") -> CCode:
     """Return C99 code that computes the free run of ``model`` sample by sample.
 
     Parameters
     ----------
     sampling_rate
-        In Hz; only stated in the code.
+        In Hz; only stated in the code. By default that of the model's own record.
     name
         Begins every name that the code exports, so that several models fit one program.
 
     Raises
     ------
     InputError
-        If ``name`` is no C identifier of up to 31 characters, the rate is not positive, or the
-        model has several inputs.
+        If ``name`` is no C identifier of up to 31 characters, the rate is not positive, not known
+        or not the model's own, or the model has several inputs.
     """
     if not _IDENTIFIER.fullmatch(name):
         raise InputError(
@@ -54,14 +54,14 @@ def to_c(model: NarxModel, sampling_rate: float, *, name: str = "model") -> CCod
             field="name",
             remedy="Use letters, digits and underscores, a letter first, 31 at most.",
         )
-    check_rate(sampling_rate)
+    rate = rate_of(model.labels, sampling_rate)
     of_input = model.of_one_input("C code")
     scaling = {key: number(value) for key, value in of_input._asdict().items()}
     words = {
         "name": name,
         "guard": name.upper(),
-        "rate": sampling_rate,
-        "period": number(1.0 / sampling_rate),
+        "rate": rate,
+        "period": number(1.0 / rate),
         "inputs": f"{input_lags(model)}U",
         "outputs": f"{output_lags(model)}U",
     }
@@ -102,14 +102,6 @@ def output_lags(model: NarxModel) -> int:
 def has_feedthrough(model: NarxModel) -> bool:
     """Whether an input reaches the output of the same sample."""
     return any(0 in term.u_lags for term in model.terms)
-
-
-def check_rate(sampling_rate: float) -> None:
-    """Refuse a sampling rate that is not a positive number."""
-    if not 0.0 < sampling_rate < float("inf"):
-        raise InputError(
-            f"it is {sampling_rate:g} Hz", field="sampling_rate", remedy="It is positive."
-        )
 
 
 def number(value: float) -> str:

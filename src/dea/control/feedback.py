@@ -6,9 +6,9 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.control.c_code import check_rate
 from dea.errors import InputError
 from dea.gfrf import ResponseBand
+from dea.narx import Labels, rate_of
 
 Array = NDArray[np.float64]
 _GAINS = np.geomspace(1e-4, 1e4, 801)  # of the loop, times the gain at the lowest frequency
@@ -71,13 +71,17 @@ def tune_feedback(
     InputError
         If there is no band, or a setting is out of range, or no gain keeps the margins.
     """
-    check_rate(sampling_rate)
+    rate_of(Labels(), sampling_rate)
     for name, value, least in (
         ("integral_time", integral_time, 0.0),
         ("largest_sensitivity", largest_sensitivity, 1.0),
     ):
         if not least < value < np.inf:
             raise InputError(f"it is {value:g}", field=name, remedy=f"It is above {least:g}.")
+    if not 0.0 <= filter_time < np.inf:
+        raise InputError(
+            f"it is {filter_time:g}", field="filter_time", remedy="Give it in s; 0 is no filter."
+        )
     if not np.all(np.isfinite(band.gain_high)):
         raise InputError(
             "the response has no band at some frequency",

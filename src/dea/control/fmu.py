@@ -15,7 +15,7 @@ from dea.atomic_file import atomic
 from dea.control.c_code import CCode, has_feedthrough, number, to_c
 from dea.control.fmu_templates import BUILD_3, DESCRIPTION_2, DESCRIPTION_3, IDENTITY
 from dea.errors import InputError
-from dea.narx import NarxModel
+from dea.narx import NarxModel, rate_of
 
 _FMI = Path(__file__).with_name("fmi")
 _DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip archive can state
@@ -53,11 +53,11 @@ _SUFFIXES = {"linux": "so", "darwin": "dylib"}
 def write_fmu(
     model: NarxModel,
     path: str | Path,
-    sampling_rate: float,
+    sampling_rate: float | None = None,
     *,
     name: str = "model",
-    u_units: str = "1",
-    y_units: str = "1",
+    u_units: str | None = None,
+    y_units: str | None = None,
     version: Literal["2.0", "3.0"] = "2.0",
     compiler: str | None = "cc",
 ) -> None:
@@ -70,9 +70,11 @@ def write_fmu(
     Parameters
     ----------
     sampling_rate
-        In Hz.
+        In Hz. By default that of the model's own record.
     name
         Of the model in the unit; a C identifier.
+    u_units, y_units
+        By default those of the model's own record.
     version
         Of the Functional Mock-up Interface.
     compiler
@@ -93,15 +95,18 @@ def write_fmu(
         )
     standard = _STANDARDS[version]
     scaling = model.of_one_input("A functional mock-up unit")
-    code = to_c(model, sampling_rate, name=name)
+    rate = rate_of(model.labels, sampling_rate)
+    ((_, own_units),) = model.named_inputs
+    u_units, y_units = u_units or own_units, y_units or model.labels.y_units
+    code = to_c(model, rate, name=name)
     guid = f"{{{hashlib.sha256(''.join(code).encode()).hexdigest()}}}"
     start = number(scaling.u_offset)
     description = standard.description.format(
         name=quoteattr(name),
         guid=quoteattr(guid),
         units="\n".join(f"    <Unit name={quoteattr(u)}/>" for u in sorted({u_units, y_units})),
-        period=quoteattr(number(1.0 / sampling_rate)),
-        stop=quoteattr(number(1000.0 / sampling_rate)),
+        period=quoteattr(number(1.0 / rate)),
+        stop=quoteattr(number(1000.0 / rate)),
         start=quoteattr(start),
         u_units=quoteattr(u_units),
         y_units=quoteattr(y_units),

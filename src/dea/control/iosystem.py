@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dea.control.c_code import check_rate, has_feedthrough, input_lags, output_lags
-from dea.narx import NarxModel
+from dea.control.c_code import has_feedthrough, input_lags, output_lags
+from dea.narx import NarxModel, rate_of
 
 if TYPE_CHECKING:
     from control import NonlinearIOSystem
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 def to_iosystem(
-    model: NarxModel, sampling_rate: float, *, name: str = "narx"
+    model: NarxModel, sampling_rate: float | None = None, *, name: str = "narx"
 ) -> "NonlinearIOSystem":
     """Return ``model`` as a discrete-time system of python-control, input ``u`` and output ``y``.
 
@@ -27,11 +27,11 @@ def to_iosystem(
     Parameters
     ----------
     sampling_rate
-        In Hz.
+        In Hz. By default that of the model's own record.
     """
     import control
 
-    check_rate(sampling_rate)
+    rate = rate_of(model.labels, sampling_rate)
     outputs, inputs = output_lags(model), input_lags(model)
     scaling = model.of_one_input("A system of python-control")
 
@@ -67,6 +67,6 @@ def to_iosystem(
         inputs=["u"],
         outputs=["y"],
         states=[f"y{k}" for k in range(1, outputs + 1)] + [f"u{k}" for k in range(1, inputs + 1)],
-        dt=1.0 / sampling_rate,
+        dt=1.0 / rate,
         name=name,
     )

@@ -7,10 +7,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from dea.control.c_code import check_rate
 from dea.errors import InputError
 from dea.gfrf import Instants, linear_part, zero_input_interval
-from dea.narx import LEVEL, Interval, NarxModel, quantile
+from dea.narx import LEVEL, Interval, NarxModel, quantile, rate_of
 
 if TYPE_CHECKING:
     from control import StateSpace, TransferFunction
@@ -62,7 +61,7 @@ def linearise(
     model: NarxModel,
     operating_point: float | None = None,
     *,
-    sampling_rate: float,
+    sampling_rate: float | None = None,
     parameters: ArrayLike | None = None,
     covariance: ArrayLike | None = None,
     level: float = LEVEL,
@@ -74,7 +73,7 @@ def linearise(
     operating_point
         Constant input in physical units; by default the input's offset.
     sampling_rate
-        In Hz.
+        In Hz. By default that of the model's own record.
     parameters, covariance
         Other parameters (terms,) with their covariance (terms, terms), as a tracker gives them; by
         default the model's own.
@@ -84,9 +83,10 @@ def linearise(
     Raises
     ------
     InputError
-        If the model does not come to rest at the operating point, or the rate is not positive.
+        If the model does not come to rest at the operating point, or the rate is not positive,
+        not known or not the model's own.
     """
-    check_rate(sampling_rate)
+    rate = rate_of(model.labels, sampling_rate)
     middle = model.of_one_input("A linear model").u_offset
     theta = np.asarray(model.parameters if parameters is None else parameters, dtype=float)
     own = model.covariance if parameters is None and not model.withheld else None
@@ -110,7 +110,7 @@ def linearise(
         output,
         interval(part.inputs, part.inputs_slope),
         Interval(*(np.concatenate([leading, each]) for each in feedback)),
-        sampling_rate,
+        rate,
     )
 
 
@@ -119,7 +119,7 @@ def linearise_over_time(
     track: xr.Dataset,
     operating_point: float | None = None,
     *,
-    sampling_rate: float,
+    sampling_rate: float | None = None,
     level: float = LEVEL,
 ) -> dict[float, Linearised]:
     """Return the linear model at each instant of a track, by its time in s.

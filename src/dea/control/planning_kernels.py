@@ -12,7 +12,7 @@ from dea.narx import NONE
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-DIVERGED = 1e3  # in the units of the equation, whose signals are about one
+DIVERGED = 1e3  # times the largest output wanted, and one in the units of the equation at least
 
 
 class Equation(NamedTuple):
@@ -94,9 +94,10 @@ def improve(
     a, b = np.empty(past + 1), np.empty(past + 1)
     S = np.zeros((n, n))  # of y_i by u_j
     error = np.empty(n)
+    bound = DIVERGED * max(1.0, np.abs(reference).max())
     for i in range(n):
         y[past + i] = output_and_slopes(equation, y, u, past + i, a, b)
-        if not abs(y[past + i]) < DIVERGED:
+        if not abs(y[past + i]) < bound:
             return False
         error[i] = reference[i] - y[past + i]
         for k in range(min(past, i) + 1):

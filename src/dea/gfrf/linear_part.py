@@ -54,6 +54,8 @@ def linear_part(
         Differentiable(y0, rest_slope(model.terms, theta, y0, u0)),
         u0,
     )
+    # The terms of a model may number its only input.
+    plain = {monomial._replace(inputs=()): value for monomial, value in expanded.items()}
     order = max(model.max_lag, 1)
     scaling = model.of_one_input("The linear part")
     gain = scaling.y_scale / scaling.u_scale
@@ -62,9 +64,9 @@ def linear_part(
         value = np.zeros((y0.size, len(monomials)))
         slope = np.zeros((count, y0.size, len(monomials)))
         for column, monomial in enumerate(monomials):
-            if monomial in expanded:
-                value[:, column] = scale * expanded[monomial].value
-                slope[:, :, column] = scale * expanded[monomial].slope
+            if monomial in plain:
+                value[:, column] = scale * plain[monomial].value
+                slope[:, :, column] = scale * plain[monomial].slope
         value[np.isnan(y0)] = np.nan
         return value.reshape(*sets, -1), slope.reshape(count, *sets, -1)
 
