@@ -354,3 +354,22 @@ def test_a_free_run_has_an_interval_unless_that_of_its_track_is_withheld():
     )
     assert within.sel(simulation="given").all()
     assert found["simulated_low"].sel(simulation="withheld").isnull().all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_instant_nearest_to_a_time_is_one(method):
+    """Of a short record some instants lie before the first equation."""
+    u, y = record(3, 0.01)[:2]
+    model = NarxModel.from_terms({"y(t-3)": 0.1, "u(t-1)": 0.5})
+    track = track_parameters(model, u[:300], y[:300], method=method)
+    assert track.indexes["instant"].is_unique
+    assert track.sel(instant=0.4, method="nearest")["covariance"].shape[0] == track.sizes["term"]
+
+
+def test_a_missing_sample_in_every_equation_is_named():
+    u, y = record(3, 0.01)[:2]
+    holes = np.where(np.arange(y.size) % 2, np.nan, y)
+    model = NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.5})
+    for method in METHODS:
+        with pytest.raises(InputError, match="y: a missing sample enters every equation"):
+            track_parameters(model, u, holes, method=method)

@@ -21,7 +21,7 @@ WINDOWS_FAILED = (
 )
 WINDOWS_FEW = (
     "the record has {:.1f} windows that do not overlap: fewer than {} do not tell how far the "
-    "parameters move within one; take a window of {} samples"
+    "parameters move within one; {}"
 )
 UNDETERMINED = (
     "windows of the record tell too little of single parameters: within their intervals the free "

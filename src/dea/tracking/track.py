@@ -8,7 +8,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from dea import store
 from dea.errors import InputError
-from dea.narx import LEVEL, NarxModel, pair, quantile, regressor_matrix
+from dea.narx import (
+    LEVEL,
+    NarxModel,
+    check_variation,
+    pair,
+    quantile,
+    rate_of,
+    regressor_matrix,
+)
 from dea.tracking.bands import (
     LARGEST_CURVATURE,
     NOT_MOVED,
@@ -150,14 +158,20 @@ def track_parameters(
         instants=instants,
     )
     model = with_constant(model)
-    signals = normalised_signals(model, *pair(model.labels, u, y, model.max_lag))
+    inputs, outputs = pair(model.labels, u, y, model.max_lag)
+    check_variation([inputs], [outputs])
+    signals = normalised_signals(model, inputs, outputs)
     if method == "local" and chosen["window"] is None:
         chosen["window"] = usual_window(model, signals.y.size)
-    rate = sampling_rate or (u.sampling_rate if isinstance(u, store.Record) else None)
-    at = np.maximum(instants_of(signals.y.size, chosen.pop("instants")), model.max_lag)
+    own = u.sampling_rate if isinstance(u, store.Record) else None
+    at = instants_of(signals.y.size, chosen.pop("instants"))
     tracker = {"rls": _recursive, "local": _local}.get(method, _smoothed)
-    found = tracker(model, signals, at - model.max_lag, method, chosen)
-    rate = rate or model.labels.sampling_rate or 1.0
+    # Before the first equation the first estimate holds.
+    of_equation = np.maximum(at - model.max_lag, 0)
+    found = tracker(model, signals, of_equation, method, chosen)
+    if sampling_rate is None and own is None and model.labels.sampling_rate is None:
+        own = 1.0
+    rate = rate_of(model.labels, own if sampling_rate is None else sampling_rate)
     return _labelled(model, found, at, rate, {"method": method, **chosen})
 
 
@@ -210,6 +224,13 @@ def _smoothed(
     """Track by a smoother, of the one-step prediction or of the free run."""
     Phi, target = _equations(model, signals)
     ratio = settings["noise_ratio"]
+    if ratio is not None and np.shape(ratio) not in ((), (len(model.terms),)):
+        raise InputError(
+            f"its shape is {np.shape(ratio)}",
+            field="noise_ratio",
+            remedy=f"Give one number, or one for each of the {len(model.terms)} terms: "
+            + ", ".join(map(str, model.terms)),
+        )
     walk = RandomWalk(
         None if ratio is None else np.asarray(ratio, dtype=float),
         prior_variance=1.0 / settings["delta"],
@@ -263,6 +284,12 @@ def _equations(model: NarxModel, signals: NormalisedSignals) -> tuple[Array, Arr
     for past in {past for term in model.terms for past in term.y_lags}:
         known[past:] &= signals.seen[:-past]
     target = np.where(known, signals.y, np.nan)[lag:]
+    if not np.isfinite(target).any():
+        raise InputError(
+            "a missing sample enters every equation",
+            field="y",
+            remedy="Record it again, or take a model of smaller lags",
+        )
     return regressor_matrix(model.terms, signals.u, signals.y), target
 
 
@@ -274,8 +301,8 @@ def _local(
     settings: dict[str, Any],
 ) -> TrackerEstimate:
     """Track by estimates of windows."""
-    estimates = local_estimates(model, signals.u, signals.measured, settings["window"])
     Phi, target = _equations(model, signals)
+    estimates = local_estimates(model, signals.u, signals.measured, settings["window"])
     samples = np.arange(model.max_lag, signals.y.size, dtype=float)
     theta, covariance = estimates.parameters(samples), estimates.at(samples[at])[1]
     deviation = np.sqrt(np.maximum(np.einsum("kii->ki", covariance), 0.0))
@@ -283,8 +310,9 @@ def _local(
     innovation = target - np.sum(Phi * theta, axis=1)
     withheld = WINDOWS_FAILED.format(estimates.failed) if estimates.failed else ""
     if not withheld and estimates.separate < SEPARATE:
-        shorter = usual_window(model, signals.y.size)
-        withheld = WINDOWS_FEW.format(estimates.separate, SEPARATE, shorter)
+        usual, taken = usual_window(model, signals.y.size), settings["window"]
+        remedy = f"take a window of {usual} samples" if usual < taken else "take a longer record"
+        withheld = WINDOWS_FEW.format(estimates.separate, SEPARATE, remedy)
     if estimates.curvature > LARGEST_CURVATURE:
         withheld = withheld or UNDETERMINED
     return TrackerEstimate(theta, std, innovation, covariance, method, withheld)
