@@ -68,3 +68,13 @@ def test_a_common_structure_is_searched_by_refining_alone(search):
 def test_no_record_is_refused():
     with pytest.raises(InputError, match="records"):
         select_common_terms([])
+
+
+def test_systems_of_unequal_short_records_share_a_structure():
+    """With fewer equations than candidate terms each record is compressed to its own size."""
+    rng = np.random.default_rng(4)
+    plant = NarxModel.from_terms({"y(t-1)": 0.6, "u(t-1)": 0.4})
+    inputs = [rng.uniform(-1.0, 1.0, samples) for samples in (60, 70)]
+    found = select_common_terms([(u, plant.simulate(u)) for u in inputs])
+    assert found[0].terms == found[1].terms
+    assert set(plant.terms) <= set(found[0].terms)

@@ -162,3 +162,34 @@ def test_a_record_unlike_the_model_s_is_refused(found, changed, message):
             use(own._replace(**changed))
     near = own._replace(sampling_rate=1.0005 * own.sampling_rate, u_name="another name")
     assert found.score(near) == found.score(own)
+
+
+def test_rates_may_differ_as_clocks_do():
+    model = dea.NarxModel.from_terms({"y(t-1)": 0.8, "u(t-1)": 0.2})
+    inputs = np.random.default_rng(2).uniform(-1.0, 1.0, (2, 200))
+    records = [
+        dea.Record.of(u, model.simulate(u), rate)
+        for u, rate in zip(inputs, (50.0, 49.99999999999999), strict=True)
+    ]
+    assert dea.select_terms(records, y_lags=1, u_lags=1, degree=1).labels.sampling_rate == 50.0
+    with pytest.raises(InputError, match="Give records of one rate"):
+        dea.select_terms([records[0], dea.Record.of(inputs[1], model.simulate(inputs[1]), 49.0)])
+
+
+def test_a_model_runs_on_signals_that_do_not_vary():
+    """A hold and a rest are what a model is asked for, though it could not come from them."""
+    model = dea.NarxModel.from_terms({"y(t-1)": 0.5, "u(t-1)": 0.5})
+    u, y = np.ones(3), np.array([0.0, 0.6, 0.7])
+    np.testing.assert_allclose(model.predict(u, y), [0.0, 0.5, 0.8])
+    np.testing.assert_allclose(model.predict(u, y, steps=2), [0.0, 0.6, 0.75])
+    assert np.isfinite(model.score(u, y))
+    with pytest.raises(InputError, match="3 samples leave 0 equations after a lag of 4"):
+        model.predict(u, y, steps=4)
+    with pytest.raises(InputError, match="y: it has no variance"):
+        model.score(np.arange(3.0), np.ones(3))
+
+
+@pytest.mark.parametrize("use", [dea.NarxModel.predict, dea.NarxModel.score])
+def test_an_output_beside_a_record_is_refused(found, use):
+    with pytest.raises(InputError, match=r"given beside a dea\.Record"):
+        use(found, record(), record().y)

@@ -119,9 +119,10 @@ def as_pair(
             remedy="Input and output are sampled together.",
         )
     if samples - lag < max(terms, 1):
+        left = f"{samples} samples leave {max(samples - lag, 0)}"
         raise InputError(
-            f"{samples} samples leave {max(samples - lag, 0)} equations after a lag of "
-            f"{lag}, for {terms} parameters",
+            f"{left} equations after a lag of {lag}"
+            + (f", for {terms} parameters" if terms else ""),
             field="u",
             remedy="Use a longer record, smaller lags or fewer terms.",
         )

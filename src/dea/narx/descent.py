@@ -97,7 +97,7 @@ class Descent:
 
     def orthogonal(self, most: int) -> list[FittedStructure]:
         """Return what FROLS has after each step, with least-squares parameters."""
-        triangles = np.stack([models.triangle for models in self._models])
+        triangles = _stacked([models.triangle for models in self._models])
         order, _ = orthogonal_order(triangles, most)
         subsets = [tuple(sorted(order[: k + 1].tolist())) for k in range(order.size)]
         found = self._estimated(subsets)
@@ -172,6 +172,17 @@ def relative_sizes(triangle: Array) -> Array:
     norms = np.linalg.norm(triangle, axis=1)
     sizes: Array = norms[:-1] / norms[-1]
     return sizes
+
+
+def _stacked(triangles: Sequence[Array]) -> Array:
+    """Return the triangles of several systems as one array, (systems, terms + 1, rows).
+
+    One of fewer equations than terms has fewer rows; zeros fill the others.
+    """
+    rows = max(triangle.shape[1] for triangle in triangles)
+    return np.stack(
+        [np.pad(triangle, ((0, 0), (0, rows - triangle.shape[1]))) for triangle in triangles]
+    )
 
 
 def _geometric_means(errors: Sequence[Sequence[float]]) -> Array:

@@ -1,14 +1,14 @@
 """What a model knows of the signals that it is of: their rate, units and names."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from dea.errors import InputError
 from dea.missing import stretches
-from dea.narx.checks import Array, as_record
+from dea.narx.checks import Array, as_pair
 from dea.store import Record, Text, each_text
 
 # Part by which the rate of a record may differ from the model's: a clock may be off by as much.
@@ -55,10 +55,12 @@ def rate_of(labels: Labels, given: float | None) -> float:
     Raises
     ------
     InputError
-        If there is neither, or both and they differ.
+        If there is neither, or both and they differ, or the rate is not positive.
     """
     own = labels.sampling_rate
     rate = own if given is None else given
+    if rate is not None and not 0.0 < rate < np.inf:
+        raise InputError(f"it is {rate:g} Hz", field="sampling_rate", remedy="It is positive.")
     if own is not None and rate is not None and abs(rate / own - 1.0) > _RATES_APART:
         raise InputError(
             f"it is {rate:g} Hz, and the model is of {own:g} Hz",
@@ -89,9 +91,10 @@ def unpacked(u: Any, y: Any, lag: int, terms: int) -> tuple[Any, Any, Labels]:
         if y is None:
             raise InputError("there is no output", field="y", remedy="Give it, or a dea.Record")
         return u, y, Labels()
+    _refuse_second_output(y)
     labels = Labels.of(records[0])
     for each in records[1:]:
-        if Labels.of(each) != labels:
+        if not _agree(Labels.of(each), labels):
             raise InputError(
                 f"{Labels.of(each)} beside {labels}",
                 field="u",
@@ -106,22 +109,41 @@ def unpacked(u: Any, y: Any, lag: int, terms: int) -> tuple[Any, Any, Labels]:
     return inputs, outputs, labels
 
 
-def pair(labels: Labels, u: Any, y: Any, samples: int) -> tuple[Array, Array]:
+def _agree(one: Labels, other: Labels) -> bool:
+    """Whether two records may share a model: their rates as far as clocks agree."""
+    rate, wanted = one.sampling_rate, other.sampling_rate
+    if rate is not None and wanted is not None and abs(rate / wanted - 1.0) <= _RATES_APART:
+        one = replace(one, sampling_rate=wanted)
+    return one == other
+
+
+def pair(labels: Labels, u: Any, y: Any, given: int) -> tuple[Array, Array]:
     """Return input and output, whether as two signals or as one record; NaN where missing.
+
+    They may be constant. ``given`` is how many samples a run begins with.
 
     Raises
     ------
     InputError
         If a record has another rate or other units than the model, whose ``labels`` are given, or
-        its inputs in another order.
+        its inputs in another order; if there are not more than ``given`` samples.
     """
     if isinstance(u, Record):
+        _refuse_second_output(y)
         _refuse_other(labels, Labels.of(u))
         u, y = u.u, u.y
     if y is None:
         raise InputError("there is no output", field="y", remedy="Give it, or a dea.Record")
-    inputs, outputs = as_record(u, y, samples, missing=True)
-    return inputs, outputs
+    return as_pair(u, y, given, missing=True)
+
+
+def _refuse_second_output(y: Any) -> None:
+    if y is not None:
+        raise InputError(
+            "it is given beside a dea.Record, which holds its own",
+            field="y",
+            remedy="Leave it out, or give input and output as arrays.",
+        )
 
 
 def _refuse_other(model: Labels, record: Labels) -> None:

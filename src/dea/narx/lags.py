@@ -105,7 +105,7 @@ def select_lags(
             for parts in cuts:
                 check_parts(parts, outputs.size, _longest(lags))
             model = select_terms(
-                u if isinstance(u, Record) else inputs, outputs,
+                *((u,) if isinstance(u, Record) else (inputs, outputs)),
                 y_lags=lags.y_lags, u_lags=lags.u_lags, degree=degree,
                 even_in_input=even_in_input, search=Refined(threshold),
             )  # fmt: skip

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dea.errors import InputError
 from dea.narx.checks import Array, as_signal
 
 
@@ -41,4 +42,10 @@ def rmse(measured: ArrayLike, simulated: ArrayLike) -> float:
 def _squared(y: Array, simulated: ArrayLike) -> float:
     """Sum of squared errors; infinite where the simulation diverged."""
     run = np.asarray(simulated, dtype=float)
+    if run.shape != y.shape:
+        raise InputError(
+            f"its shape is {run.shape}, that of measured {y.shape}",
+            field="simulated",
+            remedy="Give one value for every sample.",
+        )
     return float(np.sum((y - run) ** 2)) if np.isfinite(run).all() else np.inf

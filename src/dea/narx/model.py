@@ -187,7 +187,7 @@ class NarxModel:
             Predicted output in physical units, shape (samples,); its first ``max_lag + steps - 1``
             samples, whose past is unknown, are the measured ones.
         """
-        inputs, outputs = pair(self.labels, u, y, self.max_lag + steps)
+        inputs, outputs = pair(self.labels, u, y, self.max_lag + steps - 1)
         return predicted(self.terms, self.parameters, self.scaling, inputs, outputs, steps)
 
     def score(self, u: ArrayLike | Record, y: ArrayLike | None = None) -> float:
@@ -195,12 +195,23 @@ class NarxModel:
 
         The run starts from the first measured outputs, which are not scored; missing ones are not
         either. A run that diverges scores minus infinity.
+
+        Raises
+        ------
+        InputError
+            If the record is not usable, or its output does not vary.
         """
-        inputs, recorded = pair(self.labels, u, y, self.max_lag + 1)
+        inputs, recorded = pair(self.labels, u, y, self.max_lag)
         outputs, seen = filled(recorded)
         seen[: self.max_lag] = False
-        run = self.simulate(inputs, outputs)
-        return 1.0 - nmse(outputs[seen], run[seen])
+        scored = outputs[seen]
+        if not scored.size or not np.ptp(scored):
+            raise InputError(
+                "it has no variance that a run could explain",
+                field="y",
+                remedy="Compare it with simulate() in its own units.",
+            )
+        return 1.0 - nmse(scored, self.simulate(inputs, outputs)[seen])
 
     def plot(
         self, u: ArrayLike | Record, y: ArrayLike | None = None, *, axes: "Axes | None" = None
@@ -208,7 +219,7 @@ class NarxModel:
         """Draw measured output and free run over time into matplotlib's ``axes``, or new ones."""
         from dea.narx.plot import plot_run
 
-        inputs, outputs = pair(self.labels, u, y, self.max_lag + 1)
+        inputs, outputs = pair(self.labels, u, y, self.max_lag)
         return plot_run(self.labels, outputs, self.simulate(inputs, filled(outputs)[0]), axes)
 
     def with_parameters(
@@ -247,7 +258,7 @@ class NarxModel:
                     remedy="Give the input and output of a record that it is meant for.",
                 )
             return self.checked
-        inputs, recorded = pair(self.labels, u, y, self.max_lag + 1)
+        inputs, recorded = pair(self.labels, u, y, self.max_lag)
         outputs, _ = filled(recorded)
         segment = self.scaling.normalise_input(inputs), self.scaling.normalise_output(outputs)
         return assess(self.terms, self.parameters, self.scaling, StabilityTest([segment]))

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from dea.errors import InputError
 from dea.inputs import input_count
 from dea.missing import filled
 from dea.narx.candidate_terms import linear_terms
@@ -61,6 +62,9 @@ def compare_orders(
     Dataset
         As ``orders.nc`` holds it; an order whose model diverges has infinite errors.
     """
+    for field, given in (("dynamic", dynamic), ("polynomial", polynomial), ("lags", lags)):
+        if given < 1:
+            raise InputError(f"it is {given}", field=field, remedy="Orders begin at 1.")
     inputs, measured = as_record(u_test, y_test, max(dynamic, lags), 2, missing=True)
     outputs, seen = filled(measured)
 

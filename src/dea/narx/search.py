@@ -26,6 +26,7 @@ class Refined:
 
     def __post_init__(self) -> None:
         _at_least_one(self.max_terms)
+        _not_negative("threshold", self.threshold or 0.0)
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,8 @@ class Forward:
 
     def __post_init__(self) -> None:
         _at_least_one(self.max_terms)
+        _not_negative("add_threshold", self.add_threshold)
+        _not_negative("prune_threshold", self.prune_threshold)
 
 
 @dataclass(frozen=True)
@@ -78,3 +81,8 @@ SEARCHES: dict[str, type[Search]] = {
 def _at_least_one(max_terms: int | None) -> None:
     if max_terms is not None and max_terms < 1:
         raise InputError(f"it is {max_terms}", field="max_terms", remedy="Allow at least one term.")
+
+
+def _not_negative(name: str, threshold: float) -> None:
+    if not threshold >= 0.0:
+        raise InputError(f"it is {threshold}", field=name, remedy="A share is 0 or more.")

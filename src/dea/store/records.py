@@ -200,7 +200,7 @@ def real_numbers(signal: Any, field: str) -> np.ndarray:
         raise InputError("it is complex", field=field, remedy="Give its real part")
     try:
         return np.asarray(np.ma.filled(values.astype(float), np.nan))
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         raise InputError(
             f"it holds no numbers: {error}", field=field, remedy="Give an array of numbers"
         ) from error
