@@ -11,6 +11,7 @@ from scipy.stats import kurtosis, norm
 from dea.discrepancy.evidence.colour import is_coloured_noise, is_white, predictable
 from dea.discrepancy.evidence.noise import quantisation, white_level
 from dea.discrepancy.problem import Problem
+from dea.missing import runs
 
 PIECE = 64  # samples whose levels are compared
 
@@ -263,3 +264,36 @@ def test_one_of_a_thousand_records_of_white_noise_fails():
     """So 300 of them hardly ever more than three times."""
     rng = np.random.default_rng(14)
     assert sum(not is_white(seen_in_part(), rng.laplace(size=N)) for _ in range(300)) <= 3
+
+
+@pytest.mark.parametrize("pattern", ["every 20th", "every third", 0.05, 0.3, 0.5])
+@pytest.mark.parametrize("slow", [0.0, 2.5])
+def test_the_level_is_that_of_the_noise_whichever_samples_are_missing(pattern, slow):
+    """A slow error beside white noise of 1; its gaps hold interpolated values."""
+    samples, found = 3000, []
+    blocks = [slice(first, first + 375) for first in range(0, samples, 375)]
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        known = np.ones(samples, bool)
+        if isinstance(pattern, str):
+            known[:: 20 if "20" in pattern else 3] = False
+        else:
+            known = rng.random(samples) >= pattern
+        t = np.arange(samples)
+        residual = rng.standard_normal(samples) + slow * np.sin(0.06 * t)
+        residual = np.interp(t, t[known], residual[known])
+        found.append(white_level(residual, blocks, known))
+    assert np.mean(found) == pytest.approx(1.0, abs=0.07)
+
+
+def test_short_gaps_do_not_cut_blocks():
+    """Gaps of eight samples are bridged inside a block, not those of nine, nor at its ends."""
+    seen = np.zeros(100, bool)
+    seen[10:90] = True
+    measured = np.ones(100, bool)
+    for first, length in ((10, 1), (30, 8), (50, 9), (85, 8)):
+        measured[first : first + length] = False
+    problem = Problem(
+        np.zeros(100), np.zeros(100), 0.02, seen & measured, seen & False, ~seen, measured=measured
+    )
+    assert runs(problem.bridged) == [slice(11, 50), slice(59, 85)]

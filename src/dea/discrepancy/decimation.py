@@ -100,10 +100,10 @@ def _largest(record: Samples, wanted: int) -> int:
         return 1
     bands = [_band(u) for u in by_input(record.u)]
     allowed = [wanted, *(int(1.0 / (_PER_PERIOD * band)) for band in bands if band > 0.0)]
-    y = filled(record.y)[0]
+    y, known = filled(record.y)
     frequency, power = _spectrum(y)
     beyond = np.cumsum(power[::-1])[::-1]
-    noise = (_ABOVE * white_level(y, [slice(0, y.size)])) ** 2
+    noise = (_ABOVE * white_level(y, [slice(0, y.size)], known)) ** 2
     for factor in range(min(allowed), 1, -1):
         kept = 0.5 / factor
         if beyond[np.searchsorted(frequency, kept)] <= noise * (1.0 - kept / 0.5):

@@ -126,14 +126,15 @@ def diagnose(
             field="force_ports",
             remedy="Declare its force ports, or offer effects of other ports",
         )
-    floor = noise_floor(rounds, parts.blocks(problem.seen, max(problem.size / 8, 64)))
+    whole = parts.blocks(problem.bridged, max(problem.size / 8, 64))
+    floor = noise_floor(rounds, whole, problem.known)
     floor = max(floor, quantisation(problem.y[problem.known]))
     rounds = unfinish_degenerate(problem, rounds, rules, floor, workers)
     singles, pool = rounds[0].candidates, pool_of(rounds)
 
     # Collect evidence.
     length = max(problem.size / settings.blocks, parts.spacing)
-    blocks = parts.blocks(problem.seen, length)
+    blocks = parts.blocks(problem.bridged, length)
     evidence = Evidence(problem, nominal, HeldOut(problem), blocks, floor, own.accuracy, rules, rng)
     gained = _gains(evidence, nominal, singles, workers)
     weighed, error = _weighed(evidence, pool, _count(problem, bare, offered))

@@ -7,8 +7,10 @@ from functools import cached_property
 import numpy as np
 
 from dea.discrepancy.evidence.period import period_of
-from dea.missing import filled
+from dea.missing import filled, runs
 from dea.simulation import ExtendedSimulation
+
+_BRIDGED = 8  # samples of a gap across which a residual is interpolated
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,20 @@ class Problem(Samples):
     def seen(self) -> np.ndarray:
         """Samples that a fit sees, shape (n,)."""
         result: np.ndarray = self.fit | self.select
+        return result
+
+    @cached_property
+    def bridged(self) -> np.ndarray:
+        """Samples seen, and short gaps of missing outputs between them, shape (n,).
+
+        Its runs are the blocks: else scattered gaps would cut the record into pieces of a few
+        samples, neighbours of which are not independent.
+        """
+        result = self.seen.copy()
+        for gap in runs(~self.known):
+            inside = gap.start > 0 and gap.stop < self.size
+            if inside and gap.stop - gap.start <= _BRIDGED:
+                result[gap] = self.seen[gap.start - 1] and self.seen[gap.stop]
         return result
 
     def seen_rmse(self, residual: np.ndarray) -> float:

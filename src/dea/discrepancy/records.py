@@ -188,7 +188,7 @@ def _at_every(
         joined = _joined(records)
     y, seen = filled(joined.y)
     lengths = tuple(each.size for each in records)
-    white = white_level(y, samples_of_each(lengths))
+    white = white_level(y, samples_of_each(lengths), seen)
     noise = max(white, quantisation(y[seen]), _LEAST * float(np.std(y)))
     tolerance = max(settings.step_error * noise, settings.relative_step_error * float(np.std(y)))
     extended = prepared(simulation, joined.u, joined.interval, tolerance, lengths, interpolation)

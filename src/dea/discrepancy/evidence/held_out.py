@@ -91,7 +91,7 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
     dealt singly.
     """
     short = [[block] for own in courses for block in _short(problem, own)]
-    groups = short or _spanning(runs(problem.seen), problem.period)
+    groups = short or _spanning(runs(problem.bridged), problem.period)
     count = min(_FOLDS, len(groups))
     dealt = []
     for first in range(count):
@@ -106,7 +106,7 @@ def folds(problem: Problem, courses: Sequence[slice] = ()) -> list[np.ndarray]:
 
 def _short(problem: Problem, own: slice) -> list[slice]:
     """Return the seen blocks of a record, cut into short ones."""
-    blocks = cut(runs(problem.seen[own]), _OF_A_COURSE * (own.stop - own.start))
+    blocks = cut(runs(problem.bridged[own]), _OF_A_COURSE * (own.stop - own.start))
     return [slice(own.start + block.start, own.start + block.stop) for block in blocks]
 
 

@@ -146,7 +146,7 @@ def _polished(problem: Problem, fitted: Fit, budget: Budget) -> Fit:
     own = fitted.extended.of_laws
     count = budget.shakes if len(fitted.extended.attached) == 1 else 0
     for push in budget.shake_size * np.random.default_rng(0).standard_normal((count, own.size)):
-        noise = white_level(best.residual, whole)
+        noise = white_level(best.residual, whole, problem.known)
         if problem.seen_rmse(best.residual) <= budget.shake_above * noise:
             break
         shaken = replace(best, coordinates=best.coordinates + np.where(own, push, 0.0))

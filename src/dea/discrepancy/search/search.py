@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
 
+import numpy as np
+
 from dea.discrepancy.evidence.noise import white_level
 from dea.discrepancy.fit import Fit, without
 from dea.discrepancy.parallel import in_parallel
@@ -138,7 +140,7 @@ class Search:
         were shaped in the wrong place.
         """
         leading, found = finished_of(rounds)[: self.budget.restarted], list(rounds)
-        if leading and leading[0].rmse > self.budget.exchange_above * _lowest_level(leading):
+        if leading and leading[0].rmse > self.budget.exchange_above * self._lowest_level(leading):
             step = "leading candidates from the prior means of the simulation"
             found = self._fitted_anew(found, leading, from_prior_means, step)
         shaped = finished_of(found)[: min(_SHAPED_ANEW, self.budget.restarted)]
@@ -169,20 +171,30 @@ class Search:
 
     def _lacking(self, candidates: Sequence[Candidate]) -> bool:
         nominal_error = self.problem.seen_rmse(self.nominals[0].residual)
-        floor = _lowest_level(candidates)
+        floor = self._lowest_level(candidates)
         return self.rules.leaves_room(candidates[0].rmse, nominal_error, floor)
 
     def _open(self, grown: Sequence[Round]) -> bool:
         """Return whether the best pair is better than any single effect, but not the answer."""
         pairs = self._leading(grown)
-        if not pairs or pairs[0].rmse <= self.budget.exchange_above * _lowest_level(pairs):
+        if not pairs or pairs[0].rmse <= self.budget.exchange_above * self._lowest_level(pairs):
             return False
         return self._better(grown)
 
     def _better(self, grown: Sequence[Round]) -> bool:
         """Return whether the best pair is better than any single effect."""
         pairs, singles = self._leading(grown), self._leading([self.singles])
-        return bool(pairs) and _left(pairs) <= self.budget.exchange_misfit * _left(singles)
+        return bool(pairs) and self._left(pairs) <= self.budget.exchange_misfit * self._left(
+            singles
+        )
+
+    def _left(self, candidates: Sequence[Candidate]) -> float:
+        return misfit(candidates[0].rmse, self._lowest_level(candidates))
+
+    def _lowest_level(self, candidates: Sequence[Candidate]) -> float:
+        problem, residuals = self.problem, [c.fit.residual for c in candidates]
+        whole = [slice(0, problem.size)]
+        return min(white_level(each, whole, problem.known) for each in residuals)
 
 
 def pool_of(rounds: Sequence[Round]) -> list[Candidate]:
@@ -195,17 +207,8 @@ def finished_of(rounds: Sequence[Round]) -> list[Candidate]:
     return [c for c in pool_of(rounds) if c.finished]
 
 
-def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice]) -> float:
-    """Return the lowest white level that any simulation leaves over."""
+def noise_floor(rounds: Sequence[Round], blocks: Sequence[slice], known: np.ndarray) -> float:
+    """Return the lowest white level that any simulation leaves over, where outputs are known."""
     residuals = [rounds[0].before.residual]
     residuals += [c.fit.residual for r in rounds for c in r.candidates[:3] if c.finished]
-    return min(white_level(residual, list(blocks)) for residual in residuals)
-
-
-def _left(candidates: Sequence[Candidate]) -> float:
-    return misfit(candidates[0].rmse, _lowest_level(candidates))
-
-
-def _lowest_level(candidates: Sequence[Candidate]) -> float:
-    residuals = [c.fit.residual for c in candidates]
-    return min(white_level(each, [slice(0, each.size)]) for each in residuals)
+    return min(white_level(residual, blocks, known) for residual in residuals)
