@@ -12,7 +12,10 @@ from dea.discrepancy import Samples
 from dea.errors import InputError
 from dea.simulation import (
     ExtendedSimulation,
+    ForcePort,
     Parameter,
+    Simulation,
+    State,
     catalogue,
     law_courses,
     load_extended,
@@ -204,3 +207,29 @@ def test_the_two_heaters_follow_their_published_heat_balance(name, own):
         expected.append(T[2] - 273.15)
         T = solve_ivp(balance, (0.0, 3.0), T, args=(powers,), rtol=1e-9, atol=1e-9).y[:, -1]
     assert np.abs(found - expected).max() < 1e-3
+
+
+def test_inputs_that_act_against_each_other_do_not_cancel_in_the_unit_of_force():
+    """A tank's inflow less its outflow: each over its range moves the level by one per second."""
+
+    def level(x, u, p, dx):
+        dx[0] = p[0] * u[0] - p[1] * u[1]
+
+    def reading(x, u, p):
+        return x[0]
+
+    tank = Simulation(
+        name="tank",
+        input_name=("in", "out"),
+        input_unit=("V", "V"),
+        output_unit="m",
+        states=(State("x", "m", 1.0, 0.1),),
+        parameters=(Parameter("inflow", "1", 1.0, 0.3), Parameter("outflow", "1", 1.0, 0.3)),
+        derivative=level,
+        output=reading,
+        drive=("inflow", "outflow"),
+        force_ports=(ForcePort("x", "x", None),),
+    )
+    u = np.repeat(np.random.default_rng(0).choice([0.0, 1.0], (40, 2)), 10, axis=0)
+    (found,) = prepared(tank, u, 0.1, 1e-3).normalisations
+    assert found.unit_force == pytest.approx(2.0)

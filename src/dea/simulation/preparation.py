@@ -1,7 +1,8 @@
 """Prepare a simulation for a record: choose its integration step, normalise its motion."""
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -224,12 +225,26 @@ def _normalisation(
         x[moving] = port.rest + sign * excursion
         own.compiled_derivative(x, np.mean(u, axis=0), p, slope)
     elastic = abs(high[equation] - low[equation]) / 0.2
-    # Where no elastic force acts, the range of the input gives the unit of force.
+    # Where no elastic force acts, the ranges of the inputs give the unit of force: of each by
+    # itself, since two that act against each other would cancel.
     x[moving] = port.rest
-    for level, slope in ((u.min(axis=0), low), (u.max(axis=0), high)):
-        own.compiled_derivative(x, level, p, slope)
-    driven = abs(high[equation] - low[equation])
+    driven = 0.0
+    for least, most in _each_over_its_range(u):
+        own.compiled_derivative(x, least, p, low)
+        own.compiled_derivative(x, most, p, high)
+        driven += abs(high[equation] - low[equation])
     unit_force = elastic if elastic > _SLACK * driven else driven
     if port.divisor is not None:
         unit_force *= p[own.parameter_names.index(port.divisor)]
     return Normalisation(port.rest, excursion, unit_force)
+
+
+def _each_over_its_range(u: np.ndarray) -> Iterator[tuple[Any, Any]]:
+    """Yield the least and the largest level of each input, the others at their means."""
+    if u.ndim == 1:
+        yield u.min(), u.max()
+        return
+    for column in range(u.shape[1]):
+        low, high = u.mean(axis=0), u.mean(axis=0)
+        low[column], high[column] = u[:, column].min(), u[:, column].max()
+        yield low, high
