@@ -1052,3 +1052,12 @@ def test_a_negative_input_has_the_starts_of_its_mirror_image(effect):
     starts = catalogue()[effect].starts
     assert starts(mirrored) == starts(positive)
     assert all(0.0 < start[0] < 0.9 for start in starts(resting))
+
+
+@pytest.mark.parametrize("unit", [1e-11, 1e13])
+def test_a_limit_of_the_sensor_is_the_same_in_every_unit(unit):
+    law = catalogue()["output_saturation"].shape_output
+    y, t = np.linspace(0.0, 3.0, 50), np.arange(50.0)
+    q = np.array([2.0, 0.5, 20.0, 0.1, 1.0])
+    scaled = q * np.array([unit, unit, 1.0, 1.0, unit])
+    np.testing.assert_allclose(law(unit * y, t, scaled, 1.0), unit * law(y, t, q, 1.0), rtol=1e-9)

@@ -163,3 +163,30 @@ def test_half_the_step_leaves_a_quarter_of_the_error_of_a_second_mass(grounded, 
     alone = plain.simulate(plain.values(np.zeros(plain.free.size)), U, DT)
     assert errors[0] < 0.03 * np.std(alone - expected)
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 4.0, rtol=0.15)
+
+
+@pytest.mark.parametrize("unit", [1e-13, 1e13])
+def test_a_simulation_runs_in_every_unit(unit):
+    """A first-order lag, whose response to a step is known, with its output in pm or in Gm."""
+
+    def lag(x, u, p, dx):
+        dx[0] = (p[0] * u - x[0]) / p[1]
+
+    def reading(x, u, p):
+        return x[0]
+
+    simulation = Simulation(
+        name="lag",
+        input_unit="V",
+        output_unit="m",
+        states=(State("x", "m", 0.0),),
+        parameters=(Parameter("gain", "m/V", unit, 0.1), Parameter("time", "s", 0.2, 0.1)),
+        derivative=lag,
+        output=reading,
+        drive="gain",
+        force_ports=(),
+    )
+    extended = prepared(simulation, np.ones(100), 0.02, 1e-6 * unit)
+    found = extended.simulate(extended.values(np.zeros(extended.free.size)), np.ones(100), 0.02)
+    exact = unit * (1.0 - np.exp(-np.arange(100) * 0.02 / 0.2))
+    np.testing.assert_allclose(found, exact, rtol=1e-6, atol=1e-9 * unit)

@@ -20,6 +20,8 @@ from dea.simulation.cayley_hamilton import advance_four, advance_three, advance_
 from dea.simulation.exponential import advance
 from dea.simulation.signatures import SLOTS, borrowed
 
+DIVERGED = 1e30  # far above states in any unit, far below where their products overflow
+
 
 @njit(inline="always")
 def _positions(x: np.ndarray, ports: np.ndarray, frames: np.ndarray, z: np.ndarray) -> None:
@@ -214,7 +216,7 @@ def integrate(
                 for e in range(SLOTS):
                     z[e] = z_next[e]
         for j in range(states):
-            if not abs(x[j]) < 1e12:
+            if not abs(x[j]) < DIVERGED:
                 return
 
 

@@ -8,17 +8,20 @@ from dea.simulation.effects._laws import limited
 from dea.simulation.parameter import Parameter
 from dea.simulation.scales import Scales
 
+_LEAST = 1e-9  # of the ends: distance from the middle at which one still lies on its own side
+
 
 @njit(cache=True, error_model="numpy")
 def law(y: np.ndarray, t: np.ndarray, q: np.ndarray, interval: float) -> np.ndarray:
     """Limit the distance from ``middle`` softly at either end; keep a part of what is lost."""
     upper, lower, sharpness, slope, middle = q[0], q[1], q[2], q[3], q[4]
+    least = _LEAST * max(abs(upper), abs(lower), abs(middle))
     result = np.empty(y.size)
     for k in range(y.size):
         if y[k] >= middle:
-            inside = middle + limited(y[k] - middle, max(upper - middle, 1e-9), sharpness)
+            inside = middle + limited(y[k] - middle, max(upper - middle, least), sharpness)
         else:
-            inside = middle - limited(middle - y[k], max(middle - lower, 1e-9), sharpness)
+            inside = middle - limited(middle - y[k], max(middle - lower, least), sharpness)
         result[k] = inside + slope * (y[k] - inside)
     return result
 
